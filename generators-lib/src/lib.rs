@@ -1,0 +1,1 @@
+//! Motion generators for `mrroc`.

@@ -1,0 +1,68 @@
+//! What the runtime must know of a robot: its kinematics and its limits.
+
+use crate::joints::JointVector;
+use crate::pose::Pose;
+
+/// A kind of robot: a value holds the geometry (nominal or calibrated, where its base stands) and the limits.
+///
+/// One robot is one file: implement this trait, and [`Driver`](crate::Driver) for what moves it.
+pub trait Robot: Clone + 'static {
+    /// The kind's name, for messages: `"irp6"`.
+    const KIND: &'static str;
+
+    /// Joint coordinates, `SVector<f64, N>`.
+    type Joints: JointVector;
+
+    /// The limits that every demand is checked against.
+    fn limits(&self) -> &Limits<Self::Joints>;
+
+    /// Direct kinematics: `X_WF`, the pose of the flange in the world, for joint positions `q` [rad, m].
+    fn forward(&self, q: &Self::Joints) -> Pose;
+
+    /// Inverse kinematics: the joint positions that put the flange at `X_WF`, on the branch nearest to `near`.
+    ///
+    /// Positions may lie outside the joint limits: those are checked where the demand is accepted.
+    ///
+    /// # Errors
+    /// [`NoInverse`] when the pose is out of reach, or when a singularity leaves no continuous answer.
+    #[allow(non_snake_case)]
+    fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse>;
+}
+
+/// Why a pose has no joint positions.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoInverse {
+    /// The wrist centre lies farther from the shoulder than the arm is long, or nearer than it can fold.
+    #[error(
+        "the pose is out of reach: the wrist lies {distance:.4} m from the shoulder, the arm reaches {min:.4} to {max:.4} m"
+    )]
+    OutOfReach {
+        /// Distance of the wrist centre from the shoulder [m].
+        distance: f64,
+        /// Smallest distance that the arm reaches [m].
+        min: f64,
+        /// Largest distance that the arm reaches [m].
+        max: f64,
+    },
+    /// The pose lies on a singularity where the joints are not determined and cannot be continued.
+    #[error("the pose is at the {name} singularity")]
+    Singular {
+        /// Which singularity: `"wrist"`, `"shoulder"` ..
+        name: &'static str,
+    },
+}
+
+/// What a robot may be asked to do, joint by joint. All values finite; `velocity`, `acceleration`, `jerk` > 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits<J> {
+    /// Lower position limit [rad or m].
+    pub lower: J,
+    /// Upper position limit [rad or m], above `lower`.
+    pub upper: J,
+    /// Largest speed [rad/s or m/s].
+    pub velocity: J,
+    /// Largest acceleration [rad/s² or m/s²].
+    pub acceleration: J,
+    /// Largest jerk [rad/s³ or m/s³]; `None` for a robot without a documented jerk limit: then jerk is not checked.
+    pub jerk: Option<J>,
+}

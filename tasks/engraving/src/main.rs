@@ -1,0 +1,2 @@
+//! Engraves a drawing with a simulated IRp-6.
+fn main() {}
