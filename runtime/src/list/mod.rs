@@ -1,0 +1,11 @@
+//! Typed lists: which robots and which sensors a step function is for.
+//!
+//! `(Rnt, Polycrank)` and `[Irp6; 3]` are lists of an MP; an ECP's list is its one robot, `Rnt`. The program
+//! passes handles in the same form, `(&mut rnt, &mut polycrank)`; another robot, order or number does not
+//! compile.
+
+mod robots;
+mod sensors;
+
+pub use robots::{AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf};
+pub use sensors::{SensorHandle, SensorList, SensorsOf};

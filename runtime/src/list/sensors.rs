@@ -1,0 +1,171 @@
+//! Lists of virtual sensors.
+
+use core::fmt;
+use core::ops::Deref;
+
+use crate::image::{Sensor, SensorImage};
+use crate::name::Name;
+use crate::wire::{BadWords, Wire};
+
+use super::robots::PayloadType;
+
+/// A list of virtual sensors as a step function names it: `()`, `(WristForce,)`, `(Camera, WristForce)`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no list of virtual sensors",
+    label = "not a list of virtual sensors",
+    note = "a list of sensors is a tuple of kinds of sensors; a list of one sensor needs a comma: `(WristForce,)`"
+)]
+pub trait SensorList: 'static {
+    /// Sensors in the list.
+    const LEN: usize;
+
+    /// The images of the sensors, in the list's form.
+    type Images: Copy;
+
+    /// Images of sensors that have not been read yet.
+    #[doc(hidden)]
+    fn unknown() -> Self::Images;
+
+    /// Reads the image of sensor `i` from a reply that is `age` steps old.
+    #[doc(hidden)]
+    fn read(images: &mut Self::Images, i: usize, words: &[u64], age: u32) -> Result<(), BadWords>;
+}
+
+/// A program's handle of a virtual sensor: its configuration for the next orders, and its image between
+/// instructions.
+///
+/// Dereferences to the [`SensorImage`] of the end of the last Move or Wait that named the sensor.
+pub struct SensorHandle<S: Sensor> {
+    pub(crate) index: usize,
+    pub(crate) name: Name,
+    pub(crate) configuration: S::Configuration,
+    pub(crate) image: SensorImage<S>,
+}
+
+impl<S: Sensor> SensorHandle<S> {
+    /// The sensor's name in the cell.
+    #[must_use]
+    pub const fn name(&self) -> Name {
+        self.name
+    }
+
+    /// Configures the sensor: goes with every order of a reading from now on.
+    pub fn configure(&mut self, configuration: S::Configuration) {
+        self.configuration = configuration;
+    }
+}
+
+impl<S: Sensor> Deref for SensorHandle<S> {
+    type Target = SensorImage<S>;
+    fn deref(&self) -> &SensorImage<S> {
+        &self.image
+    }
+}
+
+impl<S: Sensor> fmt::Debug for SensorHandle<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SensorHandle").field("name", &self.name).field("age", &self.image.age()).finish()
+    }
+}
+
+/// Handles of the sensors of the list `L`, in its order: `(&mut force,)` for `(WristForce,)`.
+#[diagnostic::on_unimplemented(
+    message = "these are not the sensors of the list `{L}`",
+    label = "the list asks for `{L}`",
+    note = "pass one `&mut` handle for each sensor of the list, in its order: `(&mut force,)` for `(WristForce,)`, `()` for none"
+)]
+pub trait SensorsOf<L: SensorList> {
+    /// Places of the sensors among those of the process, in the list's order.
+    #[doc(hidden)]
+    fn indices(&self) -> impl AsRef<[usize]>;
+
+    /// Writes the configuration of sensor `i`; returns its type.
+    #[doc(hidden)]
+    fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType;
+
+    /// Keeps the images for the time between instructions.
+    #[doc(hidden)]
+    fn store(&mut self, images: &L::Images);
+
+    /// The images between instructions.
+    #[doc(hidden)]
+    fn images(&self) -> L::Images;
+}
+
+impl SensorList for () {
+    const LEN: usize = 0;
+    type Images = ();
+
+    fn unknown() {}
+
+    fn read(_: &mut (), _: usize, _: &[u64], _: u32) -> Result<(), BadWords> {
+        Ok(())
+    }
+}
+
+impl SensorsOf<()> for () {
+    fn indices(&self) -> impl AsRef<[usize]> {
+        [0_usize; 0]
+    }
+
+    fn configuration(&self, _: usize, _: &mut [u64]) -> PayloadType {
+        PayloadType::of::<()>()
+    }
+
+    fn store(&mut self, _: &()) {}
+
+    fn images(&self) {}
+}
+
+macro_rules! tuple_lists {
+    ($($len:literal: $($S:ident $i:tt),+;)*) => {$(
+        impl<$($S: Sensor),+> SensorList for ($($S,)+) {
+            const LEN: usize = $len;
+            type Images = ($(SensorImage<$S>,)+);
+
+            fn unknown() -> Self::Images {
+                ($(SensorImage::<$S>::unknown(),)+)
+            }
+
+            fn read(images: &mut Self::Images, i: usize, words: &[u64], age: u32) -> Result<(), BadWords> {
+                match i {
+                    $($i => images.$i = SensorImage::new(<$S as Sensor>::Reading::get(words)?, age),)+
+                    _ => {}
+                }
+                Ok(())
+            }
+        }
+
+        #[diagnostic::do_not_recommend]
+        impl<$($S: Sensor),+> SensorsOf<($($S,)+)> for ($(&mut SensorHandle<$S>,)+) {
+            fn indices(&self) -> impl AsRef<[usize]> {
+                [$(self.$i.index),+]
+            }
+
+            fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType {
+                match i {
+                    $($i => {
+                        self.$i.configuration.put(words);
+                        PayloadType::of::<<$S as Sensor>::Configuration>()
+                    })+
+                    _ => PayloadType::of::<()>(),
+                }
+            }
+
+            fn store(&mut self, images: &($(SensorImage<$S>,)+)) {
+                $(self.$i.image = images.$i;)+
+            }
+
+            fn images(&self) -> ($(SensorImage<$S>,)+) {
+                ($(self.$i.image,)+)
+            }
+        }
+    )*};
+}
+
+tuple_lists! {
+    1: A 0;
+    2: A 0, B 1;
+    3: A 0, B 1, C 2;
+    4: A 0, B 1, C 2, D 3;
+}
