@@ -97,7 +97,9 @@ fn write_function(f: &mut fmt::Formatter<'_>, level: Level, uses: Uses) -> fmt::
     let index = 2 * usize::from(uses.robots) + usize::from(uses.sensors);
     let (e, v) = (if uses.robots { ", e" } else { "" }, if uses.sensors { ", v" } else { "" });
     match level {
-        Level::Mp if !(uses.state || uses.tick || uses.robots || uses.sensors) => f.write_str("f**() = const"),
+        Level::Mp if !(uses.state || uses.tick || uses.robots || uses.sensors) => {
+            f.write_str("f**() = const")
+        }
         Level::Mp => write!(f, "f*{index}(c0{e}{v})"),
         Level::Ecp if uses.order => write!(f, "f*{}(c0, c{e}{v})", 4 + index),
         Level::Ecp => write!(f, "f*{index}(c{e}{v})"),

@@ -1,6 +1,6 @@
 //! The demanded next state of a robot, `e^{i+1}`: what a step function returns.
 
-use nalgebra::{Matrix4, Vector3};
+use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::joints::{JointVector, MAX_JOINTS};
 use crate::pose::Pose;
@@ -23,9 +23,6 @@ pub(crate) enum Coordinates<R: Robot> {
     Hold,
     Joints(R::Joints),
     Pose(Pose),
-    Homogeneous(Matrix4<f64>),
-    EulerZyz { position: Vector3<f64>, angles: [f64; 3] },
-    AngleAxis { position: Vector3<f64>, rotation: Vector3<f64> },
     Displacement(Pose),
 }
 
@@ -67,23 +64,44 @@ impl<R: Robot> Demand<R> {
         Self::of(Coordinates::Pose(X_WE))
     }
 
-    /// The pose `X_WE` as a homogeneous transform; refused when its rotation is not orthonormal to 1e-6.
+    /// The pose `X_WE` as a homogeneous transform; refused at the EDP when its rotation is not orthonormal and
+    /// right-handed to 1e-6.
     #[must_use]
     #[allow(non_snake_case)]
-    pub const fn homogeneous(X_WE: Matrix4<f64>) -> Self {
-        Self::of(Coordinates::Homogeneous(X_WE))
+    pub fn homogeneous(X_WE: &Matrix4<f64>) -> Self {
+        let R_WE: Matrix3<f64> = X_WE.fixed_view::<3, 3>(0, 0).into_owned();
+        let position = Translation3::new(X_WE[(0, 3)], X_WE[(1, 3)], X_WE[(2, 3)]);
+        let handedness = if R_WE.determinant() < 0.0 { 2.0 } else { 0.0 };
+        let row = X_WE.fixed_view::<1, 4>(3, 0) - nalgebra::RowVector4::new(0.0, 0.0, 0.0, 1.0);
+        let defect = (R_WE.transpose() * R_WE - Matrix3::identity()).amax() + row.amax() + handedness;
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R_WE));
+        // The defect travels as the quaternion's norm, which the EDP checks as it does every pose's.
+        let rotation = UnitQuaternion::new_unchecked(rotation.into_inner() * (1.0 + defect));
+        Self::pose(Pose::from_parts(position, rotation))
     }
 
-    /// The tool's position [m] and the ZYZ Euler angles (alpha, beta, gamma) [rad] of its orientation.
+    /// The tool's position [m] and the ZYZ Euler angles of its orientation: `R_WE = Rz(alpha) Ry(beta) Rz(gamma)`.
     #[must_use]
-    pub const fn position_zyz(position: Vector3<f64>, angles: [f64; 3]) -> Self {
-        Self::of(Coordinates::EulerZyz { position, angles })
+    pub fn position_zyz(position: Vector3<f64>, [alpha, beta, gamma]: [f64; 3]) -> Self {
+        let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
+        let (y, z) = (Vector3::y_axis(), Vector3::z_axis());
+        Self::pose(Pose::from_parts(
+            Translation3::from(position),
+            about(z, alpha) * about(y, beta) * about(z, gamma),
+        ))
     }
 
     /// The tool's position [m] and its orientation as a rotation vector, axis times angle [rad].
     #[must_use]
-    pub const fn position_angle_axis(position: Vector3<f64>, rotation: Vector3<f64>) -> Self {
-        Self::of(Coordinates::AngleAxis { position, rotation })
+    pub fn position_angle_axis(position: Vector3<f64>, rotation: Vector3<f64>) -> Self {
+        let finite = rotation.iter().all(|x| x.is_finite());
+        let rotation = if finite {
+            UnitQuaternion::from_scaled_axis(rotation)
+        } else {
+            // Infinite angles have no sine: they stay visible to the EDP's check.
+            UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, f64::NAN, f64::NAN, f64::NAN))
+        };
+        Self::pose(Pose::from_parts(Translation3::from(position), rotation))
     }
 
     /// `X_EsE`, the displacement from the pose Es demanded at the start of the instruction, in the tool's own
@@ -112,12 +130,12 @@ impl<R: Robot> Demand<R> {
 }
 
 impl<R: Robot> Wire for Demand<R> {
-    const LEN: usize = 1 + 16 + 7;
+    const LEN: usize = 1 + MAX_JOINTS + 7;
     const LAYOUT: u64 = crate::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::Demand");
 
     fn put(&self, words: &mut [u64]) {
         let (head, body) = words.split_at_mut(1);
-        let (body, tool) = body.split_at_mut(16);
+        let (body, tool) = body.split_at_mut(MAX_JOINTS);
         let kind = match &self.coordinates {
             Coordinates::Hold => 0,
             Coordinates::Joints(q) => {
@@ -130,25 +148,9 @@ impl<R: Robot> Wire for Demand<R> {
                 pose.put(body);
                 2
             }
-            Coordinates::Homogeneous(matrix) => {
-                for (word, x) in body.iter_mut().zip(matrix.iter()) {
-                    *word = x.to_bits();
-                }
-                3
-            }
-            Coordinates::EulerZyz { position, angles } => {
-                position.put(body);
-                angles.put(&mut body[3..]);
-                4
-            }
-            Coordinates::AngleAxis { position, rotation } => {
-                position.put(body);
-                rotation.put(&mut body[3..]);
-                5
-            }
             Coordinates::Displacement(pose) => {
                 pose.put(body);
-                6
+                3
             }
         };
         head[0] = kind;
@@ -160,20 +162,17 @@ impl<R: Robot> Wire for Demand<R> {
 
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let (&head, body) = words.split_first().ok_or(BadWords)?;
-        if body.len() < 16 + 7 {
+        if body.len() < MAX_JOINTS + 7 {
             return Err(BadWords);
         }
         let coordinates = match head & !TOOL {
             0 => Coordinates::Hold,
             1 => Coordinates::Joints(R::Joints::from_joints(|i| f64::from_bits(body[i.min(MAX_JOINTS - 1)]))),
             2 => Coordinates::Pose(Pose::get(body)?),
-            3 => Coordinates::Homogeneous(Matrix4::from_iterator(body[..16].iter().map(|&w| f64::from_bits(w)))),
-            4 => Coordinates::EulerZyz { position: Wire::get(body)?, angles: <[f64; 3]>::get(&body[3..])? },
-            5 => Coordinates::AngleAxis { position: Wire::get(body)?, rotation: Wire::get(&body[3..])? },
-            6 => Coordinates::Displacement(Pose::get(body)?),
+            3 => Coordinates::Displacement(Pose::get(body)?),
             _ => return Err(BadWords),
         };
-        let tool = if head & TOOL == 0 { None } else { Some(Pose::get(&body[16..])?) };
+        let tool = if head & TOOL == 0 { None } else { Some(Pose::get(&body[MAX_JOINTS..])?) };
         Ok(Demand { coordinates, tool })
     }
 }

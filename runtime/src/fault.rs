@@ -96,6 +96,8 @@ fault_kinds! {
     DriveFault = 21: PowerOff, "drive fault";
     /// A step function panicked.
     GeneratorPanicked = 22: Stopped, "panic in the program";
+    /// The cell is closing: the MP's program is over.
+    CellClosed = 24: Refused, "the MP's program is over";
     /// A message could not be read.
     Message = 23: Stopped, "a message could not be read";
 }
@@ -206,7 +208,14 @@ impl Fault {
     /// A fault of the given kind.
     #[must_use]
     pub fn new(kind: FaultKind) -> Fault {
-        Fault(Box::new(Report { kind, process: None, joint: None, step: None, excess: None, text: Text::new("") }))
+        Fault(Box::new(Report {
+            kind,
+            process: None,
+            joint: None,
+            step: None,
+            excess: None,
+            text: Text::new(""),
+        }))
     }
 
     /// A fault that a program throws: lower case, what is wrong, what to do (cut at 120 bytes).
@@ -271,7 +280,10 @@ impl Fault {
     /// The robot concerned, when it was met by a process of a robot.
     #[must_use]
     pub fn robot(&self) -> Option<Name> {
-        self.0.process.filter(|process| matches!(process.role, Role::Ecp | Role::Edp)).and_then(|process| process.name)
+        self.0
+            .process
+            .filter(|process| matches!(process.role, Role::Ecp | Role::Edp))
+            .and_then(|process| process.name)
     }
 
     /// The joint, counted from 0.
@@ -360,7 +372,8 @@ impl Wire for FaultWords {
         words[1] = report.process.map_or(NONE, |process| process.role as u64);
         words[2] = report.joint.map_or(NONE, u64::from);
         words[3] = report.step.unwrap_or(NONE);
-        let unit = report.excess.map(|excess| UNITS.iter().position(|&u| u == excess.unit).unwrap_or(0) as u64);
+        let unit =
+            report.excess.map(|excess| UNITS.iter().position(|&u| u == excess.unit).unwrap_or(0) as u64);
         words[4] = unit.unwrap_or(NONE);
         words[5] = report.excess.map_or(0, |excess| excess.actual.to_bits());
         words[6] = report.excess.map_or(0, |excess| excess.limit.to_bits());
@@ -410,3 +423,10 @@ impl Wire for FaultWords {
 }
 
 const _: () = assert!(FaultWords::LEN <= WORDS, "a fault fits into a message");
+
+/// The fault that a panic of a program or a sensor becomes.
+pub(crate) fn panicked(panic: &(dyn core::any::Any + Send)) -> Fault {
+    let text = panic.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    Fault::new(FaultKind::GeneratorPanicked).text(text.unwrap_or("no message"))
+}

@@ -94,11 +94,23 @@ impl<L: Robots<O>, O: 'static> Generator for Always<L, O> {
     const CLASS: Class = Class::new(Level::Mp, Uses::NOTHING);
     const ENDS: bool = false;
 
-    fn first_step(&mut self, _: &Order<()>, _: &State<L>, _: &Reading<()>, _: Tick) -> Result<Step<L, O>, Fault> {
+    fn first_step(
+        &mut self,
+        _: &Order<()>,
+        _: &State<L>,
+        _: &Reading<()>,
+        _: Tick,
+    ) -> Result<Step<L, O>, Fault> {
         Ok(Step::Next(self.0))
     }
 
-    fn next_step(&mut self, _: &Order<()>, _: &State<L>, _: &Reading<()>, _: Tick) -> Result<Step<L, O>, Fault> {
+    fn next_step(
+        &mut self,
+        _: &Order<()>,
+        _: &State<L>,
+        _: &Reading<()>,
+        _: Tick,
+    ) -> Result<Step<L, O>, Fault> {
         Ok(Step::Next(self.0))
     }
 }

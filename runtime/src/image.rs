@@ -82,7 +82,10 @@ impl<R: Robot> fmt::Debug for RobotState<R> {
 }
 impl<R: Robot> fmt::Debug for RobotImage<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("RobotImage").field("measured", &self.measured).field("demanded", &self.demanded).finish()
+        f.debug_struct("RobotImage")
+            .field("measured", &self.measured)
+            .field("demanded", &self.demanded)
+            .finish()
     }
 }
 

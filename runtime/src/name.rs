@@ -70,6 +70,8 @@ impl Wire for Name {
             chunk.copy_from_slice(&word.to_le_bytes());
         }
         let len = bytes.iter().position(|&b| b == 0).unwrap_or(MAX_NAME);
-        core::str::from_utf8(&bytes[..len]).map_err(|_| BadWords).and_then(|text| Name::new(text).map_err(|_| BadWords))
+        core::str::from_utf8(&bytes[..len])
+            .map_err(|_| BadWords)
+            .and_then(|text| Name::new(text).map_err(|_| BadWords))
     }
 }

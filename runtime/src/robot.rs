@@ -13,6 +13,11 @@ pub trait Robot: Clone + 'static {
     /// Joint coordinates, `SVector<f64, N>`.
     type Joints: JointVector;
 
+    /// What kind joint `i` is; revolute unless a robot says otherwise.
+    fn joint(_i: usize) -> JointKind {
+        JointKind::Revolute
+    }
+
     /// The limits that every demand is checked against.
     fn limits(&self) -> &Limits<Self::Joints>;
 
@@ -27,6 +32,27 @@ pub trait Robot: Clone + 'static {
     /// [`NoInverse`] when the pose is out of reach, or when a singularity leaves no continuous answer.
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse>;
+}
+
+/// How a joint moves, and with it the units of its coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// About an axis [rad].
+    Revolute,
+    /// Along an axis [m].
+    Prismatic,
+}
+
+impl JointKind {
+    /// The unit of the position's derivative of this order, 0 to 3: `rad`, `rad/s`, `rad/s²`, `rad/s³`.
+    #[must_use]
+    pub const fn unit(self, order: usize) -> &'static str {
+        let units = match self {
+            JointKind::Revolute => ["rad", "rad/s", "rad/s²", "rad/s³"],
+            JointKind::Prismatic => ["m", "m/s", "m/s²", "m/s³"],
+        };
+        units[if order < 4 { order } else { 3 }]
+    }
 }
 
 /// Why a pose has no joint positions.

@@ -7,5 +7,6 @@
 mod robots;
 mod sensors;
 
+pub(crate) use robots::PayloadType;
 pub use robots::{AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf};
 pub use sensors::{SensorHandle, SensorList, SensorsOf};

@@ -199,9 +199,13 @@ impl<R: Robot> fmt::Debug for RobotHandle<R> {
     note = "pass one `&mut` handle for each robot of the list, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`; a single robot needs a comma: `(&mut rnt,)`"
 )]
 pub trait RobotsOf<L: RobotList> {
+    /// An array as long as the list.
+    #[doc(hidden)]
+    type Indices: AsRef<[usize]> + 'static;
+
     /// Places of the robots in the cell, in the list's order.
     #[doc(hidden)]
-    fn indices(&self) -> impl AsRef<[usize]>;
+    fn indices(&self) -> Self::Indices;
 
     /// The images between instructions.
     #[doc(hidden)]
@@ -214,8 +218,10 @@ pub trait RobotsOf<L: RobotList> {
 
 #[diagnostic::do_not_recommend]
 impl<R: Robot, const N: usize> RobotsOf<[R; N]> for [&mut RobotHandle<R>; N] {
-    fn indices(&self) -> impl AsRef<[usize]> {
-        core::array::from_fn::<usize, N, _>(|i| self[i].index)
+    type Indices = [usize; N];
+
+    fn indices(&self) -> [usize; N] {
+        core::array::from_fn(|i| self[i].index)
     }
 
     fn images(&self) -> [RobotImage<R>; N] {
@@ -230,8 +236,10 @@ impl<R: Robot, const N: usize> RobotsOf<[R; N]> for [&mut RobotHandle<R>; N] {
 
 #[diagnostic::do_not_recommend]
 impl<R: Robot, const N: usize> RobotsOf<AnyRobots> for [&mut RobotHandle<R>; N] {
-    fn indices(&self) -> impl AsRef<[usize]> {
-        core::array::from_fn::<usize, N, _>(|i| self[i].index)
+    type Indices = [usize; N];
+
+    fn indices(&self) -> [usize; N] {
+        core::array::from_fn(|i| self[i].index)
     }
 
     fn images(&self) {}
@@ -243,8 +251,10 @@ impl<R: Robot, const N: usize> RobotsOf<AnyRobots> for [&mut RobotHandle<R>; N] 
 }
 
 impl RobotsOf<AnyRobots> for () {
-    fn indices(&self) -> impl AsRef<[usize]> {
-        [0_usize; 0]
+    type Indices = [usize; 0];
+
+    fn indices(&self) -> [usize; 0] {
+        []
     }
 
     fn images(&self) {}
@@ -296,7 +306,9 @@ macro_rules! tuple_lists {
 
         #[diagnostic::do_not_recommend]
         impl<$($R: Robot),+> RobotsOf<($($R,)+)> for ($(&mut RobotHandle<$R>,)+) {
-            fn indices(&self) -> impl AsRef<[usize]> {
+            type Indices = [usize; $len];
+
+            fn indices(&self) -> [usize; $len] {
                 [$(self.$i.index),+]
             }
 
@@ -315,7 +327,9 @@ macro_rules! tuple_lists {
 
         #[diagnostic::do_not_recommend]
         impl<$($R: Robot),+> RobotsOf<AnyRobots> for ($(&mut RobotHandle<$R>,)+) {
-            fn indices(&self) -> impl AsRef<[usize]> {
+            type Indices = [usize; $len];
+
+            fn indices(&self) -> [usize; $len] {
                 [$(self.$i.index),+]
             }
 

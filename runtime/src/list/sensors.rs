@@ -75,9 +75,13 @@ impl<S: Sensor> fmt::Debug for SensorHandle<S> {
     note = "pass one `&mut` handle for each sensor of the list, in its order: `(&mut force,)` for `(WristForce,)`, `()` for none"
 )]
 pub trait SensorsOf<L: SensorList> {
+    /// An array as long as the list.
+    #[doc(hidden)]
+    type Indices: AsRef<[usize]> + 'static;
+
     /// Places of the sensors among those of the process, in the list's order.
     #[doc(hidden)]
-    fn indices(&self) -> impl AsRef<[usize]>;
+    fn indices(&self) -> Self::Indices;
 
     /// Writes the configuration of sensor `i`; returns its type.
     #[doc(hidden)]
@@ -104,8 +108,10 @@ impl SensorList for () {
 }
 
 impl SensorsOf<()> for () {
-    fn indices(&self) -> impl AsRef<[usize]> {
-        [0_usize; 0]
+    type Indices = [usize; 0];
+
+    fn indices(&self) -> [usize; 0] {
+        []
     }
 
     fn configuration(&self, _: usize, _: &mut [u64]) -> PayloadType {
@@ -138,7 +144,9 @@ macro_rules! tuple_lists {
 
         #[diagnostic::do_not_recommend]
         impl<$($S: Sensor),+> SensorsOf<($($S,)+)> for ($(&mut SensorHandle<$S>,)+) {
-            fn indices(&self) -> impl AsRef<[usize]> {
+            type Indices = [usize; $len];
+
+            fn indices(&self) -> [usize; $len] {
                 [$(self.$i.index),+]
             }
 

@@ -1,0 +1,301 @@
+//! EDP: the effector driver process of one robot.
+//!
+//! In: demands of the ECP, one per step. Out: the joint positions that the drives get, one per servo period,
+//! and the robot's image in every reply. Ticks come half a servo period after the steps, so that the demand of
+//! a step is there before the drives ask for it; between two demands positions are interpolated in joints, so
+//! that the robot is at the demand of a step when the step ends.
+
+use core::time::Duration;
+
+use crate::braking::Braking;
+use crate::demand::Demand;
+use crate::driver::{Driver, Measured};
+use crate::fault::{Fault, FaultKind, FaultWords, ProcessId};
+use crate::image::{RobotImage, RobotState};
+use crate::joints::JointVector;
+use crate::limits::{AcceptedDemand, Acceptor};
+use crate::link::{Closed, Nanos, Server, Waiter};
+use crate::message::{Kind, Message, flag};
+use crate::pose::Pose;
+use crate::robot::Robot;
+use crate::wire::Wire;
+
+/// Missed steps that an EDP bridges before it brakes: 20 ms of steps (`L` of SAFETY.md).
+pub(crate) fn missed_step_budget(step: Duration) -> u32 {
+    let step = step.as_nanos().max(1);
+    u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
+}
+
+/// What a servo period did, for recording and for pictures.
+pub struct ServoRecord<R: Robot> {
+    /// Time since the cell started, at the period's end [s].
+    pub time: f64,
+    /// Joint positions that the drives got [rad or m].
+    pub demanded: R::Joints,
+    /// What the encoders read at the period's end.
+    pub measured: Measured<R::Joints>,
+    /// The tool in force, `X_FE`.
+    pub tool: Pose,
+}
+
+/// What an observer of servo periods is.
+pub type Observer<R> = Box<dyn FnMut(&ServoRecord<R>)>;
+
+/// How a robot is set up.
+pub(crate) struct EdpConfig<R: Robot> {
+    pub process: ProcessId,
+    pub robot: R,
+    pub driver: Box<dyn Driver<R>>,
+    pub tool: Pose,
+    pub step: Duration,
+    /// Largest difference between demanded and measured joint positions [rad or m].
+    pub following_error: R::Joints,
+    pub observers: Vec<Observer<R>>,
+}
+
+enum Mode<J> {
+    /// No demand is due.
+    Holding,
+    /// A demand is due in every step; so many are missing.
+    Moving { missed: u32 },
+    /// On the way to a standstill.
+    Braking(Braking<J>),
+    /// A drive gave up and has its brake applied.
+    Off,
+}
+
+/// The process.
+pub(crate) struct Edp<R: Robot> {
+    config: EdpConfig<R>,
+    waiter: Box<dyn Waiter>,
+    port: Box<dyn Server>,
+    acceptor: Acceptor<R>,
+    mode: Mode<R::Joints>,
+    /// Accepted for the step that the ticks have not begun.
+    next: Option<AcceptedDemand<R>>,
+    /// What the ticks interpolate between, and at which tick of the step they are.
+    from: R::Joints,
+    to: R::Joints,
+    tick: u32,
+    ticks_per_step: u32,
+    servo: Nanos,
+    measured: Measured<R::Joints>,
+    stopped: bool,
+    fault: Option<Fault>,
+    request: Message,
+    reply: Message,
+}
+
+impl<R: Robot> Edp<R> {
+    pub fn new(config: EdpConfig<R>, waiter: Box<dyn Waiter>, port: Box<dyn Server>) -> Self {
+        let measured = config.driver.measured();
+        let servo = config.driver.period();
+        let ticks_per_step = (config.step.as_nanos() / servo.as_nanos().max(1)).max(1) as u32;
+        let reaction = config.step.as_secs_f64() * f64::from(missed_step_budget(config.step) + 1);
+        let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
+        Edp {
+            waiter,
+            port,
+            acceptor,
+            mode: Mode::Holding,
+            next: None,
+            from: measured.position,
+            to: measured.position,
+            tick: 0,
+            ticks_per_step,
+            servo: servo.as_nanos() as Nanos,
+            measured,
+            stopped: false,
+            fault: None,
+            request: Message::new(Kind::Query),
+            reply: Message::new(Kind::Reply),
+            config,
+        }
+    }
+
+    /// Serves until the cell closes.
+    pub fn run(mut self) {
+        let mut next_tick = self.waiter.now() + self.servo / 2;
+        while self.waiter.wait(Some(next_tick)) != Err(Closed) {
+            while self.port.receive(&mut self.request) {
+                self.serve();
+            }
+            while self.waiter.now() >= next_tick {
+                self.tick(next_tick);
+                next_tick += self.servo;
+            }
+        }
+    }
+
+    fn serve(&mut self) {
+        let result = match self.request.header.kind {
+            Kind::Query => self.check_standing_start(),
+            Kind::Demand => self.demand(),
+            Kind::Brake => {
+                self.brake();
+                Ok(())
+            }
+            Kind::Stop => {
+                self.stopped = true;
+                self.brake();
+                Ok(())
+            }
+            Kind::Start | Kind::Step | Kind::End | Kind::Abort | Kind::Read | Kind::Reply | Kind::Fault => {
+                Err(Fault::new(FaultKind::Message))
+            }
+        };
+        if let Err(fault) = result {
+            let fault = fault.in_process(self.config.process).at_step(self.request.header.step);
+            self.fault.get_or_insert(fault);
+            self.brake();
+        }
+        self.answer();
+    }
+
+    /// A robot that does not stand where it was last told to stand must not start.
+    fn check_standing_start(&self) -> Result<(), Fault> {
+        if self.request.is(flag::FIRST) && matches!(self.mode, Mode::Holding) {
+            self.check_following(&self.to, FaultKind::StartPoseMismatch)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn check_following(&self, demanded: &R::Joints, kind: FaultKind) -> Result<(), Fault> {
+        for i in 0..R::Joints::LEN {
+            let (error, limit) =
+                ((self.measured.position[i] - demanded[i]).abs(), self.config.following_error[i]);
+            // A NaN from an encoder is no small error.
+            if !(error <= limit) {
+                return Err(Fault::new(kind).at_joint(i).exceeds(error, limit, R::joint(i).unit(0)));
+            }
+        }
+        Ok(())
+    }
+
+    fn demand(&mut self) -> Result<(), Fault> {
+        if self.stopped || self.fault.is_some() {
+            return Err(Fault::new(FaultKind::StoppedByCell));
+        }
+        let header = self.request.header;
+        if self.request.is(flag::FIRST) {
+            self.acceptor.begin();
+        }
+        let demand = Demand::get(self.request.words()).map_err(|_| Fault::new(FaultKind::Message))?;
+        self.next = Some(self.acceptor.accept(&demand, header.dt, header.duration)?);
+        self.mode = Mode::Moving { missed: 0 };
+        Ok(())
+    }
+
+    fn brake(&mut self) {
+        match self.mode {
+            Mode::Moving { .. } if self.acceptor.is_at_rest() => self.mode = Mode::Holding,
+            Mode::Moving { .. } => self.mode = Mode::Braking(self.acceptor.braking()),
+            Mode::Holding | Mode::Braking(_) | Mode::Off => {}
+        }
+    }
+
+    fn answer(&mut self) {
+        let reply = &mut self.reply;
+        reply.header.step = self.request.header.step;
+        reply.header.instruction = self.request.header.instruction;
+        reply.header.flags = 0;
+        if matches!(self.mode, Mode::Holding | Mode::Off) {
+            reply.header.flags |= flag::STANDSTILL;
+        }
+        if let Some(fault) = &self.fault {
+            reply.header.kind = Kind::Fault;
+            reply.header.len = FaultWords::LEN as u32;
+            FaultWords::from(fault).put(&mut reply.body);
+        } else {
+            reply.header.kind = Kind::Reply;
+            let headroom = self.acceptor.headroom();
+            (reply.header.dt, reply.header.duration) = (headroom.rise, headroom.fall);
+            reply.header.len = 0;
+            if self.request.is(flag::WANT_STATE) {
+                reply.header.flags |= flag::STATE;
+                reply.header.len = RobotImage::<R>::LEN as u32;
+                let (q, v) = (*self.acceptor.position(), *self.acceptor.velocity());
+                let demanded = RobotState { joints: q, velocity: v, pose: self.acceptor.tool_pose(&q) };
+                let q = self.measured.position;
+                let measured = RobotState {
+                    joints: q,
+                    velocity: self.measured.velocity,
+                    pose: self.acceptor.tool_pose(&q),
+                };
+                RobotImage::<R>::new(measured, demanded).put(&mut reply.body);
+            }
+        }
+        self.port.reply(reply);
+    }
+
+    /// One servo period.
+    fn tick(&mut self, now: Nanos) {
+        if matches!(self.mode, Mode::Off) {
+            return;
+        }
+        if self.tick == 0 {
+            self.from = self.to;
+            self.to = *self.next_demand().joints();
+        }
+        self.tick = (self.tick + 1) % self.ticks_per_step;
+        let part = if self.tick == 0 { 1.0 } else { f64::from(self.tick) / f64::from(self.ticks_per_step) };
+        let demanded = if part == 1.0 { self.to } else { self.from + (self.to - self.from) * part };
+        let fault = match self.config.driver.tick(&demanded) {
+            Ok(measured) => {
+                self.measured = measured;
+                self.check_following(&demanded, FaultKind::FollowingError).err()
+            }
+            Err(trip) => {
+                self.mode = Mode::Off;
+                let fault = Fault::new(FaultKind::DriveFault).text(trip.what).at_joint(trip.joint);
+                Some(fault.exceeds(trip.actual, trip.limit, trip.unit))
+            }
+        };
+        if let Some(fault) = fault {
+            let step = now / (self.config.step.as_nanos() as Nanos).max(1);
+            let fault = fault.in_process(self.config.process).at_step(step);
+            self.fault.get_or_insert(fault);
+            self.brake();
+        }
+        if !self.config.observers.is_empty() {
+            let record = ServoRecord {
+                time: (now + self.servo / 2) as f64 * 1e-9,
+                demanded,
+                measured: self.measured,
+                tool: *self.acceptor.tool(),
+            };
+            for observer in &mut self.config.observers {
+                observer(&record);
+            }
+        }
+    }
+
+    /// The demand of the step that begins: the one that came, or what replaces it.
+    fn next_demand(&mut self) -> AcceptedDemand<R> {
+        if let (Some(next), Mode::Moving { .. }) = (self.next.take(), &self.mode) {
+            return next;
+        }
+        let step = self.servo as f64 * 1e-9 * f64::from(self.ticks_per_step);
+        match &mut self.mode {
+            Mode::Holding | Mode::Off => self.acceptor.hold(step),
+            Mode::Moving { missed } => {
+                *missed += 1;
+                if *missed <= missed_step_budget(self.config.step) {
+                    return self.acceptor.extrapolate(step);
+                }
+                let lost = Fault::new(FaultKind::PeerLost).in_process(self.config.process);
+                self.fault.get_or_insert(lost.text("no demand from the ECP"));
+                self.mode = Mode::Braking(self.acceptor.braking());
+                self.next_demand()
+            }
+            Mode::Braking(braking) => {
+                let demand = self.acceptor.brake(braking, step);
+                if braking.is_over() {
+                    self.mode = Mode::Holding;
+                }
+                demand
+            }
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! The operator: start, suspend, resume, abort, speed.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// The operator's handle of a cell. It may be cloned and used from any thread.
+///
+/// Speed and Suspend scale the path time of every step with a bounded change of rate, so that the robots slow
+/// down on their paths; Abort stops on the path too and then ends the instruction with a fault.
+#[derive(Clone, Debug, Default)]
+pub struct Operator {
+    panel: Arc<Panel>,
+}
+
+#[derive(Debug, Default)]
+struct Panel {
+    /// Bits of the reduction of speed, 1 - speed, so that the default is full speed.
+    reduction: AtomicU64,
+    suspended: AtomicBool,
+    abort: AtomicBool,
+}
+
+/// A speed that is no share of the planned one.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("speed {0} is not within 0 to 1 (0 to 100 % of the plan)")]
+pub struct BadSpeed(pub f64);
+
+impl Operator {
+    pub(crate) fn new() -> Operator {
+        Operator::default()
+    }
+
+    /// Sets the speed as a share of the planned one, 0 to 1.
+    ///
+    /// # Errors
+    /// [`BadSpeed`] when it is not; the speed stays as it was.
+    pub fn set_speed(&self, speed: f64) -> Result<(), BadSpeed> {
+        if !(0.0..=1.0).contains(&speed) {
+            return Err(BadSpeed(speed));
+        }
+        self.panel.reduction.store((1.0 - speed).to_bits(), Ordering::Release);
+        Ok(())
+    }
+
+    /// The speed that is set.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        1.0 - f64::from_bits(self.panel.reduction.load(Ordering::Acquire))
+    }
+
+    /// Stops all robots on their paths; the instruction goes on at [`resume`](Operator::resume).
+    pub fn suspend(&self) {
+        self.panel.suspended.store(true, Ordering::Release);
+    }
+
+    /// Continues a suspended instruction.
+    pub fn resume(&self) {
+        self.panel.suspended.store(false, Ordering::Release);
+    }
+
+    /// Stops all robots on their paths and ends the present instruction with a fault of kind `Aborted`.
+    pub fn abort(&self) {
+        self.panel.abort.store(true, Ordering::Release);
+    }
+
+    /// Whether the cell is suspended.
+    #[must_use]
+    pub fn is_suspended(&self) -> bool {
+        self.panel.suspended.load(Ordering::Acquire)
+    }
+
+    pub(crate) fn is_aborting(&self) -> bool {
+        self.panel.abort.load(Ordering::Acquire)
+    }
+
+    /// The abort has been carried out.
+    pub(crate) fn aborted(&self) {
+        self.panel.abort.store(false, Ordering::Release);
+    }
+
+    /// The rate that the operator wants now.
+    pub(crate) fn wanted_rate(&self) -> f64 {
+        if self.is_suspended() || self.is_aborting() { 0.0 } else { self.speed() }
+    }
+}

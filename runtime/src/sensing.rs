@@ -1,0 +1,180 @@
+//! The asking side of virtual sensors, the same in an MP and in an ECP.
+
+use core::any::TypeId;
+use std::rc::Rc;
+
+use crate::fault::{Fault, FaultKind, FaultWords, ProcessId, Role};
+use crate::image::{Reading, Sensor, SensorImage};
+use crate::link::{Board, Client, Nanos, Waiter};
+use crate::list::{SensorHandle, SensorList, SensorsOf};
+use crate::message::{Kind, Message};
+use crate::name::Name;
+use crate::vsp::{CONFIGURATION_WORDS, MAX_AGE};
+use crate::wire::Wire;
+
+/// How a virtual sensor is asked.
+pub(crate) enum Source {
+    /// Ordered and collected within one step.
+    Interactive(Box<dyn Client>),
+    /// Ordered in one step, collected when it is there.
+    WithDelay(Box<dyn Client>),
+    /// Free-running: the latest reading, and where it looks for orders.
+    NonInteractive { readings: Rc<dyn Board>, orders: Rc<dyn Board> },
+}
+
+/// One virtual sensor as a process sees it.
+pub(crate) struct SensorPort {
+    pub name: Name,
+    pub kind: TypeId,
+    /// Place of the robot that the sensor belongs to.
+    pub robot: Option<usize>,
+    pub source: Source,
+    pub taken: bool,
+    order: Message,
+    reply: Message,
+    awaiting: bool,
+    read: bool,
+}
+
+impl SensorPort {
+    pub fn new(name: Name, kind: TypeId, robot: Option<usize>, source: Source) -> SensorPort {
+        let (order, reply) = (Message::new(Kind::Read), Message::new(Kind::Reply));
+        SensorPort { name, kind, robot, source, taken: false, order, reply, awaiting: false, read: false }
+    }
+
+    /// Orders a reading in `step`, with the state of the robot that the sensor belongs to.
+    fn order(&mut self, step: u64, robot: Option<&[u64]>) {
+        self.order.header.step = step;
+        self.order.header.len = CONFIGURATION_WORDS as u32;
+        if let Some(words) = robot {
+            self.order.body[CONFIGURATION_WORDS..CONFIGURATION_WORDS + words.len()].copy_from_slice(words);
+            self.order.header.len += words.len() as u32;
+        }
+        match &self.source {
+            Source::Interactive(client) => client.send(&self.order),
+            Source::WithDelay(client) => {
+                // A sensor with delay that is still at work is not disturbed.
+                if self.awaiting && client.receive(&mut self.reply) {
+                    (self.awaiting, self.read) = (false, true);
+                }
+                if !self.awaiting {
+                    client.send(&self.order);
+                    self.awaiting = true;
+                }
+            }
+            Source::NonInteractive { orders, .. } => orders.write(&self.order),
+        }
+    }
+
+    /// Collects the reading ordered, or with delay the latest that is there.
+    fn collect(&mut self, waiter: &dyn Waiter, deadline: Nanos) -> Result<(), Fault> {
+        match &self.source {
+            Source::Interactive(client) => {
+                while !client.receive(&mut self.reply) {
+                    waiter.wait(Some(deadline)).map_err(|_| Fault::new(FaultKind::CellClosed))?;
+                    if waiter.now() >= deadline {
+                        return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
+                    }
+                }
+                self.read = true;
+            }
+            Source::WithDelay(client) => {
+                if self.awaiting && client.receive(&mut self.reply) {
+                    (self.awaiting, self.read) = (false, true);
+                }
+            }
+            Source::NonInteractive { readings, .. } => {
+                self.read = readings.read(&mut self.reply) || self.read
+            }
+        }
+        if self.read && self.reply.header.kind == Kind::Fault {
+            let fault = FaultWords::get(self.reply.words()).map_err(|_| self.fault(FaultKind::Message))?;
+            return Err(Fault::from(fault).in_process(ProcessId::new(Role::Vsp, self.name)));
+        }
+        Ok(())
+    }
+
+    fn fault(&self, kind: FaultKind) -> Fault {
+        Fault::new(kind).in_process(ProcessId::new(Role::Vsp, self.name))
+    }
+}
+
+/// All virtual sensors of a process.
+pub(crate) struct Sensing {
+    pub ports: Vec<SensorPort>,
+    /// Time that a reading may take [ns].
+    pub patience: Nanos,
+}
+
+impl Sensing {
+    /// The handle of a sensor, once.
+    pub fn handle<S: Sensor>(
+        &mut self,
+        name: &str,
+        configuration: S::Configuration,
+    ) -> Result<SensorHandle<S>, Fault> {
+        let config = |text: &str| Fault::new(FaultKind::Config).text(text);
+        let names: Vec<_> = self.ports.iter().map(|port| port.name.to_string()).collect();
+        let Some(index) = self.ports.iter().position(|port| port.name.as_str() == name) else {
+            return Err(config(&format!(
+                "this process has no sensor `{name}`; it has: {}",
+                names.join(", ")
+            )));
+        };
+        let port = &mut self.ports[index];
+        if port.kind != TypeId::of::<S>() {
+            return Err(config(&format!("sensor `{name}` is of another kind than {}", S::KIND)));
+        }
+        if core::mem::replace(&mut port.taken, true) {
+            return Err(config(&format!("sensor `{name}` has a handle already: pass that one on")));
+        }
+        Ok(SensorHandle { index, name: port.name, configuration, image: SensorImage::unknown() })
+    }
+
+    /// Orders all readings of a list.
+    pub fn order<'a, V: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<V>,
+        step: u64,
+        robot: impl Fn(Option<usize>) -> Option<&'a [u64]>,
+    ) {
+        if V::LEN == 0 {
+            return;
+        }
+        for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
+            let port = &mut self.ports[index];
+            port.order.header.payload = sensors.configuration(i, &mut port.order.body).id;
+            port.order(step, robot(port.robot));
+        }
+    }
+
+    /// Collects all readings of a list.
+    pub fn collect<V: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<V>,
+        v: &mut Reading<V>,
+        waiter: &dyn Waiter,
+        step: u64,
+    ) -> Result<(), Fault> {
+        if V::LEN == 0 {
+            return Ok(());
+        }
+        let deadline = waiter.now() + self.patience;
+        for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
+            let port = &mut self.ports[index];
+            port.collect(waiter, deadline)?;
+            if port.read {
+                let age = u32::try_from(step.saturating_sub(port.reply.header.step)).unwrap_or(u32::MAX);
+                if age > MAX_AGE {
+                    return Err(port.fault(FaultKind::SensorStale).exceeds(
+                        f64::from(age),
+                        f64::from(MAX_AGE),
+                        "step",
+                    ));
+                }
+                V::read(v, i, port.reply.words(), age).map_err(|_| port.fault(FaultKind::Message))?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,67 @@
+//! The transparent ECP: passes the MP's demands on, for tight cooperation programmed in the MP alone.
+
+use core::marker::PhantomData;
+
+use crate::class::{Class, Level, Uses};
+use crate::demand::Demand;
+use crate::ecp::Ecp;
+use crate::fault::Fault;
+use crate::generator::Generator;
+use crate::image::{Reading, State};
+use crate::list::Motion;
+use crate::payload::Order;
+use crate::robot::Robot;
+use crate::step::{Step, Tick};
+
+/// Demands what the MP orders: `f*4(c0, c)`.
+pub struct Transparent<R>(PhantomData<R>);
+
+impl<R: Robot> Transparent<R> {
+    /// For a robot of kind `R`.
+    #[must_use]
+    pub const fn new() -> Self {
+        Transparent(PhantomData)
+    }
+}
+
+impl<R: Robot> Default for Transparent<R> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<R: Robot> Generator for Transparent<R> {
+    type Robots = R;
+    type Language = Motion;
+    type Sensors = ();
+    type Order = Demand<R>;
+    const CLASS: Class = Class::new(Level::Ecp, Uses { order: true, ..Uses::NOTHING });
+    const ENDS: bool = false;
+
+    fn first_step(
+        &mut self,
+        order: &Order<Demand<R>>,
+        _: &State<R>,
+        _: &Reading<()>,
+        _: Tick,
+    ) -> Result<Step<R>, Fault> {
+        Ok(Step::Next(order.value()))
+    }
+
+    fn next_step(
+        &mut self,
+        order: &Order<Demand<R>>,
+        e: &State<R>,
+        v: &Reading<()>,
+        t: Tick,
+    ) -> Result<Step<R>, Fault> {
+        self.first_step(order, e, v, t)
+    }
+}
+
+/// The program of an ECP that has none of its own.
+pub(crate) fn program<R: Robot>(ecp: &mut Ecp<R>) -> Result<(), Fault> {
+    loop {
+        ecp.obey(|ecp, _: Demand<R>| ecp.move_robot((), Transparent::new()).map(drop))?;
+    }
+}

@@ -1,0 +1,192 @@
+//! VSP: a virtual sensor process aggregates raw readings, `v_l = f_v(c0, c_j, e_j, r)` (eq. 14).
+
+use core::time::Duration;
+use std::rc::Rc;
+
+use crate::fault::{Fault, FaultWords, ProcessId};
+use crate::image::Sensor;
+use crate::joints::MAX_JOINTS;
+use crate::link::{Board, Closed, Nanos, Server, Waiter};
+use crate::message::{Kind, Message};
+use crate::pose::Pose;
+use crate::wire::{BadWords, WORDS, Wire};
+
+/// Words of a reading order that the configuration may take.
+pub(crate) const CONFIGURATION_WORDS: usize = 16;
+
+/// Steps after which a reading is too old to move by.
+pub(crate) const MAX_AGE: u32 = 20;
+
+/// A virtual sensor: holds the raw sensors and computes one reading from them.
+pub trait VirtualSensor: 'static {
+    /// What it reads.
+    type Kind: Sensor;
+
+    /// One aggregated reading for an order.
+    ///
+    /// # Errors
+    /// A [`Fault`] when the raw sensors give nothing to aggregate: the Move or Wait that reads it ends with it.
+    fn aggregate(
+        &mut self,
+        order: &ReadingOrder<<Self::Kind as Sensor>::Configuration>,
+    ) -> Result<<Self::Kind as Sensor>::Reading, Fault>;
+}
+
+/// What a virtual sensor is told with each order.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadingOrder<C> {
+    /// The requester's configuration, `c0` or `c_j`.
+    pub configuration: C,
+    /// `e_j`: the measured state of the robot that the requester has for this sensor.
+    pub robot: Option<EffectorState>,
+    /// Index of the step.
+    pub step: u64,
+}
+
+/// The measured state of a robot of any kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectorState {
+    /// Joint positions [rad or m]; entries beyond the robot's joints are 0.
+    pub joints: [f64; MAX_JOINTS],
+    /// Joint velocities [rad/s or m/s].
+    pub velocity: [f64; MAX_JOINTS],
+    /// `X_WE`, the pose of the tool in the world.
+    pub pose: Pose,
+}
+
+impl Wire for EffectorState {
+    const LEN: usize = 2 * MAX_JOINTS + 7;
+    const LAYOUT: u64 = crate::wire::layout_hash(0, "mrroc::EffectorState");
+
+    fn put(&self, words: &mut [u64]) {
+        self.joints.put(words);
+        self.velocity.put(&mut words[MAX_JOINTS..]);
+        self.pose.put(&mut words[2 * MAX_JOINTS..]);
+    }
+
+    fn get(words: &[u64]) -> Result<Self, BadWords> {
+        let words = words.get(..Self::LEN).ok_or(BadWords)?;
+        Ok(EffectorState {
+            joints: Wire::get(words)?,
+            velocity: Wire::get(&words[MAX_JOINTS..])?,
+            pose: Wire::get(&words[2 * MAX_JOINTS..])?,
+        })
+    }
+}
+
+const _: () = assert!(CONFIGURATION_WORDS + EffectorState::LEN <= WORDS);
+
+/// How a virtual sensor and its requesters keep step, as in MRROC++.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VspMode {
+    /// The requester waits for the reading that it ordered.
+    Interactive,
+    /// The order is taken at once and its reading collected in a later step; unanswered means the older reading.
+    WithDelay,
+    /// The sensor runs freely with this period; requesters take the latest reading.
+    NonInteractive(Duration),
+}
+
+/// Where a VSP gets its orders.
+pub(crate) enum Orders {
+    /// From these ports.
+    Ports(Vec<Box<dyn Server>>),
+    /// From a board, at its own period; readings go to another one.
+    Free { orders: Rc<dyn Board>, readings: Rc<dyn Board>, period: Nanos },
+}
+
+/// The process.
+pub(crate) struct Vsp<V: VirtualSensor> {
+    pub process: ProcessId,
+    pub sensor: V,
+    pub configuration: <V::Kind as Sensor>::Configuration,
+    pub waiter: Box<dyn Waiter>,
+    pub orders: Orders,
+    /// Time that one aggregation takes [ns].
+    pub latency: Nanos,
+    pub step: Nanos,
+}
+
+impl<V: VirtualSensor> Vsp<V> {
+    /// Serves until the cell closes.
+    pub fn run(mut self) {
+        let mut request = Message::new(Kind::Read);
+        let mut reply = Message::new(Kind::Reply);
+        // Closing is the only way out.
+        let Err(Closed) = self.serve(&mut request, &mut reply);
+    }
+
+    fn serve(
+        &mut self,
+        request: &mut Message,
+        reply: &mut Message,
+    ) -> Result<core::convert::Infallible, Closed> {
+        match core::mem::replace(&mut self.orders, Orders::Ports(Vec::new())) {
+            Orders::Ports(ports) => {
+                let mut aggregated = None;
+                loop {
+                    for port in &ports {
+                        if port.receive(request) {
+                            // Requesters of one step share one aggregation.
+                            if aggregated.replace(request.header.step) != Some(request.header.step) {
+                                self.work()?;
+                                self.aggregate(request, reply);
+                            }
+                            port.reply(reply);
+                        }
+                    }
+                    self.waiter.wait(None)?;
+                }
+            }
+            Orders::Free { orders, readings, period } => loop {
+                let began = self.waiter.now();
+                let ordered = orders.read(request);
+                self.work()?;
+                if !ordered {
+                    self.configuration.put(&mut request.body);
+                    request.header.len = CONFIGURATION_WORDS as u32;
+                }
+                request.header.step = began / self.step.max(1);
+                self.aggregate(request, reply);
+                readings.write(reply);
+                self.sleep(began + period)?;
+            },
+        }
+    }
+
+    fn work(&self) -> Result<(), Closed> {
+        if self.latency > 0 { self.sleep(self.waiter.now() + self.latency) } else { Ok(()) }
+    }
+
+    fn sleep(&self, until: Nanos) -> Result<(), Closed> {
+        while self.waiter.now() < until {
+            self.waiter.wait(Some(until))?;
+        }
+        Ok(())
+    }
+
+    fn aggregate(&mut self, request: &Message, reply: &mut Message) {
+        let words = request.words();
+        let order = ReadingOrder {
+            configuration: Wire::get(words).unwrap_or(self.configuration),
+            robot: words.get(CONFIGURATION_WORDS..).and_then(|words| EffectorState::get(words).ok()),
+            step: request.header.step,
+        };
+        reply.header.step = request.header.step;
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order)))
+            .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)));
+        match result {
+            Ok(reading) => {
+                reply.header.kind = Kind::Reply;
+                reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
+                reading.put(&mut reply.body);
+            }
+            Err(fault) => {
+                let fault = fault.in_process(self.process).at_step(request.header.step);
+                reply.header.kind = Kind::Fault;
+                reply.header.len = FaultWords::LEN as u32;
+                FaultWords::from(&fault).put(&mut reply.body);
+            }
+        }
+    }
+}
