@@ -189,10 +189,15 @@ impl<R: Robot> Edp<R> {
 
     fn brake(&mut self) {
         match self.mode {
-            Mode::Moving { .. } if self.acceptor.is_at_rest() => self.mode = Mode::Holding,
+            Mode::Moving { .. } if self.acceptor.can_hold(self.demand_period()) => self.mode = Mode::Holding,
             Mode::Moving { .. } => self.mode = Mode::Braking(self.acceptor.braking()),
             Mode::Holding | Mode::Braking(_) | Mode::Off => {}
         }
+    }
+
+    /// Time between two demands that the ticks follow [s].
+    fn demand_period(&self) -> f64 {
+        self.servo as f64 * 1e-9 * f64::from(self.ticks_per_step)
     }
 
     fn answer(&mut self) {
@@ -273,10 +278,11 @@ impl<R: Robot> Edp<R> {
 
     /// The demand of the step that begins: the one that came, or what replaces it.
     fn next_demand(&mut self) -> AcceptedDemand<R> {
-        if let (Some(next), Mode::Moving { .. }) = (self.next.take(), &self.mode) {
+        // A demand accepted before a stop is still the state that the stop begins at.
+        if let Some(next) = self.next.take() {
             return next;
         }
-        let step = self.servo as f64 * 1e-9 * f64::from(self.ticks_per_step);
+        let step = self.demand_period();
         match &mut self.mode {
             Mode::Holding | Mode::Off => self.acceptor.hold(step),
             Mode::Moving { missed } => {

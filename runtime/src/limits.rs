@@ -106,6 +106,13 @@ impl<R: Robot> Acceptor<R> {
         self.velocity.as_slice().iter().all(|v| v.abs() <= 1e-9)
     }
 
+    /// Whether the robot may simply stay at the state demanded last: a motion that ends at rest leaves the
+    /// velocity of its last step, which one step takes away within the limits.
+    pub fn can_hold(&self, duration: f64) -> bool {
+        let zeros = R::Joints::zeros();
+        self.check(&self.position, &zeros, &((zeros - self.velocity) * duration.recip()), duration).is_ok()
+    }
+
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
         self.start = None;

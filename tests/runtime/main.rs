@@ -1,0 +1,3 @@
+//! The runtime's promises, a file per promise.
+
+mod moves;
