@@ -16,6 +16,7 @@ mod payload;
 mod pose;
 mod robot;
 mod step;
+mod step_fn;
 mod wire;
 
 pub use class::{Class, Level, Uses};
@@ -26,7 +27,8 @@ pub use generator::{Condition, Generator};
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use joints::{JointVector, MAX_JOINTS};
 pub use list::{
-    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList, SensorsOf,
+    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList,
+    SensorsOf,
 };
 pub use name::{BadName, MAX_NAME, Name};
 pub use payload::{Nudge, Order, Payload};
@@ -34,3 +36,9 @@ pub use pose::Pose;
 pub use robot::{Limits, NoInverse, Robot};
 pub use step::{Always, Step, Tick};
 pub use wire::{BadWords, WORDS, Wire};
+
+pub use mrroc_macros::{Payload, condition, generator};
+
+#[doc(hidden)]
+#[path = "private.rs"]
+pub mod __private1;
