@@ -27,6 +27,7 @@ mod pose;
 mod robot;
 mod sensing;
 mod step;
+mod step_fn;
 mod transparent;
 mod vsp;
 mod wire;
@@ -55,3 +56,9 @@ pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;
 pub use vsp::{EffectorState, ReadingOrder, VirtualSensor, VspMode};
 pub use wire::{BadWords, WORDS, Wire};
+
+pub use mrroc_macros::{Payload, condition, generator};
+
+#[doc(hidden)]
+#[path = "private.rs"]
+pub mod __private1;

@@ -7,6 +7,7 @@
 mod robots;
 mod sensors;
 
-pub(crate) use robots::PayloadType;
+#[doc(hidden)]
+pub use robots::PayloadType;
 pub use robots::{AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf};
 pub use sensors::{SensorHandle, SensorList, SensorsOf};

@@ -1,0 +1,362 @@
+//! Prints implementations of the traits. Every path of the runtime that an expansion uses is named here.
+
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::{ToTokens, format_ident, quote, quote_spanned};
+use syn::spanned::Spanned;
+use syn::{Attribute, ExprPath, Generics, Type};
+
+use crate::attribute::Kind;
+use crate::class::{Level, Role, Uses};
+use crate::signature::Roles;
+
+/// What both traits need to know.
+pub struct Target<'a> {
+    /// The path of the runtime crate.
+    pub krate: TokenStream,
+    pub level: Level,
+    pub generics: Generics,
+    /// The type that implements the trait.
+    pub self_type: TokenStream,
+    pub cfgs: &'a [Attribute],
+    /// A line of documentation for the implementation, where the function has none of its own.
+    pub doc: Option<String>,
+}
+
+/// A call of a function whose signature the macro has seen.
+pub struct Call<'a> {
+    /// `carry` or `<Self>::next_step`.
+    pub path: TokenStream,
+    pub roles: &'a Roles,
+}
+
+/// How a step or the terminal condition is computed.
+pub enum Source<'a> {
+    Seen(Call<'a>),
+    /// A plain function named in the attribute: the compiler alone sees its signature.
+    Named(&'a ExprPath),
+}
+
+/// An implementation of `Generator`.
+pub struct GeneratorImpl<'a> {
+    pub target: Target<'a>,
+    pub robots: TokenStream,
+    pub language: TokenStream,
+    pub sensors: TokenStream,
+    pub order: TokenStream,
+    /// `None`: the next step serves as the first.
+    pub first: Option<Source<'a>>,
+    pub next: Call<'a>,
+    pub until: Option<Source<'a>>,
+    pub ends: bool,
+}
+
+/// An implementation of `Condition`.
+pub struct ConditionImpl<'a> {
+    pub target: Target<'a>,
+    pub robots: TokenStream,
+    pub sensors: TokenStream,
+    pub order: TokenStream,
+    pub is_met: Call<'a>,
+}
+
+/// A local name of the expansion, which no name of the user's can meet.
+fn local(name: &str, span: Span) -> Ident {
+    Ident::new(name, Span::mixed_site().located_at(span))
+}
+
+/// The name of an argument in the expansion, as in the paper.
+fn argument(role: Role, span: Span) -> Ident {
+    match role {
+        Role::Order => local("order", span),
+        Role::State => Ident::new("self", span),
+        Role::Robots => local("e", span),
+        Role::Sensors => local("v", span),
+        Role::Tick => local("t", span),
+    }
+}
+
+impl Call<'_> {
+    /// The call, each argument placed at its type, so that a mismatch is blamed there.
+    fn tokens(&self) -> TokenStream {
+        let path = &self.path;
+        let arguments = self.roles.arguments.iter().map(|(role, span)| {
+            let span = if *role == Role::State { Span::call_site() } else { *span };
+            argument(*role, span)
+        });
+        quote!(#path(#(#arguments),*))
+    }
+}
+
+impl Target<'_> {
+    fn level(&self) -> TokenStream {
+        let krate = &self.krate;
+        match self.level {
+            Level::Mp => quote!(#krate::Level::Mp),
+            Level::Ecp => quote!(#krate::Level::Ecp),
+        }
+    }
+
+    /// `Uses { state: true, tick: true, ..Uses::NOTHING }`
+    fn uses(&self, uses: Uses) -> TokenStream {
+        let krate = &self.krate;
+        let fields: Vec<Ident> = Role::ALL
+            .iter()
+            .filter(|role| uses.has(**role))
+            .map(|role| format_ident!("{}", role.field()))
+            .collect();
+        match fields.len() {
+            0 => quote!(#krate::Uses::NOTHING),
+            5 => quote!(#krate::Uses { #(#fields: true),* }),
+            _ => quote!(#krate::Uses { #(#fields: true,)* ..#krate::Uses::NOTHING }),
+        }
+    }
+
+    /// The arguments of a trait's method; those that are not `used` have no name.
+    fn arguments(&self, used: impl Fn(Role) -> bool) -> TokenStream {
+        let krate = &self.krate;
+        let name = |role| {
+            if used(role) { argument(role, Span::call_site()).to_token_stream() } else { quote!(_) }
+        };
+        let [order, e, v, t] = [Role::Order, Role::Robots, Role::Sensors, Role::Tick].map(name);
+        quote! {
+            &mut self,
+            #order: &#krate::Order<Self::Order>,
+            #e: &#krate::State<Self::Robots>,
+            #v: &#krate::Reading<Self::Sensors>,
+            #t: #krate::Tick
+        }
+    }
+
+    /// The implementation of `trait_name` around its items, in a scope of its own.
+    fn implement(&self, trait_name: &str, items: &TokenStream) -> TokenStream {
+        let Target { krate, self_type, cfgs, .. } = self;
+        let trait_name = Ident::new(trait_name, Span::call_site());
+        let (generics, _, where_clause) = self.generics.split_for_impl();
+        let doc = self.doc.as_ref().map(|doc| {
+            let doc = format!(" {doc}");
+            quote!(#[doc = #doc])
+        });
+        quote! {
+            #(#cfgs)*
+            const _: () = {
+                #doc
+                #[automatically_derived]
+                impl #generics #krate::#trait_name for #self_type #where_clause {
+                    #items
+                }
+            };
+        }
+    }
+}
+
+/// The arguments in the order of the trait's methods.
+fn all_arguments() -> [Ident; 4] {
+    [Role::Order, Role::Robots, Role::Sensors, Role::Tick].map(|role| argument(role, Span::call_site()))
+}
+
+impl GeneratorImpl<'_> {
+    pub fn tokens(&self) -> TokenStream {
+        let GeneratorImpl { target, robots, language, sensors, order, .. } = self;
+        let krate = &target.krate;
+        let class = self.class();
+        let ends = (!self.ends).then(|| {
+            quote!(
+                const ENDS: bool = false;
+            )
+        });
+        let first = self.step("first_step", self.first.as_ref());
+        let next = self.step("next_step", None);
+        target.implement(
+            "Generator",
+            &quote! {
+                type Robots = #robots;
+                type Language = #language;
+                type Sensors = #sensors;
+                type Order = #order;
+                const CLASS: #krate::Class = #class;
+                #ends
+                #first
+                #next
+            },
+        )
+    }
+
+    fn class(&self) -> TokenStream {
+        let target = &self.target;
+        let krate = &target.krate;
+        let level = target.level();
+        let next = target.uses(self.next.roles.uses);
+        if self.first.is_none() && self.until.is_none() {
+            return quote!(#krate::Class::new(#level, #next));
+        }
+        let uses = |source: &Source<'_>, until| match source {
+            Source::Seen(call) => target.uses(call.roles.uses),
+            Source::Named(path) => {
+                let plain = self.named(path, until);
+                quote!(#plain.uses)
+            }
+        };
+        let first = self.first.as_ref().map_or_else(|| next.clone(), |first| uses(first, false));
+        let until = self.until.as_ref().map_or_else(
+            || quote!(::core::option::Option::None),
+            |until| {
+                let until = uses(until, true);
+                quote!(::core::option::Option::Some(#until))
+            },
+        );
+        quote!(#krate::Class { level: #level, first: #first, next: #next, until: #until })
+    }
+
+    /// A plain function with what its type says of it. The same expression wherever the function is used, so
+    /// that the compiler reports a mistake about it once.
+    fn named(&self, path: &ExprPath, until: bool) -> TokenStream {
+        let krate = &self.target.krate;
+        let reference = quote_spanned!(path.span()=> &#path);
+        let adapter = match (until, self.target.level) {
+            (true, _) => quote!(until),
+            (false, Level::Mp) => quote!(first_in_mp),
+            (false, Level::Ecp) => quote!(first_in_ecp),
+        };
+        quote!(#krate::__private1::#adapter::<Self, _, _>(#reference))
+    }
+
+    /// One method of the trait; `first` when a function of its own computes the first step.
+    fn step(&self, name: &str, first: Option<&Source<'_>>) -> TokenStream {
+        let krate = &self.target.krate;
+        let method = Ident::new(name, Span::call_site());
+        let [order, e, v, t] = all_arguments();
+        let all = quote!(#order, self, #e, #v, #t);
+        let serves_as_first = name == "first_step" && first.is_none();
+        let mut uses_all = serves_as_first;
+        let mut used = Uses::default();
+        let mut take = |roles: &Roles| {
+            for (role, _) in &roles.arguments {
+                used.insert(*role);
+            }
+        };
+
+        let step = if serves_as_first {
+            quote!(#krate::Generator::next_step(self, #order, #e, #v, #t))
+        } else {
+            match first {
+                Some(Source::Named(path)) => {
+                    uses_all = true;
+                    let plain = self.named(path, false);
+                    quote!(#plain.step(#all))
+                }
+                Some(Source::Seen(call)) => {
+                    take(call.roles);
+                    let call = call.tokens();
+                    quote!(#krate::__private1::IntoStep::into_step(#call))
+                }
+                None => {
+                    take(self.next.roles);
+                    let call = self.next.tokens();
+                    quote!(#krate::__private1::IntoStep::into_step(#call))
+                }
+            }
+        };
+        let until = self.until.as_ref().filter(|_| !serves_as_first).map(|until| {
+            let holds = match until {
+                Source::Named(path) => {
+                    uses_all = true;
+                    let plain = self.named(path, true);
+                    quote!(#plain.holds(#all)?)
+                }
+                Source::Seen(call) => {
+                    take(call.roles);
+                    let call = call.tokens();
+                    quote!(#krate::__private1::IntoVerdict::into_verdict(#call)?)
+                }
+            };
+            quote! {
+                if #holds {
+                    return ::core::result::Result::Ok(#krate::Step::Done);
+                }
+            }
+        });
+        let arguments = self.target.arguments(|role| uses_all || used.has(role));
+        quote! {
+            fn #method(
+                #arguments
+            ) -> ::core::result::Result<#krate::Step<Self::Robots, Self::Language>, #krate::Fault> {
+                #until
+                #step
+            }
+        }
+    }
+}
+
+impl ConditionImpl<'_> {
+    pub fn tokens(&self) -> TokenStream {
+        let ConditionImpl { target, robots, sensors, order, is_met } = self;
+        let krate = &target.krate;
+        let level = target.level();
+        let uses = target.uses(is_met.roles.uses);
+        let arguments = target.arguments(|role| is_met.roles.uses.has(role));
+        let call = is_met.tokens();
+        target.implement(
+            "Condition",
+            &quote! {
+                type Robots = #robots;
+                type Sensors = #sensors;
+                type Order = #order;
+                const CLASS: #krate::Class = #krate::Class::new(#level, #uses);
+                fn is_met(#arguments) -> ::core::result::Result<bool, #krate::Fault> {
+                    #krate::__private1::IntoVerdict::into_verdict(#call)
+                }
+            },
+        )
+    }
+}
+
+/// The type of a function without state: of its name, which functions leave free among types.
+pub fn unit_type(function: &crate::item::Function, doc: &str) -> TokenStream {
+    let visibility = &function.visibility;
+    let name = &function.signature.ident;
+    let cfgs = crate::item::cfgs(&function.attributes);
+    let docs: Vec<_> = function.docs().collect();
+    let blank = (!docs.is_empty()).then(|| quote!(#[doc = ""]));
+    let doc = format!(" {doc}");
+    quote! {
+        #(#cfgs)*
+        #(#docs)*
+        #blank
+        #[doc = #doc]
+        #[allow(non_camel_case_types, dead_code)]
+        #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::default::Default)]
+        #visibility struct #name {}
+    }
+}
+
+/// After a mistake: an implementation that accepts any lists and computes nothing, so that the mistake is the
+/// only one reported.
+pub fn fallback(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> TokenStream {
+    let krate = &target.krate;
+    let level = target.level();
+    let anything = quote!(#krate::__private1::Anything);
+    let robots = robot.map_or_else(|| anything.clone(), |robot| quote!(#robot));
+    let arguments = target.arguments(|_| false);
+    let types = quote! {
+        type Robots = #robots;
+        type Sensors = #anything;
+        type Order = ();
+        const CLASS: #krate::Class = #krate::Class::new(#level, #krate::Uses::NOTHING);
+    };
+    let body = quote!({ ::core::unreachable!() });
+    if kind == Kind::Condition {
+        let items = quote! {
+            #types
+            fn is_met(#arguments) -> ::core::result::Result<bool, #krate::Fault> #body
+        };
+        return target.implement("Condition", &items);
+    }
+    let step = quote!(::core::result::Result<#krate::Step<Self::Robots, Self::Language>, #krate::Fault>);
+    let items = quote! {
+        #types
+        type Language = #krate::Motion;
+        fn first_step(#arguments) -> #step #body
+        fn next_step(#arguments) -> #step #body
+    };
+    target.implement("Generator", &items)
+}

@@ -1,0 +1,535 @@
+//! The analysis of a signature: which argument plays which role, and what is returned.
+//!
+//! A macro sees names, not types: a role is recognised by the last segment of its type's path. Whatever is not
+//! recognised is a mistake, never a guess.
+
+use proc_macro2::Span;
+use quote::ToTokens;
+use syn::spanned::Spanned;
+use syn::{
+    FnArg, GenericArgument, GenericParam, Generics, Ident, PathArguments, PathSegment, ReceiverKind,
+    ReturnType, Safety, Signature, Type, TypePath, TypeTuple,
+};
+
+use crate::attribute::Kind;
+use crate::class::{Level, Role, Uses};
+use crate::errors::Errors;
+
+/// What a signature says.
+pub struct Roles {
+    /// The roles of the arguments in the order written, each with its place.
+    pub arguments: Vec<(Role, Span)>,
+    pub uses: Uses,
+    /// The type of the function's own state; `None` for a method, whose state is `Self`.
+    pub state: Option<Type>,
+    /// The list in `&State<L>`.
+    pub robots: Option<Type>,
+    /// The list in `&Reading<V>`.
+    pub sensors: Option<Type>,
+    /// The payload in `&Order<P>`.
+    pub order: Option<Type>,
+    /// What a step function returns; `None` for a condition, and after a mistake.
+    pub outcome: Option<Outcome>,
+}
+
+impl Roles {
+    /// Where an argument stands.
+    pub fn place(&self, role: Role) -> Option<Span> {
+        self.arguments.iter().find(|(argument, _)| *argument == role).map(|(_, span)| *span)
+    }
+}
+
+/// What a step function returns, without the `Result` around it.
+pub struct Outcome {
+    /// The list of robots.
+    pub robots: Type,
+    /// The language, unless it is left out.
+    pub language: Option<Type>,
+    /// The type as written, for messages.
+    pub written: Type,
+    /// Whether it is a `Step`, which has an end, and not an `Always`.
+    pub ends: bool,
+}
+
+/// The function that a signature is to be: one of a generator or of a condition, at a level, and whether it is
+/// a method.
+#[derive(Clone, Copy)]
+pub struct Expected<'a> {
+    pub kind: Kind,
+    pub level: Option<Level>,
+    pub method: bool,
+    /// The parameters of the function or, for a method, of its `impl` block.
+    pub generics: &'a Generics,
+}
+
+/// Finds the roles of the arguments and the outcome.
+pub fn analyse(signature: &Signature, expected: Expected<'_>) -> (Roles, Errors) {
+    let mut analysis = Analysis {
+        expected,
+        roles: Roles {
+            arguments: Vec::new(),
+            uses: Uses::default(),
+            state: None,
+            robots: None,
+            sensors: None,
+            order: None,
+            outcome: None,
+        },
+        errors: Errors::default(),
+    };
+    analysis.qualifiers(signature);
+    for argument in &signature.inputs {
+        match argument {
+            FnArg::Receiver(receiver) => analysis.receiver(receiver),
+            FnArg::Typed(argument) => analysis.argument(&argument.ty),
+        }
+    }
+    match expected.kind {
+        Kind::Generator => analysis.outcome(signature),
+        Kind::Condition => analysis.verdict(signature),
+    }
+    analysis.lists_agree();
+    (analysis.roles, analysis.errors)
+}
+
+struct Analysis<'a> {
+    expected: Expected<'a>,
+    roles: Roles,
+    errors: Errors,
+}
+
+impl Analysis<'_> {
+    /// A step function is an ordinary function.
+    fn qualifiers(&mut self, signature: &Signature) {
+        if let Some(asyncness) = &signature.asyncness {
+            self.errors.at(asyncness, "a step function computes and returns within its step: drop `async`");
+        }
+        match &signature.safety {
+            Safety::Unsafe(token) => {
+                self.errors.at(token, "the runtime calls step functions without precautions: drop `unsafe`");
+            }
+            Safety::Safe(token) => self.errors.at(token, "a step function is safe as it is: drop `safe`"),
+            Safety::Default => {}
+        }
+        if let Some(abi) = &signature.abi {
+            self.errors.at(abi, "a step function is a plain Rust function: drop the `extern`");
+        }
+        if let Some(variadic) = &signature.variadic {
+            self.errors.at(variadic, "a step function takes each argument once: drop the `...`");
+        }
+        for parameter in &signature.generics.params {
+            if self.expected.method && !matches!(parameter, GenericParam::Lifetime(_)) {
+                self.errors.at(parameter, "put this parameter on the `impl` block: `impl<R: Robot> Line<R>`");
+            }
+        }
+    }
+
+    fn receiver(&mut self, receiver: &syn::Receiver) {
+        if !self.expected.method {
+            self.errors.at(
+                receiver,
+                "a free function has no `self`: take its state as `c: &mut Carry`, or put the attribute over the `impl` block",
+            );
+        } else if let ReceiverKind::Reference(..) = receiver.kind {
+            self.roles.uses.insert(Role::State);
+            self.roles.arguments.push((Role::State, receiver.self_token.span));
+        } else {
+            self.errors.at(receiver, "the state stays with the motion: take `&mut self`");
+        }
+    }
+
+    /// One argument: its role by its type.
+    fn argument(&mut self, written: &Type) {
+        let Some((role, span)) = self.role(plain(written)) else { return };
+        if !self.roles.uses.insert(role) {
+            self.errors.at(
+                written,
+                match role {
+                    Role::State => "a second state: one type holds all that is kept from step to step".into(),
+                    role => format!("a second {}: one argument holds it all, as a list", role.noun()),
+                },
+            );
+            return;
+        }
+        self.roles.arguments.push((role, span));
+    }
+
+    /// The role of an argument and the token that says so; nothing after a mistake.
+    fn role(&mut self, ty: &Type) -> Option<(Role, Span)> {
+        if let Type::ImplTrait(_) = ty {
+            self.errors.at(
+                ty,
+                "the runtime must know the type: make it a parameter of the state, `fn line<R: Robot>(c: &mut Line<R>, ..)`",
+            );
+            return None;
+        }
+        let Type::Reference(reference) = ty else { return self.role_by_value(ty) };
+        let inner = plain(&reference.elem);
+        match (image(inner), reference.mutability.is_some()) {
+            (Some((Role::Tick, _)), _) => {
+                self.errors.at(ty, "the tick is taken by value: `t: Tick`");
+                None
+            }
+            (Some((role, segment)), false) => {
+                self.image(role, inner);
+                Some((role, segment.ident.span()))
+            }
+            (Some((role, _)), true) => {
+                self.errors.at(ty, format_args!("this is read only: write `&{}`", filled(inner, role)));
+                None
+            }
+            (None, true) if self.expected.method => {
+                self.errors.at(ty, "the state of a method is its `self`: keep this in it");
+                None
+            }
+            (None, true) => self.own_state(inner).then(|| (Role::State, last_span(inner))),
+            (None, false) => {
+                self.no_argument(ty, inner);
+                None
+            }
+        }
+    }
+
+    /// Only the tick comes by value.
+    fn role_by_value(&mut self, ty: &Type) -> Option<(Role, Span)> {
+        match image(ty) {
+            Some((Role::Tick, segment)) => return Some((Role::Tick, segment.ident.span())),
+            Some((role, _)) => {
+                self.errors.at(ty, format_args!("this is taken by reference: write `&{}`", filled(ty, role)));
+            }
+            None => self.no_argument(ty, ty),
+        }
+        None
+    }
+
+    /// An argument that is none: perhaps a state in the wrong form.
+    fn no_argument(&mut self, written: &Type, inner: &Type) {
+        let others = match (self.expected.level, self.expected.kind) {
+            (Some(Level::Mp), _) => "`&State<(Rnt, Polycrank)>`, `&Reading<(WristForce,)>` and `Tick`",
+            _ => "`&Order<Phase>`, `&State<Rnt>`, `&Reading<(WristForce,)>` and `Tick`",
+        };
+        let text = text(written);
+        if self.expected.method || self.roles.uses.has(Role::State) || !could_be_own(inner) {
+            self.errors.at(
+                written,
+                format_args!("`{text}` is no argument of a step function: keep it in the state; the others are {others}"),
+            );
+        } else {
+            self.roles.state.get_or_insert(inner.clone());
+            self.roles.uses.insert(Role::State);
+            let inner = self::text(inner);
+            self.errors.at(
+                written,
+                format_args!(
+                    "a step function takes its own state as `&mut {inner}`; its other arguments are {others}"
+                ),
+            );
+        }
+    }
+
+    /// Whether `ty` can be a state: a type that a trait can be implemented for here.
+    fn own_state(&mut self, ty: &Type) -> bool {
+        let parameter =
+            |ident: &Ident| self.expected.generics.type_params().any(|parameter| parameter.ident == *ident);
+        let own = match ty {
+            Type::Path(path) => could_be_own(ty) && !path.path.get_ident().is_some_and(parameter),
+            _ => false,
+        };
+        if own {
+            self.roles.state.get_or_insert(ty.clone());
+        } else {
+            self.errors.at(
+                ty,
+                "the state is a type of your own: hold this in one, `struct Carry { .. }`, and take `&mut Carry`",
+            );
+        }
+        own
+    }
+
+    /// The list in an image's type, or the payload in an order's.
+    fn image(&mut self, role: Role, ty: &Type) {
+        let inner = match arguments(ty).as_slice() {
+            [inner] => *inner,
+            _ => {
+                self.errors.at(ty, format_args!("say of what: `&{}`", filled(ty, role)));
+                return;
+            }
+        };
+        match role {
+            Role::Robots => {
+                self.list_of_robots(inner);
+                self.roles.robots.get_or_insert(inner.clone());
+            }
+            Role::Sensors => {
+                self.list_of_sensors(inner);
+                self.roles.sensors.get_or_insert(inner.clone());
+            }
+            Role::Order => {
+                self.roles.order.get_or_insert(inner.clone());
+            }
+            Role::State | Role::Tick => {}
+        }
+    }
+
+    /// The form of a list of robots: a tuple or an array in an MP, one robot in an ECP.
+    fn list_of_robots(&mut self, list: &Type) {
+        match (self.expected.level, plain(list)) {
+            (Some(Level::Mp), Type::Paren(inner)) => {
+                let robot = text(&inner.elem);
+                self.errors.at(list, format_args!("a list of one robot needs a comma: `({robot},)`"));
+            }
+            (Some(Level::Mp), Type::Path(path)) if !self.starts_with_parameter(path) => {
+                let robot = text(list);
+                self.errors.at(
+                    list,
+                    format_args!(
+                        "an MP's list is a tuple or an array, written out, also for one robot: `({robot},)`"
+                    ),
+                );
+            }
+            (Some(Level::Mp), Type::Tuple(tuple)) if tuple.elems.is_empty() => {
+                self.errors.at(list, "name the robots: `(Rnt, Polycrank)`");
+            }
+            (Some(Level::Ecp), Type::Tuple(TypeTuple { elems, .. })) => {
+                let robot = elems.first().map_or("Rnt".into(), text);
+                self.errors.at(list, format_args!("an ECP has one robot, without parentheses: `{robot}`"));
+            }
+            (Some(Level::Ecp), Type::Array(array)) => {
+                let robot = text(&array.elem);
+                self.errors.at(list, format_args!("an ECP has one robot: `{robot}`"));
+            }
+            _ => {}
+        }
+    }
+
+    /// A type parameter stands for any list, `L` or `L::Robots`.
+    fn starts_with_parameter(&self, path: &TypePath) -> bool {
+        let first = path.path.segments.first();
+        path.qself.is_some()
+            || self
+                .expected
+                .generics
+                .type_params()
+                .any(|parameter| first.is_some_and(|segment| segment.ident == parameter.ident))
+    }
+
+    fn list_of_sensors(&mut self, list: &Type) {
+        match plain(list) {
+            Type::Paren(inner) => {
+                let sensor = text(&inner.elem);
+                self.errors.at(list, format_args!("a list of one sensor needs a comma: `({sensor},)`"));
+            }
+            Type::Tuple(tuple) if tuple.elems.is_empty() => {
+                self.errors.at(list, "a reading of no sensors says nothing: leave the argument out");
+            }
+            _ => {}
+        }
+    }
+
+    /// What a step function returns.
+    fn outcome(&mut self, signature: &Signature) {
+        let form = match (&self.roles.robots, self.expected.level) {
+            (Some(list), _) => format!("Step<{}>", text(list)),
+            (None, Some(Level::Ecp)) => "Step<Rnt>".into(),
+            (None, _) => "Step<(Rnt, Polycrank)>".into(),
+        };
+        let ReturnType::Type(_, written) = &signature.output else {
+            self.errors
+                .at(&signature.ident, format_args!("a step function returns the next step: `-> {form}`"));
+            return;
+        };
+        let Some(ty) = self.without_result(written, &form) else { return };
+        let ends = match last_segment(ty) {
+            Some(segment) if segment.ident == "Step" => true,
+            Some(segment) if segment.ident == "Always" => false,
+            Some(segment) if segment.ident == "bool" => {
+                let level = self.expected.level.map_or("mp", Level::key);
+                self.errors.at(
+                    written,
+                    format_args!(
+                        "a step function returns `{form}`; a function that returns `bool` is a condition: `#[condition({level})]`"
+                    ),
+                );
+                return;
+            }
+            _ => {
+                self.errors.at(
+                    written,
+                    format_args!(
+                        "a step function returns `{form}`, `Always<..>` when it never ends, or a `Result` of one with a `Fault`"
+                    ),
+                );
+                return;
+            }
+        };
+        match arguments(ty).as_slice() {
+            [robots] => self.set_outcome(ty, robots, None, ends),
+            [robots, language] => self.set_outcome(ty, robots, Some((*language).clone()), ends),
+            _ => self.errors.at(ty, format_args!("name the robots: `{form}`")),
+        }
+    }
+
+    fn set_outcome(&mut self, written: &Type, robots: &Type, language: Option<Type>, ends: bool) {
+        self.list_of_robots(robots);
+        self.roles.outcome =
+            Some(Outcome { robots: robots.clone(), language, written: written.clone(), ends });
+    }
+
+    /// What a condition returns.
+    fn verdict(&mut self, signature: &Signature) {
+        let ReturnType::Type(_, written) = &signature.output else {
+            self.errors.at(&signature.ident, "a condition returns whether it holds: `-> bool`");
+            return;
+        };
+        let Some(ty) = self.without_result(written, "bool") else { return };
+        match last_segment(ty) {
+            Some(segment) if segment.ident == "bool" => {}
+            Some(segment) if segment.ident == "Step" || segment.ident == "Always" => {
+                let level = self.expected.level.map_or("mp", Level::key);
+                self.errors.at(
+                    written,
+                    format_args!(
+                        "a condition returns `bool`; a function that returns a step is a generator: `#[generator({level})]`"
+                    ),
+                );
+            }
+            _ => self.errors.at(written, "a condition returns `bool` or `Result<bool, Fault>`"),
+        }
+    }
+
+    /// The type inside `Result<.., Fault>`, or the type itself.
+    fn without_result<'t>(&mut self, written: &'t Type, form: &str) -> Option<&'t Type> {
+        let ty = plain(written);
+        if last_segment(ty).is_none_or(|segment| segment.ident != "Result") {
+            return Some(ty);
+        }
+        match arguments(ty).as_slice() {
+            // One argument: an alias, whose error the compiler checks.
+            [inner] => Some(plain(inner)),
+            [inner, fault] if last_segment(plain(fault)).is_some_and(|fault| fault.ident == "Fault") => {
+                Some(plain(inner))
+            }
+            [inner, fault] => {
+                let inner = text(inner);
+                self.errors.at(
+                    fault,
+                    format_args!("a step function fails with a `Fault`: `Result<{inner}, Fault>`"),
+                );
+                None
+            }
+            _ => {
+                self.errors.at(ty, format_args!("write `Result<{form}, Fault>`"));
+                None
+            }
+        }
+    }
+
+    /// `&State<(A, B)>` beside `Step<(B, A)>`. Only what is certain by the names alone is said here.
+    fn lists_agree(&mut self) {
+        let (Some(state), Some(outcome)) = (&self.roles.robots, &self.roles.outcome) else { return };
+        let (Type::Tuple(seen), Type::Tuple(moved)) = (plain(state), plain(&outcome.robots)) else { return };
+        let names = |tuple: &TypeTuple| tuple.elems.iter().map(text).collect::<Vec<_>>();
+        let (seen, moved) = (names(seen), names(moved));
+        let sorted = |names: &[String]| {
+            let mut names = names.to_vec();
+            names.sort();
+            names
+        };
+        if seen.len() != moved.len() || (seen != moved && sorted(&seen) == sorted(&moved)) {
+            let list = text(&outcome.robots);
+            self.errors.at(
+                state,
+                format_args!("the robots differ from those returned, in number or order: `&State<{list}>`"),
+            );
+        }
+    }
+}
+
+/// The type without the invisible groups that `macro_rules!` puts around it.
+fn plain(mut ty: &Type) -> &Type {
+    while let Type::Group(group) = ty {
+        ty = &group.elem;
+    }
+    ty
+}
+
+/// The last segment of a path: `Step<Rnt>` of `mrroc::Step<Rnt>`.
+fn last_segment(ty: &Type) -> Option<&PathSegment> {
+    match ty {
+        Type::Path(path) if path.qself.is_none() => path.path.segments.last(),
+        _ => None,
+    }
+}
+
+fn last_span(ty: &Type) -> Span {
+    last_segment(ty).map_or_else(|| ty.span(), |segment| segment.ident.span())
+}
+
+/// The role of a type by its name, all but the state's.
+fn image(ty: &Type) -> Option<(Role, &PathSegment)> {
+    let segment = last_segment(ty)?;
+    let role = match segment.ident.to_string().as_str() {
+        "Order" => Role::Order,
+        "State" => Role::Robots,
+        "Reading" => Role::Sensors,
+        "Tick" => Role::Tick,
+        _ => return None,
+    };
+    Some((role, segment))
+}
+
+/// The type arguments of a path's last segment.
+fn arguments(ty: &Type) -> Vec<&Type> {
+    let Some(PathArguments::AngleBracketed(arguments)) = last_segment(ty).map(|segment| &segment.arguments)
+    else {
+        return Vec::new();
+    };
+    let types = arguments.args.iter().filter_map(|argument| match argument {
+        GenericArgument::Type(ty) => Some(ty),
+        _ => None,
+    });
+    types.collect()
+}
+
+/// The type as written, or with an example of a list where there is none, for messages.
+fn filled(ty: &Type, role: Role) -> String {
+    let example = match role {
+        Role::Order => "Phase",
+        Role::State | Role::Robots => "(Rnt, Polycrank)",
+        Role::Sensors => "(WristForce,)",
+        Role::Tick => return text(ty),
+    };
+    if arguments(ty).is_empty() { format!("{}<{example}>", text(ty)) } else { text(ty) }
+}
+
+/// Whether a trait can be implemented for the type in a user's crate, as far as the name shows it.
+fn could_be_own(ty: &Type) -> bool {
+    const FOREIGN: [&str; 26] = [
+        "bool", "char", "str", "f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16", "u32",
+        "u64", "u128", "usize", "String", "Vec", "Box", "Option", "Result", "Arc", "Rc", "Duration",
+        "Instant",
+    ];
+    last_segment(ty).is_some_and(|segment| FOREIGN.iter().all(|foreign| segment.ident != foreign))
+}
+
+/// A type as a person writes it.
+pub fn text(ty: &Type) -> String {
+    let mut text = ty.to_token_stream().to_string();
+    for (spaced, written) in [
+        (" < ", "<"),
+        ("< ", "<"),
+        (" <", "<"),
+        (" >", ">"),
+        (" ,", ","),
+        (" :: ", "::"),
+        (":: ", "::"),
+        (" ::", "::"),
+        ("& ", "&"),
+        (" ;", ";"),
+        ("( ", "("),
+        (" )", ")"),
+    ] {
+        text = text.replace(spaced, written);
+    }
+    text
+}
