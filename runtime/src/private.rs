@@ -79,8 +79,10 @@ impl SensorList for Anything {
 
 #[diagnostic::do_not_recommend]
 impl<T> RobotsOf<Anything> for T {
-    fn indices(&self) -> impl AsRef<[usize]> {
-        [0_usize; 0]
+    type Indices = [usize; 0];
+
+    fn indices(&self) -> [usize; 0] {
+        []
     }
     fn images(&self) {}
     fn refresh(&mut self, _: usize, _: &[u64]) -> Result<(), BadWords> {
@@ -90,8 +92,10 @@ impl<T> RobotsOf<Anything> for T {
 
 #[diagnostic::do_not_recommend]
 impl<T> SensorsOf<Anything> for T {
-    fn indices(&self) -> impl AsRef<[usize]> {
-        [0_usize; 0]
+    type Indices = [usize; 0];
+
+    fn indices(&self) -> [usize; 0] {
+        []
     }
     fn configuration(&self, _: usize, _: &mut [u64]) -> PayloadType {
         PayloadType::of::<()>()
