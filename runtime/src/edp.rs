@@ -295,13 +295,11 @@ impl<R: Robot> Edp<R> {
                 self.mode = Mode::Braking(self.acceptor.braking());
                 self.next_demand()
             }
-            Mode::Braking(braking) => {
-                let demand = self.acceptor.brake(braking, step);
-                if braking.is_over() {
-                    self.mode = Mode::Holding;
-                }
-                demand
+            Mode::Braking(braking) if braking.is_over() => {
+                self.mode = Mode::Holding;
+                self.acceptor.hold(step)
             }
+            Mode::Braking(braking) => self.acceptor.brake(braking, step),
         }
     }
 }

@@ -166,7 +166,7 @@ impl<S: Sensor> SensorImage<S> {
         self.reading
     }
 
-    /// Steps since the reading was taken: 0 for one of this step.
+    /// How old the reading was when it was collected [steps]: 0 for one taken in the step of its order.
     #[must_use]
     pub const fn age(&self) -> u32 {
         self.age

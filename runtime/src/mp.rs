@@ -230,6 +230,8 @@ impl Mp {
                 Some(generator.next_step(&order, e, v, t)?)
             };
             let demands = match next {
+                // An abort that the motion's own end forestalled is an abort: the program must not go on.
+                Some(Step::Done) if self.operator.is_aborting() => return self.abort(indices),
                 Some(Step::Done) => return Ok(()),
                 Some(Step::Next(demands)) => {
                     // Suspended, nothing moves whatever a generator returns, but orders say what they say.
@@ -262,14 +264,14 @@ impl Mp {
 
     /// Whether every ECP has finished; in a motion with an end of its own or with tight orders none may first.
     fn finished(
-        &self,
+        &mut self,
         indices: &[usize],
         ends: bool,
         payload: impl Fn(usize) -> PayloadType,
     ) -> Result<bool, Fault> {
         let all = indices.iter().all(|&index| self.robots[index].reply.is(flag::FINISHED));
         if all && !ends {
-            return Ok(true);
+            return if self.operator.is_aborting() { self.abort(indices).map(|()| true) } else { Ok(true) };
         }
         for (i, &index) in indices.iter().enumerate() {
             if self.robots[index].reply.is(flag::FINISHED) && payload(i).tight {

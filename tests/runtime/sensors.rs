@@ -1,0 +1,121 @@
+//! Virtual sensors: eq. 14 and the three modes.
+
+use std::rc::Rc;
+use std::time::Duration;
+
+use mrroc::{Cell, FaultKind, SensorSetup, VspMode};
+use mrroc_tests::{Gantry, MS, fault, gantry};
+
+use crate::kit::{Counter, Counting, Offset, Smooth, Watch};
+use mrroc::{Reading, condition};
+
+fn watched(mode: VspMode, latency: Duration, steps: usize) -> Vec<Option<(u64, u32)>> {
+    let (robot, _) = gantry("g");
+    let seen = Rc::new(std::cell::RefCell::new(Vec::new()));
+    let keep = Rc::clone(&seen);
+    let robot = robot.program(move |ecp| {
+        let mut counter = ecp.sensor::<Counter>("counter")?;
+        *keep.borrow_mut() = ecp.move_robot((&mut counter,), Watch { steps, ..Watch::default() })?.seen;
+        Ok(())
+    });
+    let sensor = SensorSetup::new("counter", Counting::default()).of("g").mode(mode).latency(latency);
+    Cell::new(MS).robot(robot).sensor(sensor).run().expect("nothing moves");
+    seen.take()
+}
+
+#[test]
+fn an_interactive_sensor_is_read_in_the_step_of_its_order() {
+    let seen = watched(VspMode::Interactive, Duration::ZERO, 4);
+    assert_eq!(seen, [Some((1, 0)), Some((1, 0)), Some((2, 0)), Some((3, 0))]);
+}
+
+#[test]
+fn a_sensor_with_delay_never_blocks_and_serves_the_older_reading() {
+    // Three steps and a half of work: every fourth step has a new reading.
+    let seen = watched(VspMode::WithDelay, Duration::from_micros(3500), 14);
+    assert_eq!(seen[0], None, "nothing was read yet");
+    let counts: Vec<_> = seen.iter().flatten().map(|(count, _)| *count).collect();
+    assert!(counts.windows(2).all(|pair| pair[1] == pair[0] || pair[1] == pair[0] + 1), "{seen:?}");
+    assert!(counts.last().expect("some") >= &2, "{seen:?}");
+    // A reading is at least as old as its work took.
+    assert!(seen.iter().flatten().all(|(_, age)| (4..=8).contains(age)), "{seen:?}");
+}
+
+#[test]
+fn a_free_running_sensor_shows_its_latest_reading() {
+    let seen = watched(VspMode::NonInteractive(Duration::from_millis(3)), Duration::ZERO, 12);
+    let counts: Vec<_> = seen.iter().map(|seen| seen.expect("it ran before the first step").0).collect();
+    // One aggregation in three steps, no matter how often it is looked at.
+    assert_eq!(counts[11] - counts[2], 3, "{counts:?}");
+    assert!(seen.iter().flatten().all(|(_, age)| *age <= 3), "{seen:?}");
+}
+
+#[test]
+fn a_sensor_is_told_its_configuration_and_the_state_of_its_robot() {
+    let (robot, _) = gantry("g");
+    let robot = robot.program(|ecp| {
+        ecp.move_robot((), Smooth::to(0.25, 0.5))?;
+        let mut counter = ecp.sensor::<Counter>("counter")?;
+        counter.configure(Offset { offset: 1000 });
+        let watch = ecp.move_robot((&mut counter,), Watch { steps: 3, ..Watch::default() })?;
+        assert_eq!(watch.seen[0], Some((1001, 0)));
+        assert_eq!(watch.of_robot, [0.25, 0.25, 0.25]);
+        Ok(())
+    });
+    let sensor = SensorSetup::new("counter", Counting::default()).of("g");
+    Cell::new(MS).robot(robot).sensor(sensor).run().expect("nothing is wrong");
+}
+
+struct Both(u64);
+
+#[condition(mp)]
+fn both(c: &mut Both, v: &Reading<(Counter,)>) -> bool {
+    c.0 = v.0.reading().map_or(0, |reading| reading.count);
+    c.0 >= 20
+}
+
+#[test]
+fn an_mp_reads_its_own_sensors_in_a_wait() {
+    let (robot, _) = gantry("g");
+    let counting = Counting::default();
+    let count = Rc::clone(&counting.count);
+    Cell::new(MS)
+        .robot(robot)
+        .sensor(SensorSetup::new("counter", counting))
+        .program(|mp| {
+            let (mut g, mut counter) = (mp.robot::<Gantry>("g")?, mp.sensor::<Counter>("counter")?);
+            assert_eq!(mp.wait_until((), (&mut counter,), Both(0))?.0, 20);
+            let _ = &mut g;
+            Ok(())
+        })
+        .run()
+        .expect("nothing is wrong");
+    assert_eq!(count.get(), 20);
+}
+
+#[test]
+fn fault_25_a_sensor_that_fails_ends_the_motion_that_reads_it() {
+    let (robot, _) = gantry("g");
+    let robot = robot.program(|ecp| {
+        let mut counter = ecp.sensor::<Counter>("counter")?;
+        ecp.move_robot((&mut counter,), Watch { steps: 100, ..Watch::default() }).map(drop)
+    });
+    let sensor = SensorSetup::new("counter", Counting { fails_at: Some(10), ..Counting::default() }).of("g");
+    let fault = fault(Cell::new(MS).robot(robot).sensor(sensor).run());
+    assert_eq!(fault.message(), "the cable is cut");
+    assert_eq!(fault.process().expect("named").to_string(), "vsp counter");
+}
+
+#[test]
+fn fault_25_a_reading_older_than_twenty_steps_is_not_moved_by() {
+    let (robot, _) = gantry("g");
+    let robot = robot.program(|ecp| {
+        let mut counter = ecp.sensor::<Counter>("counter")?;
+        ecp.move_robot((&mut counter,), Watch { steps: 1000, ..Watch::default() }).map(drop)
+    });
+    let free = VspMode::NonInteractive(Duration::from_millis(100));
+    let sensor = SensorSetup::new("counter", Counting::default()).of("g").mode(free);
+    let fault = fault(Cell::new(MS).robot(robot).sensor(sensor).run());
+    assert_eq!(fault.kind(), FaultKind::SensorStale);
+    assert_eq!(fault.excess().expect("says how old").actual, 21.0);
+}
