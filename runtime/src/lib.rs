@@ -7,5 +7,5 @@ mod robot;
 
 pub use driver::{DriveFault, Driver, Measured};
 pub use joints::{JointVector, MAX_JOINTS};
-pub use pose::Pose;
+pub use pose::{AngleAxis, Pose, Zyz};
 pub use robot::{Limits, NoInverse, Robot};
