@@ -16,6 +16,7 @@ mod plant;
 mod regulator;
 mod simulated;
 mod transmission;
+mod wrist;
 
 pub use irp6::{Irp6, MotorData, Six};
 pub use plant::{Encoder, Plant};

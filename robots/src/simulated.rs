@@ -7,7 +7,7 @@ use std::rc::Rc;
 use mrroc::{DriveFault, Driver, Measured};
 
 use crate::irp6::{Irp6, Six};
-use crate::plant::{PERIOD, Plant};
+use crate::plant::{Encoder, PERIOD, Plant};
 use crate::regulator::Regulator;
 use crate::transmission::LinkState;
 
@@ -46,7 +46,7 @@ impl Shaft {
 /// [`Irp6::MOTOR_SPEED`]; on a following error above 1 rad of its motor; and on a mean current (50 ms) above
 /// what the motor bears. A trip is latched: every later tick brakes and reports the first cause, until
 /// [`reset`](Self::reset).
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct SimulatedIrp6 {
     robot: Irp6,
     drives: [Drive; 6],
@@ -61,6 +61,7 @@ pub struct SimulatedIrp6 {
 struct Drive {
     plant: Plant,
     regulator: Regulator,
+    encoder: Encoder,
     pulse: f64,
     count: f64,
     demanded: f64,
@@ -110,7 +111,7 @@ impl SimulatedIrp6 {
     }
 
     /// Frees the motor of `joint` again.
-    pub fn free(&mut self, joint: usize) {
+    pub fn unblock(&mut self, joint: usize) {
         if let Some(drive) = self.drives.get_mut(joint) {
             drive.plant.set_jammed(false);
         }
@@ -123,6 +124,17 @@ impl SimulatedIrp6 {
             *drive = Drive::at_rest(i, drive.plant, load_of(i, &self.loads));
         }
         self.observe();
+    }
+
+    /// One servo period without power and with the brakes applied, as when no demand comes any more.
+    ///
+    /// Call [`reset`](Self::reset) before the next tick.
+    pub fn brake(&mut self) -> Measured<Six> {
+        for drive in &mut self.drives {
+            drive.brake();
+        }
+        self.observe();
+        self.measured
     }
 
     /// The first drive that cannot take the motor angles `motors` [rad], with the reason.
@@ -185,16 +197,14 @@ impl Driver<Irp6> for SimulatedIrp6 {
             self.fault = self.refusal(&motors);
         }
         if self.fault.is_some() {
-            for drive in &mut self.drives {
-                drive.brake();
-            }
+            self.brake();
         } else {
             for (i, drive) in self.drives.iter_mut().enumerate() {
                 let tripped = drive.tick(i, motors[i], load_of(i, &self.loads));
                 self.fault = self.fault.or(tripped);
             }
+            self.observe();
         }
-        self.observe();
         self.fault.map_or(Ok(self.measured), Err)
     }
 }
@@ -207,6 +217,7 @@ impl Drive {
         Self {
             plant,
             regulator: Regulator::holding(data.gains, plant.holding(load)),
+            encoder: data.encoder,
             pulse,
             count: data.encoder.count(plant.angle()),
             demanded,
@@ -250,7 +261,7 @@ impl Drive {
     }
 
     fn read_encoder(&mut self) {
-        let count = (self.plant.angle() / self.pulse).round();
+        let count = self.encoder.count(self.plant.angle());
         self.increment = count - self.count;
         self.count = count;
         self.speed += SPEED_SHARE * (self.increment * self.pulse / PERIOD - self.speed);

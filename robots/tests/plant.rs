@@ -3,19 +3,26 @@
 mod support;
 
 use mrroc::{Driver, Measured, Pose, Robot};
-use mrroc_robots::{Irp6, SimulatedIrp6, Six};
-use nalgebra::{Translation3, Vector3};
+use mrroc_robots::{Irp6, MotorData, Plant, Regulator, SimulatedIrp6, Six};
+use nalgebra::{Point3, Translation3, Vector3};
 use support::engraving;
 
 const PERIOD: f64 = 0.002;
 
-/// Runs a path of the flange around the engraving reference; returns the true flange positions relative to it.
-fn execute(path: impl Fn(f64) -> Option<Vector3<f64>>, settle: usize) -> Vec<Vector3<f64>> {
-    let robot = Irp6::nominal();
-    let start = engraving();
-    let reference = robot.forward(&start);
+/// Runs a path of the flange around a place on the engraving plate; returns the true positions of the tool's tip,
+/// 0.25 m before the flange, relative to it.
+fn execute(
+    robot: &Irp6,
+    place: &Vector3<f64>,
+    path: impl Fn(f64) -> Option<Vector3<f64>>,
+    settle: usize,
+) -> Vec<Vector3<f64>> {
+    let mut reference = Irp6::nominal().forward(&engraving());
+    reference.translation.vector += place;
+    let start = robot.inverse(&reference, &engraving()).expect("on the plate");
     let mut arm = SimulatedIrp6::new(robot.clone(), &start);
     let shaft = arm.shaft();
+    let tool = Point3::new(0.0, 0.0, 0.25);
     let mut q = start;
     let mut executed = Vec::new();
     let mut rest = settle;
@@ -29,8 +36,8 @@ fn execute(path: impl Fn(f64) -> Option<Vector3<f64>>, settle: usize) -> Vec<Vec
             break;
         }
         arm.tick(&q).expect("an engraving stroke trips no drive");
-        let flange = robot.forward(&shaft.state().position);
-        executed.push(flange.translation.vector - reference.translation.vector);
+        let executed_flange = robot.forward(&shaft.state().position);
+        executed.push((executed_flange * tool).coords - (reference * tool).coords);
     }
     executed
 }
@@ -58,52 +65,110 @@ fn summary(distances: impl Iterator<Item = f64>) -> (f64, f64) {
     (f64::sqrt(sum / count), worst)
 }
 
+/// The engraving reference and two corners of the plate, nominal and calibrated arm.
+fn arms_and_places() -> [(Irp6, Vector3<f64>); 4] {
+    [
+        (Irp6::nominal(), Vector3::zeros()),
+        (Irp6::calibrated(), Vector3::zeros()),
+        (Irp6::nominal(), Vector3::new(0.065, 0.09, 0.0)),
+        (Irp6::nominal(), Vector3::new(-0.055, -0.08, 0.05)),
+    ]
+}
+
 #[test]
 fn a_circle_is_followed_to_a_tenth_of_a_millimetre() {
     let (radius, feed) = (0.010, 0.020);
     let length = 3.0 * std::f64::consts::TAU * radius;
     let centre = Vector3::new(-radius, 0.0, 0.0);
-    let executed = execute(
-        |t| {
+    for (robot, place) in arms_and_places() {
+        let circle = |t| {
             let s = travelled(t, length, feed, 0.1)? / radius;
             Some(centre + radius * Vector3::new(s.cos(), s.sin(), 0.0))
-        },
-        100,
-    );
-    let (rms, worst) = summary(executed.iter().map(|p| {
-        let from = p - centre;
-        (from.xy().norm() - radius).hypot(from.z)
-    }));
-    println!("circle r 10 mm, 20 mm/s: rms {:.4} mm, worst {:.4} mm", rms * 1e3, worst * 1e3);
-    assert!(rms < 1e-4 && worst < 3e-4, "{rms} {worst}");
+        };
+        let executed = execute(&robot, &place, circle, 100);
+        let (rms, worst) = summary(executed.iter().map(|p| {
+            let from = p - centre;
+            (from.xy().norm() - radius).hypot(from.z)
+        }));
+        println!("circle r 10 mm, 20 mm/s: rms {:.4} mm, worst {:.4} mm", rms * 1e3, worst * 1e3);
+        assert!(rms < 1e-4 && worst < 3e-4, "{place}: {rms} {worst}");
+    }
 }
 
 #[test]
 fn a_square_is_followed_to_a_tenth_of_a_millimetre() {
     let (side, feed, ramp) = (0.020, 0.020, 0.1);
     let corners = [(0.0, 0.0), (side, 0.0), (side, side), (0.0, side), (0.0, 0.0)]
-        .map(|(x, y)| Vector3::new(x - 0.5 * side, y - 0.5 * side, 0.0));
+        .map(|(x, y)| Vector3::new(x, y, 0.0));
     let per_side = side / feed + ramp;
-    let executed = execute(
-        |t| {
-            let t = t - 1e-9;
-            let i = (t / per_side).floor().max(0.0) as usize;
-            let s = travelled(t - i as f64 * per_side, side, feed, ramp)? / side;
-            let (from, to) = (*corners.get(i)?, *corners.get(i + 1)?);
-            Some(from - corners[0] + (to - from) * s)
-        },
-        100,
-    );
-    let (rms, worst) = summary(executed.iter().map(|p| {
+    let square = |t: f64| {
+        let i = ((t - 1e-9) / per_side).floor().max(0.0) as usize;
+        let s = travelled(t - 1e-9 - i as f64 * per_side, side, feed, ramp)? / side;
+        let (from, to) = (*corners.get(i)?, *corners.get(i + 1)?);
+        Some(from + (to - from) * s)
+    };
+    let distance = |p: &Vector3<f64>| {
         let to_side = |i: usize| {
-            let (from, along) = (corners[i] - corners[0], corners[i + 1] - corners[i]);
-            let s = ((p - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-            (p - from - along * s).norm()
+            let along = corners[i + 1] - corners[i];
+            let s = ((p - corners[i]).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            (p - corners[i] - along * s).norm()
         };
         (0..4).map(to_side).fold(f64::INFINITY, f64::min)
-    }));
-    println!("square 20 mm, 20 mm/s: rms {:.4} mm, worst {:.4} mm", rms * 1e3, worst * 1e3);
-    assert!(rms < 1e-4 && worst < 3e-4, "{rms} {worst}");
+    };
+    for (robot, place) in arms_and_places() {
+        let executed = execute(&robot, &place, square, 100);
+        assert!(executed.len() > 2200, "all four sides were run");
+        let (rms, worst) = summary(executed.iter().map(distance));
+        println!("square 20 mm, 20 mm/s: rms {:.4} mm, worst {:.4} mm", rms * 1e3, worst * 1e3);
+        assert!(rms < 1e-4 && worst < 3e-4, "{place}: {rms} {worst}");
+    }
+}
+
+/// Half and twice the inertia assumed: the published gains must not hang by a thread.
+#[test]
+fn every_servo_loop_settles_with_half_and_twice_its_inertia() {
+    for (i, data) in Irp6::MOTORS.iter().enumerate() {
+        for share in [0.5, 1.0, 2.0] {
+            let data = MotorData { inertia: share * data.inertia, ..*data };
+            let mut plant = Plant::at_rest(&data, 0.0);
+            let mut regulator = Regulator::holding(data.gains, 0.0);
+            let (mut demanded, mut count, mut deviation) = (0.0, 0.0, 0.0);
+            let mut late = 0.0_f64;
+            for k in 0..1000 {
+                // 5 rad in 0.2 s, then rest.
+                let next = if k < 100 { 0.05 / data.encoder.pulse() } else { 0.0 };
+                plant.run(regulator.step(deviation, next), 0.0);
+                let increment = data.encoder.count(plant.angle()) - count;
+                count += increment;
+                demanded += next;
+                deviation = next - increment;
+                if k > 500 {
+                    late = late.max((demanded - count).abs());
+                }
+            }
+            assert!(late <= 12.0, "motor {i}, inertia {share}: {late} pulses off after 0.8 s of rest");
+        }
+    }
+}
+
+/// Expected values: scipy.signal.lfilter of (b0, -b1)(1.010, -0.990) over (1, -1)(1, -a)(1, -1).
+#[test]
+fn the_regulator_answers_an_impulse_as_its_transfer_function_does() {
+    let mut regulator = Regulator::holding(Irp6::MOTORS[0].gains, 0.0);
+    let expected = [
+        6.90234,
+        3.328063860000004,
+        1.7992593959400107,
+        1.1479622808582786,
+        0.8731158184882206,
+        0.7597666861314709,
+        0.7156999083504305,
+        0.7013552606823694,
+    ];
+    for (k, expected) in expected.into_iter().enumerate() {
+        let output = regulator.step(if k == 0 { 1.0 } else { 0.0 }, 0.0);
+        assert!((output - expected).abs() < 1e-12, "{k}: {output} {expected}");
+    }
 }
 
 #[test]
@@ -178,13 +243,35 @@ fn a_blocked_joint_trips_its_drive_and_the_arm_stands_still() {
         }
         let rest: Measured<Six> = arm.shaft().state();
         assert_eq!(rest.velocity.amax(), 0.0);
-        arm.free(joint);
+        arm.unblock(joint);
         arm.reset();
         let here = arm.measured().position;
         for _ in 0..100 {
             arm.tick(&here).expect("it holds where it stands");
         }
     }
+}
+
+#[test]
+fn a_moving_arm_without_demands_brakes_and_goes_on_after_a_reset() {
+    let mut q = engraving();
+    let mut arm = SimulatedIrp6::new(Irp6::nominal(), &q);
+    for _ in 0..200 {
+        q[0] += 0.2 * PERIOD;
+        arm.tick(&q).expect("slow");
+    }
+    for _ in 0..50 {
+        arm.brake();
+    }
+    let rest = arm.shaft().state();
+    assert_eq!(rest.velocity.amax(), 0.0);
+    assert!((rest.position - q).amax() < 0.01, "0.2 rad/s is 32 rad/s at the motor: 21 ms to stop");
+    arm.reset();
+    let here = arm.measured().position;
+    for _ in 0..500 {
+        arm.tick(&here).expect("it holds where it stands");
+    }
+    assert!((arm.shaft().state().position - here).amax() < 1e-4);
 }
 
 #[test]
