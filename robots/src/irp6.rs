@@ -87,9 +87,9 @@ pub struct MotorData {
     pub encoder: Encoder,
     /// Gains of its regulator (MRROC++).
     pub gains: Gains,
-    /// Largest lasting current [A], > 0 (MRROC++).
+    /// Largest lasting current \[A\], > 0 (MRROC++).
     pub current_limit: f64,
-    /// Armature resistance [ohm], > 0 (assumed).
+    /// Armature resistance \[ohm\], > 0 (assumed).
     pub resistance: f64,
     /// Torque constant [N m/A] and back-EMF constant [V s], > 0 (assumed).
     pub torque_constant: f64,
@@ -102,9 +102,9 @@ pub struct MotorData {
 }
 
 impl Irp6 {
-    /// Lowest motor angles [rad] (MRROC++).
+    /// Lowest motor angles \[rad\] (MRROC++).
     pub const MOTOR_LOWER: Six = Six::new(-470.0, -110.0, -80.0, -70.0, -80.0, -1000.0);
-    /// Highest motor angles [rad] (MRROC++).
+    /// Highest motor angles \[rad\] (MRROC++).
     pub const MOTOR_UPPER: Six = Six::new(450.0, 100.0, 100.0, 380.0, 490.0, 3000.0);
     /// Hard limit of every motor's speed: 0.5 rad per servo period of 2 ms [rad/s] (MRROC++).
     pub const MOTOR_SPEED: f64 = 250.0;
@@ -194,7 +194,7 @@ impl Irp6 {
         &self.transmission
     }
 
-    /// Whether `q` [rad] keeps the joint limits and, through the transmission, the motor limits.
+    /// Whether `q` \[rad\] keeps the joint limits and, through the transmission, the motor limits.
     #[must_use]
     pub fn is_feasible(&self, q: &Six) -> bool {
         let motors = self.transmission.motors(q);
@@ -204,7 +204,7 @@ impl Irp6 {
         })
     }
 
-    /// Geometric Jacobian at `q` [rad]: maps joint speeds [rad/s] to the flange's angular velocity [rad/s]
+    /// Geometric Jacobian at `q` \[rad\]: maps joint speeds [rad/s] to the flange's angular velocity [rad/s]
     /// (rows 0 to 2) and the velocity of its origin [m/s] (rows 3 to 5), both in the world.
     #[must_use]
     pub fn jacobian(&self, q: &Six) -> Matrix6<f64> {
@@ -239,7 +239,7 @@ impl Irp6 {
         jacobian
     }
 
-    /// Manipulability at `q` [rad]: |det J| = |rho a2 a3 sin(theta3 - theta2) sin(q5)| [m³] (Yoshikawa),
+    /// Manipulability at `q` \[rad\]: |det J| = |rho a2 a3 sin(theta3 - theta2) sin(q5)| \[m³\] (Yoshikawa),
     /// where rho is the distance of the flange from the column axis; 0 on a singularity.
     #[must_use]
     pub fn manipulability(&self, q: &Six) -> f64 {
@@ -249,7 +249,7 @@ impl Irp6 {
         (rho * a2 * a3 * (theta3 - q[1]).sin() * q[4].sin()).abs()
     }
 
-    /// How far q5 is from the nearest wrist singularity [rad], 0 to pi/2.
+    /// How far q5 is from the nearest wrist singularity \[rad\], 0 to pi/2.
     #[must_use]
     pub fn wrist_singularity_distance(q: &Six) -> f64 {
         let (sine, cosine) = q[4].sin_cos();

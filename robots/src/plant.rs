@@ -15,10 +15,10 @@ use core::f64::consts::{PI, TAU};
 use crate::irp6::MotorData;
 use crate::regulator::Regulator;
 
-/// Servo period [s] (MRROC++).
+/// Servo period \[s\] (MRROC++).
 pub(crate) const PERIOD: f64 = 0.002;
 
-/// Supply voltage at full pulse width [V] (assumed).
+/// Supply voltage at full pulse width \[V\] (assumed).
 const SUPPLY: f64 = 96.0;
 
 /// What the amplifier gives at most, as a multiple of the lasting current (assumed).
@@ -27,7 +27,7 @@ const PEAK: f64 = 2.0;
 /// Deceleration of a motor by its brake [rad/s²] (assumed).
 const BRAKE: f64 = 1500.0;
 
-/// Length of one integration step [s].
+/// Length of one integration step \[s\].
 const H: f64 = PERIOD / Plant::SUBSTEPS as f64;
 
 /// An incremental encoder on a motor shaft.
@@ -38,13 +38,13 @@ pub struct Encoder {
 }
 
 impl Encoder {
-    /// The whole number of pulses nearest to a shaft angle [rad].
+    /// The whole number of pulses nearest to a shaft angle \[rad\].
     #[must_use]
     pub fn count(&self, angle: f64) -> f64 {
         (angle * (self.pulses / TAU)).round()
     }
 
-    /// The shaft angle of one pulse [rad].
+    /// The shaft angle of one pulse \[rad\].
     #[must_use]
     pub fn pulse(&self) -> f64 {
         2.0 * PI / self.pulses
@@ -77,7 +77,7 @@ impl Plant {
     /// Integration steps per servo period.
     pub const SUBSTEPS: usize = 4;
 
-    /// A drive at rest at a shaft angle [rad].
+    /// A drive at rest at a shaft angle \[rad\].
     #[must_use]
     pub fn at_rest(data: &MotorData, angle: f64) -> Self {
         Self {
@@ -97,7 +97,7 @@ impl Plant {
         }
     }
 
-    /// The pulse width [pwm] that balances a load torque [N m] at rest.
+    /// The pulse width \[pwm\] that balances a load torque [N m] at rest.
     #[must_use]
     pub fn holding(&self, load: f64) -> f64 {
         load * self.model.speed_per_load / (self.model.speed_per_current * self.model.current_per_pwm)
@@ -135,7 +135,7 @@ impl Plant {
         self.jammed = jammed;
     }
 
-    /// True shaft angle [rad].
+    /// True shaft angle \[rad\].
     #[must_use]
     pub fn angle(&self) -> f64 {
         self.angle
@@ -147,7 +147,7 @@ impl Plant {
         self.speed
     }
 
-    /// Armature current [A].
+    /// Armature current \[A\].
     #[must_use]
     pub fn current(&self) -> f64 {
         self.current

@@ -1,6 +1,6 @@
 //! The servo regulator of MRROC++, one per motor, run every 2 ms on increments.
 //!
-//! With `r_k`, `y_k` the demanded and measured motor increments of a period [pulses]:
+//! With `r_k`, `y_k` the demanded and measured motor increments of a period \[pulses\]:
 //!
 //! ```text
 //! eps_k = eps_{k-1} + 1.010 (r_k - y_k) - 0.990 (r_{k-1} - y_{k-1})
@@ -35,16 +35,16 @@ pub struct Regulator {
 }
 
 impl Regulator {
-    /// Largest pulse width either way [pwm], which is the full supply voltage (assumed: 8 bits and a sign).
+    /// Largest pulse width either way \[pwm\], which is the full supply voltage (assumed: 8 bits and a sign).
     pub const PWM: f64 = 255.0;
 
-    /// A regulator at rest that holds its load with the pulse width `holding` [pwm].
+    /// A regulator at rest that holds its load with the pulse width `holding` \[pwm\].
     #[must_use]
     pub fn holding(gains: Gains, holding: f64) -> Self {
         Self { gains, deviation: 0.0, error: 0.0, outputs: [holding; 2] }
     }
 
-    /// One period: `deviation` is `r_k - y_k` and `next` is `r_{k+1}` [pulses]; returns the pulse width.
+    /// One period: `deviation` is `r_k - y_k` and `next` is `r_{k+1}` \[pulses\]; returns the pulse width.
     #[must_use = "the pulse width drives the motor"]
     pub fn step(&mut self, deviation: f64, next: f64) -> f64 {
         let Gains { a, b0, b1, feedforward } = self.gains;

@@ -14,7 +14,7 @@ use crate::transmission::LinkState;
 /// Gravity [m/s²].
 const GRAVITY: f64 = 9.80665;
 
-/// Largest following error of a motor [rad] (assumed); 0.5 deg of a joint at most.
+/// Largest following error of a motor \[rad\] (assumed); 0.5 deg of a joint at most.
 const FOLLOWING_LIMIT: f64 = 1.0;
 
 /// Share of a period's current in the mean that trips the amplifier: time constant 50 ms (assumed).
@@ -30,7 +30,7 @@ const SPEED_SHARE: f64 = PERIOD / 0.008;
 pub struct Shaft(Rc<Cell<Measured<Six>>>);
 
 impl Shaft {
-    /// True joint positions [rad] and speeds [rad/s] at the end of the last servo period.
+    /// True joint positions \[rad\] and speeds [rad/s] at the end of the last servo period.
     #[must_use]
     pub fn state(&self) -> Measured<Six> {
         self.0.get()
@@ -72,7 +72,7 @@ struct Drive {
 }
 
 impl SimulatedIrp6 {
-    /// The arm at rest and in equilibrium at the joint positions `q` [rad].
+    /// The arm at rest and in equilibrium at the joint positions `q` \[rad\].
     ///
     /// The positions must be feasible ([`Irp6::is_feasible`]); from others the first tick trips.
     #[must_use]
@@ -97,7 +97,7 @@ impl SimulatedIrp6 {
         self.shaft.clone()
     }
 
-    /// Armature currents of the motors [A].
+    /// Armature currents of the motors \[A\].
     #[must_use]
     pub fn currents(&self) -> Six {
         Six::from_fn(|i, _| self.drives[i].plant.current())
@@ -137,7 +137,7 @@ impl SimulatedIrp6 {
         self.measured
     }
 
-    /// The first drive that cannot take the motor angles `motors` [rad], with the reason.
+    /// The first drive that cannot take the motor angles `motors` \[rad\], with the reason.
     fn refusal(&self, motors: &Six) -> Option<DriveFault> {
         for (i, drive) in self.drives.iter().enumerate() {
             let (angle, speed) = (motors[i], (motors[i] - drive.angle_demanded()) / PERIOD);
@@ -228,12 +228,12 @@ impl Drive {
         }
     }
 
-    /// The motor angle demanded last [rad].
+    /// The motor angle demanded last \[rad\].
     fn angle_demanded(&self) -> f64 {
         self.demanded * self.pulse
     }
 
-    /// One servo period towards `angle` [rad]; tells whether the drive trips at its end.
+    /// One servo period towards `angle` \[rad\]; tells whether the drive trips at its end.
     fn tick(&mut self, index: usize, angle: f64, load: f64) -> Option<DriveFault> {
         let data = &Irp6::MOTORS[index];
         let deviation = (self.demanded - self.previous) - self.increment;

@@ -23,11 +23,11 @@ const SCREW: f64 = 2.0 * PI / 5.0;
 /// A geared axis: `m = synchro + gear (theta - offset)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {
-    /// Motor angle at `theta = offset` [rad].
+    /// Motor angle at `theta = offset` \[rad\].
     pub synchro: f64,
     /// Motor angle per joint angle, signed, not 0.
     pub gear: f64,
-    /// Joint angle at the synchronisation position [rad].
+    /// Joint angle at the synchronisation position \[rad\].
     pub offset: f64,
 }
 
@@ -44,22 +44,22 @@ impl Linear {
 /// A link driven by a ball screw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Screw {
-    /// Motor angle at the screw length `reference` [rad].
+    /// Motor angle at the screw length `reference` \[rad\].
     pub synchro: f64,
-    /// Constant term of the squared length [mm²].
+    /// Constant term of the squared length \[mm²\].
     pub square: f64,
-    /// Cosine term of the squared length [mm²].
+    /// Cosine term of the squared length \[mm²\].
     pub mu: f64,
-    /// Negative sine term of the squared length [mm²].
+    /// Negative sine term of the squared length \[mm²\].
     pub nu: f64,
-    /// Screw length at synchronisation [mm].
+    /// Screw length at synchronisation \[mm\].
     pub reference: f64,
 }
 
 /// A screw-driven link as its motor angle determines it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkState {
-    /// Absolute link angle [rad].
+    /// Absolute link angle \[rad\].
     pub angle: f64,
     /// Its cosine.
     pub cosine: f64,
@@ -68,7 +68,7 @@ pub struct LinkState {
 }
 
 impl Screw {
-    /// The motor angle [rad] at the absolute link angle [rad].
+    /// The motor angle \[rad\] at the absolute link angle \[rad\].
     #[must_use]
     pub fn motor(&self, angle: f64) -> f64 {
         let (sine, cosine) = angle.sin_cos();
@@ -76,7 +76,7 @@ impl Screw {
         self.synchro + SCREW * (length - self.reference)
     }
 
-    /// The link at a motor angle [rad]; NaN where the linkage cannot be closed (far outside the motor limits).
+    /// The link at a motor angle \[rad\]; NaN where the linkage cannot be closed (far outside the motor limits).
     #[must_use]
     pub fn link(&self, motor: f64) -> LinkState {
         let length = (motor - self.synchro) / SCREW + self.reference;
@@ -107,7 +107,7 @@ pub struct Transmission {
 }
 
 impl Transmission {
-    /// Motor angles [rad] of the joint angles `q` [rad].
+    /// Motor angles \[rad\] of the joint angles `q` \[rad\].
     #[must_use]
     pub fn motors(&self, q: &Six) -> Six {
         let theta3 = q[1] + q[2] + FRAC_PI_2;
@@ -122,7 +122,7 @@ impl Transmission {
         )
     }
 
-    /// Joint angles [rad] of the motor angles `m` [rad]; NaN where a screw's linkage cannot be closed.
+    /// Joint angles \[rad\] of the motor angles `m` \[rad\]; NaN where a screw's linkage cannot be closed.
     #[must_use]
     pub fn joints(&self, m: &Six) -> Six {
         self.assemble(m, &self.lower.link(m[1]), &self.upper.link(m[2]))

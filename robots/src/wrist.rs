@@ -10,26 +10,26 @@ use mrroc::{NoInverse, Pose};
 
 use crate::irp6::Six;
 
-/// Distance of the flange from the column axis below which q1 is undetermined [m].
+/// Distance of the flange from the column axis below which q1 is undetermined \[m\].
 const SHOULDER_SINGULAR: f64 = 1e-9;
 
-/// Sine of q5 below which the wrist counts as singular; the pose then errs by no more than this [rad].
+/// Sine of q5 below which the wrist counts as singular; the pose then errs by no more than this \[rad\].
 const WRIST_SINGULAR: f64 = 1e-10;
 
 /// What the flange pose alone determines: the column and one of the two wrist solutions.
 #[derive(Clone, Copy)]
 pub(crate) struct Wrist {
-    /// Distance of the flange from the column axis [m].
+    /// Distance of the flange from the column axis \[m\].
     pub(crate) rho: f64,
-    /// Height of the flange [m].
+    /// Height of the flange \[m\].
     pub(crate) z: f64,
-    /// Angle of the column [rad].
+    /// Angle of the column \[rad\].
     pub(crate) theta1: f64,
-    /// Absolute angle of the wrist link [rad].
+    /// Absolute angle of the wrist link \[rad\].
     pub(crate) theta4: f64,
-    /// Roll of the wrist, q5 [rad].
+    /// Roll of the wrist, q5 \[rad\].
     pub(crate) theta5: f64,
-    /// Turn of the flange, q6 [rad].
+    /// Turn of the flange, q6 \[rad\].
     pub(crate) theta6: f64,
     /// Sine of theta4.
     pub(crate) s4: f64,
@@ -82,19 +82,19 @@ impl Wrist {
         }
     }
 
-    /// Sum of the squares by which the wrist angles differ from `near` [rad²].
+    /// Sum of the squares by which the wrist angles differ from `near` \[rad²\].
     pub(crate) fn distance(&self, near: &Six) -> f64 {
         let square = |angle: f64, near: f64| (closest(angle, near) - near).powi(2);
         square(self.theta4, theta4_of(near)) + square(self.theta5, near[4]) + square(self.theta6, near[5])
     }
 }
 
-/// Absolute angle of the wrist link [rad].
+/// Absolute angle of the wrist link \[rad\].
 fn theta4_of(q: &Six) -> f64 {
     q[1] + q[2] + q[3] + FRAC_PI_2
 }
 
-/// The angle equal to `angle` up to full turns that lies closest to `near` [rad].
+/// The angle equal to `angle` up to full turns that lies closest to `near` \[rad\].
 pub(crate) fn closest(angle: f64, near: f64) -> f64 {
     angle - TAU * ((angle - near) * (1.0 / TAU)).round()
 }

@@ -23,11 +23,11 @@ const SINGULAR: f64 = 1e-15;
 /// An orientation as ZYZ Euler angles: `R_AB = R_z(alpha) R_y(beta) R_z(gamma)`, turning about the moved axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Zyz {
-    /// First turn, about z [rad]; from a rotation: above -pi, up to pi.
+    /// First turn, about z \[rad\]; from a rotation: above -pi, up to pi.
     pub alpha: f64,
-    /// Second turn, about the moved y [rad]; from a rotation: 0 to pi.
+    /// Second turn, about the moved y \[rad\]; from a rotation: 0 to pi.
     pub beta: f64,
-    /// Third turn, about the moved z [rad]; from a rotation: above -pi, up to pi.
+    /// Third turn, about the moved z \[rad\]; from a rotation: above -pi, up to pi.
     pub gamma: f64,
 }
 
@@ -68,10 +68,10 @@ impl Zyz {
     }
 }
 
-/// An orientation as one turn about one axis: the unit axis times the angle [rad], zero for no turn.
+/// An orientation as one turn about one axis: the unit axis times the angle \[rad\], zero for no turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AngleAxis(
-    /// Axis times angle [rad]; from a rotation: at most pi long.
+    /// Axis times angle \[rad\]; from a rotation: at most pi long.
     pub Vector3<f64>,
 );
 
@@ -98,14 +98,14 @@ impl AngleAxis {
         UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, self.0 * factor))
     }
 
-    /// Length of the turn [rad], at least 0.
+    /// Length of the turn \[rad\], at least 0.
     #[must_use]
     pub fn angle(&self) -> f64 {
         self.0.x.hypot(self.0.y).hypot(self.0.z)
     }
 }
 
-/// The same angle above -pi and up to pi, for angles of at most a few turns [rad].
+/// The same angle above -pi and up to pi, for angles of at most a few turns \[rad\].
 fn wrapped(angle: f64) -> f64 {
     if angle > PI {
         angle - TAU
