@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use crate::joints::{JointVector, MAX_JOINTS};
-use crate::pose::Pose;
+use crate::pose::{AngleAxis, Pose, Zyz};
 use crate::robot::Robot;
 use crate::wire::{BadWords, Wire};
 
@@ -80,23 +80,17 @@ impl<R: Robot> Demand<R> {
         Self::pose(Pose::from_parts(position, rotation))
     }
 
-    /// The tool's position [m] and the ZYZ Euler angles of its orientation: `R_WE = Rz(alpha) Ry(beta) Rz(gamma)`.
+    /// The tool's position [m] and the ZYZ Euler angles of its orientation.
     #[must_use]
-    pub fn position_zyz(position: Vector3<f64>, [alpha, beta, gamma]: [f64; 3]) -> Self {
-        let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
-        let (y, z) = (Vector3::y_axis(), Vector3::z_axis());
-        Self::pose(Pose::from_parts(
-            Translation3::from(position),
-            about(z, alpha) * about(y, beta) * about(z, gamma),
-        ))
+    pub fn position_zyz(position: Vector3<f64>, angles: Zyz) -> Self {
+        Self::pose(Pose::from_parts(Translation3::from(position), angles.rotation()))
     }
 
-    /// The tool's position [m] and its orientation as a rotation vector, axis times angle [rad].
+    /// The tool's position [m] and its orientation as a rotation vector.
     #[must_use]
-    pub fn position_angle_axis(position: Vector3<f64>, rotation: Vector3<f64>) -> Self {
-        let finite = rotation.iter().all(|x| x.is_finite());
-        let rotation = if finite {
-            UnitQuaternion::from_scaled_axis(rotation)
+    pub fn position_angle_axis(position: Vector3<f64>, rotation: AngleAxis) -> Self {
+        let rotation = if rotation.0.iter().all(|x| x.is_finite()) {
+            rotation.rotation()
         } else {
             // Infinite angles have no sine: they stay visible to the EDP's check.
             UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, f64::NAN, f64::NAN, f64::NAN))

@@ -50,7 +50,7 @@ pub use mp::Mp;
 pub use name::{BadName, MAX_NAME, Name};
 pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
-pub use pose::Pose;
+pub use pose::{AngleAxis, Pose, Zyz};
 pub use robot::{JointKind, Limits, NoInverse, Robot};
 pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;

@@ -1,6 +1,8 @@
 //! Faults: what is refused, who is named, and how the robots come to a standstill. Numbers are SAFETY.md's rows.
 
-use mrroc::{Cell, CellError, Demand, Fault, FaultKind, Pose, RobotSetup, Step, Tick, generator};
+use mrroc::{
+    AngleAxis, Cell, CellError, Demand, Fault, FaultKind, Pose, RobotSetup, Step, Tick, Zyz, generator,
+};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, Trace, fault, gantry, peaks, traced};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -56,10 +58,13 @@ fn fault_18_a_number_that_is_not_finite_never_reaches_the_drives() {
                 Demand::pose(Pose::from_parts(Translation3::identity(), broken)),
                 Demand::homogeneous(&matrix),
                 Demand::homogeneous(&turned),
-                Demand::position_zyz(vector, [0.0; 3]),
-                Demand::position_zyz(Vector3::zeros(), angles),
-                Demand::position_angle_axis(vector, Vector3::zeros()),
-                Demand::position_angle_axis(Vector3::zeros(), vector),
+                Demand::position_zyz(vector, Zyz { alpha: 0.0, beta: 0.0, gamma: 0.0 }),
+                Demand::position_zyz(
+                    Vector3::zeros(),
+                    Zyz { alpha: angles[0], beta: angles[1], gamma: angles[2] },
+                ),
+                Demand::position_angle_axis(vector, AngleAxis(Vector3::zeros())),
+                Demand::position_angle_axis(Vector3::zeros(), AngleAxis(vector)),
                 Demand::displacement(Pose::from_parts(Translation3::from(vector), identity)),
                 Demand::hold().with_tool(Pose::from_parts(Translation3::from(vector), identity)),
             ];

@@ -1,0 +1,362 @@
+//! The IRp-6: a six-joint arm whose links are driven through parallelograms and ball screws.
+//!
+//! ```text
+//!            a3 (theta3)
+//!        o----------------o=== d5 (theta4) ===+ F      side view at q1 = 0,
+//!        |                 T   V (q5)         | N (q6)  theta2 = -90 deg, theta3 = theta4 = 0,
+//!        |                                    |         q5 = 270 deg: the tool points down
+//!     a2 | (theta2)                           v z_F
+//!        |
+//!   z_B  |
+//!    ^   |
+//!    |   |        theta2, theta3, theta4: angle of a link below the horizontal,
+//!  B o---o--> x_B              all three about the same direction, y_B turned by q1
+//!   column (q1 about z_B)
+//! ```
+//!
+//! **Frames.** B: the base, its origin at the shoulder where the axes of the column and of the lower link
+//! meet, z_B up. F: the flange, its origin at the end of d5 (where the axis of N meets that of V), z_F along
+//! the tool. W: the world; [`Irp6::with_base`] places B in it.
+//!
+//! **Joints.** `q1` turns the column. `q2`, `q3`, `q4` are each relative to the link before
+//! (Denavit-Hartenberg): `theta2 = q2`, `theta3 = q2 + q3 + pi/2`, `theta4 = theta3 + q4`. `q5` (V) rolls the
+//! wrist about d5, `q6` (N) turns the flange about z_F. As rotations
+//!
+//! ```text
+//! R_BF = R_z(q1) R_y(theta4) R_x(q5) P R_z(q6),       P: x -> z, y -> x, z -> y
+//! p_BoFo = R_z(q1) (a2 c2 + a3 c3 + d5 c4, 0, -a2 s2 - a3 s3 - d5 s4)
+//! ```
+//!
+//! The wrist is singular where z_F is parallel to the axis of T (`sin q5 = 0`).
+//!
+//! **Limits.** MRROC++ wrote its joint limits for the absolute link angles and kept the figures when the
+//! joints became relative. Here they bound the relative joints, as they stand in MRROC++ (q2 -130..-50,
+//! q3 -25..40, q4 -90..92 deg): a box is what demands are checked against. The *absolute* angles are bounded
+//! by the motor limits, which the drives check as well ([`Irp6::MOTOR_LOWER`]): about -125..-52 deg for
+//! theta2, -25..36 for theta3, -102..99 for theta4. A pose is feasible when it keeps both;
+//! [`Irp6::is_feasible`] says so. q5 and q6 are bounded by both alike.
+//!
+//! Joint speeds are at most 1.5 rad/s and what a motor at its hard limit (250 rad/s) gives when the joint
+//! moves alone: 1.4 for q2 and q3 (screws, at the steepest point of their stroke), 0.865 for q6. Joints that
+//! add up on one motor (q2, q3, q4 on T and V) can still ask it for more: the drives refuse that.
+//!
+//! Sources: MRROC++ public facts (geometry, calibration, transmission, limits, currents). The motors'
+//! electrical and mechanical constants are not public: [`MotorData`] marks them as assumed.
+
+use core::f64::consts::{FRAC_PI_2, PI};
+
+use mrroc::{Limits, NoInverse, Pose, Robot};
+use nalgebra::{Matrix6, Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
+
+use crate::plant::Encoder;
+use crate::regulator::Gains;
+use crate::transmission::{Linear, Screw, Transmission};
+use crate::wrist::{Wrist, closest};
+
+/// One entry per joint, or per motor, of the IRp-6.
+pub type Six = SVector<f64, 6>;
+
+/// Lengths of the links.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Geometry {
+    a2: f64,
+    a3: f64,
+    d5: f64,
+}
+
+/// An IRp-6 arm on its postument, without gripper.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(non_snake_case)]
+pub struct Irp6 {
+    geometry: Geometry,
+    transmission: Transmission,
+    X_WB: Pose,
+    X_BW: Pose,
+    limits: Limits<Six>,
+}
+
+/// One drive: what the simulated plant needs to know of a motor and its load.
+///
+/// The assumed figures are those of DC disc motors at 96 V, chosen so that the published gains give a sound servo
+/// loop on each axis: it crosses over at 99 to 130 rad/s with a phase margin of 45 to 56 deg and a gain margin above
+/// 6.7 (`tests/reference/servo_margins.py`), and every joint alone can reach its acceleration and speed limits
+/// within the lasting current.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorData {
+    /// Encoder on the motor shaft (MRROC++).
+    pub encoder: Encoder,
+    /// Gains of its regulator (MRROC++).
+    pub gains: Gains,
+    /// Largest lasting current \[A\], > 0 (MRROC++).
+    pub current_limit: f64,
+    /// Armature resistance \[ohm\], > 0 (assumed).
+    pub resistance: f64,
+    /// Torque constant [N m/A] and back-EMF constant [V s], > 0 (assumed).
+    pub torque_constant: f64,
+    /// Inertia of rotor and load, seen at the motor [kg m²], > 0 (assumed).
+    pub inertia: f64,
+    /// Viscous friction at the motor [N m s], >= 0 (assumed).
+    pub viscous: f64,
+    /// Coulomb friction at the motor [N m], >= 0 (assumed).
+    pub coulomb: f64,
+}
+
+impl Irp6 {
+    /// Lowest motor angles \[rad\] (MRROC++).
+    pub const MOTOR_LOWER: Six = Six::new(-470.0, -110.0, -80.0, -70.0, -80.0, -1000.0);
+    /// Highest motor angles \[rad\] (MRROC++).
+    pub const MOTOR_UPPER: Six = Six::new(450.0, 100.0, 100.0, 380.0, 490.0, 3000.0);
+    /// Hard limit of every motor's speed: 0.5 rad per servo period of 2 ms [rad/s] (MRROC++).
+    pub const MOTOR_SPEED: f64 = 250.0;
+    /// First moments of mass that load the lower and the upper arm, after balancing [kg m] (assumed).
+    pub const GRAVITY_MOMENT: [f64; 2] = [6.0, 4.0];
+    /// Drives of column, lower arm, upper arm, T, V, N.
+    #[rustfmt::skip]
+    pub const MOTORS: [MotorData; 6] = [
+        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.429, b0: 6.834, b1: 6.606, feedforward: 0.35 },
+            current_limit: 15.0, resistance: 3.66, torque_constant: 0.20, inertia: 2.5e-3, viscous: 1e-3, coulomb: 0.08 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.64, b0: 2.49, b1: 2.385, feedforward: 0.35 },
+            current_limit: 18.0, resistance: 2.80, torque_constant: 0.20, inertia: 2.2e-3, viscous: 1e-3, coulomb: 0.10 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.333, b0: 5.693, b1: 5.427, feedforward: 0.35 },
+            current_limit: 10.0, resistance: 5.30, torque_constant: 0.20, inertia: 1.2e-3, viscous: 1e-3, coulomb: 0.08 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.56, b0: 3.99, b1: 3.775, feedforward: 0.35 },
+            current_limit: 10.0, resistance: 6.50, torque_constant: 0.18, inertia: 9e-4, viscous: 5e-4, coulomb: 0.04 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 },
+            current_limit: 10.0, resistance: 6.50, torque_constant: 0.18, inertia: 7e-4, viscous: 5e-4, coulomb: 0.04 },
+        MotorData { encoder: Encoder { pulses: 2000.0 }, gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 },
+            current_limit: 10.0, resistance: 6.50, torque_constant: 0.18, inertia: 3.5e-4, viscous: 5e-4, coulomb: 0.04 },
+    ];
+
+    /// The arm with its design dimensions, its base at the world's origin.
+    #[must_use]
+    pub fn nominal() -> Self {
+        Self::new(
+            Geometry { a2: 0.455, a3: 0.67, d5: 0.19 },
+            transmission(
+                77895.25,
+                [60902.55, -29346.68, 220.3374],
+                [-44100.0, -51240.0, 183.8348],
+                [-15.9, -5.0, -8.527, 151.31, 435.25, 791.0],
+                [0.0, 0.0, 0.0],
+            ),
+        )
+    }
+
+    /// The arm on the postument with its calibrated dimensions, its base at the world's origin.
+    #[must_use]
+    pub fn calibrated() -> Self {
+        Self::new(
+            Geometry { a2: 0.4596, a3: 0.6729, d5: 0.1903 },
+            transmission(
+                78379.4388,
+                [60059.3311, -32453.0983, 211.8108],
+                [-42863.8177, -53294.4762, 187.6529],
+                [-7.7597, -8.7537, -7.5355, 153.1366, 309.5910, 796.0265],
+                [0.0111, 0.0903, 0.0209],
+            ),
+        )
+    }
+
+    fn new(geometry: Geometry, transmission: Transmission) -> Self {
+        let degrees = PI / 180.0;
+        Self {
+            geometry,
+            transmission,
+            X_WB: Pose::identity(),
+            X_BW: Pose::identity(),
+            limits: Limits {
+                lower: Six::new(
+                    -170.0 * degrees,
+                    -130.0 * degrees,
+                    -25.0 * degrees,
+                    -90.0 * degrees,
+                    -10.0,
+                    -2.88,
+                ),
+                upper: Six::new(170.0 * degrees, -50.0 * degrees, 40.0 * degrees, 92.0 * degrees, 10.0, 2.93),
+                velocity: Six::new(1.5, 1.4, 1.4, 1.5, 1.5, 0.865),
+                acceleration: Six::repeat(7.0),
+                jerk: None,
+            },
+        }
+    }
+
+    /// The same arm with its base at `X_WB` in the world.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn with_base(self, X_WB: Pose) -> Self {
+        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+    }
+
+    /// The drives' gears and screws.
+    #[must_use]
+    pub fn transmission(&self) -> &Transmission {
+        &self.transmission
+    }
+
+    /// Whether `q` \[rad\] keeps the joint limits and, through the transmission, the motor limits.
+    #[must_use]
+    pub fn is_feasible(&self, q: &Six) -> bool {
+        let motors = self.transmission.motors(q);
+        (0..6).all(|i| {
+            (self.limits.lower[i]..=self.limits.upper[i]).contains(&q[i])
+                && (Self::MOTOR_LOWER[i]..=Self::MOTOR_UPPER[i]).contains(&motors[i])
+        })
+    }
+
+    /// Geometric Jacobian at `q` \[rad\]: maps joint speeds [rad/s] to the flange's angular velocity [rad/s]
+    /// (rows 0 to 2) and the velocity of its origin [m/s] (rows 3 to 5), both in the world.
+    #[must_use]
+    pub fn jacobian(&self, q: &Six) -> Matrix6<f64> {
+        let Geometry { a2, a3, d5 } = self.geometry;
+        let (theta2, theta3) = (q[1], q[1] + q[2] + FRAC_PI_2);
+        let theta4 = theta3 + q[3];
+        let ((s1, c1), (s5, c5)) = (q[0].sin_cos(), q[4].sin_cos());
+        let (s4, c4) = theta4.sin_cos();
+        // A link of length a turning downwards at 1 rad/s moves its far end by this.
+        let swing = |a: f64, theta: f64| {
+            let (sine, cosine) = theta.sin_cos();
+            Vector3::new(-c1 * a * sine, -s1 * a * sine, -a * cosine)
+        };
+        let v4 = swing(d5, theta4);
+        let v3 = v4 + swing(a3, theta3);
+        let v2 = v3 + swing(a2, theta2);
+        let rho = a2 * theta2.cos() + a3 * theta3.cos() + d5 * c4;
+        let pitch = Vector3::new(-s1, c1, 0.0);
+        let columns = [
+            (Vector3::z(), Vector3::new(-s1 * rho, c1 * rho, 0.0)),
+            (pitch, v2),
+            (pitch, v3),
+            (pitch, v4),
+            (Vector3::new(c1 * c4, s1 * c4, -s4), Vector3::zeros()),
+            (Vector3::new(c1 * s4 * s5 - s1 * c5, s1 * s4 * s5 + c1 * c5, c4 * s5), Vector3::zeros()),
+        ];
+        let mut jacobian = Matrix6::zeros();
+        for (i, (angular, linear)) in columns.iter().enumerate() {
+            jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&(self.X_WB.rotation * angular));
+            jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&(self.X_WB.rotation * linear));
+        }
+        jacobian
+    }
+
+    /// Manipulability at `q` \[rad\]: |det J| = |rho a2 a3 sin(theta3 - theta2) sin(q5)| \[m³\] (Yoshikawa),
+    /// where rho is the distance of the flange from the column axis; 0 on a singularity.
+    #[must_use]
+    pub fn manipulability(&self, q: &Six) -> f64 {
+        let Geometry { a2, a3, d5 } = self.geometry;
+        let theta3 = q[1] + q[2] + FRAC_PI_2;
+        let rho = a2 * q[1].cos() + a3 * theta3.cos() + d5 * (theta3 + q[3]).cos();
+        (rho * a2 * a3 * (theta3 - q[1]).sin() * q[4].sin()).abs()
+    }
+
+    /// How far q5 is from the nearest wrist singularity \[rad\], 0 to pi/2.
+    #[must_use]
+    pub fn wrist_singularity_distance(q: &Six) -> f64 {
+        let (sine, cosine) = q[4].sin_cos();
+        sine.abs().atan2(cosine.abs())
+    }
+
+    /// Both wrist solutions for the flange at `X_WF`, first the one with `sin q5 >= 0`; every joint within pi of `near`.
+    ///
+    /// The shoulder stays in front and the elbow up: the motor limits exclude the other branches (they keep
+    /// theta3 - theta2 between 27 and 161 deg and the flange at least 0.2 m in front of the column).
+    #[allow(non_snake_case)]
+    pub fn all_solutions(&self, X_WF: &Pose, near: &Six) -> [Result<Six, NoInverse>; 2] {
+        match Wrist::of(&(self.X_BW * X_WF), near) {
+            Err(why) => [Err(why); 2],
+            Ok(wrist) => [self.solve(&wrist, near), self.solve(&wrist.flipped(), near)],
+        }
+    }
+
+    /// The planar two-link arm that carries a known wrist.
+    fn solve(&self, wrist: &Wrist, near: &Six) -> Result<Six, NoInverse> {
+        let Geometry { a2, a3, d5 } = self.geometry;
+        // The far end of the upper arm: forwards and downwards from the shoulder.
+        let e = wrist.rho - d5 * wrist.c4;
+        let f = -wrist.z - d5 * wrist.s4;
+        let square = e * e + f * f;
+        let k = (square + a2 * a2 - a3 * a3) / (2.0 * a2);
+        let under_root = square - k * k;
+        if under_root.is_nan() || under_root < 0.0 {
+            return Err(NoInverse::OutOfReach {
+                distance: square.sqrt(),
+                min: (a3 - a2).abs(),
+                max: a2 + a3,
+            });
+        }
+        let root = under_root.sqrt();
+        let (y, x) = (k * f - root * e, root * f + k * e);
+        let (s2, c2) = (y / square, x / square);
+        let theta2 = y.atan2(x);
+        let theta3 = (f - a2 * s2).atan2(e - a2 * c2);
+        Ok(Six::new(
+            closest(wrist.theta1, near[0]),
+            closest(theta2, near[1]),
+            closest(theta3 - theta2 - FRAC_PI_2, near[2]),
+            closest(wrist.theta4 - theta3, near[3]),
+            closest(wrist.theta5, near[4]),
+            closest(wrist.theta6, near[5]),
+        ))
+    }
+}
+
+impl Robot for Irp6 {
+    const KIND: &'static str = "irp6";
+
+    type Joints = Six;
+
+    fn limits(&self) -> &Limits<Six> {
+        &self.limits
+    }
+
+    fn forward(&self, q: &Six) -> Pose {
+        let Geometry { a2, a3, d5 } = self.geometry;
+        let (s2, c2) = q[1].sin_cos();
+        let theta3 = q[1] + q[2] + FRAC_PI_2;
+        let (s3, c3) = theta3.sin_cos();
+        let [h1, h4, h5, h6] = [q[0], theta3 + q[3], q[4], q[5]].map(|angle| (0.5 * angle).sin_cos());
+        let (s1, c1) = doubled(h1);
+        let (s4, c4) = doubled(h4);
+        let rho = a2 * c2 + a3 * c3 + d5 * c4;
+        let position = Translation3::new(c1 * rho, s1 * rho, -a2 * s2 - a3 * s3 - d5 * s4);
+        // R_z(q1) R_y(theta4), then R_x(q5) P, then R_z(q6).
+        let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
+        let (plus, minus) = (0.5 * (h5.1 + h5.0), 0.5 * (h5.1 - h5.0));
+        let roll = Quaternion::new(plus, -minus, -minus, -plus);
+        let turn = Quaternion::new(h6.1, 0.0, 0.0, h6.0);
+        let rotation = UnitQuaternion::new_unchecked(arm * roll * turn);
+        self.X_WB * Pose::from_parts(position, rotation)
+    }
+
+    #[allow(non_snake_case)]
+    fn inverse(&self, X_WF: &Pose, near: &Six) -> Result<Six, NoInverse> {
+        let wrist = Wrist::of(&(self.X_BW * X_WF), near)?;
+        let flipped = wrist.flipped();
+        let nearest = if wrist.distance(near) <= flipped.distance(near) { wrist } else { flipped };
+        self.solve(&nearest, near)
+    }
+}
+
+/// Sine and cosine of an angle from those of its half.
+fn doubled((sine, cosine): (f64, f64)) -> (f64, f64) {
+    (2.0 * sine * cosine, (cosine - sine) * (cosine + sine))
+}
+
+/// The drives, from the terms of the screws, the synchronisation positions and the offsets of q1, q5, q6.
+fn transmission(
+    square: f64,
+    lower: [f64; 3],
+    upper: [f64; 3],
+    synchro: [f64; 6],
+    offset: [f64; 3],
+) -> Transmission {
+    let screw = |synchro, [mu, nu, reference]: [f64; 3]| Screw { synchro, square, mu, nu, reference };
+    Transmission {
+        column: Linear { synchro: synchro[0], gear: -158.0, offset: offset[0] },
+        lower: screw(synchro[1], lower),
+        upper: screw(synchro[2], upper),
+        t: Linear { synchro: synchro[3], gear: -128.0, offset: 0.0 },
+        v: Linear { synchro: synchro[4], gear: -76.8, offset: offset[1] },
+        n: Linear { synchro: synchro[5], gear: 288.8845, offset: offset[2] },
+    }
+}

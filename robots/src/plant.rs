@@ -1,0 +1,165 @@
+//! One simulated drive: a voltage-fed DC motor with its load, its friction, its brake and its encoder.
+//!
+//! ```text
+//! i      = (U pwm / 255 - ke omega) / R,      limited to twice the lasting current
+//! J alpha = kt i - b omega - tau_load - tau_c sign(omega),      alpha = 0 in stiction
+//! ```
+//!
+//! Integrated with [`Plant::SUBSTEPS`] semi-implicit steps per servo period; Coulomb friction is taken
+//! implicitly (the speed shrinks towards zero by `tau_c h / J` and sticks there), so that a motor at rest is at
+//! rest. The armature's inductance is left out: the current follows the voltage at once. Coupling inertias
+//! between the links are left out; their weight comes in as `tau_load`.
+
+use core::f64::consts::{PI, TAU};
+
+use crate::irp6::MotorData;
+use crate::regulator::Regulator;
+
+/// Servo period \[s\] (MRROC++).
+pub(crate) const PERIOD: f64 = 0.002;
+
+/// Supply voltage at full pulse width \[V\] (assumed).
+const SUPPLY: f64 = 96.0;
+
+/// What the amplifier gives at most, as a multiple of the lasting current (assumed).
+const PEAK: f64 = 2.0;
+
+/// Deceleration of a motor by its brake [rad/s²] (assumed).
+const BRAKE: f64 = 1500.0;
+
+/// Length of one integration step \[s\].
+const H: f64 = PERIOD / Plant::SUBSTEPS as f64;
+
+/// An incremental encoder on a motor shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoder {
+    /// Pulses per turn, > 0.
+    pub pulses: f64,
+}
+
+impl Encoder {
+    /// The whole number of pulses nearest to a shaft angle \[rad\].
+    #[must_use]
+    pub fn count(&self, angle: f64) -> f64 {
+        (angle * (self.pulses / TAU)).round()
+    }
+
+    /// The shaft angle of one pulse \[rad\].
+    #[must_use]
+    pub fn pulse(&self) -> f64 {
+        2.0 * PI / self.pulses
+    }
+}
+
+/// State of one simulated drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plant {
+    angle: f64,
+    speed: f64,
+    current: f64,
+    jammed: bool,
+    model: Model,
+}
+
+/// Coefficients of one integration step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Model {
+    current_per_pwm: f64,
+    current_per_speed: f64,
+    peak: f64,
+    speed_per_current: f64,
+    viscous: f64,
+    speed_per_load: f64,
+    friction: f64,
+}
+
+impl Plant {
+    /// Integration steps per servo period.
+    pub const SUBSTEPS: usize = 4;
+
+    /// A drive at rest at a shaft angle \[rad\].
+    #[must_use]
+    pub fn at_rest(data: &MotorData, angle: f64) -> Self {
+        Self {
+            angle,
+            speed: 0.0,
+            current: 0.0,
+            jammed: false,
+            model: Model {
+                current_per_pwm: SUPPLY / (Regulator::PWM * data.resistance),
+                current_per_speed: data.torque_constant / data.resistance,
+                peak: PEAK * data.current_limit,
+                speed_per_current: data.torque_constant * H / data.inertia,
+                viscous: data.viscous * H / data.inertia,
+                speed_per_load: H / data.inertia,
+                friction: data.coulomb * H / data.inertia,
+            },
+        }
+    }
+
+    /// The pulse width \[pwm\] that balances a load torque [N m] at rest.
+    #[must_use]
+    pub fn holding(&self, load: f64) -> f64 {
+        load * self.model.speed_per_load / (self.model.speed_per_current * self.model.current_per_pwm)
+    }
+
+    /// One servo period with the pulse width `pwm` against the load torque `load` [N m] (positive: against
+    /// positive motion).
+    pub fn run(&mut self, pwm: f64, load: f64) {
+        if self.jammed {
+            self.speed = 0.0;
+            self.current = self.current_at(pwm);
+            return;
+        }
+        for _ in 0..Self::SUBSTEPS {
+            self.current = self.current_at(pwm);
+            let free = self.speed + self.model.speed_per_current * self.current
+                - self.model.viscous * self.speed
+                - self.model.speed_per_load * load;
+            self.speed = towards_zero(free, self.model.friction);
+            self.angle += H * self.speed;
+        }
+    }
+
+    /// One servo period without power and with the brake applied.
+    pub fn brake(&mut self) {
+        self.current = 0.0;
+        for _ in 0..Self::SUBSTEPS {
+            self.speed = if self.jammed { 0.0 } else { towards_zero(self.speed, BRAKE * H) };
+            self.angle += H * self.speed;
+        }
+    }
+
+    /// Jams the shaft where it is, or frees it.
+    pub fn set_jammed(&mut self, jammed: bool) {
+        self.jammed = jammed;
+    }
+
+    /// True shaft angle \[rad\].
+    #[must_use]
+    pub fn angle(&self) -> f64 {
+        self.angle
+    }
+
+    /// True shaft speed [rad/s].
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Armature current \[A\].
+    #[must_use]
+    pub fn current(&self) -> f64 {
+        self.current
+    }
+
+    fn current_at(&self, pwm: f64) -> f64 {
+        let free = self.model.current_per_pwm * pwm - self.model.current_per_speed * self.speed;
+        free.clamp(-self.model.peak, self.model.peak)
+    }
+}
+
+/// `value` moved towards zero by `by`, and not beyond it.
+fn towards_zero(value: f64, by: f64) -> f64 {
+    (value.abs() - by).max(0.0).copysign(value)
+}
