@@ -1,17 +1,16 @@
 //! The IRp-6: a six-joint arm whose links are driven through parallelograms and ball screws.
 //!
 //! ```text
-//!            a3 (theta3)
-//!        o----------------o=== d5 (theta4) ===+ F      side view at q1 = 0,
-//!        |                 T   V (q5)         | N (q6)  theta2 = -90 deg, theta3 = theta4 = 0,
-//!        |                                    |         q5 = 270 deg: the tool points down
-//!     a2 | (theta2)                           v z_F
-//!        |
-//!   z_B  |
-//!    ^   |
-//!    |   |        theta2, theta3, theta4: angle of a link below the horizontal,
-//!  B o---o--> x_B              all three about the same direction, y_B turned by q1
-//!   column (q1 about z_B)
+//!        o---------------o=======+ F         side view at q1 = 0, theta2 = -90 deg,
+//!        |  a3 (theta3)  T  d5   |           theta3 = theta4 = 0, q5 = 270 deg:
+//!        |           (theta4),   | N (q6)    the tool points straight down
+//!     a2 |            V (q5)     |
+//!        | (theta2)              v z_F       theta2, theta3, theta4: how far a link points
+//!   z_B  |                                   below the horizontal; all turn about y_B
+//!    ^   |                                   (turned by q1)
+//!    +-> B  shoulder
+//!  x_B   |
+//!        |  column (q1 about z_B)
 //! ```
 //!
 //! **Frames.** B: the base, its origin at the shoulder where the axes of the column and of the lower link
@@ -34,7 +33,8 @@
 //! q3 -25..40, q4 -90..92 deg): a box is what demands are checked against. The *absolute* angles are bounded
 //! by the motor limits, which the drives check as well ([`Irp6::MOTOR_LOWER`]): about -125..-52 deg for
 //! theta2, -25..36 for theta3, -102..99 for theta4. A pose is feasible when it keeps both;
-//! [`Irp6::is_feasible`] says so. q5 and q6 are bounded by both alike.
+//! [`Irp6::is_feasible`] says so. Likewise V's motor bounds q5 more narrowly than its +-10 rad: to
+//! -0.71..6.71 rad on the nominal arm, -2.26..5.16 on the calibrated one, both lowered by 1.67 theta4.
 //!
 //! Joint speeds are at most 1.5 rad/s and what a motor at its hard limit (250 rad/s) gives when the joint
 //! moves alone: 1.4 for q2 and q3 (screws, at the steepest point of their stroke), 0.865 for q6. Joints that
@@ -77,9 +77,9 @@ pub struct Irp6 {
 
 /// One drive: what the simulated plant needs to know of a motor and its load.
 ///
-/// The assumed figures are those of DC disc motors at 96 V, chosen so that the published gains give a sound servo
-/// loop on each axis: it crosses over at 99 to 130 rad/s with a phase margin of 45 to 56 deg and a gain margin above
-/// 6.7 (`tests/reference/servo_margins.py`), and every joint alone can reach its acceleration and speed limits
+/// The assumed figures are those of DC disc motors at 96 V, chosen so that the published gains give a sound
+/// servo loop on each axis: it crosses over at 99 to 130 rad/s with a phase margin of 45 to 56 deg and a gain
+/// margin above 6.7 (`tests/reference/servo_margins.py`), and every joint alone can reach its acceleration and speed limits
 /// within the lasting current.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorData {
@@ -113,18 +113,24 @@ impl Irp6 {
     /// Drives of column, lower arm, upper arm, T, V, N.
     #[rustfmt::skip]
     pub const MOTORS: [MotorData; 6] = [
-        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.429, b0: 6.834, b1: 6.606, feedforward: 0.35 },
-            current_limit: 15.0, resistance: 3.66, torque_constant: 0.20, inertia: 2.5e-3, viscous: 1e-3, coulomb: 0.08 },
-        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.64, b0: 2.49, b1: 2.385, feedforward: 0.35 },
-            current_limit: 18.0, resistance: 2.80, torque_constant: 0.20, inertia: 2.2e-3, viscous: 1e-3, coulomb: 0.10 },
-        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.333, b0: 5.693, b1: 5.427, feedforward: 0.35 },
-            current_limit: 10.0, resistance: 5.30, torque_constant: 0.20, inertia: 1.2e-3, viscous: 1e-3, coulomb: 0.08 },
-        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.56, b0: 3.99, b1: 3.775, feedforward: 0.35 },
-            current_limit: 10.0, resistance: 6.50, torque_constant: 0.18, inertia: 9e-4, viscous: 5e-4, coulomb: 0.04 },
-        MotorData { encoder: Encoder { pulses: 4000.0 }, gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 },
-            current_limit: 10.0, resistance: 6.50, torque_constant: 0.18, inertia: 7e-4, viscous: 5e-4, coulomb: 0.04 },
-        MotorData { encoder: Encoder { pulses: 2000.0 }, gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 },
-            current_limit: 10.0, resistance: 6.50, torque_constant: 0.18, inertia: 3.5e-4, viscous: 5e-4, coulomb: 0.04 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 15.0,
+            gains: Gains { a: 0.429, b0: 6.834, b1: 6.606, feedforward: 0.35 }, resistance: 3.66,
+            torque_constant: 0.20, inertia: 2.5e-3, viscous: 1e-3, coulomb: 0.08 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 18.0,
+            gains: Gains { a: 0.64, b0: 2.49, b1: 2.385, feedforward: 0.35 }, resistance: 2.80,
+            torque_constant: 0.20, inertia: 2.2e-3, viscous: 1e-3, coulomb: 0.10 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
+            gains: Gains { a: 0.333, b0: 5.693, b1: 5.427, feedforward: 0.35 }, resistance: 5.30,
+            torque_constant: 0.20, inertia: 1.2e-3, viscous: 1e-3, coulomb: 0.08 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
+            gains: Gains { a: 0.56, b0: 3.99, b1: 3.775, feedforward: 0.35 }, resistance: 6.50,
+            torque_constant: 0.18, inertia: 9e-4, viscous: 5e-4, coulomb: 0.04 },
+        MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
+            gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 }, resistance: 6.50,
+            torque_constant: 0.18, inertia: 7e-4, viscous: 5e-4, coulomb: 0.04 },
+        MotorData { encoder: Encoder { pulses: 2000.0 }, current_limit: 10.0,
+            gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 }, resistance: 6.50,
+            torque_constant: 0.18, inertia: 3.5e-4, viscous: 5e-4, coulomb: 0.04 },
     ];
 
     /// The arm with its design dimensions, its base at the world's origin.
