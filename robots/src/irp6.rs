@@ -45,7 +45,7 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use mrroc::{Limits, NoInverse, Pose, Robot};
+use mrroc::{CoupledLimit, Limits, NoInverse, Pose, Robot};
 use nalgebra::{Matrix6, Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::plant::Encoder;
@@ -313,6 +313,24 @@ impl Robot for Irp6 {
 
     fn limits(&self) -> &Limits<Six> {
         &self.limits
+    }
+
+    fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {
+        let (before, after) = (self.transmission.motors(from), self.transmission.motors(to));
+        for i in 0..6 {
+            let (lower, upper) = (Self::MOTOR_LOWER[i], Self::MOTOR_UPPER[i]);
+            let limit = if after[i] < lower { lower } else { upper };
+            if !(lower..=upper).contains(&after[i]) {
+                let what = "angle of the motor";
+                return Err(CoupledLimit { joint: i, what, actual: after[i], limit, unit: "rad" });
+            }
+            let speed = (after[i] - before[i]).abs() / duration;
+            if speed > Self::MOTOR_SPEED {
+                let (what, limit) = ("speed of the motor", Self::MOTOR_SPEED);
+                return Err(CoupledLimit { joint: i, what, actual: speed, limit, unit: "rad/s" });
+            }
+        }
+        Ok(())
     }
 
     fn forward(&self, q: &Six) -> Pose {

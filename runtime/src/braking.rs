@@ -14,7 +14,7 @@ struct JointBrake {
     /// Signed peak acceleration.
     peak: f64,
     jerk: f64,
-    /// Durations of the three phases [s].
+    /// Durations of the three phases \[s\].
     ramp_in: f64,
     hold: f64,
     ramp_out: f64,
@@ -58,7 +58,7 @@ impl JointBrake {
         self.ramp_in + self.hold + self.ramp_out
     }
 
-    /// Displacement since the start and velocity at time `t` [s].
+    /// Displacement since the start and velocity at time `t` \[s\].
     fn at(&self, t: f64) -> (f64, f64) {
         let (mut s, mut v, mut a, mut left) = (0.0, self.v0, self.a0, t.max(0.0));
         let phases = [
@@ -112,7 +112,7 @@ impl<J: JointVector> Braking<J> {
         Braking { start: position, joints, elapsed: 0.0, duration }
     }
 
-    /// Position and velocity after another `dt` [s].
+    /// Position and velocity after another `dt` \[s\].
     pub fn advance(&mut self, dt: f64) -> (J, J) {
         self.elapsed += dt;
         let position = J::from_joints(|i| self.start[i] + self.joints[i].at(self.elapsed).0);
@@ -127,7 +127,7 @@ impl<J: JointVector> Braking<J> {
 }
 
 /// Distance that a joint needs to stop from velocity `v` and acceleration `a`, in the direction of `v`
-/// [rad or m], after moving on for `reaction` [s].
+/// [rad or m], after moving on for `reaction` \[s\].
 pub(crate) fn stopping_distance(v: f64, a: f64, limit: f64, jerk: Option<f64>, reaction: f64) -> f64 {
     let distance = match jerk {
         // Only an acceleration that still drives the joint on makes it longer.

@@ -80,13 +80,13 @@ impl<R: Robot> Demand<R> {
         Self::pose(Pose::from_parts(position, rotation))
     }
 
-    /// The tool's position [m] and the ZYZ Euler angles of its orientation.
+    /// The tool's position \[m\] and the ZYZ Euler angles of its orientation.
     #[must_use]
     pub fn position_zyz(position: Vector3<f64>, angles: Zyz) -> Self {
         Self::pose(Pose::from_parts(Translation3::from(position), angles.rotation()))
     }
 
-    /// The tool's position [m] and its orientation as a rotation vector.
+    /// The tool's position \[m\] and its orientation as a rotation vector.
     #[must_use]
     pub fn position_angle_axis(position: Vector3<f64>, rotation: AngleAxis) -> Self {
         let rotation = if rotation.0.iter().all(|x| x.is_finite()) {

@@ -28,7 +28,7 @@ pub(crate) fn missed_step_budget(step: Duration) -> u32 {
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
-    /// Time since the cell started, at the period's end [s].
+    /// Time since the cell started, at the period's end \[s\].
     pub time: f64,
     /// Joint positions that the drives got [rad or m].
     pub demanded: R::Joints,
@@ -195,7 +195,7 @@ impl<R: Robot> Edp<R> {
         }
     }
 
-    /// Time between two demands that the ticks follow [s].
+    /// Time between two demands that the ticks follow \[s\].
     fn demand_period(&self) -> f64 {
         self.servo as f64 * 1e-9 * f64::from(self.ticks_per_step)
     }

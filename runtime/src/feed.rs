@@ -36,7 +36,7 @@ impl Feed {
         self.headroom.fall = self.headroom.fall.min(headroom.fall.max(0.0));
     }
 
-    /// The rate of the next step, of `duration` [s], on the way to `wanted`.
+    /// The rate of the next step, of `duration` \[s\], on the way to `wanted`.
     pub fn advance(&mut self, wanted: f64, duration: f64) -> f64 {
         let rise = self.change.min(self.headroom.rise) * duration;
         let fall = self.change.min(self.headroom.fall) * duration;

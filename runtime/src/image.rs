@@ -150,7 +150,7 @@ pub struct SensorImage<S: Sensor> {
 }
 
 impl<S: Sensor> SensorImage<S> {
-    /// An image of a reading of this age [steps], for calling a step function in a test.
+    /// An image of a reading of this age \[steps\], for calling a step function in a test.
     #[must_use]
     pub const fn new(reading: S::Reading, age: u32) -> Self {
         SensorImage { reading: Some(reading), age }
@@ -166,7 +166,7 @@ impl<S: Sensor> SensorImage<S> {
         self.reading
     }
 
-    /// How old the reading was when it was collected [steps]: 0 for one taken in the step of its order.
+    /// How old the reading was when it was collected \[steps\]: 0 for one taken in the step of its order.
     #[must_use]
     pub const fn age(&self) -> u32 {
         self.age

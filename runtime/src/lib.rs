@@ -51,7 +51,7 @@ pub use name::{BadName, MAX_NAME, Name};
 pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
 pub use pose::{AngleAxis, Pose, Zyz};
-pub use robot::{JointKind, Limits, NoInverse, Robot};
+pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
 pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;
 pub use vsp::{EffectorState, ReadingOrder, VirtualSensor, VspMode};

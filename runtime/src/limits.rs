@@ -2,7 +2,7 @@
 //!
 //! In: what a step function returned, decoded. Out: an [`AcceptedDemand`], the only thing that a drive is
 //! given. Checked in this order: numbers finite, rotation valid, inverse kinematics, position (with the
-//! distance that braking needs), velocity, acceleration, jerk.
+//! distance that braking needs), velocity, acceleration, jerk, limits that joints share.
 
 use core::marker::PhantomData;
 
@@ -62,7 +62,7 @@ pub(crate) struct Acceptor<R: Robot> {
     /// Largest acceleration of the path in this motion, per unit of path time squared.
     path_peak: R::Joints,
     rate: f64,
-    /// Time that passes between a lost peer and the start of braking [s].
+    /// Time that passes between a lost peer and the start of braking \[s\].
     reaction: f64,
 }
 
@@ -147,7 +147,7 @@ impl<R: Robot> Acceptor<R> {
         AcceptedDemand::new(position)
     }
 
-    /// Checks a demand for the end of a step of `duration` [s], of which `dt` [s] is path time.
+    /// Checks a demand for the end of a step of `duration` \[s\], of which `dt` \[s\] is path time.
     ///
     /// # Errors
     /// The first limit that it breaks; nothing is changed then.
@@ -174,6 +174,10 @@ impl<R: Robot> Acceptor<R> {
         let velocity = (position - self.position) * per_second;
         let acceleration = (velocity - self.velocity) * per_second;
         self.check(&position, &velocity, &acceleration, duration)?;
+        self.robot.check_coupled(&self.position, &position, duration).map_err(|limit| {
+            let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
+            fault.exceeds(limit.actual, limit.limit, limit.unit)
+        })?;
         self.note_path(&velocity, &acceleration, dt / duration, per_second);
         (self.position, self.velocity, self.acceleration, self.tool) =
             (position, velocity, acceleration, tool);

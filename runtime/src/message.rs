@@ -62,9 +62,9 @@ pub struct Header {
     pub len: u32,
     /// Identity of the type in the body.
     pub payload: u64,
-    /// In an order: path time of the step [s]. In a reply: largest rise of the rate per second within the limits.
+    /// In an order: path time of the step \[s\]. In a reply: largest rise of the rate per second within the limits.
     pub dt: f64,
-    /// In an order: real time of the step [s]. In a reply: largest fall of the rate per second within the limits.
+    /// In an order: real time of the step \[s\]. In a reply: largest fall of the rate per second within the limits.
     pub duration: f64,
 }
 

@@ -4,7 +4,7 @@ use core::fmt;
 
 use crate::wire::{BadWords, Wire};
 
-/// The longest name of a robot or a sensor [bytes].
+/// The longest name of a robot or a sensor \[bytes\].
 pub const MAX_NAME: usize = 24;
 
 /// The name of a robot or a virtual sensor, as the cell gives it: 1 to 24 bytes of `a-z A-Z 0-9 _ -`.

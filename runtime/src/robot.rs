@@ -21,6 +21,20 @@ pub trait Robot: Clone + 'static {
     /// The limits that every demand is checked against.
     fn limits(&self) -> &Limits<Self::Joints>;
 
+    /// Limits that a box of joint limits cannot express, such as those of motors that several joints share:
+    /// checked for the way from `from` to `to` \[rad or m\] in `duration` \[s\]. None unless a robot says so.
+    ///
+    /// # Errors
+    /// The first [`CoupledLimit`] that the way breaks.
+    fn check_coupled(
+        &self,
+        _from: &Self::Joints,
+        _to: &Self::Joints,
+        _duration: f64,
+    ) -> Result<(), CoupledLimit> {
+        Ok(())
+    }
+
     /// Direct kinematics: `X_WF`, the pose of the flange in the world, for joint positions `q` [rad, m].
     fn forward(&self, q: &Self::Joints) -> Pose;
 
@@ -34,12 +48,27 @@ pub trait Robot: Clone + 'static {
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse>;
 }
 
+/// A limit that several joints share, broken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoupledLimit {
+    /// The joint that the message names, from 0.
+    pub joint: usize,
+    /// What exceeds the limit, for the message: `"angle of motor V"`.
+    pub what: &'static str,
+    /// The value asked for.
+    pub actual: f64,
+    /// The value allowed.
+    pub limit: f64,
+    /// The unit of both.
+    pub unit: &'static str,
+}
+
 /// How a joint moves, and with it the units of its coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JointKind {
-    /// About an axis [rad].
+    /// About an axis \[rad\].
     Revolute,
-    /// Along an axis [m].
+    /// Along an axis \[m\].
     Prismatic,
 }
 
@@ -63,11 +92,11 @@ pub enum NoInverse {
         "the pose is out of reach: the wrist lies {distance:.4} m from the shoulder, the arm reaches {min:.4} to {max:.4} m"
     )]
     OutOfReach {
-        /// Distance of the wrist centre from the shoulder [m].
+        /// Distance of the wrist centre from the shoulder \[m\].
         distance: f64,
-        /// Smallest distance that the arm reaches [m].
+        /// Smallest distance that the arm reaches \[m\].
         min: f64,
-        /// Largest distance that the arm reaches [m].
+        /// Largest distance that the arm reaches \[m\].
         max: f64,
     },
     /// The pose lies on a singularity where the joints are not determined and cannot be continued.

@@ -102,7 +102,7 @@ impl SensorPort {
 /// All virtual sensors of a process.
 pub(crate) struct Sensing {
     pub ports: Vec<SensorPort>,
-    /// Time that a reading may take [ns].
+    /// Time that a reading may take \[ns\].
     pub patience: Nanos,
 }
 

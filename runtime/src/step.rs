@@ -104,8 +104,8 @@ impl IntoVerdict for Result<bool, Fault> {
 pub struct Tick {
     /// Index of the step within the instruction, 0 for the first.
     pub step: u64,
-    /// Path time that passes in this step [s]: the step times the rate, 0 ..= step for a punctual step.
+    /// Path time that passes in this step \[s\]: the step times the rate, 0 ..= step for a punctual step.
     pub dt: f64,
-    /// The step's duration in real time [s], counting the periods that a late step skipped.
+    /// The step's duration in real time \[s\], counting the periods that a late step skipped.
     pub duration: f64,
 }

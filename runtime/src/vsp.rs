@@ -102,7 +102,7 @@ pub(crate) struct Vsp<V: VirtualSensor> {
     pub configuration: <V::Kind as Sensor>::Configuration,
     pub waiter: Box<dyn Waiter>,
     pub orders: Orders,
-    /// Time that one aggregation takes [ns].
+    /// Time that one aggregation takes \[ns\].
     pub latency: Nanos,
     pub step: Nanos,
 }

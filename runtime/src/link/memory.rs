@@ -15,7 +15,7 @@ use crate::message::{Kind, Message};
 /// The most processes that one cell can have on this link.
 pub const MAX_PROCESSES: usize = 64;
 
-/// Stack of a process [bytes]; pages are used only when touched, and a guard page ends the stack.
+/// Stack of a process \[bytes\]; pages are used only when touched, and a guard page ends the stack.
 const STACK: usize = 1 << 20;
 
 const NEVER: Nanos = Nanos::MAX;

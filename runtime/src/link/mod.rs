@@ -8,7 +8,7 @@ pub mod memory;
 
 use crate::message::Message;
 
-/// Monotonic time since the cell started [ns].
+/// Monotonic time since the cell started \[ns\].
 pub type Nanos = u64;
 
 /// The cell is closing: the process returns.
