@@ -1,0 +1,182 @@
+//! What a step costs: `cargo bench -p mrroc-tests --bench steps` (in `just bench`).
+//!
+//! Prints nanoseconds per step, the median and the range of several runs, with the machine and the clock's own
+//! cost. Each comparison is made in the same run.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use mrroc::{
+    Cell, Demand, Generator, Order, Reading, RobotImage, RobotSetup, RobotState, State, Step, Tick, generator,
+};
+use mrroc::{Motion, Pose, Robot};
+use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use mrroc_tests::{ExactDrive, Gantry, Q};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+const RUNS: usize = 7;
+
+/// Median and range of `RUNS` measurements of nanoseconds.
+fn report(name: &str, mut measure: impl FnMut() -> f64) -> f64 {
+    let mut figures: Vec<f64> = (0..RUNS).map(|_| measure()).collect();
+    figures.sort_by(f64::total_cmp);
+    let median = figures[RUNS / 2];
+    println!("{name:<58} {median:>9.1} ns   ({:.1} .. {:.1})", figures[0], figures[RUNS - 1]);
+    median
+}
+
+struct Idle(u64);
+
+#[generator(ecp)]
+fn idle(c: &mut Idle, t: Tick) -> Step<Gantry> {
+    c.0 += u64::from(t.dt > 0.0);
+    Step::Next(Demand::hold())
+}
+
+fn definition() {
+    const CALLS: u32 = 2_000_000;
+    let t = Tick { step: 0, dt: 1e-3, duration: 1e-3 };
+    let per_call = |from: Instant| from.elapsed().as_nanos() as f64 / f64::from(CALLS);
+    let bare = report("step function, bare call", || {
+        let mut c = Idle(0);
+        let from = Instant::now();
+        for _ in 0..CALLS {
+            black_box(idle(black_box(&mut c), black_box(t)));
+        }
+        per_call(from)
+    });
+    let state = RobotState::<Gantry> { joints: Q::zeros(), velocity: Q::zeros(), pose: Pose::identity() };
+    let (e, v) = (State::<Gantry>::new(RobotImage::new(state, state)), Reading::<()>::new(()));
+    let through = report("the same through its Generator", || {
+        let mut c = Idle(0);
+        let from = Instant::now();
+        for _ in 0..CALLS {
+            let _ = black_box(black_box(&mut c).next_step(&Order::new(()), black_box(&e), &v, black_box(t)));
+        }
+        per_call(from)
+    });
+    println!("{:<58} {:>9.1} ns   (goal: at most 10)", "  Generator over bare call", through - bare);
+}
+
+/// Holds for so many steps: nothing to compute.
+struct Hold<const N: usize, R> {
+    left: u64,
+    of: core::marker::PhantomData<R>,
+}
+
+#[generator(mp)]
+fn hold<R: Robot, const N: usize>(c: &mut Hold<N, R>) -> Step<[R; N]> {
+    if c.left == 0 {
+        return Step::Done;
+    }
+    c.left -= 1;
+    Step::Next([Demand::hold(); N])
+}
+
+/// Every arm along a circle by poses: inverse kinematics in every step.
+struct Circle<const N: usize> {
+    left: u64,
+    t: f64,
+}
+
+#[generator(mp)]
+fn circle<const N: usize>(c: &mut Circle<N>, t: Tick) -> Step<[Irp6; N]> {
+    if c.left == 0 {
+        return Step::Done;
+    }
+    c.left -= 1;
+    c.t += t.dt;
+    let phase = (c.t - (2.0 * c.t).sin() / 2.0) / 2.0;
+    let (sin, cos) = phase.sin_cos();
+    let flange = Pose::from_parts(Translation3::new(0.84 + 0.01 * cos, 0.01 * sin, 0.35), down());
+    Step::Next([Demand::pose(flange); N])
+}
+
+fn down() -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
+}
+
+fn start() -> Six {
+    let flange = Pose::from_parts(Translation3::new(0.85, 0.0, 0.35), down());
+    let near = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    Irp6::nominal().inverse(&flange, &near).expect("within reach")
+}
+
+fn run<R: Robot, const N: usize, G>(setup: &dyn Fn(&str) -> RobotSetup<R>, generator: G)
+where
+    G: Generator<Robots = [R; N], Language = Motion, Sensors = ()> + 'static,
+{
+    let names: [String; N] = core::array::from_fn(|i| format!("r{i}"));
+    let cell = names.iter().fold(Cell::new(Duration::from_millis(2)), |cell, name| cell.robot(setup(name)));
+    cell.program(move |mp| {
+        let mut robots = Vec::new();
+        for name in &names {
+            robots.push(mp.robot::<R>(name)?);
+        }
+        let mut handles = robots.iter_mut();
+        let list = core::array::from_fn(|_| handles.next().expect("one handle per name"));
+        mp.move_robots(list, (), generator).map(drop)
+    })
+    .run()
+    .expect("the motion keeps the limits");
+}
+
+fn main() {
+    let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or("unknown");
+    println!("machine: {}", model.trim_start_matches([' ', '\t', ':']));
+    report("the clock's own cost", || {
+        let from = Instant::now();
+        for _ in 0..100_000 {
+            black_box(Instant::now());
+        }
+        from.elapsed().as_nanos() as f64 / 1e5
+    });
+    definition();
+    chains::<1>();
+    chains::<2>();
+    chains::<4>();
+    chains::<8>();
+}
+
+fn chains<const N: usize>() {
+    const STEPS: u64 = 20_000;
+    // Twice the steps minus once: what it takes to put a cell together falls out.
+    let per_step = |run: &dyn Fn(u64)| {
+        let time = |steps| {
+            let from = Instant::now();
+            run(steps);
+            from.elapsed().as_nanos() as f64
+        };
+        let (once, twice) = (time(STEPS), time(2 * STEPS));
+        (twice - once) / STEPS as f64
+    };
+    report(&format!("MP, {N} ECP, {N} EDP: joints held, no kinematics"), || {
+        per_step(&|steps| {
+            let setup = |name: &str| {
+                RobotSetup::new(
+                    name,
+                    Gantry::default(),
+                    ExactDrive::new(Q::zeros(), Duration::from_millis(2)),
+                )
+            };
+            run::<Gantry, N, _>(&setup, Hold::<N, Gantry> { left: steps, of: core::marker::PhantomData });
+        })
+    });
+    report(&format!("MP, {N} ECP, {N} EDP: IRp-6 by poses, exact drives"), || {
+        per_step(&|steps| {
+            let setup = |name: &str| {
+                RobotSetup::new(name, Irp6::nominal(), ExactDrive::new(start(), Duration::from_millis(2)))
+            };
+            run::<Irp6, N, _>(&setup, Circle::<N> { left: steps, t: 0.0 });
+        })
+    });
+    report(&format!("MP, {N} ECP, {N} EDP: IRp-6 by poses, simulated drives"), || {
+        per_step(&|steps| {
+            let setup = |name: &str| {
+                RobotSetup::new(name, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start()))
+            };
+            run::<Irp6, N, _>(&setup, Circle::<N> { left: steps, t: 0.0 });
+        })
+    });
+}
