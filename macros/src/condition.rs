@@ -46,6 +46,11 @@ fn of_function(
         },
     );
     errors.append(mistakes);
+    if signature.receiver().is_some() {
+        // Inside a block there is no place for what would stand beside the function.
+        let errors = errors.into_tokens();
+        return quote!(#item #errors);
+    }
     if arguments.level == Some(Level::Mp) {
         check_no_order(&roles, &mut errors);
     }

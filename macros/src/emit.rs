@@ -42,6 +42,8 @@ pub struct GeneratorImpl<'a> {
     pub robots: TokenStream,
     pub language: TokenStream,
     pub sensors: TokenStream,
+    /// Whether the list of sensors stands in a signature, and not in the attribute alone.
+    pub sensors_are_seen: bool,
     pub order: TokenStream,
     /// `None`: the next step serves as the first.
     pub first: Option<Source<'a>>,
@@ -128,10 +130,21 @@ impl Target<'_> {
     }
 
     /// The implementation of `trait_name` around its items, in a scope of its own.
-    fn implement(&self, trait_name: &str, items: &TokenStream) -> TokenStream {
+    ///
+    /// `assumed` are the bounds on the lists. The compiler has checked them already, at the signature of the
+    /// user's function; assumed here, they are not reported a second and a third time. The lifetime is what
+    /// makes the compiler accept them as assumptions.
+    fn implement(&self, trait_name: &str, assumed: &[TokenStream], items: &TokenStream) -> TokenStream {
         let Target { krate, self_type, cfgs, .. } = self;
         let trait_name = Ident::new(trait_name, Span::call_site());
-        let (generics, _, where_clause) = self.generics.split_for_impl();
+        let mut generics = self.generics.clone();
+        if !assumed.is_empty() {
+            let predicates = &mut generics.make_where_clause().predicates;
+            for bound in assumed {
+                predicates.push(syn::parse_quote!(for<'seen_above> #bound));
+            }
+        }
+        let (generics, _, where_clause) = generics.split_for_impl();
         let doc = self.doc.as_ref().map(|doc| {
             let doc = format!(" {doc}");
             quote!(#[doc = #doc])
@@ -166,8 +179,13 @@ impl GeneratorImpl<'_> {
         });
         let first = self.step("first_step", self.first.as_ref());
         let next = self.step("next_step", None);
+        let mut assumed = vec![quote!(#robots: #krate::Robots<#language>)];
+        if self.sensors_are_seen {
+            assumed.push(quote!(#sensors: #krate::SensorList));
+        }
         target.implement(
             "Generator",
+            &assumed,
             &quote! {
                 type Robots = #robots;
                 type Language = #language;
@@ -211,13 +229,12 @@ impl GeneratorImpl<'_> {
     /// that the compiler reports a mistake about it once.
     fn named(&self, path: &ExprPath, until: bool) -> TokenStream {
         let krate = &self.target.krate;
-        let reference = quote_spanned!(path.span()=> &#path);
         let adapter = match (until, self.target.level) {
             (true, _) => quote!(until),
             (false, Level::Mp) => quote!(first_in_mp),
             (false, Level::Ecp) => quote!(first_in_ecp),
         };
-        quote!(#krate::__private1::#adapter::<Self, _, _>(#reference))
+        quote_spanned!(path.span()=> #krate::__private1::#adapter::<Self, _, _>(&#path))
     }
 
     /// One method of the trait; `first` when a function of its own computes the first step.
@@ -295,8 +312,16 @@ impl ConditionImpl<'_> {
         let uses = target.uses(is_met.roles.uses);
         let arguments = target.arguments(|role| is_met.roles.uses.has(role));
         let call = is_met.tokens();
+        let mut assumed = Vec::new();
+        if is_met.roles.uses.has(Role::Robots) {
+            assumed.push(quote!(#robots: #krate::RobotList));
+        }
+        if is_met.roles.uses.has(Role::Sensors) {
+            assumed.push(quote!(#sensors: #krate::SensorList));
+        }
         target.implement(
             "Condition",
+            &assumed,
             &quote! {
                 type Robots = #robots;
                 type Sensors = #sensors;
@@ -349,7 +374,7 @@ pub fn fallback(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> TokenS
             #types
             fn is_met(#arguments) -> ::core::result::Result<bool, #krate::Fault> #body
         };
-        return target.implement("Condition", &items);
+        return target.implement("Condition", &[], &items);
     }
     let step = quote!(::core::result::Result<#krate::Step<Self::Robots, Self::Language>, #krate::Fault>);
     let items = quote! {
@@ -358,5 +383,5 @@ pub fn fallback(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> TokenS
         fn first_step(#arguments) -> #step #body
         fn next_step(#arguments) -> #step #body
     };
-    target.implement("Generator", &items)
+    target.implement("Generator", &[], &items)
 }

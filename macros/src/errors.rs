@@ -5,7 +5,11 @@ use quote::ToTokens;
 
 /// The mistakes found so far.
 #[derive(Default)]
-pub struct Errors(Option<syn::Error>);
+pub struct Errors {
+    errors: Option<syn::Error>,
+    /// Whether there are mistakes that the compiler itself reports, at the same place and as well.
+    left: bool,
+}
 
 impl Errors {
     /// Adds a mistake at `tokens`; the message names the form to write.
@@ -15,32 +19,38 @@ impl Errors {
 
     /// Adds a mistake.
     pub fn add(&mut self, error: syn::Error) {
-        match &mut self.0 {
+        match &mut self.errors {
             Some(errors) => errors.combine(error),
-            None => self.0 = Some(error),
+            None => self.errors = Some(error),
         }
     }
 
     /// Adds all of `others`.
     pub fn append(&mut self, others: Errors) {
-        if let Some(error) = others.0 {
+        if let Some(error) = others.errors {
             self.add(error);
         }
+        self.left |= others.left;
+    }
+
+    /// Leaves a mistake to the compiler: it is not reported here, but nothing is built on it.
+    pub fn leave_to_compiler(&mut self) {
+        self.left = true;
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.0.is_none()
+        self.errors.is_none() && !self.left
     }
 
     /// The mistakes as `compile_error!` invocations.
     pub fn into_tokens(self) -> TokenStream {
-        self.0.map(|errors| errors.into_compile_error()).unwrap_or_default()
+        self.errors.map(|errors| errors.into_compile_error()).unwrap_or_default()
     }
 
     /// The messages, for tests.
     #[cfg(test)]
     pub fn messages(self) -> Vec<String> {
-        self.0.into_iter().flatten().map(|error| error.to_string()).collect()
+        self.errors.into_iter().flatten().map(|error| error.to_string()).collect()
     }
 }

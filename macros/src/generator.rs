@@ -44,9 +44,17 @@ fn of_function(
             generics: &signature.generics,
         },
     );
+    let has_mistakes = !mistakes.is_empty();
     errors.append(mistakes);
-    check_class(arguments.level, &roles, &mut errors);
-    check_keys(arguments, &roles, &mut errors);
+    if signature.receiver().is_some() {
+        // Inside a block there is no place for what would stand beside the function.
+        let errors = errors.into_tokens();
+        return quote!(#item #errors);
+    }
+    if !has_mistakes {
+        check_class(arguments.level, &roles, &mut errors);
+        check_keys(arguments, &roles, &mut errors);
+    }
     let generics = parameters::of_state(signature, roles.state.as_ref(), &mut errors);
 
     let name = &signature.ident;
@@ -74,6 +82,7 @@ fn of_function(
         robots: outcome.robots.to_token_stream(),
         language: outcome.language.as_ref().map_or_else(|| quote!(#krate::Motion), ToTokens::to_token_stream),
         sensors: or_nothing(sensors),
+        sensors_are_seen: roles.sensors.is_some(),
         order: or_nothing(order),
         first: arguments.first.as_ref().map(Source::Named),
         next: Call { path: name.to_token_stream(), roles: &roles },
@@ -110,10 +119,12 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: Toke
             "a generator needs its step function: `fn next_step(&mut self, t: Tick) -> Step<R>`",
         );
     }
-    for roles in [&first, &next].into_iter().flatten() {
+    let has_mistakes = !errors.is_empty();
+    for roles in [&first, &next].into_iter().flatten().filter(|_| !has_mistakes) {
         check_class(arguments.level, roles, &mut errors);
     }
     if arguments.level == Some(Level::Mp)
+        && !has_mistakes
         && let Some(roles) = &until
     {
         check_no_order(roles, &mut errors);
@@ -146,6 +157,7 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: Toke
         robots: outcome.robots.to_token_stream(),
         language: outcome.language.as_ref().map_or_else(|| quote!(#krate::Motion), ToTokens::to_token_stream),
         sensors: or_nothing(all().find_map(|roles| roles.sensors.as_ref())),
+        sensors_are_seen: all().any(|roles| roles.sensors.is_some()),
         order: or_nothing(all().find_map(|roles| roles.order.as_ref())),
         first: first.as_ref().map(|roles| source("first_step", roles)),
         next: Call { path: quote!(<Self>::next_step), roles: next },
@@ -239,7 +251,12 @@ fn check_keys(arguments: &Arguments, roles: &Roles, errors: &mut Errors) {
 
 /// What the fallback says of an ECP's robot, so that the calls of the motion still fit.
 fn robot_of_ecp<'a>(arguments: &Arguments, roles: &'a Roles) -> Option<&'a Type> {
-    let robot = roles.outcome.as_ref().map(|outcome| &outcome.robots).or(roles.robots.as_ref())?;
+    let list = roles.outcome.as_ref().map(|outcome| &outcome.robots).or(roles.robots.as_ref())?;
+    let robot = match list {
+        Type::Tuple(list) => list.elems.first()?,
+        Type::Array(list) => &list.elem,
+        robot => robot,
+    };
     (arguments.level == Some(Level::Ecp) && matches!(robot, Type::Path(_))).then_some(robot)
 }
 

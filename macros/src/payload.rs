@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{quote, quote_spanned};
 use syn::spanned::Spanned;
-use syn::{Data, DeriveInput, Fields, Index, Member, Path, Type};
+use syn::{Data, DeriveInput, Fields, Index, Member, Path, Type, parse_quote};
 
 use crate::errors::Errors;
 
@@ -44,14 +44,36 @@ pub fn expand(item: TokenStream) -> TokenStream {
     };
     let tight = matches!(input.data, Data::Struct(_));
     let name = &input.ident;
-    let (generics, arguments, where_clause) = input.generics.split_for_impl();
-    let text = name.to_string();
+    let mut generics = input.generics.clone();
     let is_valid = errors.is_empty();
-    let errors = errors.into_tokens();
+    if !is_valid {
+        generics.make_where_clause().predicates.push(parse_quote!(Self: ::core::marker::Copy + 'static));
+    }
+    let (parameters, arguments, where_clause) = generics.split_for_impl();
+    // What `Wire` lacks is reported with `Wire`; `Payload` assumes it (the lifetime makes that possible).
+    let mut with_wire = generics.clone();
+    with_wire.make_where_clause().predicates.push(parse_quote!(for<'seen_above> Self: #krate::Wire));
+    let with_wire = &with_wire.where_clause;
+    let text = name.to_string();
+    let fields = match &input.data {
+        Data::Struct(data) if is_valid && !data.fields.is_empty() => Some(fields(&krate, &data.fields)),
+        _ => None,
+    };
+    let fields_len = match &input.data {
+        Data::Struct(data) => data.fields.len(),
+        Data::Enum(_) | Data::Union(_) => 0,
+    };
+    let fits = fields.is_some().then(|| {
+        let message = format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
+        let field = (0..fields_len).map(Index::from);
+        quote_spanned! {name.span()=>
+            const _: () = ::core::assert!(0 #(+ FIELDS.#field.len)* <= #krate::WORDS, #message);
+        }
+    });
     let body = if is_valid {
         body
     } else {
-        // The mistake above is the only one: whoever uses the type finds it implemented.
+        // The mistake is the only one reported: whoever uses the type finds it implemented.
         quote! {
             const LEN: usize = 0;
             const LAYOUT: u64 = 0;
@@ -63,28 +85,30 @@ pub fn expand(item: TokenStream) -> TokenStream {
             }
         }
     };
-    let fits = (is_valid && tight).then(|| {
-        let message =
-            format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
-        quote_spanned! {name.span()=>
-            const _: () = ::core::assert!(<#name as #krate::Wire>::LEN <= #krate::WORDS, #message);
-        }
-    });
+    let errors = errors.into_tokens();
     quote! {
         #errors
         const _: () = {
+            #fields
             #[automatically_derived]
-            impl #generics #krate::Wire for #name #arguments #where_clause {
+            impl #parameters #krate::Wire for #name #arguments #where_clause {
                 #body
             }
             #[automatically_derived]
-            impl #generics #krate::Payload for #name #arguments #where_clause {
+            impl #parameters #krate::Payload for #name #arguments #with_wire {
                 const NAME: &'static str = #text;
                 const TIGHT: bool = #tight;
             }
             #fits
         };
     }
+}
+
+/// What the fields' types say, as one constant: a type that is no plain value is reported once.
+fn fields(krate: &TokenStream, fields: &Fields) -> TokenStream {
+    let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
+    let of_types = types.iter().map(|ty| quote_spanned!(ty.span()=> #krate::__private1::field::<#ty>()));
+    quote!(const FIELDS: (#(#krate::__private1::Field<#types>,)*) = (#(#of_types,)*);)
 }
 
 /// The path of the runtime crate, `#[payload(crate = path)]`.
@@ -153,26 +177,33 @@ fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStrea
         Member::Named(ident) => ident.to_string(),
         Member::Unnamed(index) => index.index.to_string(),
     });
-    // The same expression wherever a field is used, so that the compiler reports a type that is not plain once.
-    let plain: Vec<_> =
-        types.iter().map(|ty| quote_spanned!(ty.span()=> #krate::__private1::field::<#ty>())).collect();
     let text = name.to_string();
-    let (words, words_mut) =
-        if types.is_empty() { (quote!(_), quote!(_)) } else { (quote!(words), quote!(words)) };
+    if types.is_empty() {
+        return quote! {
+            const LEN: usize = 0;
+            const LAYOUT: u64 = #krate::__private1::layout_hash(1, #text);
+            fn put(&self, _: &mut [u64]) {}
+            fn get(_: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
+                ::core::result::Result::Ok(Self {})
+            }
+        };
+    }
+    let field: Vec<_> = (0..types.len()).map(Index::from).collect();
     quote! {
-        const LEN: usize = 0 #(+ #plain.len)*;
+        const LEN: usize = 0 #(+ FIELDS.#field.len)*;
         const LAYOUT: u64 = {
             let hash = #krate::__private1::layout_hash(1, #text);
-            #(let hash = #krate::__private1::layout_hash(hash ^ #plain.layout, #names);)*
+            #(let hash = #krate::__private1::layout_hash(hash ^ FIELDS.#field.layout, #names);)*
             hash
         };
-        fn put(&self, #words_mut: &mut [u64]) {
-            #(let words = #plain.put(&self.#members, words);)*
+        fn put(&self, words: &mut [u64]) {
+            #(let words = FIELDS.#field.put(&self.#members, words);)*
+            let _ = words;
         }
-        fn get(#words: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
+        fn get(words: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
             let mut words = words;
             ::core::result::Result::Ok(Self {
-                #(#members: #plain.get(&mut words)?,)*
+                #(#members: FIELDS.#field.get(&mut words)?,)*
             })
         }
     }

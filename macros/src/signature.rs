@@ -250,10 +250,8 @@ impl Analysis<'_> {
     fn image(&mut self, role: Role, ty: &Type) {
         let inner = match arguments(ty).as_slice() {
             [inner] => *inner,
-            _ => {
-                self.errors.at(ty, format_args!("say of what: `&{}`", filled(ty, role)));
-                return;
-            }
+            // The compiler asks for the arguments of the type in any case.
+            _ => return self.errors.leave_to_compiler(),
         };
         match role {
             Role::Robots => {
@@ -315,10 +313,8 @@ impl Analysis<'_> {
 
     fn list_of_sensors(&mut self, list: &Type) {
         match plain(list) {
-            Type::Paren(inner) => {
-                let sensor = text(&inner.elem);
-                self.errors.at(list, format_args!("a list of one sensor needs a comma: `({sensor},)`"));
-            }
+            // `Reading` itself refuses it, and says that the comma is missing.
+            Type::Paren(_) => self.errors.leave_to_compiler(),
             Type::Tuple(tuple) if tuple.elems.is_empty() => {
                 self.errors.at(list, "a reading of no sensors says nothing: leave the argument out");
             }
@@ -365,7 +361,7 @@ impl Analysis<'_> {
         match arguments(ty).as_slice() {
             [robots] => self.set_outcome(ty, robots, None, ends),
             [robots, language] => self.set_outcome(ty, robots, Some((*language).clone()), ends),
-            _ => self.errors.at(ty, format_args!("name the robots: `{form}`")),
+            _ => self.errors.leave_to_compiler(),
         }
     }
 

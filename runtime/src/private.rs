@@ -1,9 +1,9 @@
 //! What the expansion of the macros names and nobody else should: versioned with the macros, so that a
 //! mismatch of the two crates fails at the first use and not in a subtle way.
 
-use core::marker::PhantomData;
-
-use crate::list::{RobotList, Robots, RobotsOf, SensorList, SensorsOf};
+use crate::image::Sensor;
+use crate::list::{RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList, SensorsOf};
+use crate::robot::Robot;
 use crate::wire::{BadWords, Wire};
 
 pub use crate::list::PayloadType;
@@ -11,27 +11,28 @@ pub use crate::step::{IntoStep, IntoVerdict};
 pub use crate::step_fn::{first_in_ecp, first_in_mp, until};
 pub use crate::wire::layout_hash;
 
-/// A field of a payload.
+/// A field of a payload: how its type becomes words, found out once for each field.
 #[derive(Debug)]
 pub struct Field<T> {
     /// Words that it takes.
     pub len: usize,
     /// The layout of its type.
     pub layout: u64,
-    of: PhantomData<fn() -> T>,
+    put: fn(&T, &mut [u64]),
+    get: fn(&[u64]) -> Result<T, BadWords>,
 }
 
 /// A field of type `T`.
 #[must_use]
 pub const fn field<T: Wire>() -> Field<T> {
-    Field { len: T::LEN, layout: T::LAYOUT, of: PhantomData }
+    Field { len: T::LEN, layout: T::LAYOUT, put: T::put, get: T::get }
 }
 
-impl<T: Wire> Field<T> {
+impl<T> Field<T> {
     /// Writes the field; returns the words behind it.
     pub fn put<'w>(&self, value: &T, words: &'w mut [u64]) -> &'w mut [u64] {
-        let (own, rest) = words.split_at_mut(T::LEN);
-        value.put(own);
+        let (own, rest) = words.split_at_mut(self.len);
+        (self.put)(value, own);
         rest
     }
 
@@ -40,9 +41,9 @@ impl<T: Wire> Field<T> {
     /// # Errors
     /// [`BadWords`] when there are too few, or they spell no value of the type.
     pub fn get(&self, words: &mut &[u64]) -> Result<T, BadWords> {
-        let (own, rest) = words.split_at_checked(T::LEN).ok_or(BadWords)?;
+        let (own, rest) = words.split_at_checked(self.len).ok_or(BadWords)?;
         *words = rest;
-        T::get(own)
+        (self.get)(own)
     }
 }
 
@@ -77,29 +78,50 @@ impl SensorList for Anything {
     }
 }
 
-#[diagnostic::do_not_recommend]
-impl<T> RobotsOf<Anything> for T {
-    type Indices = [usize; 0];
-
-    fn indices(&self) -> [usize; 0] {
-        []
-    }
-    fn images(&self) {}
-    fn refresh(&mut self, _: usize, _: &[u64]) -> Result<(), BadWords> {
-        Err(BadWords)
-    }
+macro_rules! goes_with {
+    ($($handles:ty $(, $R:ident)*;)*) => {$(
+        #[diagnostic::do_not_recommend]
+        impl<$($R: Robot),*> RobotsOf<Anything> for $handles {
+            type Indices = [usize; 0];
+            fn indices(&self) -> [usize; 0] {
+                []
+            }
+            fn images(&self) {}
+            fn refresh(&mut self, _: usize, _: &[u64]) -> Result<(), BadWords> {
+                Err(BadWords)
+            }
+        }
+    )*};
 }
 
-#[diagnostic::do_not_recommend]
-impl<T> SensorsOf<Anything> for T {
-    type Indices = [usize; 0];
+goes_with! {
+    ();
+    (&mut RobotHandle<A>,), A;
+    (&mut RobotHandle<A>, &mut RobotHandle<B>), A, B;
+    (&mut RobotHandle<A>, &mut RobotHandle<B>, &mut RobotHandle<C>), A, B, C;
+    (&mut RobotHandle<A>, &mut RobotHandle<B>, &mut RobotHandle<C>, &mut RobotHandle<D>), A, B, C, D;
+}
 
-    fn indices(&self) -> [usize; 0] {
-        []
-    }
-    fn configuration(&self, _: usize, _: &mut [u64]) -> PayloadType {
-        PayloadType::of::<()>()
-    }
-    fn store(&mut self, (): &()) {}
-    fn images(&self) {}
+macro_rules! goes_with_sensors {
+    ($($handles:ty $(, $S:ident)*;)*) => {$(
+        #[diagnostic::do_not_recommend]
+        impl<$($S: Sensor),*> SensorsOf<Anything> for $handles {
+            type Indices = [usize; 0];
+            fn indices(&self) -> [usize; 0] {
+                []
+            }
+            fn configuration(&self, _: usize, _: &mut [u64]) -> PayloadType {
+                PayloadType::of::<()>()
+            }
+            fn store(&mut self, (): &()) {}
+            fn images(&self) {}
+        }
+    )*};
+}
+
+goes_with_sensors! {
+    ();
+    (&mut SensorHandle<A>,), A;
+    (&mut SensorHandle<A>, &mut SensorHandle<B>), A, B;
+    (&mut SensorHandle<A>, &mut SensorHandle<B>, &mut SensorHandle<C>), A, B, C;
 }

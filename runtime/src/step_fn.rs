@@ -4,8 +4,6 @@
 //! see. A trait sees them: it is implemented for every function that takes some of `order`, `c`, `e`, `v` and
 //! `t`, in this order, and each implementation knows which those are. So the class follows from the types.
 
-use core::marker::PhantomData;
-
 use crate::class::Uses;
 use crate::fault::Fault;
 use crate::generator::Generator;
@@ -77,50 +75,64 @@ impl<E, V, T> MeaningfulInMp for (Without, Takes, E, V, T) {}
 impl<E, V> MeaningfulInMp for (Without, Without, E, V, Takes) {}
 impl MeaningfulInMp for (Without, Without, Without, Without, Without) {}
 
-/// A plain function with what its type says of it.
+/// A plain function with what its type says of it; `Call` is its type with all the arguments there are.
 #[derive(Debug)]
-pub struct Plain<'f, F, G, Shape> {
+pub struct Plain<'f, F, Call> {
     /// Which arguments the function takes.
     pub uses: Uses,
     function: &'f F,
-    shape: PhantomData<fn() -> (G, Shape)>,
+    call: Call,
 }
 
-impl<'f, F, G, Shape> Plain<'f, F, G, Shape> {
-    const fn new(function: &'f F, uses: Uses) -> Self {
-        Plain { uses, function, shape: PhantomData }
-    }
-}
+/// A first step, called with all arguments.
+pub type FirstStep<F, G> = fn(
+    &F,
+    &Order<<G as Generator>::Order>,
+    &mut G,
+    &State<<G as Generator>::Robots>,
+    &Reading<<G as Generator>::Sensors>,
+    Tick,
+) -> Result<Step<<G as Generator>::Robots, <G as Generator>::Language>, Fault>;
+
+/// A terminal condition, called with all arguments.
+pub type Until<F, G> = fn(
+    &F,
+    &Order<<G as Generator>::Order>,
+    &mut G,
+    &State<<G as Generator>::Robots>,
+    &Reading<<G as Generator>::Sensors>,
+    Tick,
+) -> Result<bool, Fault>;
 
 /// `f` as the first step of the MP generator `G`.
-pub const fn first_in_mp<G, F, Shape>(f: &F) -> Plain<'_, F, G, Shape>
+pub const fn first_in_mp<G, F, Shape>(f: &F) -> Plain<'_, F, FirstStep<F, G>>
 where
     G: Generator,
     F: StepFn<G, G::Robots, G::Language, G::Sensors, G::Order, Shape>,
     Shape: MeaningfulInMp,
 {
-    Plain::new(f, F::USES)
+    Plain { uses: F::USES, function: f, call: F::call }
 }
 
 /// `f` as the first step of the ECP generator `G`.
-pub const fn first_in_ecp<G, F, Shape>(f: &F) -> Plain<'_, F, G, Shape>
+pub const fn first_in_ecp<G, F, Shape>(f: &F) -> Plain<'_, F, FirstStep<F, G>>
 where
     G: Generator,
     F: StepFn<G, G::Robots, G::Language, G::Sensors, G::Order, Shape>,
 {
-    Plain::new(f, F::USES)
+    Plain { uses: F::USES, function: f, call: F::call }
 }
 
 /// `f` as the terminal condition of the generator `G`.
-pub const fn until<G, F, Shape>(f: &F) -> Plain<'_, F, G, Shape>
+pub const fn until<G, F, Shape>(f: &F) -> Plain<'_, F, Until<F, G>>
 where
     G: Generator,
     F: UntilFn<G, G::Robots, G::Sensors, G::Order, Shape>,
 {
-    Plain::new(f, F::USES)
+    Plain { uses: F::USES, function: f, call: F::call }
 }
 
-impl<F, G: Generator, Shape> Plain<'_, F, G, Shape> {
+impl<F, G: Generator> Plain<'_, F, FirstStep<F, G>> {
     /// The step that the function computes.
     ///
     /// # Errors
@@ -133,13 +145,12 @@ impl<F, G: Generator, Shape> Plain<'_, F, G, Shape> {
         e: &State<G::Robots>,
         v: &Reading<G::Sensors>,
         t: Tick,
-    ) -> Result<Step<G::Robots, G::Language>, Fault>
-    where
-        F: StepFn<G, G::Robots, G::Language, G::Sensors, G::Order, Shape>,
-    {
-        self.function.call(order, c, e, v, t)
+    ) -> Result<Step<G::Robots, G::Language>, Fault> {
+        (self.call)(self.function, order, c, e, v, t)
     }
+}
 
+impl<F, G: Generator> Plain<'_, F, Until<F, G>> {
     /// Whether the terminal condition holds.
     ///
     /// # Errors
@@ -152,11 +163,8 @@ impl<F, G: Generator, Shape> Plain<'_, F, G, Shape> {
         e: &State<G::Robots>,
         v: &Reading<G::Sensors>,
         t: Tick,
-    ) -> Result<bool, Fault>
-    where
-        F: UntilFn<G, G::Robots, G::Sensors, G::Order, Shape>,
-    {
-        self.function.call(order, c, e, v, t)
+    ) -> Result<bool, Fault> {
+        (self.call)(self.function, order, c, e, v, t)
     }
 }
 

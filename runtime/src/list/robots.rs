@@ -62,9 +62,10 @@ impl<R: Robot> Payload for Demand<R> {
 
 /// A list of robots that are told something in the language `O`.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is no list of robots",
-    label = "not a list of robots",
-    note = "an MP's list is a tuple or an array of robots, a list of one robot needs a comma: `(Rnt,)`; an ECP's list is its robot: `Rnt`"
+    message = "`{Self}` is no list of robots that can be told `{O}`",
+    label = "not a list of robots, or not what they can be told",
+    note = "an MP's list is a tuple or an array of robots, a list of one robot needs a comma: `(Rnt,)`; an ECP's list is its robot: `Rnt`",
+    note = "`Step<L>` tells them what to attain; for `Step<L, Phase>` derive the payload: `#[derive(Clone, Copy, mrroc::Payload)]`"
 )]
 pub trait Robots<O = Motion>: RobotList {
     /// One demand or order per robot, in the list's form.

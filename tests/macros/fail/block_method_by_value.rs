@@ -1,0 +1,19 @@
+//! A method takes its state by value.
+//! says: `&mut self`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Line;
+
+#[generator(ecp)]
+impl Line {
+    fn next_step(self) -> Step<Rnt> {
+        Step::Done
+    }
+}
+
+fn main() {
+    let _ = Line.next_step();
+    let _ = move_robot::<Rnt, _>((), Line);
+}

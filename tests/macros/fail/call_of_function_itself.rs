@@ -1,0 +1,14 @@
+//! A function without state is passed itself instead of its constant.
+//! says: one without as `name {}`
+
+use mistakes::*;
+use mrroc::*;
+
+#[generator(ecp)]
+fn transmit(order: &Order<Displacement>) -> Always<Rnt> {
+    Always(Demand::displacement(order.value().pose))
+}
+
+fn main() {
+    let _ = move_robot::<Rnt, _>((), transmit);
+}

@@ -1,0 +1,17 @@
+//! A state whose step function has no attribute is passed to Move.
+//! says: `#[generator(mp)]` or `#[generator(ecp)]`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+fn carry(_: &mut Carry) -> Step<(Rnt,)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry(&mut Carry);
+    let mut rnt = rnt();
+    let _ = move_robots((&mut rnt,), (), Carry);
+}

@@ -1,0 +1,18 @@
+//! Another sensor than that of the list in the call.
+//! says: `(&mut force,)` for `(WristForce,)`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Press;
+
+#[generator(mp)]
+fn press(_: &mut Press, v: &Reading<(WristForce,)>) -> Step<(Rnt,)> {
+    let _ = v;
+    Step::Done
+}
+
+fn main() {
+    let (mut rnt, mut camera) = (rnt(), camera());
+    let _ = move_robots((&mut rnt,), (&mut camera,), Press);
+}

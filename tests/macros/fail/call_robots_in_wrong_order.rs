@@ -1,0 +1,19 @@
+//! Robots in the wrong order in the call.
+//! says: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`
+
+use mistakes::*;
+use mrroc::*;
+
+#[derive(Default)]
+struct Carry;
+
+#[generator(mp)]
+fn carry(c: &mut Carry, t: Tick) -> Step<(Rnt, Polycrank)> {
+    let _ = (c, t);
+    Step::Next((Demand::hold(), Demand::hold()))
+}
+
+fn main() {
+    let (mut rnt, mut polycrank) = (rnt(), polycrank());
+    let _ = move_robots((&mut polycrank, &mut rnt), (), Carry);
+}

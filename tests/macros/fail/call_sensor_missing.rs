@@ -1,0 +1,18 @@
+//! The sensors of the list are missing in the call.
+//! says: `(&mut force,)` for `(WristForce,)`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Press;
+
+#[generator(mp)]
+fn press(_: &mut Press, v: &Reading<(WristForce,)>) -> Step<(Rnt,)> {
+    let _ = v;
+    Step::Done
+}
+
+fn main() {
+    let mut rnt = rnt();
+    let _ = move_robots((&mut rnt,), (), Press);
+}

@@ -1,0 +1,15 @@
+//! A condition returns nothing.
+//! says: `-> bool`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[condition(mp)]
+fn held(_: &mut Carry) {}
+
+fn main() {
+    held(&mut Carry);
+    let _ = wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), Carry);
+}

@@ -1,0 +1,17 @@
+//! A condition returns a step.
+//! says: `#[generator(mp)]`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[condition(mp)]
+fn held(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = held(&mut Carry);
+    let _ = wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), Carry);
+}

@@ -1,0 +1,17 @@
+//! The attribute names no level.
+//! says: `#[generator(mp)]` or `#[generator(ecp)]`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator]
+fn carry(_: &mut Carry, _: Tick) -> Step<(Rnt, Polycrank)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry(&mut Carry, Tick { step: 0, dt: 0.0, duration: 0.0 });
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

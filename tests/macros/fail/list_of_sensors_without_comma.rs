@@ -1,0 +1,18 @@
+//! A list of one sensor without its comma.
+//! says: `(WristForce,)`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+fn carry(_: &mut Carry, v: &Reading<(WristForce)>) -> Step<(Rnt, Polycrank)> {
+    let _ = v;
+    Step::Done
+}
+
+fn main() {
+    let _ = carry;
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

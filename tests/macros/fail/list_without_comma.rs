@@ -1,0 +1,17 @@
+//! A list of one robot without its comma.
+//! says: `(Rnt,)`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+fn carry(_: &mut Carry) -> Step<(Rnt)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry(&mut Carry);
+    let _ = move_robots((&mut rnt(),), (), Carry);
+}

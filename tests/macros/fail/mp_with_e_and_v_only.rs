@@ -1,0 +1,16 @@
+//! An MP reacts to robots and sensors without a state of the coordinator.
+//! says: the five forms of an MP
+
+use mistakes::*;
+use mrroc::*;
+
+#[generator(mp)]
+fn follow(e: &State<(Rnt, Polycrank)>, v: &Reading<(WristForce,)>) -> Always<(Rnt, Polycrank)> {
+    let _ = (e, v,);
+    Always((Demand::hold(), Demand::hold()))
+}
+
+fn main() {
+    let _ = follow;
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (&mut force(),), follow {});
+}

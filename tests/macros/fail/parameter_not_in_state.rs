@@ -1,0 +1,17 @@
+//! A parameter is not in the state's type.
+//! says: `PhantomData<R>`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(ecp)]
+fn carry<R: Robot>(_: &mut Carry) -> Step<R> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry::<Rnt>(&mut Carry);
+    let _ = move_robot::<Rnt, _>((), Carry);
+}

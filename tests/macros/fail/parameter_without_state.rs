@@ -1,0 +1,15 @@
+//! A function without state has a parameter.
+//! says: `c: &mut Hold<R>`
+
+use mistakes::*;
+use mrroc::*;
+
+#[generator(ecp)]
+fn hold<R: Robot>() -> Always<R> {
+    Always(Demand::hold())
+}
+
+fn main() {
+    let _ = hold::<Rnt>();
+    let _ = move_robot::<Rnt, _>((), hold {});
+}

@@ -1,0 +1,19 @@
+//! A field of a payload is no plain value.
+//! says: &'static str
+
+use mistakes::*;
+use mrroc::*;
+
+#[derive(Clone, Copy, Payload)]
+struct Plan {
+    name: &'static str,
+}
+
+
+fn tells<P: Payload>() -> &'static str {
+    P::NAME
+}
+
+fn main() {
+    let _ = tells::<Plan>();
+}

@@ -1,0 +1,19 @@
+//! A payload takes more words than a message holds.
+//! says: at most 56 words
+
+use mistakes::*;
+use mrroc::*;
+
+#[derive(Clone, Copy, Payload)]
+struct Plan {
+    path: [[f64; 3]; 20],
+}
+
+
+fn tells<P: Payload>() -> &'static str {
+    P::NAME
+}
+
+fn main() {
+    let _ = tells::<Plan>();
+}

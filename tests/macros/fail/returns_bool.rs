@@ -1,0 +1,17 @@
+//! A generator returns a truth value.
+//! says: `#[condition(mp)]`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+fn carry(_: &mut Carry) -> bool {
+    true
+}
+
+fn main() {
+    let _ = carry(&mut Carry);
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

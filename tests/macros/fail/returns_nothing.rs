@@ -1,0 +1,15 @@
+//! A step function returns nothing.
+//! says: `-> Step<(Rnt, Polycrank)>`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+fn carry(_: &mut Carry) {}
+
+fn main() {
+    let _ = carry(&mut Carry);
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

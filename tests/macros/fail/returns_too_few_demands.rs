@@ -1,0 +1,17 @@
+//! A demand is missing in the tuple that is returned.
+//! says: mistakes::Polycrank
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+fn carry(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
+    Step::Next((Demand::hold(),))
+}
+
+fn main() {
+    let _ = carry(&mut Carry);
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

@@ -1,0 +1,21 @@
+//! The order's payload is not derived.
+//! errors: 2, since the compiler repeats it where the body makes a step of the list
+//! says: `#[derive(Clone, Copy, mrroc::Payload)]`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[derive(Clone, Copy)]
+struct Plan;
+
+#[generator(mp)]
+fn carry(_: &mut Carry) -> Step<(Rnt,), Plan> {
+    Step::Done
+}
+
+fn main() {
+    
+    
+}

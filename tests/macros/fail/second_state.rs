@@ -1,0 +1,17 @@
+//! Two states.
+//! says: one type holds all
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+fn carry(_: &mut Carry, _: &mut Carry) -> Step<(Rnt, Polycrank)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry(&mut Carry, &mut Carry);
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

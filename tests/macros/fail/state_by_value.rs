@@ -1,0 +1,17 @@
+//! The state is taken by value.
+//! says: `&mut Carry`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+fn carry(_: Carry) -> Step<(Rnt, Polycrank)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry(Carry);
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

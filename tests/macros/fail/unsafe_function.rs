@@ -1,0 +1,17 @@
+//! A step function is unsafe.
+//! says: drop `unsafe`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp)]
+unsafe fn carry(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = unsafe { carry(&mut Carry) };
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}

@@ -1,0 +1,21 @@
+//! The terminal condition returns a step.
+//! says: returns `bool`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[generator(mp, until = over)]
+fn carry(_: &mut Carry, _: Tick) -> Step<(Rnt, Polycrank)> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry(&mut Carry, Tick { step: 0, dt: 0.0, duration: 0.0 });
+    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+}
+
+fn over(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
+    Step::Done
+}
