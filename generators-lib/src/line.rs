@@ -38,9 +38,11 @@ impl<const N: usize> JointLine<N> {
         acceleration: &SVector<f64, N>,
     ) -> Result<Trapezoid, ProfileError> {
         let way = self.to - self.from;
-        unit_profile(way.iter().zip(velocity.iter().zip(acceleration.iter())).map(|(way, (v, a))| {
-            (way.abs(), ProfileLimits { velocity: *v, acceleration: *a })
-        }))
+        unit_profile(
+            way.iter()
+                .zip(velocity.iter().zip(acceleration.iter()))
+                .map(|(way, (v, a))| (way.abs(), ProfileLimits { velocity: *v, acceleration: *a })),
+        )
     }
 }
 
@@ -95,7 +97,10 @@ impl LinePath {
             return self.to;
         }
         let translation = Translation3::from(self.from.translation.vector + self.way * s);
-        Isometry3::from_parts(translation, self.from.rotation * UnitQuaternion::from_scaled_axis(self.turn * s))
+        Isometry3::from_parts(
+            translation,
+            self.from.rotation * UnitQuaternion::from_scaled_axis(self.turn * s),
+        )
     }
 
     /// The fastest profile of `s` from 0 to 1 within `limits` of translation and of rotation at once. A line without

@@ -13,11 +13,11 @@ const DEPTH: usize = 40;
 /// Length [m] of `span` from parameter `a` to `b` >= `a`.
 #[must_use]
 pub fn length_between(span: &Span, a: f64, b: f64) -> f64 {
-    measured(span, a, b).0
+    length_measured(span, a, b).0
 }
 
 /// Length, and whether 5 nodes over the whole interval were enough.
-pub(crate) fn measured(span: &Span, a: f64, b: f64) -> (f64, bool) {
+pub(crate) fn length_measured(span: &Span, a: f64, b: f64) -> (f64, bool) {
     let whole = length_7(span, a, b);
     if (length_5(span, a, b) - whole).abs() <= AGREEMENT * whole {
         return (whole, true);

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! In the window that starts at `k` the frozen `c_{k-1}` goes to the right-hand side, the far end has `S'' = 0`, and
-//! only `c_k` is kept.
+//! only `c_k` is kept. `c_{-1}` is chosen last, so that the first point is hit exactly.
 
 use super::{Part, Span};
 use nalgebra::Vector3;
@@ -131,6 +131,11 @@ impl Frozen {
         let of_span = self.parts[0];
         self.parts = [self.parts[1], part];
         self.frozen += 1;
+        if self.frozen == 2 {
+            // c_1 comes from a later window than c_{-1} and c_0: hit the first point exactly all the same.
+            let Row { alpha, beta, gamma, .. } = Row::new([self.h[1], self.h[2], self.h[3], self.h[4]]);
+            self.c[1] = (self.first - self.c[2] * beta - self.c[3] * gamma) / alpha;
+        }
         if self.frozen < 3 {
             return None;
         }

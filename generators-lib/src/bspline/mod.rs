@@ -30,6 +30,7 @@ mod stream;
 mod window;
 
 pub use arc::{length_between, parameter_at};
+pub(crate) use arc::{length_measured, parameter_at_plain};
 pub use closed::ClosedPoints;
 pub use moving::{Method, MovingSegment, Poll, SplineError, SplineSettings, WINDOW_MAX, WINDOW_MIN};
 pub use parametrisation::Parametrisation;

@@ -223,8 +223,7 @@ impl MovingSegment {
 
     fn append(&mut self, point: SplinePoint) {
         if let Some(newest) = self.count.checked_sub(1) {
-            self.h[newest] =
-                self.settings.parametrisation.knot_span(&self.points[newest], &point.position);
+            self.h[newest] = self.settings.parametrisation.knot_span(&self.points[newest], &point.position);
         }
         self.points[self.count] = point.position;
         self.parts[self.count] = point.part;
@@ -243,9 +242,9 @@ impl MovingSegment {
             }
             Method::Literal(ends) => first_slopes(points, h, ends, ends)
                 .map(|(m0, m1)| (Span::cubic(points[0], points[1], m0, m1, h[0]), part, end)),
-            Method::Interpolating => self.carried_slopes().map(|(m0, m1)| {
-                (Span::cubic(self.points[0], self.points[1], m0, m1, self.h[0]), part, end)
-            }),
+            Method::Interpolating => self
+                .carried_slopes()
+                .map(|(m0, m1)| (Span::cubic(self.points[0], self.points[1], m0, m1, self.h[0]), part, end)),
             Method::C2 => self.carried_slopes().and_then(|(m0, m1)| self.hold(m0, m1, part)),
         };
         self.count -= 1;

@@ -26,13 +26,7 @@ pub struct SpanGeometry {
 impl Span {
     /// The cubic between two points [m] with slopes `m0`, `m1` over the knot span `h` > 0.
     #[must_use]
-    pub fn cubic(
-        p0: Vector3<f64>,
-        p1: Vector3<f64>,
-        m0: Vector3<f64>,
-        m1: Vector3<f64>,
-        h: f64,
-    ) -> Self {
+    pub fn cubic(p0: Vector3<f64>, p1: Vector3<f64>, m0: Vector3<f64>, m1: Vector3<f64>, h: f64) -> Self {
         let d = (p1 - p0) / h;
         let c2 = (d * 3.0 - m0 * 2.0 - m1) / h;
         let c3 = (m0 + m1 - d * 2.0) / (h * h);
