@@ -360,7 +360,11 @@ pub fn fallback(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> TokenS
     let krate = &target.krate;
     let level = target.level();
     let anything = quote!(#krate::__private1::Anything);
-    let robots = robot.map_or_else(|| anything.clone(), |robot| quote!(#robot));
+    let robots = match (kind, robot) {
+        (Kind::Condition, _) => quote!(#krate::AnyRobots),
+        (Kind::Generator, Some(robot)) => quote!(#robot),
+        (Kind::Generator, None) => anything.clone(),
+    };
     let arguments = target.arguments(|_| false);
     let types = quote! {
         type Robots = #robots;

@@ -12,6 +12,8 @@ mod item;
 mod parameters;
 mod payload;
 mod signature;
+#[cfg(test)]
+mod tests;
 
 /// Makes a generator of a step function.
 #[proc_macro_attribute]

@@ -1,33 +1,17 @@
-//! Stand-ins of a program's instructions, for programs that are not to compile: signatures, no behaviour.
+//! What a program of the diagnostics has at hand. None of them runs.
 
-use mrroc::{Condition, Fault, Generator, Robot, RobotHandle, RobotsOf, SensorHandle, SensorsOf};
+use mrroc::{Ecp, Mp, RobotHandle, SensorHandle};
 
 use crate::cell::{Camera, Polycrank, Rnt, WristForce};
 
-/// `Mp::move_robots`.
-pub fn move_robots<G: Generator>(
-    _robots: impl RobotsOf<G::Robots>,
-    _sensors: impl SensorsOf<G::Sensors>,
-    generator: G,
-) -> Result<G, Fault> {
-    Ok(generator)
+/// The coordinator.
+pub fn mp() -> Mp {
+    unimplemented!("stand-in")
 }
 
-/// `Ecp::<R>::move_robot`.
-pub fn move_robot<R: Robot, G: Generator<Robots = R>>(
-    _sensors: impl SensorsOf<G::Sensors>,
-    generator: G,
-) -> Result<G, Fault> {
-    Ok(generator)
-}
-
-/// `Mp::wait_until`.
-pub fn wait_until<C: Condition>(
-    _robots: impl RobotsOf<C::Robots>,
-    _sensors: impl SensorsOf<C::Sensors>,
-    condition: C,
-) -> Result<C, Fault> {
-    Ok(condition)
+/// The controller of the Rnt.
+pub fn ecp() -> Ecp<Rnt> {
+    unimplemented!("stand-in")
 }
 
 /// A handle.

@@ -13,5 +13,5 @@ async fn carry(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = carry;
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), Carry);
 }

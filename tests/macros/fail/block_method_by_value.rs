@@ -15,5 +15,5 @@ impl Line {
 
 fn main() {
     let _ = Line.next_step();
-    let _ = move_robot::<Rnt, _>((), Line);
+    let _ = ecp().move_robot((), Line);
 }

@@ -19,5 +19,5 @@ impl Line {
 
 fn main() {
     let _ = (begin(&mut Line), Line.next_step());
-    let _ = move_robot::<Rnt, _>((), Line);
+    let _ = ecp().move_robot((), Line);
 }

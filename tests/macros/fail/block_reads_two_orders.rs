@@ -20,5 +20,5 @@ impl Line {
 }
 
 fn main() {
-    let _ = move_robot::<Rnt, _>((), Line);
+    let _ = ecp().move_robot((), Line);
 }

@@ -15,5 +15,5 @@ impl Line {
 
 fn main() {
     let _ = Line.step();
-    let _ = move_robots((), (), Line);
+    let _ = ecp().move_robot((), Line);
 }

@@ -10,5 +10,5 @@ fn transmit(order: &Order<Displacement>) -> Always<Rnt> {
 }
 
 fn main() {
-    let _ = move_robot::<Rnt, _>((), transmit);
+    let _ = ecp().move_robot((), transmit);
 }

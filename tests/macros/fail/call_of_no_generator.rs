@@ -13,5 +13,5 @@ fn carry(_: &mut Carry) -> Step<(Rnt,)> {
 fn main() {
     let _ = carry(&mut Carry);
     let mut rnt = rnt();
-    let _ = move_robots((&mut rnt,), (), Carry);
+    let _ = mp().move_robots((&mut rnt,), (), Carry);
 }

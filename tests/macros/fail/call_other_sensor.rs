@@ -14,5 +14,5 @@ fn press(_: &mut Press, v: &Reading<(WristForce,)>) -> Step<(Rnt,)> {
 
 fn main() {
     let (mut rnt, mut camera) = (rnt(), camera());
-    let _ = move_robots((&mut rnt,), (&mut camera,), Press);
+    let _ = mp().move_robots((&mut rnt,), (&mut camera,), Press);
 }

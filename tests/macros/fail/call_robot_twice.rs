@@ -13,5 +13,5 @@ fn both(_: &mut Both) -> Step<(Rnt, Rnt)> {
 
 fn main() {
     let mut rnt = rnt();
-    let _ = move_robots((&mut rnt, &mut rnt), (), Both);
+    let _ = mp().move_robots((&mut rnt, &mut rnt), (), Both);
 }

@@ -13,5 +13,5 @@ fn lift(_: &mut Lift) -> Step<(Rnt,)> {
 
 fn main() {
     let mut rnt = rnt();
-    let _ = move_robots((&mut rnt), (), Lift);
+    let _ = mp().move_robots((&mut rnt), (), Lift);
 }

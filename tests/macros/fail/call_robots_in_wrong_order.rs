@@ -15,5 +15,5 @@ fn carry(c: &mut Carry, t: Tick) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let (mut rnt, mut polycrank) = (rnt(), polycrank());
-    let _ = move_robots((&mut polycrank, &mut rnt), (), Carry);
+    let _ = mp().move_robots((&mut polycrank, &mut rnt), (), Carry);
 }

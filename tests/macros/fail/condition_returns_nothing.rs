@@ -11,5 +11,5 @@ fn held(_: &mut Carry) {}
 
 fn main() {
     held(&mut Carry);
-    let _ = wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), Carry);
+    let _ = mp().wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), Carry);
 }

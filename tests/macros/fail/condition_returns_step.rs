@@ -13,5 +13,5 @@ fn held(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = held(&mut Carry);
-    let _ = wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), Carry);
+    let _ = mp().wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), Carry);
 }

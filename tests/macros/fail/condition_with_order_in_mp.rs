@@ -11,5 +11,5 @@ fn held(order: &Order<Phase>) -> bool {
 
 fn main() {
     let _ = held;
-    let _ = wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), held {});
+    let _ = mp().wait_until((&mut rnt(), &mut polycrank()), (&mut force(),), held {});
 }

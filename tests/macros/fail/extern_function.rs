@@ -13,5 +13,5 @@ extern "C-unwind" fn carry(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = carry(&mut Carry);
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), Carry);
 }

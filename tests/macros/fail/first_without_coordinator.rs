@@ -13,7 +13,7 @@ fn carry(_: &mut Carry, _: Tick) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = carry(&mut Carry, Tick { step: 0, dt: 0.0, duration: 0.0 });
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), Carry);
 }
 
 fn grasp(_: &State<(Rnt, Polycrank)>) -> Step<(Rnt, Polycrank)> {

@@ -13,5 +13,5 @@ fn carry(_: &mut Carry, _: impl Robot) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = carry(&mut Carry, Rnt);
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), Carry);
 }

@@ -13,5 +13,5 @@ fn carry(_: &mut Carry) -> Step<(Rnt,)> {
 
 fn main() {
     let _ = carry(&mut Carry);
-    let _ = move_robot::<Rnt, _>((), Carry);
+    let _ = ecp().move_robot((), Carry);
 }

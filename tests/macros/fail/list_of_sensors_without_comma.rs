@@ -14,5 +14,5 @@ fn carry(_: &mut Carry, v: &Reading<(WristForce)>) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = carry;
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), Carry);
 }

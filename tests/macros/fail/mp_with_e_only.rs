@@ -12,5 +12,5 @@ fn follow(e: &State<(Rnt, Polycrank)>) -> Always<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = follow;
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (&mut force(),), follow {});
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (&mut force(),), follow {});
 }

@@ -13,5 +13,5 @@ fn carry<R: Robot>(_: &mut Carry) -> Step<R> {
 
 fn main() {
     let _ = carry::<Rnt>(&mut Carry);
-    let _ = move_robot::<Rnt, _>((), Carry);
+    let _ = ecp().move_robot((), Carry);
 }

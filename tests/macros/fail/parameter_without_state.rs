@@ -11,5 +11,5 @@ fn hold<R: Robot>() -> Always<R> {
 
 fn main() {
     let _ = hold::<Rnt>();
-    let _ = move_robot::<Rnt, _>((), hold {});
+    let _ = ecp().move_robot((), hold {});
 }

@@ -13,5 +13,5 @@ fn carry(_: Carry) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = carry(Carry);
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), Carry);
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), Carry);
 }

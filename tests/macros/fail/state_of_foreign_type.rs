@@ -11,5 +11,5 @@ fn count(_: &mut f64) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = count(&mut 1.0);
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), count {});
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), count {});
 }

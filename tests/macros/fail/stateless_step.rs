@@ -11,5 +11,5 @@ fn nudge() -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = nudge();
-    let _ = move_robots((&mut rnt(), &mut polycrank()), (), nudge {});
+    let _ = mp().move_robots((&mut rnt(), &mut polycrank()), (), nudge {});
 }

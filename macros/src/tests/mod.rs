@@ -1,0 +1,5 @@
+//! The macros from token stream to token stream, without a compiler.
+
+mod classes;
+mod expansion;
+mod robustness;
