@@ -1,5 +1,6 @@
-//! Motion generators for `mrroc`: the mathematics of motion, free of robots and of the runtime.
+//! Motion generators for `mrroc`, and the mathematics under them.
 //!
+//! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
 //! - [`profile`]: how far along a path at which instant;
 //! - [`line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
@@ -11,5 +12,6 @@
 
 pub mod bspline;
 pub mod feed;
+pub mod generators;
 pub mod line;
 pub mod profile;

@@ -5,25 +5,26 @@
 //! `V = min_j V_j / |dq_j|`, `A = min_j A_j / |dq_j|`.
 
 use crate::profile::{ProfileError, ProfileLimits, Trapezoid};
-use nalgebra::{Isometry3, SVector, Translation3, UnitQuaternion, Vector3};
+use mrroc::JointVector;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// A straight line in joint space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointLine<const N: usize> {
-    from: SVector<f64, N>,
-    to: SVector<f64, N>,
+pub struct JointLine<J> {
+    from: J,
+    to: J,
 }
 
-impl<const N: usize> JointLine<N> {
+impl<J: JointVector> JointLine<J> {
     /// The line between two joint vectors [rad or m].
     #[must_use]
-    pub fn new(from: SVector<f64, N>, to: SVector<f64, N>) -> Self {
+    pub fn new(from: J, to: J) -> Self {
         Self { from, to }
     }
 
     /// Joints at `s` in 0..=1; the ends are met exactly.
     #[must_use]
-    pub fn joints(&self, s: f64) -> SVector<f64, N> {
+    pub fn joints(&self, s: f64) -> J {
         if s >= 1.0 { self.to } else { self.from + (self.to - self.from) * s }
     }
 
@@ -32,16 +33,12 @@ impl<const N: usize> JointLine<N> {
     ///
     /// # Errors
     /// An end that is not finite or a limit that is not positive.
-    pub fn profile(
-        &self,
-        velocity: &SVector<f64, N>,
-        acceleration: &SVector<f64, N>,
-    ) -> Result<Trapezoid, ProfileError> {
+    pub fn profile(&self, velocity: &J, acceleration: &J) -> Result<Trapezoid, ProfileError> {
         let way = self.to - self.from;
         unit_profile(
-            way.iter()
-                .zip(velocity.iter().zip(acceleration.iter()))
-                .map(|(way, (v, a))| (way.abs(), ProfileLimits { velocity: *v, acceleration: *a })),
+            (0..J::LEN).map(|i| {
+                (way[i].abs(), ProfileLimits { velocity: velocity[i], acceleration: acceleration[i] })
+            }),
         )
     }
 }

@@ -142,7 +142,9 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: Toke
     let all = || [&first, &next, &until].into_iter().flatten();
     let outcome = next.as_ref().and_then(|next| next.outcome.as_ref().map(|outcome| (next, outcome)));
     let Some((next, outcome)) = outcome.filter(|_| errors.is_empty()) else {
-        let roles_of = |signature| analyse_method(signature, Kind::Generator, arguments.level, block, &mut Errors::default());
+        let roles_of = |signature| {
+            analyse_method(signature, Kind::Generator, arguments.level, block, &mut Errors::default())
+        };
         let methods: Vec<Roles> = block.methods.iter().map(roles_of).collect();
         let robot = methods.iter().find_map(|roles| robot_of_ecp(arguments, roles));
         let fallback = emit::fallback(&target, Kind::Generator, robot);

@@ -64,7 +64,8 @@ pub fn expand(item: TokenStream) -> TokenStream {
         Data::Enum(_) | Data::Union(_) => 0,
     };
     let fits = fields.is_some().then(|| {
-        let message = format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
+        let message =
+            format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
         let field = (0..fields_len).map(Index::from);
         quote_spanned! {name.span()=>
             const _: () = ::core::assert!(0 #(+ FIELDS.#field.len)* <= #krate::WORDS, #message);
