@@ -113,8 +113,10 @@ fn a_spline_track_leads_the_tool_through_its_points() {
     let centre = Vector3::new(0.86, 0.0, 0.35);
     for q in trace.iter() {
         let radius = (robot.forward(q).translation.vector - centre).norm();
-        // 48 points on 10 mm: trajectory.md measures 15 nm for 24 inner points; the natural ends are worse.
-        assert!((radius - 0.01).abs() < 5e-6, "{radius}");
+        // A natural end has no curvature where the circle has k: with spans of h the first one is off by at
+        // most 0.05 h² k, and later ones by 0.27 of the one before.
+        let span = 0.01 * std::f64::consts::TAU / 48.0;
+        assert!((radius - 0.01).abs() < 0.05 * span * span / 0.01, "{radius}");
     }
     assert!(
         (robot.forward(trace.last().expect("recorded")).translation.vector
