@@ -149,18 +149,41 @@ fn a_condition() {
 fn a_condition_without_state() {
     assert_expansion!(
         "condition_without_state",
-        condition::expand(quote!(ecp), quote!(fn near(e: &State<Rnt>) -> Result<bool, Fault> { todo!() }))
+        condition::expand(
+            quote!(ecp),
+            quote!(
+                fn near(e: &State<Rnt>) -> Result<bool, Fault> {
+                    todo!()
+                }
+            )
+        )
     );
 }
 
 #[test]
 fn an_order_of_loose_cooperation() {
-    assert_expansion!("payload_enum", payload::expand(quote!(enum Phase { Grasp, Close })));
+    assert_expansion!(
+        "payload_enum",
+        payload::expand(quote!(
+            enum Phase {
+                Grasp,
+                Close,
+            }
+        ))
+    );
 }
 
 #[test]
 fn an_order_of_tight_cooperation() {
-    assert_expansion!("payload_struct", payload::expand(quote!(struct Displacement { pose: Pose, step: u64 })));
+    assert_expansion!(
+        "payload_struct",
+        payload::expand(quote!(
+            struct Displacement {
+                pose: Pose,
+                step: u64,
+            }
+        ))
+    );
 }
 
 #[test]
