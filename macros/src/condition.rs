@@ -51,9 +51,7 @@ fn of_function(
         let errors = errors.into_tokens();
         return quote!(#item #errors);
     }
-    if arguments.level == Some(Level::Mp) {
-        check_no_order(&roles, &mut errors);
-    }
+    check_no_order(arguments.level, &roles, &mut errors);
     let generics = parameters::of_state(signature, roles.state.as_ref(), &mut errors);
 
     let name = &signature.ident;
@@ -87,8 +85,7 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: Toke
         None => {
             errors.at(&block.self_type, "a condition needs its function: `fn is_met(&mut self, ..) -> bool`")
         }
-        Some(roles) if arguments.level == Some(Level::Mp) => check_no_order(roles, &mut errors),
-        Some(_) => {}
+        Some(roles) => check_no_order(arguments.level, roles, &mut errors),
     }
     let cfgs = item::cfgs(&block.attributes);
     let mut target = Target {

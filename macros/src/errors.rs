@@ -47,10 +47,4 @@ impl Errors {
     pub fn into_tokens(self) -> TokenStream {
         self.errors.map(|errors| errors.into_compile_error()).unwrap_or_default()
     }
-
-    /// The messages, for tests.
-    #[cfg(test)]
-    pub fn messages(self) -> Vec<String> {
-        self.errors.into_iter().flatten().map(|error| error.to_string()).collect()
-    }
 }

@@ -51,6 +51,7 @@ fn of_function(
         let errors = errors.into_tokens();
         return quote!(#item #errors);
     }
+    check_no_order(arguments.level, &roles, &mut errors);
     if !has_mistakes {
         check_class(arguments.level, &roles, &mut errors);
         check_keys(arguments, &roles, &mut errors);
@@ -123,11 +124,8 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: Toke
     for roles in [&first, &next].into_iter().flatten().filter(|_| !has_mistakes) {
         check_class(arguments.level, roles, &mut errors);
     }
-    if arguments.level == Some(Level::Mp)
-        && !has_mistakes
-        && let Some(roles) = &until
-    {
-        check_no_order(roles, &mut errors);
+    for roles in [&first, &next, &until].into_iter().flatten() {
+        check_no_order(arguments.level, roles, &mut errors);
     }
 
     let cfgs = item::cfgs(&block.attributes);
@@ -189,18 +187,18 @@ pub fn analyse_method(
 
 /// Whether the paper knows a class for what the function takes (section 6).
 fn check_class(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
-    if level == Some(Level::Mp) && !roles.uses.is_legal(Level::Mp) {
-        if roles.uses.has(Role::Order) {
-            check_no_order(roles, errors);
-        } else if let Some(at) = roles.place(Role::Robots).or(roles.place(Role::Sensors)) {
-            errors.add(syn::Error::new(
-                at,
-                format_args!(
-                    "in an MP, reacting to `{}` without a state of the coordinator has no meaning: {FIVE_FORMS}",
-                    if roles.uses.has(Role::Robots) { "e" } else { "v" }
-                ),
-            ));
-        }
+    if level == Some(Level::Mp)
+        && !roles.uses.has(Role::Order)
+        && !roles.uses.is_legal(Level::Mp)
+        && let Some(at) = roles.place(Role::Robots).or(roles.place(Role::Sensors))
+    {
+        let seen = if roles.uses.has(Role::Robots) { "e" } else { "v" };
+        errors.add(syn::Error::new(
+            at,
+            format_args!(
+                "in an MP, reacting to `{seen}` without a state of the coordinator has no meaning: {FIVE_FORMS}"
+            ),
+        ));
     }
     if roles.uses == Uses::default()
         && let Some(outcome) = roles.outcome.as_ref().filter(|outcome| outcome.ends)
@@ -216,8 +214,10 @@ fn check_class(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
 }
 
 /// Nobody gives orders to an MP.
-pub fn check_no_order(roles: &Roles, errors: &mut Errors) {
-    if let Some(at) = roles.place(Role::Order) {
+pub fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
+    if level == Some(Level::Mp)
+        && let Some(at) = roles.place(Role::Order)
+    {
         errors.add(syn::Error::new(
             at,
             format_args!("nobody orders an MP: only a function of an ECP takes `&Order<..>`; {FIVE_FORMS}"),

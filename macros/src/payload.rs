@@ -68,7 +68,7 @@ pub fn expand(item: TokenStream) -> TokenStream {
             format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
         let field = (0..fields_len).map(Index::from);
         quote_spanned! {name.span()=>
-            const _: () = ::core::assert!(0 #(+ FIELDS.#field.len)* <= #krate::WORDS, #message);
+            const _: () = ::core::assert!(0 #(+ __FIELDS.#field.len)* <= #krate::WORDS, #message);
         }
     });
     let body = if is_valid {
@@ -109,7 +109,7 @@ pub fn expand(item: TokenStream) -> TokenStream {
 fn fields(krate: &TokenStream, fields: &Fields) -> TokenStream {
     let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
     let of_types = types.iter().map(|ty| quote_spanned!(ty.span()=> #krate::__private1::field::<#ty>()));
-    quote!(const FIELDS: (#(#krate::__private1::Field<#types>,)*) = (#(#of_types,)*);)
+    quote!(const __FIELDS: (#(#krate::__private1::Field<#types>,)*) = (#(#of_types,)*);)
 }
 
 /// The path of the runtime crate, `#[payload(crate = path)]`.
@@ -191,20 +191,20 @@ fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStrea
     }
     let field: Vec<_> = (0..types.len()).map(Index::from).collect();
     quote! {
-        const LEN: usize = 0 #(+ FIELDS.#field.len)*;
+        const LEN: usize = 0 #(+ __FIELDS.#field.len)*;
         const LAYOUT: u64 = {
             let hash = #krate::__private1::layout_hash(1, #text);
-            #(let hash = #krate::__private1::layout_hash(hash ^ FIELDS.#field.layout, #names);)*
+            #(let hash = #krate::__private1::layout_hash(hash ^ __FIELDS.#field.layout, #names);)*
             hash
         };
         fn put(&self, words: &mut [u64]) {
-            #(let words = FIELDS.#field.put(&self.#members, words);)*
+            #(let words = __FIELDS.#field.put(&self.#members, words);)*
             let _ = words;
         }
         fn get(words: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
             let mut words = words;
             ::core::result::Result::Ok(Self {
-                #(#members: FIELDS.#field.get(&mut words)?,)*
+                #(#members: __FIELDS.#field.get(&mut words)?,)*
             })
         }
     }

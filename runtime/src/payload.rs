@@ -7,6 +7,11 @@ use crate::wire::Wire;
 /// Derive it: `#[derive(Clone, Copy, mrroc::Payload)]`. An `enum` of unit variants is an order of *loose*
 /// cooperation (an ECP acts on it on its own and may finish early); a `struct` of numbers is one of *tight*
 /// cooperation (every step counts; finishing early is a fault).
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no payload",
+    label = "cannot travel between processes",
+    note = "derive it over the type: `#[derive(Clone, Copy, mrroc::Payload)]`"
+)]
 pub trait Payload: Wire {
     /// The type's name, for messages.
     const NAME: &'static str;

@@ -16,6 +16,10 @@ use crate::step::{IntoStep, IntoVerdict, Step, Tick};
 #[derive(Debug)]
 pub struct Takes;
 
+/// In the shape of a terminal condition: takes its state by shared reference.
+#[derive(Debug)]
+pub struct Reads;
+
 /// In the shape of a function: leaves this argument out.
 #[derive(Debug)]
 pub struct Without;
@@ -49,7 +53,7 @@ pub trait StepFn<C, L: Robots<O>, O, V: SensorList, P: Payload, Shape> {
 #[diagnostic::on_unimplemented(
     message = "this function is no terminal condition of a generator with the state `{C}`",
     label = "no terminal condition for `{C}`, the robots `{L}`, the sensors `{V}` and the order `{P}`",
-    note = "a terminal condition takes some of `&Order<{P}>`, `&mut {C}`, `&State<{L}>`, `&Reading<{V}>`, `Tick`, in this order, and returns `bool` or `Result<bool, Fault>`",
+    note = "a terminal condition takes some of `&Order<{P}>`, `&mut {C}` or `&{C}`, `&State<{L}>`, `&Reading<{V}>`, `Tick`, in this order, and returns `bool` or `Result<bool, Fault>`",
     note = "readings or an order that the steps do not take are named in the attribute: `sensors = (WristForce,)`, `order = Phase`"
 )]
 pub trait UntilFn<C, L: RobotList, V: SensorList, P: Payload, Shape> {
@@ -168,22 +172,10 @@ impl<F, G: Generator> Plain<'_, F, Until<F, G>> {
     }
 }
 
-/// The type of an argument.
-macro_rules! argument {
-    (order) => { &Order<P> };
-    (state) => { &mut C };
-    (robots) => { &State<L> };
-    (sensors) => { &Reading<V> };
-    (tick) => { Tick };
-}
-
-/// Both traits for every subset of the arguments, by deciding one argument after another.
-macro_rules! shapes {
-    ($values:tt [$($taken:ident)*] [$($shape:ident)*] $next:ident $($rest:ident)*) => {
-        shapes! { $values [$($taken)* $next] [$($shape)* Takes] $($rest)* }
-        shapes! { $values [$($taken)*] [$($shape)* Without] $($rest)* }
-    };
-    (($order:ident $state:ident $robots:ident $sensors:ident $tick:ident) [$($taken:ident)*] [$($shape:ident)*]) => {
+/// `StepFn` for the functions of one shape.
+macro_rules! step_fn {
+    (($order:ident $state:ident $robots:ident $sensors:ident $tick:ident)
+     [$(($taken:ident: $of:ty))*] [$($shape:ident)*]) => {
         #[diagnostic::do_not_recommend]
         impl<F, C, L, O, V, P, T> StepFn<C, L, O, V, P, ($($shape,)*)> for F
         where
@@ -191,7 +183,7 @@ macro_rules! shapes {
             V: SensorList,
             P: Payload,
             T: IntoStep<L, O>,
-            F: Fn($(argument!($taken)),*) -> T,
+            F: Fn($($of),*) -> T,
         {
             const USES: Uses = Uses { $($taken: true,)* ..Uses::NOTHING };
 
@@ -208,7 +200,13 @@ macro_rules! shapes {
                 self($($taken),*).into_step()
             }
         }
+    };
+}
 
+/// `UntilFn` for the functions of one shape.
+macro_rules! until_fn {
+    (($order:ident $state:ident $robots:ident $sensors:ident $tick:ident)
+     [$(($taken:ident: $of:ty))*] [$($shape:ident)*]) => {
         #[diagnostic::do_not_recommend]
         impl<F, C, L, V, P, T> UntilFn<C, L, V, P, ($($shape,)*)> for F
         where
@@ -216,7 +214,7 @@ macro_rules! shapes {
             V: SensorList,
             P: Payload,
             T: IntoVerdict,
-            F: Fn($(argument!($taken)),*) -> T,
+            F: Fn($($of),*) -> T,
         {
             const USES: Uses = Uses { $($taken: true,)* ..Uses::NOTHING };
 
@@ -236,4 +234,28 @@ macro_rules! shapes {
     };
 }
 
-shapes! { (order state robots sensors tick) [] [] order state robots sensors tick }
+/// The traits for every subset of the arguments, by deciding one argument after another. `@both` implements
+/// both; `@until` the one alone.
+macro_rules! shapes {
+    (@$which:ident $names:tt [$($taken:tt)*] [$($shape:ident)*] ($name:ident: $of:ty) $($rest:tt)*) => {
+        shapes! { @$which $names [$($taken)* ($name: $of)] [$($shape)* Takes] $($rest)* }
+        shapes! { @$which $names [$($taken)*] [$($shape)* Without] $($rest)* }
+    };
+    (@$which:ident $names:tt [$($taken:tt)*] [$($shape:ident)*] ($name:ident: $of:ty, or $shared:ty) $($rest:tt)*) => {
+        shapes! { @$which $names [$($taken)* ($name: $of)] [$($shape)* Takes] $($rest)* }
+        shapes! { @until $names [$($taken)* ($name: $shared)] [$($shape)* Reads] $($rest)* }
+        shapes! { @$which $names [$($taken)*] [$($shape)* Without] $($rest)* }
+    };
+    (@both $names:tt $taken:tt $shape:tt) => {
+        step_fn! { $names $taken $shape }
+        until_fn! { $names $taken $shape }
+    };
+    (@until $names:tt $taken:tt $shape:tt) => {
+        until_fn! { $names $taken $shape }
+    };
+}
+
+shapes! {
+    @both (order state robots sensors tick) [] []
+    (order: &Order<P>) (state: &mut C, or &C) (robots: &State<L>) (sensors: &Reading<V>) (tick: Tick)
+}

@@ -125,6 +125,7 @@ impl SensorsOf<()> for () {
 
 macro_rules! tuple_lists {
     ($($len:literal: $($S:ident $i:tt),+;)*) => {$(
+        #[diagnostic::do_not_recommend]
         impl<$($S: Sensor),+> SensorList for ($($S,)+) {
             const LEN: usize = $len;
             type Images = ($(SensorImage<$S>,)+);

@@ -1,0 +1,20 @@
+//! The order's payload is not derived.
+//! says: #[derive(Clone, Copy, mrroc::Payload)]
+
+use mistakes::*;
+use mrroc::*;
+
+struct Carry;
+
+#[derive(Clone, Copy)]
+struct Plan;
+
+#[generator(ecp)]
+fn carry(_: &mut Carry, _: &Order<Plan>) -> Step<Rnt> {
+    Step::Done
+}
+
+fn main() {
+    let _ = carry;
+    let _ = ecp().move_robot((), Carry);
+}
