@@ -1,6 +1,6 @@
 //! Reads a file of any known format: size, text and format first, then the format's reader, then what all share.
 
-use super::{Budget, Drawing, Limits, gcode, svg};
+use super::{Budget, Drawing, Limits, dxf, gcode, svg};
 use crate::error::{DrawingError, Place};
 use std::io::Read;
 use std::path::Path;
@@ -110,7 +110,7 @@ pub fn read_str(name: &str, text: &str, limits: Limits) -> Result<Import, Drawin
     }
     let import = match format {
         Format::Svg => svg::read(name, text, &mut budget),
-        Format::Dxf => svg::read(name, text, &mut budget),
+        Format::Dxf => dxf::read(name, text, &mut budget),
         Format::Gcode => gcode::read(name, text, &mut budget),
     }?;
     check_sane(name, &import)?;

@@ -7,11 +7,11 @@
 
 mod affine;
 mod bezier;
-//pub mod dxf;
+pub mod dxf;
 mod ellipse;
 mod flattening;
 pub mod gcode;
-//pub mod hershey;
+pub mod hershey;
 mod import;
 mod joining;
 mod limits;

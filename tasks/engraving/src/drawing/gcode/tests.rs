@@ -110,7 +110,7 @@ fn refusals_point_at_the_word_and_say_what_to_do() {
         ("G1 X1 (oops", vec!["comment without its )"]),
         ("G1 X[1/0]", vec!["inf", "finite"]),
         ("G1 X[ln[-1]]", vec!["NaN"]),
-        ("G1 X1e5", vec!["line ends where", "a.ngc:1:"]),
+        ("G1 X1e5", vec!["a.ngc:1:6", "an E word"]),
         ("G1 X#<a>", vec!["never set"]),
         ("G1 X999999999", vec!["below 10 000 000 mm"]),
         ("G21 G0 Z-1\nG1 X5\nG0 X9", vec!["line 3 moves rapidly"]),
