@@ -6,5 +6,13 @@
 //!
 //! Lengths are in millimetres throughout, as in the files that are read; the motion program converts to metres.
 
+pub mod deviation;
 pub mod drawing;
 pub mod error;
+pub mod ordering;
+pub mod picture;
+pub mod placement;
+pub mod plate;
+pub mod sampling;
+pub mod summary;
+pub mod trace;
