@@ -6,13 +6,19 @@
 //!
 //! Lengths are in millimetres throughout, as in the files that are read; the motion program converts to metres.
 
+pub mod bench;
 pub mod deviation;
 pub mod drawing;
+pub mod ecp;
 pub mod error;
+pub mod execution;
+pub mod mp;
 pub mod ordering;
 pub mod picture;
 pub mod placement;
 pub mod plate;
+pub mod probe;
+pub mod run;
 pub mod sampling;
 pub mod summary;
 pub mod trace;

@@ -15,10 +15,10 @@ pub enum Phase {
 }
 
 /// Orders one phase until the arm has finished it.
-pub struct Order(pub Phase);
+pub struct Ask(pub Phase);
 
 #[generator(mp)]
-fn order(c: &mut Order) -> Always<(Irp6,), Phase> {
+fn ask(c: &mut Ask) -> Always<(Irp6,), Phase> {
     Always((c.0,))
 }
 
@@ -29,7 +29,7 @@ fn order(c: &mut Order) -> Always<(Irp6,), Phase> {
 pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     let mut irp6 = mp.robot::<Irp6>("irp6")?;
     for phase in [Phase::FindPlate, Phase::Engrave, Phase::Park] {
-        mp.move_robots((&mut irp6,), (), Order(phase))?;
+        mp.move_robots((&mut irp6,), (), Ask(phase))?;
     }
     Ok(())
 }

@@ -139,7 +139,7 @@ impl Summary {
         }
         for joint in &self.joints {
             for (name, share) in [("velocity", joint.velocity_share), ("acceleration", joint.acceleration_share)] {
-                if !Bounded { value: share, limit: 1.0 }.holds() {
+                if !(Bounded { value: share, limit: 1.0 }).holds() {
                     broken.push(format!("joint {}: {name} at {:.0} % of its limit", joint.joint, share * 100.0));
                 }
             }
