@@ -3,7 +3,7 @@
 use super::cell::{CELLS_PER_SPAN, Cell, cut};
 use super::trapezoid::CellTrapezoid;
 use super::{FeedError, FeedLimits};
-use crate::bspline::{PathSpan, Span, SpanEnd, parameter_at, parameter_at_plain};
+use crate::bspline::{PathSpan, Span, SpanEnd, SpanGeometry, parameter_at, parameter_at_plain};
 use nalgebra::Vector3;
 
 /// Spans may differ in position by this much where they meet [m]: rounding.
@@ -227,6 +227,7 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
 
 #[inline]
 fn on_span(span: &Span, u: f64, length: f64, speed: f64) -> PathPoint {
-    let at = span.at(u);
-    PathPoint { position: at.position, tangent: at.tangent(), curvature: at.curvature(), length, speed }
+    let (position, first) = (span.position(u), span.first(u));
+    let at = SpanGeometry { position, first, second: span.second(u), third: Vector3::zeros() };
+    PathPoint { position, tangent: at.tangent(), curvature: at.curvature(), length, speed }
 }
