@@ -28,8 +28,7 @@ fn best(name: &str, count: u32, mut work: impl FnMut()) {
 }
 
 fn main() {
-    let profile = Trapezoid::new(1.0, ProfileLimits { velocity: 0.4, acceleration: 1.0 })
-        .unwrap_or_else(|e| panic!("{e}"));
+    let Ok(profile) = Trapezoid::new(1.0, ProfileLimits { velocity: 0.4, acceleration: 1.0 }) else { return };
     let million = 1_000_000;
     best("trapezoid at(t)", million, || {
         for i in 0..million {
@@ -50,9 +49,14 @@ fn main() {
     for method in methods {
         let set = SplineSettings { method, corner: 3.0, ..SplineSettings::default() };
         best(&format!("window shift + span evaluation, {method:?}"), million, || {
-            let Ok(stream) = SpanStream::new(set, wave(million)) else { return };
-            for span in stream.flatten() {
-                black_box(span.span.position(0.4 * span.span.knot_span()));
+            let Ok(mut segment) = MovingSegment::new(set) else { return };
+            for point in wave(million) {
+                if segment.push(point.into()).is_err() {
+                    return;
+                }
+                while let Poll::Span(path) = segment.poll() {
+                    black_box(path.span.position(0.4 * path.span.knot_span()));
+                }
             }
         });
     }

@@ -1,7 +1,7 @@
 //! Motion generators for `mrroc`: the mathematics of motion, free of robots and of the runtime.
 //!
 //! - [`profile`]: how far along a path at which instant;
-//! - [`line`]: straight lines of joints and of the tool;
+//! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: how fast along such a spline.
 //!

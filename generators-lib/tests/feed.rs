@@ -224,6 +224,21 @@ fn kinks_of_the_literal_method_are_passed_slowly_enough() {
     }
 }
 
+/// There and back again without a corner: the curve stands still at the turn and reverses there.
+#[test]
+fn a_reversal_without_a_corner_is_passed_slowly_enough() {
+    let points = [0.0, 1.0, 2.0, 3.0, 2.0, 1.0, 0.0].map(|x| Point::new(x * MILLI, 0.0, 0.0));
+    let limits = limits();
+    let all = follow(limits, smooth(&points), |_| 1e-3);
+    assert!(
+        all.iter().all(|p| p.position.iter().all(|x| x.is_finite()) && p.position.x <= 3.0 * MILLI + 1e-15)
+    );
+    for w in all.windows(3) {
+        let a = (w[2].position - w[1].position * 2.0 + w[0].position).norm() / 1e-6;
+        assert!(a <= (limits.tangential + limits.normal) * (1.0 + 1e-6), "{a}");
+    }
+}
+
 #[test]
 fn bad_limits_gaps_and_faulty_points_are_refused() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {

@@ -10,7 +10,7 @@ const AGREEMENT: f64 = 1e-10;
 /// Smallest pieces of an interval, accepted as they are: at a cusp.
 const GRID: u64 = 1 << 40;
 
-/// Length [m] of `span` from parameter `a` to `b` >= `a`.
+/// Length \[m\] of `span` from parameter `a` to `b` >= `a`.
 #[must_use]
 pub fn length_between(span: &Span, a: f64, b: f64) -> f64 {
     length_measured(span, a, b).0
@@ -41,7 +41,7 @@ pub(crate) fn length_measured(span: &Span, a: f64, b: f64) -> (f64, bool) {
     (sum, false)
 }
 
-/// Parameter at the length `s` [m] behind the parameter `from`, at most `to`: Newton's iteration, kept in a bracket.
+/// Parameter at the length `s` \[m\] behind the parameter `from`, at most `to`: Newton's iteration, kept in a bracket.
 #[must_use]
 pub fn parameter_at(span: &Span, from: f64, to: f64, s: f64) -> f64 {
     inverse(span, from, to, s, |a, b| length_between(span, a, b))

@@ -6,11 +6,11 @@ use super::{EndCondition, Junction, Parametrisation, Part, PathSpan, Span, SpanE
 use nalgebra::Vector3;
 use thiserror::Error;
 
-/// Smallest window [points].
+/// Smallest window \[points\].
 pub const WINDOW_MIN: usize = 4;
-/// Largest window [points].
+/// Largest window \[points\].
 pub const WINDOW_MAX: usize = 16;
-/// Points nearer to each other than this [m] are one.
+/// Points nearer to each other than this \[m\] are one.
 pub(super) const COINCIDENT: f64 = 1e-9;
 /// Places of the arrays: the window moves down once in `PLACES - WINDOW_MAX` points.
 const PLACES: usize = 4 * WINDOW_MAX;
@@ -36,9 +36,9 @@ pub struct SplineSettings {
     pub method: Method,
     /// How far apart the knots are.
     pub parametrisation: Parametrisation,
-    /// Window [points], [`WINDOW_MIN`]..=[`WINDOW_MAX`].
+    /// Window \[points\], [`WINDOW_MIN`]..=[`WINDOW_MAX`].
     pub window: usize,
-    /// Turn angle at a point above which it is a corner [rad], > 0, <= pi; at pi nothing is.
+    /// Turn angle at a point above which it is a corner \[rad\], > 0, <= pi; at pi nothing is.
     pub corner: f64,
 }
 
@@ -66,11 +66,11 @@ pub enum SplineError {
     /// A coordinate is infinite or not a number.
     #[error("path point ({x}, {y}, {z}) m must be finite")]
     Point {
-        /// Coordinate [m].
+        /// Coordinate \[m\].
         x: f64,
-        /// Coordinate [m].
+        /// Coordinate \[m\].
         y: f64,
-        /// Coordinate [m].
+        /// Coordinate \[m\].
         z: f64,
     },
     /// A point was pushed while spans were waiting, or after the end.
@@ -209,6 +209,7 @@ impl MovingSegment {
         }
     }
 
+    #[inline]
     fn turns_a_corner_towards(&self, next: &Vector3<f64>) -> bool {
         if self.count < 2 {
             return false;
@@ -228,6 +229,7 @@ impl MovingSegment {
         }
     }
 
+    #[inline]
     fn append(&mut self, point: SplinePoint) {
         if self.first + self.count == PLACES {
             let window = self.first..;
@@ -242,7 +244,7 @@ impl MovingSegment {
             let newest = self.points[place - 1];
             let h = self.settings.parametrisation.knot_span(&newest, &point.position);
             self.h[place - 1] = h;
-            self.chords[place - 1] = (point.position - newest) / h;
+            self.chords[place - 1] = (point.position - newest) * (1.0 / h);
         }
         self.points[place] = point.position;
         self.parts[place] = point.part;
@@ -275,12 +277,14 @@ impl MovingSegment {
         complete
     }
 
+    #[inline]
     fn slopes(&self, start: EndCondition, end: EndCondition) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let spans = self.first..self.first + self.count - 1;
         let chords = &self.chords[spans.clone()];
         slopes_of_chords(&self.h[spans], |k| chords[k], start, end)
     }
 
+    #[inline]
     fn carried_slopes(&mut self) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let start = self.slope.map_or(EndCondition::Natural, EndCondition::Slope);
         let slopes = self.slopes(start, EndCondition::Natural)?;
@@ -288,12 +292,14 @@ impl MovingSegment {
         Some(slopes)
     }
 
+    #[inline]
     fn cubic(&self, m0: Vector3<f64>, m1: Vector3<f64>) -> Span {
         let at = self.first;
         Span::cubic(self.points[at], self.points[at + 1], m0, m1, self.h[at])
     }
 
     /// Keeps the span with these slopes and completes the one before by the second derivative at its end.
+    #[inline]
     fn hold(&mut self, m0: Vector3<f64>, m1: Vector3<f64>) -> Option<(Span, Part, SpanEnd)> {
         let at = self.first;
         let (p0, p1, h, part) = (self.points[at], self.points[at + 1], self.h[at], self.parts[at]);
@@ -330,6 +336,7 @@ impl MovingSegment {
 }
 
 impl Held {
+    #[inline]
     fn complete(&self, second: Vector3<f64>) -> Span {
         Span::quintic(self.start, [self.end[0], self.end[1], second], self.h)
     }

@@ -64,6 +64,7 @@ pub(super) fn slopes_of_chords(
 }
 
 /// `(r, f)` of the far end's `m_last = r - f m_before`; `d` is its chord slope.
+#[inline]
 fn far_end(
     end: EndCondition,
     n: usize,

@@ -14,7 +14,7 @@ pub(super) struct Cell {
     pub(super) span: Span,
     /// First and last parameter.
     pub(super) u: [f64; 2],
-    /// Length [m].
+    /// Length \[m\].
     pub(super) length: f64,
     /// Whether 5 Gauss nodes suffice for lengths within it.
     pub(super) plain: bool,
