@@ -2,7 +2,7 @@
 //!
 //! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
 //! - [`profile`]: how far along a path at which instant;
-//! - [`line`]: straight lines of joints and of the tool;
+//! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: how fast along such a spline.
 //!

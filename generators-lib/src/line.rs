@@ -63,7 +63,7 @@ pub struct LinePath {
 }
 
 impl LinePath {
-    /// The line between two poses of the tool in one common frame [m]. Half a turn goes about the axis that the
+    /// The line between two poses of the tool in one common frame \[m\]. Half a turn goes about the axis that the
     /// relative quaternion names.
     #[must_use]
     pub fn new(from: Isometry3<f64>, to: Isometry3<f64>) -> Self {
@@ -72,13 +72,13 @@ impl LinePath {
         Self { from, to, way, turn }
     }
 
-    /// Length of the origin's way [m].
+    /// Length of the origin's way \[m\].
     #[must_use]
     pub fn length(&self) -> f64 {
         self.way.norm()
     }
 
-    /// Angle of the turn [rad], 0..=pi.
+    /// Angle of the turn \[rad\], 0..=pi.
     #[must_use]
     pub fn angle(&self) -> f64 {
         self.turn.norm()

@@ -37,9 +37,9 @@ pub enum ProfileError {
     /// A duration was asked for that would need more than the limits allow.
     #[error("profile duration {asked} s is shorter than the least possible, {least} s")]
     Duration {
-        /// Duration asked for [s].
+        /// Duration asked for \[s\].
         asked: f64,
-        /// Shortest duration within the limits [s].
+        /// Shortest duration within the limits \[s\].
         least: f64,
     },
 }
@@ -47,7 +47,7 @@ pub enum ProfileError {
 /// Path scalar and its derivatives at one instant of path time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProfilePoint {
-    /// Path scalar, from 0 to the profile's distance [units].
+    /// Path scalar, from 0 to the profile's distance \[units\].
     pub s: f64,
     /// Its velocity [units/s], >= 0.
     pub v: f64,
@@ -66,7 +66,7 @@ pub struct Trapezoid {
 }
 
 impl Trapezoid {
-    /// The fastest profile over `distance` [units] within `limits`.
+    /// The fastest profile over `distance` \[units\] within `limits`.
     ///
     /// # Errors
     /// A distance that is negative or not finite, or a limit that is not positive.
@@ -87,7 +87,7 @@ impl Trapezoid {
         Ok(Self { distance, peak, acceleration, ramp, duration })
     }
 
-    /// The same motion in exactly `duration` [s], slower: with `k = duration / T`, velocities shrink by `k` and
+    /// The same motion in exactly `duration` \[s\], slower: with `k = duration / T`, velocities shrink by `k` and
     /// accelerations by `k^2`, so no limit is broken. Synchronises axes and arms.
     ///
     /// # Errors
@@ -109,7 +109,7 @@ impl Trapezoid {
         })
     }
 
-    /// The duration rounded up to a whole number of steps of `dt` [s], > 0, by [`Self::stretched_to`]: the end then
+    /// The duration rounded up to a whole number of steps of `dt` \[s\], > 0, by [`Self::stretched_to`]: the end then
     /// falls on a step. A `dt` that is not positive leaves the profile as it is.
     #[must_use]
     pub fn in_whole_steps(self, dt: f64) -> Self {
@@ -119,13 +119,13 @@ impl Trapezoid {
         if dt > 0.0 { self.stretched_to(duration).unwrap_or(self) } else { self }
     }
 
-    /// Distance `D` [units].
+    /// Distance `D` \[units\].
     #[must_use]
     pub fn distance(&self) -> f64 {
         self.distance
     }
 
-    /// Duration `T` [s].
+    /// Duration `T` \[s\].
     #[must_use]
     pub fn duration(&self) -> f64 {
         self.duration
@@ -137,7 +137,7 @@ impl Trapezoid {
         self.peak
     }
 
-    /// The profile at path time `t` [s]. Before 0 it rests at 0, from [`Self::duration`] on at the exact distance.
+    /// The profile at path time `t` \[s\]. Before 0 it rests at 0, from [`Self::duration`] on at the exact distance.
     #[must_use]
     pub fn at(&self, t: f64) -> ProfilePoint {
         if t >= self.duration {
@@ -175,7 +175,7 @@ pub struct ProfileCursor {
 }
 
 impl ProfileCursor {
-    /// Advances by `dt` [s], >= 0. The exact end is emitted once, then `None`.
+    /// Advances by `dt` \[s\], >= 0. The exact end is emitted once, then `None`.
     pub fn advance(&mut self, dt: f64) -> Option<ProfilePoint> {
         if self.ended {
             return None;
@@ -189,7 +189,7 @@ impl ProfileCursor {
         Some(self.profile.at(self.time))
     }
 
-    /// Path time so far [s].
+    /// Path time so far \[s\].
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time

@@ -7,10 +7,10 @@ use super::gauss::{length_5, length_7};
 
 /// Relative agreement of the 5-node and the 7-node rule at which an interval is accepted.
 const AGREEMENT: f64 = 1e-10;
-/// Bisections before an interval is accepted as it is: at a cusp.
-const DEPTH: usize = 40;
+/// Smallest pieces of an interval, accepted as they are: at a cusp.
+const GRID: u64 = 1 << 40;
 
-/// Length [m] of `span` from parameter `a` to `b` >= `a`.
+/// Length \[m\] of `span` from parameter `a` to `b` >= `a`.
 #[must_use]
 pub fn length_between(span: &Span, a: f64, b: f64) -> f64 {
     length_measured(span, a, b).0
@@ -22,26 +22,26 @@ pub(crate) fn length_measured(span: &Span, a: f64, b: f64) -> (f64, bool) {
     if (length_5(span, a, b) - whole).abs() <= AGREEMENT * whole {
         return (whole, true);
     }
+    // A dyadic grid: a piece that is refused is halved, one that is accepted is followed by the largest piece that
+    // the grid allows there.
     let floor = AGREEMENT * 1e-4 * whole;
-    let (mut ends, mut depth, mut start, mut sum) = ([b; DEPTH + 1], 0, a, 0.0);
-    loop {
-        let end = ends[depth];
+    let width = (b - a) / GRID as f64;
+    let (mut at, mut size, mut sum) = (0, GRID / 2, 0.0);
+    while at < GRID {
+        let (start, end) = (a + width * at as f64, a + width * (at + size) as f64);
         let fine = length_7(span, start, end);
-        if depth == DEPTH || (length_5(span, start, end) - fine).abs() <= (AGREEMENT * fine).max(floor) {
+        if size == 1 || (length_5(span, start, end) - fine).abs() <= (AGREEMENT * fine).max(floor) {
             sum += fine;
-            start = end;
-            if depth == 0 {
-                return (sum, false);
-            }
-            depth -= 1;
+            at += size;
+            size = 1 << at.trailing_zeros();
         } else {
-            depth += 1;
-            ends[depth] = 0.5 * (start + end);
+            size /= 2;
         }
     }
+    (sum, false)
 }
 
-/// Parameter at the length `s` [m] behind the parameter `from`, at most `to`: Newton's iteration, kept in a bracket.
+/// Parameter at the length `s` \[m\] behind the parameter `from`, at most `to`: Newton's iteration, kept in a bracket.
 #[must_use]
 pub fn parameter_at(span: &Span, from: f64, to: f64, s: f64) -> f64 {
     inverse(span, from, to, s, |a, b| length_between(span, a, b))
@@ -78,8 +78,8 @@ fn inverse(span: &Span, from: f64, to: f64, s: f64, length: impl Fn(f64, f64) ->
         }
         let step = residual / span.first(u).norm();
         let newton = u - step;
-        if step.abs() <= 1e-8 * (u - from) {
-            // The error after this step is of the order of its square.
+        if step.abs() <= 1e-6 * (u - from) {
+            // Newton's iteration squares the relative error: 1e-12 is left.
             return newton.clamp(from, to);
         }
         u = if newton > low && newton < high { newton } else { 0.5 * (low + high) };

@@ -16,7 +16,7 @@ pub struct ClosedPoints<'a> {
 }
 
 impl<'a> ClosedPoints<'a> {
-    /// The path through `points` [m] and back to the first, whether or not the last repeats the first.
+    /// The path through `points` \[m\] and back to the first, whether or not the last repeats the first.
     #[must_use]
     pub fn new(points: &'a [Vector3<f64>]) -> Self {
         let mut points = points;

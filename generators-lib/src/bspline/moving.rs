@@ -1,18 +1,19 @@
 //! The moving segment itself: a window of points, pushed one at a time, and the spans that it completes.
 
 use super::frozen::Frozen;
-use super::{
-    EndCondition, Junction, Parametrisation, Part, PathSpan, Span, SpanEnd, SplinePoint, first_slopes,
-};
+use super::window::slopes_of_chords;
+use super::{EndCondition, Junction, Parametrisation, Part, PathSpan, Span, SpanEnd, SplinePoint};
 use nalgebra::Vector3;
 use thiserror::Error;
 
-/// Smallest window [points].
+/// Smallest window \[points\].
 pub const WINDOW_MIN: usize = 4;
-/// Largest window [points].
+/// Largest window \[points\].
 pub const WINDOW_MAX: usize = 16;
-/// Points nearer to each other than this [m] are one.
+/// Points nearer to each other than this \[m\] are one.
 pub(super) const COINCIDENT: f64 = 1e-9;
+/// Places of the arrays: the window moves down once in `PLACES - WINDOW_MAX` points.
+const PLACES: usize = 4 * WINDOW_MAX;
 
 /// How successive windows are tied together; see the table in [`super`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,9 +36,9 @@ pub struct SplineSettings {
     pub method: Method,
     /// How far apart the knots are.
     pub parametrisation: Parametrisation,
-    /// Window [points], [`WINDOW_MIN`]..=[`WINDOW_MAX`].
+    /// Window \[points\], [`WINDOW_MIN`]..=[`WINDOW_MAX`].
     pub window: usize,
-    /// Turn angle at a point above which it is a corner [rad], > 0, <= pi; at pi nothing is.
+    /// Turn angle at a point above which it is a corner \[rad\], > 0, <= pi; at pi nothing is.
     pub corner: f64,
 }
 
@@ -65,11 +66,11 @@ pub enum SplineError {
     /// A coordinate is infinite or not a number.
     #[error("path point ({x}, {y}, {z}) m must be finite")]
     Point {
-        /// Coordinate [m].
+        /// Coordinate \[m\].
         x: f64,
-        /// Coordinate [m].
+        /// Coordinate \[m\].
         y: f64,
-        /// Coordinate [m].
+        /// Coordinate \[m\].
         z: f64,
     },
     /// A point was pushed while spans were waiting, or after the end.
@@ -106,14 +107,17 @@ struct Held {
     part: Part,
 }
 
-/// A window over a stream of points. About 1 kB, fixed.
+/// A window over a stream of points. About 4 kB, fixed.
 #[derive(Clone, Debug)]
 pub struct MovingSegment {
     settings: SplineSettings,
     corner_cosine: f64,
-    points: [Vector3<f64>; WINDOW_MAX],
-    h: [f64; WINDOW_MAX],
-    parts: [Part; WINDOW_MAX],
+    /// The window is the `count` places from `first` on; it moves down when it reaches the end of the arrays.
+    points: [Vector3<f64>; PLACES],
+    chords: [Vector3<f64>; PLACES],
+    h: [f64; PLACES],
+    parts: [Part; PLACES],
+    first: usize,
     count: usize,
     newest: Junction,
     phase: Phase,
@@ -137,9 +141,11 @@ impl MovingSegment {
         Ok(Self {
             settings,
             corner_cosine: settings.corner.cos(),
-            points: [Vector3::zeros(); WINDOW_MAX],
-            h: [0.0; WINDOW_MAX],
-            parts: [Part::Drawn; WINDOW_MAX],
+            points: [Vector3::zeros(); PLACES],
+            chords: [Vector3::zeros(); PLACES],
+            h: [0.0; PLACES],
+            parts: [Part::Drawn; PLACES],
+            first: 0,
             count: 0,
             newest: Junction::Auto,
             phase: Phase::Filling,
@@ -161,8 +167,8 @@ impl MovingSegment {
         if self.phase != Phase::Filling || self.count == self.settings.window {
             return Err(SplineError::NotAsked);
         }
-        if let Some(newest) = self.count.checked_sub(1)
-            && (p - self.points[newest]).norm_squared() < COINCIDENT * COINCIDENT
+        if self.count > 0
+            && (p - self.points[self.first + self.count - 1]).norm_squared() < COINCIDENT * COINCIDENT
         {
             if point.junction != Junction::Auto {
                 self.newest = point.junction;
@@ -203,12 +209,14 @@ impl MovingSegment {
         }
     }
 
+    #[inline]
     fn turns_a_corner_towards(&self, next: &Vector3<f64>) -> bool {
         if self.count < 2 {
             return false;
         }
-        let here = self.points[self.count - 1];
-        let (before, after) = (here - self.points[self.count - 2], next - here);
+        let newest = self.first + self.count - 1;
+        let here = self.points[newest];
+        let (before, after) = (here - self.points[newest - 1], next - here);
         match self.newest {
             Junction::Smooth => false,
             Junction::Corner => true,
@@ -221,54 +229,81 @@ impl MovingSegment {
         }
     }
 
+    #[inline]
     fn append(&mut self, point: SplinePoint) {
-        if let Some(newest) = self.count.checked_sub(1) {
-            self.h[newest] = self.settings.parametrisation.knot_span(&self.points[newest], &point.position);
+        if self.first + self.count == PLACES {
+            let window = self.first..;
+            self.points.copy_within(window.clone(), 0);
+            self.chords.copy_within(window.clone(), 0);
+            self.h.copy_within(window.clone(), 0);
+            self.parts.copy_within(window, 0);
+            self.first = 0;
         }
-        self.points[self.count] = point.position;
-        self.parts[self.count] = point.part;
+        let place = self.first + self.count;
+        if self.count > 0 {
+            let newest = self.points[place - 1];
+            let h = self.settings.parametrisation.knot_span(&newest, &point.position);
+            self.h[place - 1] = h;
+            self.chords[place - 1] = (point.position - newest) * (1.0 / h);
+        }
+        self.points[place] = point.position;
+        self.parts[place] = point.part;
         self.newest = point.junction;
         self.count += 1;
     }
 
     /// Solves the window, shifts it by one point, and gives the span that this completes.
     fn step(&mut self, draining: bool) -> Option<(Span, Part, SpanEnd)> {
-        let n = self.count;
-        let (points, h, part) = (&self.points[..n], &self.h[..n - 1], self.parts[0]);
+        let (n, at) = (self.count, self.first);
         let end = if draining && n == 2 { SpanEnd::Rest } else { SpanEnd::Continued };
         let complete = match self.settings.method {
-            Method::FrozenControlPoints => {
-                self.frozen.step(points, h, part).map(|(span, part)| (span, part, SpanEnd::Continued))
+            Method::FrozenControlPoints => self
+                .frozen
+                .step(&self.points[at..at + n], &self.h[at..at + n - 1], self.parts[at])
+                .map(|(span, part)| (span, part, SpanEnd::Continued)),
+            Method::Literal(ends) => {
+                self.slopes(ends, ends).map(|(m0, m1)| (self.cubic(m0, m1), self.parts[at], end))
             }
-            Method::Literal(ends) => first_slopes(points, h, ends, ends)
-                .map(|(m0, m1)| (Span::cubic(points[0], points[1], m0, m1, h[0]), part, end)),
-            Method::Interpolating => self
-                .carried_slopes()
-                .map(|(m0, m1)| (Span::cubic(self.points[0], self.points[1], m0, m1, self.h[0]), part, end)),
-            Method::C2 => self.carried_slopes().and_then(|(m0, m1)| self.hold(m0, m1, part)),
+            Method::Interpolating => {
+                self.carried_slopes().map(|(m0, m1)| (self.cubic(m0, m1), self.parts[at], end))
+            }
+            Method::C2 => self.carried_slopes().and_then(|(m0, m1)| self.hold(m0, m1)),
         };
-        self.count -= 1;
         // The last point of a run stays: it may be the corner that opens the next.
-        if self.count > 0 {
-            self.points.copy_within(1..n, 0);
-            self.h.copy_within(1..n, 0);
-            self.parts.copy_within(1..n, 0);
+        if n > 1 {
+            self.first += 1;
         }
+        self.count -= 1;
         complete
     }
 
+    #[inline]
+    fn slopes(&self, start: EndCondition, end: EndCondition) -> Option<(Vector3<f64>, Vector3<f64>)> {
+        let spans = self.first..self.first + self.count - 1;
+        let chords = &self.chords[spans.clone()];
+        slopes_of_chords(&self.h[spans], |k| chords[k], start, end)
+    }
+
+    #[inline]
     fn carried_slopes(&mut self) -> Option<(Vector3<f64>, Vector3<f64>)> {
         let start = self.slope.map_or(EndCondition::Natural, EndCondition::Slope);
-        let (points, h) = (&self.points[..self.count], &self.h[..self.count - 1]);
-        let slopes = first_slopes(points, h, start, EndCondition::Natural)?;
+        let slopes = self.slopes(start, EndCondition::Natural)?;
         self.slope = Some(slopes.1);
         Some(slopes)
     }
 
+    #[inline]
+    fn cubic(&self, m0: Vector3<f64>, m1: Vector3<f64>) -> Span {
+        let at = self.first;
+        Span::cubic(self.points[at], self.points[at + 1], m0, m1, self.h[at])
+    }
+
     /// Keeps the span with these slopes and completes the one before by the second derivative at its end.
-    fn hold(&mut self, m0: Vector3<f64>, m1: Vector3<f64>, part: Part) -> Option<(Span, Part, SpanEnd)> {
-        let (p0, p1, h) = (self.points[0], self.points[1], self.h[0]);
-        let second = ((p1 - p0) * (3.0 / h) - m0 * 2.0 - m1) * (2.0 / h);
+    #[inline]
+    fn hold(&mut self, m0: Vector3<f64>, m1: Vector3<f64>) -> Option<(Span, Part, SpanEnd)> {
+        let at = self.first;
+        let (p0, p1, h, part) = (self.points[at], self.points[at + 1], self.h[at], self.parts[at]);
+        let second = (self.chords[at] * 3.0 - m0 * 2.0 - m1) * (2.0 / h);
         let now = Held { start: [p0, m0, second], end: [p1, m1], h, part };
         let held = self.held.replace(now)?;
         Some((held.complete(second), held.part, SpanEnd::Continued))
@@ -279,8 +314,8 @@ impl MovingSegment {
         if let Some(held) = self.held.take() {
             return Some((held.complete(Vector3::zeros()), held.part, SpanEnd::Rest));
         }
-        // The first place of the array still holds the last point of the run.
-        let last = self.points[0];
+        // The first place of the window still holds the last point of the run.
+        let last = self.points[self.first];
         self.frozen.flush(last).map(|(span, part)| (span, part, SpanEnd::Rest))
     }
 
@@ -301,6 +336,7 @@ impl MovingSegment {
 }
 
 impl Held {
+    #[inline]
     fn complete(&self, second: Vector3<f64>) -> Span {
         Span::quintic(self.start, [self.end[0], self.end[1], second], self.h)
     }

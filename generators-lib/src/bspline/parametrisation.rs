@@ -15,7 +15,7 @@ pub enum Parametrisation {
 }
 
 impl Parametrisation {
-    /// Knot span `h` > 0 of two distinct points [m]; its unit is m^alpha.
+    /// Knot span `h` > 0 of two distinct points \[m\]; its unit is m^alpha.
     #[must_use]
     pub fn knot_span(self, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
         match self {

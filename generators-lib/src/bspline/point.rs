@@ -28,7 +28,7 @@ pub enum Part {
 /// A point of the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SplinePoint {
-    /// Position [m], finite.
+    /// Position \[m\], finite.
     pub position: Vector3<f64>,
     /// Corner, smooth, or by the turn angle.
     pub junction: Junction,
@@ -37,6 +37,7 @@ pub struct SplinePoint {
 }
 
 impl From<Vector3<f64>> for SplinePoint {
+    #[inline]
     fn from(position: Vector3<f64>) -> Self {
         Self { position, ..Self::default() }
     }

@@ -13,7 +13,7 @@ pub struct Span {
 /// Position and the first three derivatives by the parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpanGeometry {
-    /// `S` [m].
+    /// `S` \[m\].
     pub position: Vector3<f64>,
     /// `S'` [m per unit of the parameter].
     pub first: Vector3<f64>,
@@ -24,17 +24,20 @@ pub struct SpanGeometry {
 }
 
 impl Span {
-    /// The cubic between two points [m] with slopes `m0`, `m1` over the knot span `h` > 0.
+    /// The cubic between two points \[m\] with slopes `m0`, `m1` over the knot span `h` > 0.
     #[must_use]
+    #[inline]
     pub fn cubic(p0: Vector3<f64>, p1: Vector3<f64>, m0: Vector3<f64>, m1: Vector3<f64>, h: f64) -> Self {
-        let d = (p1 - p0) / h;
-        let c2 = (d * 3.0 - m0 * 2.0 - m1) / h;
-        let c3 = (m0 + m1 - d * 2.0) / (h * h);
+        let i = 1.0 / h;
+        let d = (p1 - p0) * i;
+        let c2 = (d * 3.0 - m0 * 2.0 - m1) * i;
+        let c3 = (m0 + m1 - d * 2.0) * (i * i);
         Self { c: [p0, m0, c2, c3, Vector3::zeros(), Vector3::zeros()], h, end: p1 }
     }
 
-    /// The quintic between two states (position [m], slope, second derivative) over the knot span `h` > 0.
+    /// The quintic between two states (position \[m\], slope, second derivative) over the knot span `h` > 0.
     #[must_use]
+    #[inline]
     pub fn quintic(start: [Vector3<f64>; 3], end: [Vector3<f64>; 3], h: f64) -> Self {
         let ([p0, v0, a0], [p1, v1, a1]) = (start, end);
         let d = p1 - p0 - v0 * h - a0 * (0.5 * h * h);
@@ -60,19 +63,19 @@ impl Span {
         self.h
     }
 
-    /// First point [m].
+    /// First point \[m\].
     #[must_use]
     pub fn start(&self) -> Vector3<f64> {
         self.c[0]
     }
 
-    /// Last point [m], exact.
+    /// Last point \[m\], exact.
     #[must_use]
     pub fn end(&self) -> Vector3<f64> {
         self.end
     }
 
-    /// `S(u)` [m]; at and beyond `h` the exact last point.
+    /// `S(u)` \[m\]; at and beyond `h` the exact last point.
     #[must_use]
     #[inline]
     pub fn position(&self, u: f64) -> Vector3<f64> {
@@ -140,7 +143,7 @@ impl SpanGeometry {
     pub fn curvature(&self) -> f64 {
         let speed = self.first.norm();
         let bend = self.first.cross(&self.second).norm();
-        if bend == 0.0 && speed > 0.0 { 0.0 } else { bend / (speed * speed * speed) }
+        if speed > 0.0 { bend / (speed * speed * speed) } else { f64::INFINITY }
     }
 
     /// Derivatives of the position by the path length: `p_s = T`, `p_ss = k N` [1/m],

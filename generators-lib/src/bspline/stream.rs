@@ -11,7 +11,7 @@ pub struct SpanStream<I> {
 }
 
 impl<I> SpanStream<I> {
-    /// Spans of the curve through `points` [m].
+    /// Spans of the curve through `points` \[m\].
     ///
     /// # Errors
     /// Settings out of range.

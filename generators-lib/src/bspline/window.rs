@@ -26,9 +26,19 @@ pub fn first_slopes(
     start: EndCondition,
     end: EndCondition,
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let n = points.len();
-    let (first, h) = (h.first()?, h.get(..n.checked_sub(1)?)?);
-    let chord = |k: usize| (points[k + 1] - points[k]) / h[k];
+    let h = h.get(..points.len().checked_sub(1)?)?;
+    slopes_of_chords(h, |k| (points[k + 1] - points[k]) / h[k], start, end)
+}
+
+/// As [`first_slopes`], from the knot spans and the chord slopes `D_k`.
+#[inline]
+pub(super) fn slopes_of_chords(
+    h: &[f64],
+    chord: impl Fn(usize) -> Vector3<f64>,
+    start: EndCondition,
+    end: EndCondition,
+) -> Option<(Vector3<f64>, Vector3<f64>)> {
+    let (first, n) = (h.first()?, h.len() + 1);
     let mut later = chord(n - 2);
     let (mut r, mut f) = far_end(end, n, h, &later, &chord);
     for k in (1..n - 1).rev() {
@@ -54,6 +64,7 @@ pub fn first_slopes(
 }
 
 /// `(r, f)` of the far end's `m_last = r - f m_before`; `d` is its chord slope.
+#[inline]
 fn far_end(
     end: EndCondition,
     n: usize,

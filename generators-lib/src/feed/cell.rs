@@ -3,10 +3,8 @@
 use super::FeedLimits;
 use crate::bspline::{Span, length_measured};
 
-/// Halvings of a span at most: 16 cells.
-const DEPTH: usize = 4;
-/// Most cells that one span may need.
-pub(super) const CELLS_PER_SPAN: usize = 1 << DEPTH;
+/// Most cells of one span, a power of two: four halvings.
+pub(super) const CELLS_PER_SPAN: usize = 16;
 /// A bound of the curvature this much above the curvature found is near enough.
 const NEAR: f64 = 1.1;
 
@@ -16,7 +14,7 @@ pub(super) struct Cell {
     pub(super) span: Span,
     /// First and last parameter.
     pub(super) u: [f64; 2],
-    /// Length [m].
+    /// Length \[m\].
     pub(super) length: f64,
     /// Whether 5 Gauss nodes suffice for lengths within it.
     pub(super) plain: bool,
@@ -30,27 +28,24 @@ pub(super) struct Cell {
 
 /// Cuts `span` into cells, in order.
 pub(super) fn cut(span: &Span, limits: &FeedLimits, mut take: impl FnMut(Cell)) {
-    let h = span.knot_span();
-    let (mut ends, mut depth, mut start) = ([h; DEPTH + 1], 0, 0.0);
-    loop {
-        let end = ends[depth];
+    let width = span.knot_span() / CELLS_PER_SPAN as f64;
+    // A dyadic grid, as for lengths: a refused piece is halved, an accepted one followed by the largest that fits.
+    let (mut at, mut size) = (0, CELLS_PER_SPAN);
+    while at < CELLS_PER_SPAN {
+        let (start, end) = (width * at as f64, width * (at + size) as f64);
+        let end = if at + size == CELLS_PER_SPAN { span.knot_span() } else { end };
         let (bound, found) = curvature_bound(span, start, end);
         let limit = limits.speed_at_curvature(bound);
-        let near = bound <= NEAR * found || limit >= limits.feed;
-        if near || depth == DEPTH {
-            let limit = limit.min(jerk_limit(span, start, end, limits));
-            let (length, plain) = length_measured(span, start, end);
-            let limit2 = limit * limit;
-            take(Cell { span: *span, u: [start, end], length, plain, limit2, join2: limit2, entry2: 0.0 });
-            start = end;
-            if depth == 0 {
-                return;
-            }
-            depth -= 1;
-        } else {
-            depth += 1;
-            ends[depth] = 0.5 * (start + end);
+        if size > 1 && limit < limits.feed && bound > NEAR * found {
+            size /= 2;
+            continue;
         }
+        let limit = limit.min(jerk_limit(span, start, end, limits));
+        let (length, plain) = length_measured(span, start, end);
+        let limit2 = limit * limit;
+        take(Cell { span: *span, u: [start, end], length, plain, limit2, join2: limit2, entry2: 0.0 });
+        at += size;
+        size = 1 << at.trailing_zeros();
     }
 }
 

@@ -12,9 +12,9 @@ pub struct FeedLimits {
     pub tangential: f64,
     /// Acceleration across the path `A_n` [m/s^2], finite, > 0.
     pub normal: f64,
-    /// Step `Ts` [s], finite, > 0.
+    /// Step `Ts` \[s\], finite, > 0.
     pub step: f64,
-    /// Largest distance `d` of a step's chord from the path [m], > 0; infinite where it does not matter.
+    /// Largest distance `d` of a step's chord from the path \[m\], > 0; infinite where it does not matter.
     pub chord_error: f64,
     /// Jerk at constant speed `J` [m/s^3], > 0; infinite where it does not matter.
     pub jerk: f64,
@@ -69,7 +69,8 @@ impl FeedLimits {
     /// Never below `A_n Ts / 2`: at that speed even a reversal within one step stays within `A_n`.
     #[must_use]
     pub fn speed_at_curvature(&self, k: f64) -> f64 {
-        let radius = 1.0 / k;
+        // Not a number only where coordinates overflow: as careful as at a cusp.
+        let radius = if k.is_nan() { 0.0 } else { 1.0 / k };
         let normal = (self.normal * radius).sqrt();
         // A chord of a circle is nowhere farther than its radius.
         let sagitta = self.chord_error.min(radius);

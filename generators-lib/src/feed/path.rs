@@ -26,7 +26,7 @@ where
         Ok(Self { spans: spans.into_iter(), planner: FeedPlanner::new(limits)?, error: None })
     }
 
-    /// Advances by `dt` [s] of path time, >= 0: the exact end once, at rest, then `None`. A path that turns out to be
+    /// Advances by `dt` \[s\] of path time, >= 0: the exact end once, at rest, then `None`. A path that turns out to be
     /// faulty ends, at rest, at its last good point; see [`Self::error`].
     pub fn advance(&mut self, dt: f64) -> Option<PathPoint> {
         while self.planner.has_room() {

@@ -3,22 +3,22 @@
 use super::cell::{CELLS_PER_SPAN, Cell, cut};
 use super::trapezoid::CellTrapezoid;
 use super::{FeedError, FeedLimits};
-use crate::bspline::{PathSpan, Span, SpanEnd, parameter_at, parameter_at_plain};
+use crate::bspline::{PathSpan, Span, SpanEnd, SpanGeometry, parameter_at, parameter_at_plain};
 use nalgebra::Vector3;
 
-/// Spans may differ in position by this much where they meet [m]: rounding.
+/// Spans may differ in position by this much where they meet \[m\]: rounding.
 const GAP: f64 = 1e-9;
 
 /// A point on the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathPoint {
-    /// Position [m].
+    /// Position \[m\].
     pub position: Vector3<f64>,
     /// Unit tangent.
     pub tangent: Vector3<f64>,
     /// Curvature [1/m].
     pub curvature: f64,
-    /// Length of the path so far [m].
+    /// Length of the path so far \[m\].
     pub length: f64,
     /// Speed at full feed [m/s]; an operator's feed rate scales it.
     pub speed: f64,
@@ -140,7 +140,7 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
         self.ended || (self.finished && self.travel.is_none() && self.count == 0)
     }
 
-    /// Advances by `dt` [s] of path time, >= 0. The exact end is emitted once, at rest, then `None`. While spans are
+    /// Advances by `dt` \[s\] of path time, >= 0. The exact end is emitted once, at rest, then `None`. While spans are
     /// missing and [`Self::finish`] was not called, the last known point is emitted, at rest; before the first span,
     /// `None`.
     pub fn advance(&mut self, dt: f64) -> Option<PathPoint> {
@@ -227,6 +227,7 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
 
 #[inline]
 fn on_span(span: &Span, u: f64, length: f64, speed: f64) -> PathPoint {
-    let at = span.at(u);
-    PathPoint { position: at.position, tangent: at.tangent(), curvature: at.curvature(), length, speed }
+    let (position, first) = (span.position(u), span.first(u));
+    let at = SpanGeometry { position, first, second: span.second(u), third: Vector3::zeros() };
+    PathPoint { position, tangent: at.tangent(), curvature: at.curvature(), length, speed }
 }

@@ -15,7 +15,7 @@ pub(super) struct CellTrapezoid {
 
 impl CellTrapezoid {
     /// From the squares of the entry, exit and largest speed [m^2/s^2]. The entry and exit must be within the
-    /// limit and reachable from each other; `length` [m] > 0.
+    /// limit and reachable from each other; `length` \[m\] > 0.
     pub(super) fn new(entry2: f64, exit2: f64, limit2: f64, length: f64, acceleration: f64) -> Self {
         let reachable = 0.5 * (entry2 + exit2) + acceleration * length;
         let peak2 = limit2.min(reachable).max(entry2).max(exit2);
@@ -27,12 +27,12 @@ impl CellTrapezoid {
         Self { acceleration, entry, peak, exit, length, up, hold, duration: up + hold + down }
     }
 
-    /// Time over the cell [s].
+    /// Time over the cell \[s\].
     pub(super) fn duration(&self) -> f64 {
         self.duration
     }
 
-    /// Length [m] and speed [m/s] at `t` [s] in 0..=duration.
+    /// Length \[m\] and speed [m/s] at `t` \[s\] in 0..=duration.
     #[inline]
     pub(super) fn at(&self, t: f64) -> (f64, f64) {
         let a = self.acceleration;
