@@ -21,7 +21,9 @@ fn every_mistake_is_one_error_that_gives_the_form_to_write() {
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "rs"))
-        .map(|path| (path.file_stem().unwrap().to_str().unwrap().to_owned(), fs::read_to_string(&path).unwrap()))
+        .map(|path| {
+            (path.file_stem().unwrap().to_str().unwrap().to_owned(), fs::read_to_string(&path).unwrap())
+        })
         .collect();
     let errors = check(&here, &cases);
 
@@ -37,7 +39,9 @@ fn every_mistake_is_one_error_that_gives_the_form_to_write() {
         if errors.len() != expected {
             writeln!(failures, "{name}: {} errors instead of {expected}\n{text}", errors.len()).unwrap();
         }
-        for says in head(source, "says: ").map(|form| form.trim_matches('`')).filter(|form| !text.contains(form)) {
+        for says in
+            head(source, "says: ").map(|form| form.trim_matches('`')).filter(|form| !text.contains(form))
+        {
             writeln!(failures, "{name}: no error says `{says}`\n{text}").unwrap();
         }
         let mistake = source.lines().next().unwrap().trim_start_matches("//! ");
@@ -94,7 +98,8 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     let mut errors = BTreeMap::<String, Vec<String>>::new();
     // What cargo prints: it leaves out what it has printed already, word for word.
     let mut printed = HashSet::new();
-    let is_new = |message: &&Value| printed.insert(message["message"]["rendered"].as_str().map(str::to_owned));
+    let is_new =
+        |message: &&Value| printed.insert(message["message"]["rendered"].as_str().map(str::to_owned));
     for message in messages.iter().filter(|message| message["message"]["level"] == "error").filter(is_new) {
         let text = message["message"]["message"].as_str().unwrap();
         if !text.starts_with("aborting due to") {
@@ -127,7 +132,9 @@ fn summary(error: &Value) -> String {
         let (level, message) = (child["level"].as_str().unwrap(), child["message"].as_str().unwrap());
         // Where a bound comes from and what else implements it is the compiler's to word.
         let own = child["spans"].as_array().is_none_or(Vec::is_empty)
-            && !["the following", "required", "the full", "consider", "this error orig"].iter().any(|start| message.starts_with(start));
+            && !["the following", "required", "the full", "consider", "this error orig"]
+                .iter()
+                .any(|start| message.starts_with(start));
         for span in child["spans"].as_array().into_iter().flatten() {
             if let Some(replacement) = span["suggested_replacement"].as_str() {
                 writeln!(text, "  {level}: {message}: `{replacement}`").unwrap();
