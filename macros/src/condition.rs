@@ -18,8 +18,8 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let mut errors = Errors::default();
     let arguments = Arguments::parse(Kind::Condition, attribute, &mut errors);
     match syn::parse2(item.clone()) {
-        Ok(Item::Function(function)) => of_function(&arguments, &function, errors, item),
-        Ok(Item::Block(block)) => of_block(&arguments, &block, errors, item),
+        Ok(Item::Function(function)) => of_function(&arguments, &function, errors, &item),
+        Ok(Item::Block(block)) => of_block(&arguments, &block, errors, &item),
         Err(error) => {
             errors.add(error);
             let errors = errors.into_tokens();
@@ -33,7 +33,7 @@ fn of_function(
     arguments: &Arguments,
     function: &Function,
     mut errors: Errors,
-    item: TokenStream,
+    item: &TokenStream,
 ) -> TokenStream {
     let signature = &function.signature;
     let (roles, mistakes) = analyse(
@@ -77,13 +77,13 @@ fn of_function(
 }
 
 /// The front end for `impl` blocks.
-fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: TokenStream) -> TokenStream {
+fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: &TokenStream) -> TokenStream {
     let signature = block.methods.iter().find(|signature| signature.ident == "is_met");
     let roles = signature
         .map(|signature| analyse_method(signature, Kind::Condition, arguments.level, block, &mut errors));
     match &roles {
         None => {
-            errors.at(&block.self_type, "a condition needs its function: `fn is_met(&mut self, ..) -> bool`")
+            errors.at(&block.self_type, "a condition needs its function: `fn is_met(&mut self, ..) -> bool`");
         }
         Some(roles) => check_no_order(arguments.level, roles, &mut errors),
     }

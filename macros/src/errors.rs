@@ -45,6 +45,6 @@ impl Errors {
 
     /// The mistakes as `compile_error!` invocations.
     pub fn into_tokens(self) -> TokenStream {
-        self.errors.map(|errors| errors.into_compile_error()).unwrap_or_default()
+        self.errors.map(syn::Error::into_compile_error).unwrap_or_default()
     }
 }

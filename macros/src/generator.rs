@@ -2,7 +2,7 @@
 
 use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
-use syn::{Signature, Type};
+use syn::{ExprPath, Signature, Type};
 
 use crate::attribute::{Arguments, Kind};
 use crate::class::{Level, Role, Uses};
@@ -17,8 +17,8 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let mut errors = Errors::default();
     let arguments = Arguments::parse(Kind::Generator, attribute, &mut errors);
     match syn::parse2(item.clone()) {
-        Ok(Item::Function(function)) => of_function(&arguments, &function, errors, item),
-        Ok(Item::Block(block)) => of_block(&arguments, &block, errors, item),
+        Ok(Item::Function(function)) => of_function(&arguments, &function, errors, &item),
+        Ok(Item::Block(block)) => of_block(&arguments, &block, errors, &item),
         Err(error) => {
             errors.add(error);
             let errors = errors.into_tokens();
@@ -32,7 +32,7 @@ fn of_function(
     arguments: &Arguments,
     function: &Function,
     mut errors: Errors,
-    item: TokenStream,
+    item: &TokenStream,
 ) -> TokenStream {
     let signature = &function.signature;
     let (roles, mistakes) = analyse(
@@ -97,7 +97,7 @@ fn of_function(
 }
 
 /// The front end for `impl` blocks.
-fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: TokenStream) -> TokenStream {
+fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: &TokenStream) -> TokenStream {
     for (key, method) in [(&arguments.first, "first_step"), (&arguments.until, "until")] {
         if let Some(path) = key {
             errors
@@ -270,22 +270,30 @@ fn or_nothing(list: Option<&Type>) -> TokenStream {
 
 /// The line of documentation that names the class, as far as the signature shows it.
 fn class_line(arguments: &Arguments, roles: &Roles, level: Level) -> String {
-    let mut line = format!("Generator class: {level} `{}`", roles.uses.in_paper(level));
-    for (key, path) in [("first step", &arguments.first), ("until", &arguments.until)] {
-        if let Some(path) = path {
-            let path = path.to_token_stream().to_string().replace(' ', "");
-            line += &format!("; {key}: see `{path}`");
-        }
-    }
-    line + "."
+    let see = |key: &str, path: &Option<ExprPath>| {
+        let path = path.as_ref()?.to_token_stream().to_string().replace(' ', "");
+        Some(format!("; {key}: see `{path}`"))
+    };
+    [
+        Some(format!("Generator class: {level} `{}`", roles.uses.in_paper(level))),
+        see("first step", &arguments.first),
+        see("until", &arguments.until),
+        Some(".".into()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 fn class_line_of_methods(level: Level, next: &Roles, first: Option<&Roles>, until: Option<&Roles>) -> String {
-    let mut line = format!("Generator class: {level} `{}`", next.uses.in_paper(level));
-    for (key, roles) in [("first step", first), ("until", until)] {
-        if let Some(roles) = roles {
-            line += &format!(", {key} `{}`", roles.uses.in_paper(level));
-        }
-    }
-    line + "."
+    let class = |key: &str, roles: &Roles| format!("{key} `{}`", roles.uses.in_paper(level));
+    [
+        Some(class(&format!("Generator class: {level}"), next)),
+        first.map(|first| class(", first step", first)),
+        until.map(|until| class(", until", until)),
+        Some(".".into()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }

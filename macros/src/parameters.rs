@@ -14,7 +14,7 @@ pub fn of_state(signature: &Signature, state: Option<&Type>, errors: &mut Errors
         let ident = match parameter {
             GenericParam::Type(parameter) => &parameter.ident,
             GenericParam::Const(parameter) => &parameter.ident,
-            _ => continue,
+            GenericParam::Lifetime(_) => continue,
         };
         if !mentions(tokens.clone(), ident) {
             errors.at(

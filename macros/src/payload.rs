@@ -59,16 +59,11 @@ pub fn expand(item: TokenStream) -> TokenStream {
         Data::Struct(data) if is_valid && !data.fields.is_empty() => Some(fields(&krate, &data.fields)),
         _ => None,
     };
-    let fields_len = match &input.data {
-        Data::Struct(data) => data.fields.len(),
-        Data::Enum(_) | Data::Union(_) => 0,
-    };
     let fits = fields.is_some().then(|| {
         let message =
             format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
-        let field = (0..fields_len).map(Index::from);
         quote_spanned! {name.span()=>
-            const _: () = ::core::assert!(0 #(+ __FIELDS.#field.len)* <= #krate::WORDS, #message);
+            const _: () = ::core::assert!(__LEN <= #krate::WORDS, #message);
         }
     });
     let body = if is_valid {
@@ -109,7 +104,11 @@ pub fn expand(item: TokenStream) -> TokenStream {
 fn fields(krate: &TokenStream, fields: &Fields) -> TokenStream {
     let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
     let of_types = types.iter().map(|ty| quote_spanned!(ty.span()=> #krate::__private1::field::<#ty>()));
-    quote!(const __FIELDS: (#(#krate::__private1::Field<#types>,)*) = (#(#of_types,)*);)
+    let field = (0..types.len()).map(Index::from);
+    quote! {
+        const __FIELDS: (#(#krate::__private1::Field<#types>,)*) = (#(#of_types,)*);
+        const __LEN: usize = #(__FIELDS.#field.len)+*;
+    }
 }
 
 /// The path of the runtime crate, `#[payload(crate = path)]`.
@@ -139,7 +138,7 @@ fn enum_body<'a>(
     variants: impl Iterator<Item = &'a Ident>,
 ) -> TokenStream {
     let variants: Vec<_> = variants.collect();
-    let names: Vec<_> = variants.iter().map(|variant| variant.to_string()).collect();
+    let names: Vec<_> = variants.iter().map(ToString::to_string).collect();
     let words: Vec<_> = (0..variants.len() as u64).collect();
     let text = name.to_string();
     quote! {
@@ -191,7 +190,7 @@ fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStrea
     }
     let field: Vec<_> = (0..types.len()).map(Index::from).collect();
     quote! {
-        const LEN: usize = 0 #(+ __FIELDS.#field.len)*;
+        const LEN: usize = __LEN;
         const LAYOUT: u64 = {
             let hash = #krate::__private1::layout_hash(1, #text);
             #(let hash = #krate::__private1::layout_hash(hash ^ __FIELDS.#field.layout, #names);)*

@@ -185,6 +185,7 @@ macro_rules! step_fn {
             T: IntoStep<L, O>,
             F: Fn($($of),*) -> T,
         {
+            #[allow(clippy::needless_update)]
             const USES: Uses = Uses { $($taken: true,)* ..Uses::NOTHING };
 
             #[inline]
@@ -216,6 +217,7 @@ macro_rules! until_fn {
             T: IntoVerdict,
             F: Fn($($of),*) -> T,
         {
+            #[allow(clippy::needless_update)]
             const USES: Uses = Uses { $($taken: true,)* ..Uses::NOTHING };
 
             #[inline]

@@ -1,12 +1,12 @@
 //! The robots, sensors and payloads of the macro tests: no kinematics, only types.
 
-use mrroc::{JointVector, Limits, NoInverse, Payload, Pose, Robot, Sensor};
+use mrroc::{Limits, NoInverse, Payload, Pose, Robot, Sensor};
 use nalgebra::SVector;
 
 macro_rules! robots {
     ($($(#[$doc:meta])* $name:ident, $joints:literal;)*) => {$(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $name;
 
         impl Robot for $name {
@@ -19,7 +19,7 @@ macro_rules! robots {
                 Pose::identity()
             }
             fn inverse(&self, _: &Pose, _: &Self::Joints) -> Result<Self::Joints, NoInverse> {
-                Ok(Self::Joints::zeros())
+                Ok(SVector::zeros())
             }
         }
     )*};
