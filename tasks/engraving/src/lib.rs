@@ -9,10 +9,13 @@
 pub mod deviation;
 pub mod drawing;
 pub mod error;
+pub mod options;
 pub mod ordering;
+pub mod paths_svg;
 pub mod picture;
 pub mod placement;
 pub mod plate;
+pub mod progress;
 pub mod sampling;
 pub mod summary;
 pub mod trace;

@@ -162,8 +162,11 @@ impl Sampling {
             let spans: Vec<f64> = points.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
             let too_long = |i: usize| {
                 let beside = [i.checked_sub(1), Some(i + 1)];
-                let shortest =
-                    beside.into_iter().flatten().filter_map(|k| spans.get(k)).fold(f64::INFINITY, |a, b| a.min(*b));
+                let shortest = beside
+                    .into_iter()
+                    .flatten()
+                    .filter_map(|k| spans.get(k))
+                    .fold(f64::INFINITY, |a, b| a.min(*b));
                 spans[i] > GRADING * shortest && spans[i] > 2.0 * self.closest
             };
             let halved: Vec<bool> = (0..spans.len()).map(too_long).collect();
@@ -331,7 +334,8 @@ mod tests {
     #[test]
     fn splines_through_the_shipped_drawings_stay_within_a_hundredth_of_a_millimetre() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/drawings");
-        let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let mut files: Vec<_> =
+            std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         files.sort();
         assert!(!files.is_empty());
         for file in files {
@@ -345,7 +349,8 @@ mod tests {
 
     #[test]
     fn corners_are_found_where_the_tangent_turns() {
-        let pieces = vec![line([0.0, 0.0], [5.0, 0.0]), line([5.0, 0.0], [10.0, 0.1]), line([10.0, 0.1], [10.0, 9.0])];
+        let pieces =
+            vec![line([0.0, 0.0], [5.0, 0.0]), line([5.0, 0.0], [10.0, 0.1]), line([10.0, 0.1], [10.0, 9.0])];
         assert_eq!(Sampling::default().corners(&stroke(pieces)), vec![Vec2::new(10.0, 0.1)]);
     }
 }
