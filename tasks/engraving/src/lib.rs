@@ -19,3 +19,6 @@ pub mod progress;
 pub mod sampling;
 pub mod summary;
 pub mod trace;
+
+/// The SVG of the job without arguments: the nameplate.
+pub const NAMEPLATE: &str = include_str!("../assets/drawings/nameplate.svg");

@@ -101,7 +101,7 @@ Usage: engraving [OPTIONS] [FILE]
 
 Drawing:
   --text STRING       engrave a text instead of a file; \\n begins a new line
-  --font NAME         its font: futural, rowmans, scripts, timesr, or a .jhf file
+  --font NAME         its font: futural, rowmans, scripts, timesr, or a .jhf
                       [default: futural]
   --size WxH          as large as fits into W x H mm
   --scale FACTOR      so many times as large as in the file
@@ -128,8 +128,8 @@ command line was refused; then nothing has moved.
 ";
 
 const NAMES: &[&str] = &[
-    "text", "font", "size", "scale", "fit", "plate", "margin", "tool", "depth", "feed", "step-ms", "out", "quiet",
-    "help", "version",
+    "text", "font", "size", "scale", "fit", "plate", "margin", "tool", "depth", "feed", "step-ms", "out",
+    "quiet", "help", "version",
 ];
 
 /// Reads the arguments after the program's name.
@@ -170,8 +170,13 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, O
                 let (width, height) = size(&value(&mut parser, "--size")?, "--size")?;
                 new_sizing = Some(("--size", Sizing::Within { width, height }));
             }
-            "scale" => new_sizing = Some(("--scale", Sizing::Scale(number(&mut parser, "--scale", 1e-6, 1e6)?))),
-            "plate" => (options.plate.width, options.plate.height) = size(&value(&mut parser, "--plate")?, "--plate")?,
+            "scale" => {
+                new_sizing = Some(("--scale", Sizing::Scale(number(&mut parser, "--scale", 1e-6, 1e6)?)))
+            }
+            "plate" => {
+                (options.plate.width, options.plate.height) =
+                    size(&value(&mut parser, "--plate")?, "--plate")?
+            }
             "margin" => options.plate.margin = number(&mut parser, "--margin", 0.0, 1000.0)?,
             "tool" => options.cutter = tool(&value(&mut parser, "--tool")?)?,
             "depth" => options.depth = number(&mut parser, "--depth", 0.001, 20.0)?,
@@ -182,7 +187,10 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, O
         if let Some(new) = new_sizing
             && let Some((first, _)) = sizing.replace(new)
         {
-            return Err(refuse(format!("{first} and {}: both say how large", new.0), "give one of --size, --scale, --fit"));
+            return Err(refuse(
+                format!("{first} and {}: both say how large", new.0),
+                "give one of --size, --scale, --fit",
+            ));
         }
     }
     options.source = source(file, text, font)?;
@@ -201,10 +209,13 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, O
 
 fn source(file: Option<PathBuf>, text: Option<String>, font: Option<String>) -> Result<Source, OptionsError> {
     match (file, text, font) {
-        (Some(file), Some(_), _) => {
-            Err(refuse(format!("{} and --text: both say what to engrave", file.display()), "give one of them"))
+        (Some(file), Some(_), _) => Err(refuse(
+            format!("{} and --text: both say what to engrave", file.display()),
+            "give one of them",
+        )),
+        (None, Some(text), font) => {
+            Ok(Source::Text { text, font: font.unwrap_or_else(|| "futural".to_owned()) })
         }
-        (None, Some(text), font) => Ok(Source::Text { text, font: font.unwrap_or_else(|| "futural".to_owned()) }),
         (_, None, Some(_)) => Err(refuse("--font without --text", "give the text by --text \"..\"")),
         (Some(file), None, None) => Ok(Source::File(file)),
         (None, None, None) => Ok(Source::Nameplate),
@@ -242,7 +253,9 @@ fn distance(a: &str, b: &str) -> usize {
 }
 
 fn value(parser: &mut lexopt::Parser, option: &str) -> Result<String, OptionsError> {
-    let value = parser.value().map_err(|_| refuse(format!("{option} without a value"), format!("see {option} in --help")))?;
+    let value = parser
+        .value()
+        .map_err(|_| refuse(format!("{option} without a value"), format!("see {option} in --help")))?;
     value.into_string().map_err(|_| refuse(format!("{option}: not a text in UTF-8"), "use plain characters"))
 }
 
@@ -258,7 +271,10 @@ fn size(text: &str, option: &str) -> Result<(f64, f64), OptionsError> {
     let sides: Vec<f64> = text.split(['x', 'X', '×']).filter_map(|side| side.trim().parse().ok()).collect();
     match sides[..] {
         [w, h] if w > 0.0 && h > 0.0 && w <= 2000.0 && h <= 2000.0 => Ok((w, h)),
-        _ => Err(refuse(format!("{option} {text}"), format!("give width and height in mm up to 2000, as {option} 200x120"))),
+        _ => Err(refuse(
+            format!("{option} {text}"),
+            format!("give width and height in mm up to 2000, as {option} 200x120"),
+        )),
     }
 }
 
@@ -266,8 +282,12 @@ fn tool(text: &str) -> Result<Cutter, OptionsError> {
     let help = "give v:90 for a V of 90 degrees (10 to 170), or ball:1.5 for a ball of 1.5 mm (0.1 to 20)";
     let (kind, number) = text.split_once(':').unwrap_or((text, ""));
     match (kind, number.parse::<f64>()) {
-        ("v", Ok(degrees)) if (10.0..=170.0).contains(&degrees) => Ok(Cutter::Vee { angle: degrees.to_radians() }),
-        ("ball", Ok(diameter)) if (0.1..=20.0).contains(&diameter) => Ok(Cutter::Ball { radius: diameter / 2.0 }),
+        ("v", Ok(degrees)) if (10.0..=170.0).contains(&degrees) => {
+            Ok(Cutter::Vee { angle: degrees.to_radians() })
+        }
+        ("ball", Ok(diameter)) if (0.1..=20.0).contains(&diameter) => {
+            Ok(Cutter::Ball { radius: diameter / 2.0 })
+        }
         _ => Err(refuse(format!("--tool {text}"), help)),
     }
 }
@@ -300,7 +320,9 @@ mod tests {
 
     #[test]
     fn all_options_are_read() {
-        let found = options("a.svg --plate 300x200 --margin 5 --size=100x50 --tool ball:2 --depth 0.5 --feed 30 --step-ms 1 -o x -q");
+        let found = options(
+            "a.svg --plate 300x200 --margin 5 --size=100x50 --tool ball:2 --depth 0.5 --feed 30 --step-ms 1 -o x -q",
+        );
         assert_eq!(found.source, Source::File("a.svg".into()));
         assert_eq!(found.plate, Plate { width: 300.0, height: 200.0, margin: 5.0 });
         assert_eq!(found.sizing, Sizing::Within { width: 100.0, height: 50.0 });

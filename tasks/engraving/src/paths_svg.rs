@@ -72,14 +72,18 @@ impl PathsSvg<'_> {
     fn plate_view(&self, out: &mut String) {
         let (w, h, m) = (self.plate.width, self.plate.height, self.plate.margin);
         let page = |p: Vec2| Vec2::new(p.x, h - p.y);
-        let _ = writeln!(out, "<rect width=\"{w}\" height=\"{h}\" rx=\"2\" fill=\"#fbfaf7\" stroke=\"#8a94a0\" stroke-width=\"0.25\"/>");
+        let _ = writeln!(
+            out,
+            "<rect width=\"{w}\" height=\"{h}\" rx=\"2\" fill=\"#fbfaf7\" stroke=\"#8a94a0\" stroke-width=\"0.25\"/>"
+        );
         let _ = writeln!(
             out,
             "<rect x=\"{m}\" y=\"{m}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#d5d2c8\" stroke-width=\"0.15\" stroke-dasharray=\"1 1\"/>",
             w - 2.0 * m,
             h - 2.0 * m
         );
-        let drawn = thinned(|tolerance| self.drawing.strokes.iter().map(|s| s.flattened(tolerance)).collect(), 2e-3);
+        let drawn =
+            thinned(|tolerance| self.drawing.strokes.iter().map(|s| s.flattened(tolerance)).collect(), 2e-3);
         path(out, &drawn, DRAWN, 0.55, "", page);
         for (contact, colour, width, dash) in [
             (Contact::Travelling, TRAVEL, 0.10, " stroke-dasharray=\"0.8 0.8\""),
@@ -87,7 +91,8 @@ impl PathsSvg<'_> {
         ] {
             let lines: Vec<&[Vec2]> =
                 self.executed.iter().filter(|p| p.contact == contact).map(|p| p.points.as_slice()).collect();
-            let lines = thinned(|tolerance| lines.iter().map(|line| skipping(line, tolerance)).collect(), 0.0);
+            let lines =
+                thinned(|tolerance| lines.iter().map(|line| skipping(line, tolerance)).collect(), 0.0);
             path(out, &lines, colour, width, dash, page);
         }
         let bar = if w >= 100.0 { 50.0 } else { 10.0 };
@@ -127,7 +132,10 @@ impl PathsSvg<'_> {
             "<text y=\"{}\" font-size=\"3.4\" font-weight=\"bold\" fill=\"#1b2733\">worst place, {zoom:.0} x magnified</text>",
             TOP - 2.5
         );
-        let _ = writeln!(out, "<svg y=\"{TOP}\" width=\"{SIDE}\" height=\"{SIDE}\" viewBox=\"0 0 {SIDE} {SIDE}\"><rect width=\"{SIDE}\" height=\"{SIDE}\" fill=\"#fbfaf7\"/>");
+        let _ = writeln!(
+            out,
+            "<svg y=\"{TOP}\" width=\"{SIDE}\" height=\"{SIDE}\" viewBox=\"0 0 {SIDE} {SIDE}\"><rect width=\"{SIDE}\" height=\"{SIDE}\" fill=\"#fbfaf7\"/>"
+        );
         let stroke = self.drawing.strokes.get(worst.stroke);
         let drawn: Vec<Vec<Vec2>> =
             stroke.map(|s| near(&s.flattened((window / 2000.0).max(1e-5)))).unwrap_or_default();
@@ -139,8 +147,15 @@ impl PathsSvg<'_> {
             .flat_map(|part| near(&part.points))
             .collect();
         path(out, &executed, EXECUTED, 0.5, "", page);
-        let _ = writeln!(out, "<circle cx=\"{c}\" cy=\"{c}\" r=\"1.3\" fill=\"none\" stroke=\"#1b2733\" stroke-width=\"0.35\"/></svg>", c = SIDE / 2.0);
-        let _ = writeln!(out, "<rect y=\"{TOP}\" width=\"{SIDE}\" height=\"{SIDE}\" fill=\"none\" stroke=\"#1b2733\" stroke-width=\"0.3\"/>");
+        let _ = writeln!(
+            out,
+            "<circle cx=\"{c}\" cy=\"{c}\" r=\"1.3\" fill=\"none\" stroke=\"#1b2733\" stroke-width=\"0.35\"/></svg>",
+            c = SIDE / 2.0
+        );
+        let _ = writeln!(
+            out,
+            "<rect y=\"{TOP}\" width=\"{SIDE}\" height=\"{SIDE}\" fill=\"none\" stroke=\"#1b2733\" stroke-width=\"0.3\"/>"
+        );
         let bar = SIDE / 8.0;
         let y = TOP + SIDE + 4.5;
         let _ = writeln!(
@@ -155,7 +170,10 @@ impl PathsSvg<'_> {
         for (line, text) in [
             format!("largest deviation {:.2} µm", worst.distance * 1e3),
             format!("root mean square {:.2} µm", self.deviation.rms * 1e3),
-            format!("at x {:.2}, y {:.2} mm, {} points measured", worst.position.x, worst.position.y, self.deviation.points),
+            format!(
+                "at x {:.2}, y {:.2} mm, {} points measured",
+                worst.position.x, worst.position.y, self.deviation.points
+            ),
         ]
         .iter()
         .enumerate()
@@ -186,7 +204,14 @@ fn legend(out: &mut String) {
 }
 
 /// One path element over many lines.
-fn path(out: &mut String, lines: &[Vec<Vec2>], colour: &str, width: f64, dash: &str, page: impl Fn(Vec2) -> Vec2) {
+fn path(
+    out: &mut String,
+    lines: &[Vec<Vec2>],
+    colour: &str,
+    width: f64,
+    dash: &str,
+    page: impl Fn(Vec2) -> Vec2,
+) {
     if lines.is_empty() {
         return;
     }
@@ -246,7 +271,10 @@ fn within(line: &[Vec2], centre: Vec2, window: f64) -> Vec<Vec<Vec2>> {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace(|c: char| c.is_control(), " ")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace(|c: char| c.is_control(), " ")
 }
 
 #[cfg(test)]
@@ -275,7 +303,13 @@ mod tests {
         }
         let report = deviation.report();
         let parts = trace.parts();
-        let svg = PathsSvg { plate: &Plate::default(), drawing: &drawing, executed: &parts, deviation: &report, title: "a <b> & c" };
+        let svg = PathsSvg {
+            plate: &Plate::default(),
+            drawing: &drawing,
+            executed: &parts,
+            deviation: &report,
+            title: "a <b> & c",
+        };
         let text = svg.document();
         let document = roxmltree::Document::parse(&text).unwrap();
         assert_eq!(document.root_element().tag_name().name(), "svg");

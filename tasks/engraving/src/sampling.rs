@@ -269,6 +269,7 @@ impl Iterator for Samples<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deviation::{Corners, Deviation};
     use crate::drawing::{EllipticalArc, Limits, read_file};
     use std::path::Path;
 
@@ -280,30 +281,26 @@ mod tests {
         Piece::Line { from: a.into(), to: b.into() }
     }
 
-    /// The largest distance of the spline through a stroke's samples from the stroke, by brute force.
+    /// The largest distance of the spline through a stroke's samples from the stroke.
     fn worst(stroke: &Stroke) -> f64 {
-        let exact = stroke.flattened(1e-4);
-        let samples = Sampling::default().stroke(stroke, 0);
-        let mut worst = 0.0f64;
+        let sampling = Sampling::default();
+        let drawing = Drawing { strokes: vec![stroke.clone()] };
+        let mut deviation = Deviation::new(&drawing, &sampling, Corners::Counted);
+        let samples = sampling.stroke(stroke, 0);
         let mut run = vec![samples[0].position];
         for sample in &samples[1..] {
             run.push(sample.position);
             if sample.mark != Mark::Smooth {
                 let spline = NaturalSpline::new(std::mem::take(&mut run)).unwrap();
                 for span in 0..spline.spans() {
-                    for k in 0..8 {
-                        let q = spline.point(span, f64::from(k) / 8.0);
-                        let d = exact
-                            .windows(2)
-                            .map(|w| crate::drawing::distance_to_segment(q, w[0], w[1]))
-                            .fold(f64::MAX, f64::min);
-                        worst = worst.max(d);
+                    for k in 0..16 {
+                        deviation.observe(spline.point(span, f64::from(k) / 16.0));
                     }
                 }
                 run.push(sample.position);
             }
         }
-        worst
+        deviation.report().max
     }
 
     #[test]
@@ -340,7 +337,7 @@ mod tests {
         assert!(!files.is_empty());
         for file in files {
             let import = read_file(&file, Limits::default()).unwrap();
-            for stroke in import.drawing.strokes.iter().take(12) {
+            for stroke in import.drawing.strokes.iter() {
                 let worst = worst(stroke);
                 assert!(worst < 0.005, "{}: {worst}", file.display());
             }
