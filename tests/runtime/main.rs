@@ -1,8 +1,10 @@
 //! The runtime's promises, a file per promise.
 
+mod aborting;
 mod coordination;
 mod faults;
 mod feed;
+mod handover;
 mod kit;
 mod moves;
 mod sensors;
