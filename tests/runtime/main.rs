@@ -8,4 +8,5 @@ mod handover;
 mod kit;
 mod moves;
 mod sensors;
+mod suspending;
 mod waits;
