@@ -147,15 +147,7 @@ impl<R: Robot> Ecp<R> {
             match self.next_order()? {
                 Kind::Start => {}
                 Kind::Stop => return Err(self.stopped()),
-                // A blend that no Move takes over.
-                Kind::Brake => {
-                    let braked = self.ask_edp(Kind::Brake, flag::WANT_STATE);
-                    braked.map_err(|fault| self.fail(fault))?;
-                    self.moving = !self.driver.is(flag::STANDSTILL);
-                    self.answer(flag::STATE);
-                    continue;
-                }
-                // The tail of an instruction that has ended here.
+                // The tail of an instruction that has ended here, or of a blend that no Move takes over.
                 _ => {
                     self.hold(flag::ENDED | flag::FINISHED)?;
                     continue;
@@ -169,13 +161,14 @@ impl<R: Robot> Ecp<R> {
                 return Err(self.fail(fault));
             }
             self.answer(flag::STATE);
+            self.refusals = 0;
             match self.next_order()? {
                 Kind::Step => {
                     return P::get(self.order.words()).map_err(|_| self.fail(Fault::new(FaultKind::Message)));
                 }
                 Kind::Stop => return Err(self.stopped()),
                 // Ended before its first step: the next START counts.
-                _ => self.answer(flag::ENDED),
+                _ => self.hold(flag::ENDED | flag::FINISHED)?,
             }
         }
     }
@@ -261,11 +254,12 @@ impl<R: Robot> Ecp<R> {
     {
         let (first_uses, next_uses) = (const { G::CLASS.first_uses() }, const { G::CLASS.next_uses() });
         self.check_ready()?;
-        self.check_payload::<G>(first_uses.order || next_uses.order)?;
+        self.check_payload::<G::Order>(first_uses.order || next_uses.order)?;
         let mut e = State::<R>::new(self.image);
         let mut order = self.read_order::<G::Order>(false)?;
         let mut step = 0;
-        let mut local = Feed::new(DEFAULT_CHANGE);
+        let mut rate = 1.0;
+        let mut own = Feed::new(DEFAULT_CHANGE);
         let mut flags = flag::FIRST;
         loop {
             let kind = self.next_order()?;
@@ -277,19 +271,23 @@ impl<R: Robot> Ecp<R> {
                     return Err(Fault::new(FaultKind::Aborted).in_process(self.process));
                 }
                 // What transmits orders has none to transmit any more; what has no path of its own cannot
-                // slow down on it.
+                // slow down on it; what is handed over shall not.
                 Kind::End if next_uses.order || !next_uses.tick || step == 0 => break,
+                Kind::End if self.order.is(flag::BLEND) => break,
                 _ => {}
             }
             let duration = self.order.header.duration;
             let mut dt = self.order.header.dt;
             if ending_now {
-                local.limit(self.headroom());
-                dt *= local.advance(0.0, duration);
-                if local.rate() == 0.0 {
+                // The MP may be slowing down as well: both bound the change of the one rate that counts.
+                own.reset(rate);
+                own.limit(self.headroom());
+                dt = dt.min(own.advance(0.0, duration) * duration);
+                if own.rate() == 0.0 {
                     break;
                 }
             }
+            rate = if duration > 0.0 { dt / duration } else { 0.0 };
             let uses = if step == 0 { first_uses } else { next_uses };
             if dt == 0.0 {
                 // Suspended: the robot holds whatever the generator says, which may only end.
@@ -297,6 +295,7 @@ impl<R: Robot> Ecp<R> {
                     self.execute(sensors, v, Kind::Brake, 0, uses.robots)?;
                 } else {
                     Demand::<R>::hold().put(&mut self.out.body);
+                    self.out.header.dt = dt;
                     self.execute(sensors, v, Kind::Demand, 0, uses.robots)?;
                     (*e) = self.image;
                     let t = Tick { step, dt, duration };
@@ -402,6 +401,7 @@ impl<R: Robot> Ecp<R> {
     {
         let uses = const { C::CLASS.next };
         self.check_ready()?;
+        self.check_payload::<C::Order>(uses.order)?;
         self.settle()?;
         let mut v = Reading::new(sensors.images());
         let mut step = 0;
@@ -447,9 +447,7 @@ impl<R: Robot> Ecp<R> {
             }
             self.open = true;
             if self.order.header.kind == Kind::Query {
-                let fresh = self.ask_edp(Kind::Query, flag::WANT_STATE);
-                fresh.map_err(|fault| self.fail(fault))?;
-                self.answer(flag::STATE);
+                self.hold(0)?;
             }
         }
         Ok(self.order.header.kind)
@@ -527,14 +525,23 @@ impl<R: Robot> Ecp<R> {
         collected.map_err(|fault| self.fail(fault))
     }
 
-    /// Answers a step in which the robot stands.
-    fn hold(&mut self, flags: u32) -> Result<(), Fault> {
-        let wants = self.order.is(flag::WANT_STATE) || flags & flag::ENDED != 0;
+    /// Answers a step in which the robot stands. One that a blend left moving brakes, unless this very order
+    /// hands it over; it has not left the instruction before it stands.
+    fn hold(&mut self, mut flags: u32) -> Result<(), Fault> {
+        let handed_over = self.order.header.kind == Kind::End && self.order.is(flag::BLEND);
+        let brakes = self.moving && !handed_over;
+        let wants = brakes || self.order.is(flag::WANT_STATE) || flags & flag::ENDED != 0;
         if wants {
-            let fresh = self.ask_edp(Kind::Query, flag::WANT_STATE);
+            let kind = if brakes { Kind::Brake } else { Kind::Query };
+            let fresh = self.ask_edp(kind, flag::WANT_STATE);
             fresh.map_err(|fault| self.fail(fault))?;
+            flags |= flag::STATE;
         }
-        self.answer(flags | if wants { flag::STATE } else { 0 });
+        if brakes {
+            self.moving = !self.driver.is(flag::STANDSTILL);
+            flags &= if self.moving { !flag::ENDED } else { !0 };
+        }
+        self.answer(flags);
         Ok(())
     }
 
@@ -574,11 +581,11 @@ impl<R: Robot> Ecp<R> {
         P::get(words).map(Order::new).map_err(|_| self.fail(Fault::new(FaultKind::Message)))
     }
 
-    fn check_payload<G: Generator>(&mut self, reads: bool) -> Result<(), Fault> {
+    fn check_payload<P: Payload>(&mut self, reads: bool) -> Result<(), Fault> {
         match self.instruction {
-            Some(instruction) if reads && instruction.id != G::Order::ID => {
+            Some(instruction) if reads && instruction.id != P::ID => {
                 let text =
-                    format!("the generator reads `{}`, the order is `{}`", G::Order::NAME, instruction.name);
+                    format!("the step function reads `{}`, the order is `{}`", P::NAME, instruction.name);
                 Err(self.fail(Fault::new(FaultKind::PayloadMismatch).text(&text)))
             }
             _ => Ok(()),
@@ -591,10 +598,13 @@ impl<R: Robot> Ecp<R> {
             let text = "Move or Wait outside obey: write `ecp.obey(|ecp, order: YourOrder| ..)` around it";
             return Err(self.fail(Fault::thrown(text)));
         }
-        if self.open && self.order.header.kind == Kind::End {
-            return Err(Fault::new(FaultKind::InstructionEnded).in_process(self.process));
-        }
-        Ok(())
+        let over = match self.order.header.kind {
+            Kind::End if self.open => FaultKind::InstructionEnded,
+            Kind::Abort if self.open => FaultKind::Aborted,
+            _ => return Ok(()),
+        };
+        self.refuse();
+        Err(Fault::new(over).in_process(self.process))
     }
 
     fn check_latch(&mut self) -> Result<(), Fault> {
@@ -612,7 +622,9 @@ impl<R: Robot> Ecp<R> {
     fn refuse(&mut self) {
         self.refusals += 1;
         if self.refusals > MAX_REFUSALS {
-            std::panic::resume_unwind(Box::new("the program ignores a latched fault"));
+            // The program is over: what the process does after it counts anew.
+            self.refusals = 0;
+            std::panic::resume_unwind(Box::new("the program ignores a fault or the end of its instruction"));
         }
     }
 
@@ -659,7 +671,8 @@ impl<R: Robot> Ecp<R> {
             Err(fault) if fault.kind() != FaultKind::CellClosed && fault.kind() != FaultKind::Aborted => {
                 Err(self.fail(fault))
             }
-            outcome => outcome,
+            // A program that swallows a latched fault does not undo it.
+            outcome => self.latched.clone().map_or(outcome, Err),
         }
     }
 

@@ -33,6 +33,8 @@ pub(crate) struct RobotPort {
     pub kind: TypeId,
     pub client: Box<dyn Client>,
     pub taken: bool,
+    /// Whether the last instruction handed it over moving.
+    handed_over: bool,
     order: Message,
     reply: Message,
 }
@@ -40,7 +42,7 @@ pub(crate) struct RobotPort {
 impl RobotPort {
     pub fn new(name: Name, kind: TypeId, client: Box<dyn Client>) -> RobotPort {
         let (order, reply) = (Message::new(Kind::Query), Message::new(Kind::Reply));
-        RobotPort { name, kind, client, taken: false, order, reply }
+        RobotPort { name, kind, client, taken: false, handed_over: false, order, reply }
     }
 
     fn process(&self) -> ProcessId {
@@ -66,8 +68,6 @@ pub struct Mp {
     dt: f64,
     feed: Feed,
     ordinal: u32,
-    /// Robots that the last instruction handed over moving.
-    blending: bool,
     latched: Option<Fault>,
     refusals: u32,
 }
@@ -96,7 +96,6 @@ impl Mp {
             dt: duration,
             feed: Feed::new(rate_change),
             ordinal: 0,
-            blending: false,
             latched: None,
             refusals: 0,
         }
@@ -249,6 +248,10 @@ impl Mp {
             if demands.is_none() && step == 0 {
                 // Suspended before the first step: there is no order to give yet.
                 self.exchange(indices, Kind::Query, flag::WANT_STATE)?;
+                if first_uses.sensors {
+                    self.order_readings(sensors);
+                    self.sensing.collect(sensors, v, &*self.waiter, self.step)?;
+                }
                 continue;
             }
             self.order_readings(sensors);
@@ -405,8 +408,10 @@ impl Mp {
         let periods = step - self.step;
         (self.step, self.used) = (step, false);
         self.duration = periods as f64 * self.period as f64 * 1e-9;
-        if let Some(hook) = &mut self.hook {
+        // A hook that panics is not called again by the stop that follows.
+        if let Some(mut hook) = self.hook.take() {
             hook(self.step, &self.operator);
+            self.hook = Some(hook);
         }
         self.dt = self.feed.advance(self.operator.wanted_rate(), self.duration) * self.duration;
         Ok(())
@@ -416,11 +421,16 @@ impl Mp {
     /// none moves.
     fn start(&mut self, indices: &[usize], payload: impl Fn(usize) -> PayloadType) -> Result<(), Fault> {
         self.ordinal += 1;
-        if !self.blending {
+        let left_out = |(index, robot): &(usize, &RobotPort)| robot.handed_over && !indices.contains(index);
+        if let Some((_, robot)) = self.robots.iter().enumerate().find(left_out) {
+            let text =
+                format!("`{}` was handed over moving: the Move after a blend must name it", robot.name);
+            return Err(Fault::thrown(&text));
+        }
+        if !self.take_handed_over() {
             self.feed.reset(self.operator.wanted_rate());
             self.dt = self.feed.rate() * self.duration;
         }
-        self.blending = false;
         for (i, &index) in indices.iter().enumerate() {
             let robot = &mut self.robots[index];
             robot.order.header.payload = payload(i).id;
@@ -450,18 +460,34 @@ impl Mp {
             // One END in the step that the next motion starts in; its START comes in the same step.
             self.begin_step()?;
             self.exchange(indices, kind, flag::WANT_STATE | flag::BLEND)?;
-            (self.used, self.blending) = (false, true);
-            return Ok(());
+            self.used = false;
+            if self.have_ended(indices) {
+                for &index in indices {
+                    self.robots[index].handed_over = true;
+                }
+                return Ok(());
+            }
+            // One of them is in its braking tail: then all brake, from this step on.
         }
         loop {
             self.begin_step()?;
             self.exchange(indices, kind, flag::WANT_STATE)?;
-            if indices.iter().all(|&index| self.robots[index].reply.is(flag::ENDED)) {
+            if self.have_ended(indices) {
                 // Nothing moved in this step: the next instruction may begin in it.
                 self.used = false;
                 return Ok(());
             }
         }
+    }
+
+    fn have_ended(&self, indices: &[usize]) -> bool {
+        indices.iter().all(|&index| self.robots[index].reply.is(flag::ENDED))
+    }
+
+    /// Whether robots have been handed over moving; from now on they are in somebody's hands.
+    fn take_handed_over(&mut self) -> bool {
+        let taken = |any, robot: &mut RobotPort| core::mem::take(&mut robot.handed_over) | any;
+        self.robots.iter_mut().fold(false, taken)
     }
 
     /// The operator's abort, at standstill on the path.
@@ -474,7 +500,7 @@ impl Mp {
 
     /// Robots that a blend left moving come to a standstill.
     fn settle(&mut self) -> Result<(), Fault> {
-        if core::mem::take(&mut self.blending) {
+        if self.take_handed_over() {
             let indices: Vec<_> = (0..self.robots.len()).collect();
             loop {
                 self.begin_step()?;
@@ -589,6 +615,7 @@ impl Mp {
     /// Stops every robot of the cell and latches the first cause.
     pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
         let fault = self.latched.get_or_insert(fault).clone();
+        self.take_handed_over();
         let all: Vec<_> = (0..self.robots.len()).collect();
         loop {
             if self.begin_step().is_err() {
@@ -612,6 +639,7 @@ impl Mp {
         self.refusals += 1;
         if self.refusals > MAX_REFUSALS {
             // Ends a program that loops over refused instructions, through the process's own boundary.
+            self.refusals = 0;
             std::panic::resume_unwind(Box::new("the program ignores a latched fault"));
         }
         // A refused call takes a step: a program that ignores the fault cannot stop the cell's time.
@@ -627,8 +655,12 @@ impl Mp {
     ) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| program(self));
         match std::panic::catch_unwind(run) {
-            Ok(Ok(())) => self.settle().map_err(|fault| self.stop(fault)),
-            Ok(Err(fault)) => Err(fault.in_process(ProcessId::MP)),
+            Ok(outcome) => {
+                let settled = self.settle().map_err(|fault| self.stop(fault));
+                // A program that swallows a latched fault does not undo it.
+                let latched = self.latched.clone().map_or(Ok(()), Err);
+                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
+            }
             Err(panic) => {
                 let fault = crate::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.step);
                 Err(self.stop(fault))

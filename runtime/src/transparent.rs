@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use crate::class::{Class, Level, Uses};
 use crate::demand::Demand;
 use crate::ecp::Ecp;
-use crate::fault::Fault;
+use crate::fault::{Fault, FaultKind};
 use crate::generator::Generator;
 use crate::image::{Reading, State};
 use crate::list::Motion;
@@ -62,6 +62,10 @@ impl<R: Robot> Generator for Transparent<R> {
 /// The program of an ECP that has none of its own.
 pub(crate) fn program<R: Robot>(ecp: &mut Ecp<R>) -> Result<(), Fault> {
     loop {
-        ecp.obey(|ecp, _: Demand<R>| ecp.move_robot((), Transparent::new()).map(drop))?;
+        match ecp.obey(|ecp, _: Demand<R>| ecp.move_robot((), Transparent::new()).map(drop)) {
+            // An abort ends an instruction, not the robot's service.
+            Err(fault) if fault.kind() != FaultKind::Aborted => return Err(fault),
+            Ok(()) | Err(_) => {}
+        }
     }
 }
