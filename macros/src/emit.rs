@@ -1,6 +1,6 @@
 //! Prints implementations of the traits. Every path of the runtime that an expansion uses is named here.
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote, quote_spanned};
 use syn::spanned::Spanned;
 use syn::{Attribute, ExprPath, Generics, Type};
@@ -149,17 +149,35 @@ impl Target<'_> {
             let doc = format!(" {doc}");
             quote!(#[doc = #doc])
         });
+        // At the state's type, where a second implementation is reported.
+        let implement = quote_spanned!(self_type.span()=> impl);
+        let mut body = Group::new(Delimiter::Brace, items.clone());
+        body.set_span(self_type.span());
         quote! {
             #(#cfgs)*
             const _: () = {
                 #doc
                 #[automatically_derived]
-                impl #generics #krate::#trait_name for #self_type #where_clause {
-                    #items
-                }
+                #implement #generics #krate::#trait_name for #self_type #where_clause #body
             };
         }
     }
+}
+
+/// The tokens, all placed at `span`.
+pub fn placed(tokens: TokenStream, span: Span) -> TokenStream {
+    let place = |token| match token {
+        TokenTree::Group(group) => {
+            let mut placed = Group::new(group.delimiter(), self::placed(group.stream(), span));
+            placed.set_span(span);
+            TokenTree::Group(placed)
+        }
+        mut token => {
+            token.set_span(span);
+            token
+        }
+    };
+    tokens.into_iter().map(place).collect()
 }
 
 /// The arguments in the order of the trait's methods.

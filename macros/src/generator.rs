@@ -214,7 +214,7 @@ fn check_class(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
 }
 
 /// Nobody gives orders to an MP.
-pub fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
+fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
     if level == Some(Level::Mp)
         && let Some(at) = roles.place(Role::Order)
     {

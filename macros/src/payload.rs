@@ -60,11 +60,8 @@ pub fn expand(item: TokenStream) -> TokenStream {
         _ => None,
     };
     let fits = fields.is_some().then(|| {
-        let message =
-            format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
-        quote_spanned! {name.span()=>
-            const _: () = ::core::assert!(__LEN <= #krate::WORDS, #message);
-        }
+        let fits = quote!(const _: () = #krate::__private1::fits_a_message(__LEN););
+        crate::emit::placed(fits, name.span())
     });
     let body = if is_valid {
         body

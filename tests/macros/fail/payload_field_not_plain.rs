@@ -1,5 +1,5 @@
 //! A field of a payload is no plain value.
-//! says: &'static str
+//! says: plain are numbers
 
 use mistakes::*;
 use mrroc::*;
