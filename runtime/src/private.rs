@@ -52,7 +52,10 @@ impl<T> Field<T> {
 /// # Panics
 /// When it does not.
 pub const fn fits_a_message(len: usize) {
-    assert!(len <= WORDS, "a message holds at most 56 words, this payload takes more: send less, or in parts");
+    assert!(
+        len <= WORDS,
+        "a message holds at most 56 words, this payload takes more: send less, or in parts"
+    );
 }
 
 /// The lists of a generator whose attribute reported a mistake: goes with all handles, so that the calls of

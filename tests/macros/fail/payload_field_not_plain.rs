@@ -9,7 +9,6 @@ struct Plan {
     name: &'static str,
 }
 
-
 fn tells<P: Payload>() -> &'static str {
     P::NAME
 }
