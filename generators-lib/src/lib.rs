@@ -1,1 +1,17 @@
-//! Motion generators for `mrroc`.
+//! Motion generators for `mrroc`, and the mathematics under them.
+//!
+//! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
+//! - [`profile`]: how far along a path at which instant;
+//! - [`mod@line`]: straight lines of joints and of the tool;
+//! - [`bspline`]: the moving-segment B-spline through a stream of points;
+//! - [`feed`]: how fast along such a spline.
+//!
+//! Units are SI throughout; lengths in metres unless a path says otherwise. Stepping functions neither allocate nor
+//! panic.
+#![warn(missing_docs)]
+
+pub mod bspline;
+pub mod feed;
+pub mod generators;
+pub mod line;
+pub mod profile;

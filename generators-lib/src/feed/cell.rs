@@ -1,0 +1,81 @@
+//! A piece of a span with one speed limit.
+
+use super::FeedLimits;
+use crate::bspline::{Span, length_measured};
+
+/// Most cells of one span, a power of two: four halvings.
+pub(super) const CELLS_PER_SPAN: usize = 16;
+/// A bound of the curvature this much above the curvature found is near enough.
+const NEAR: f64 = 1.1;
+
+/// A piece of a span with one speed limit, and what the planner allows at its start.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cell {
+    pub(super) span: Span,
+    /// First and last parameter.
+    pub(super) u: [f64; 2],
+    /// Length \[m\].
+    pub(super) length: f64,
+    /// Whether 5 Gauss nodes suffice for lengths within it.
+    pub(super) plain: bool,
+    /// Square of the speed limit [m^2/s^2].
+    pub(super) limit2: f64,
+    /// Square of the speed limit of its first point alone.
+    pub(super) join2: f64,
+    /// Square of the speed planned at its first point.
+    pub(super) entry2: f64,
+}
+
+/// Cuts `span` into cells, in order.
+pub(super) fn cut(span: &Span, limits: &FeedLimits, mut take: impl FnMut(Cell)) {
+    let width = span.knot_span() / CELLS_PER_SPAN as f64;
+    // A dyadic grid, as for lengths: a refused piece is halved, an accepted one followed by the largest that fits.
+    let (mut at, mut size) = (0, CELLS_PER_SPAN);
+    while at < CELLS_PER_SPAN {
+        let (start, end) = (width * at as f64, width * (at + size) as f64);
+        let end = if at + size == CELLS_PER_SPAN { span.knot_span() } else { end };
+        let (bound, found) = curvature_bound(span, start, end);
+        let limit = limits.speed_at_curvature(bound);
+        if size > 1 && limit < limits.feed && bound > NEAR * found {
+            size /= 2;
+            continue;
+        }
+        let limit = limit.min(jerk_limit(span, start, end, limits));
+        let (length, plain) = length_measured(span, start, end);
+        let limit2 = limit * limit;
+        take(Cell { span: *span, u: [start, end], length, plain, limit2, join2: limit2, entry2: 0.0 });
+        at += size;
+        size = 1 << at.trailing_zeros();
+    }
+}
+
+/// A bound of the curvature [1/m] over `a..=b`, and the larger of the curvatures at its ends.
+fn curvature_bound(span: &Span, a: f64, b: f64) -> (f64, f64) {
+    let eighth = 0.125 * (b - a) * (b - a);
+    let (start, end) = (span.at(a), span.at(b));
+    let larger = |x: f64, y: f64| x.max(y);
+    let fifth = (span.fourth(b) - span.fourth(a)).norm() / (b - a);
+    let m4 = larger(span.fourth(a).norm(), span.fourth(b).norm());
+    let m3 = larger(start.third.norm(), end.third.norm()) + eighth * fifth;
+    let m2 = larger(start.second.norm(), end.second.norm()) + eighth * m4;
+    let m1 = larger(start.first.norm(), end.first.norm()) + eighth * m3;
+    // f = S' x S'', f'' = S'' x S''' + S' x S''''
+    let bend = larger(start.first.cross(&start.second).norm(), end.first.cross(&end.second).norm())
+        + eighth * (m2 * m3 + m1 * m4);
+    // |S'| is nowhere less than the chord between its end values, less its deviation from that chord.
+    let chord = end.first - start.first;
+    let along = -start.first.dot(&chord) / chord.norm_squared();
+    let nearest = if along > 0.0 { start.first + chord * along.min(1.0) } else { start.first };
+    let least = nearest.norm() - eighth * m3;
+    let bound = if least > 0.0 { bend / (least * least * least) } else { f64::INFINITY };
+    (bound, larger(start.curvature(), end.curvature()))
+}
+
+/// Speed limit [m/s] by jerk, from the ends and the middle.
+fn jerk_limit(span: &Span, a: f64, b: f64, limits: &FeedLimits) -> f64 {
+    if !limits.jerk.is_finite() {
+        return f64::INFINITY;
+    }
+    let jerk = |u: f64| span.at(u).by_length()[2].norm();
+    limits.speed_at_jerk(jerk(a).max(jerk(0.5 * (a + b))).max(jerk(b)))
+}

@@ -1,0 +1,48 @@
+//! A straight line in joint space, from rest to rest.
+
+use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
+
+use crate::line::JointLine;
+use crate::profile::ProfileCursor;
+
+/// Moves all joints to their goals together, by one trapezoidal profile.
+///
+/// Starts from the joint positions demanded last, at rest.
+pub struct JointMove<R: Robot> {
+    goal: R::Joints,
+    velocity: R::Joints,
+    acceleration: R::Joints,
+    path: Option<(JointLine<R::Joints>, ProfileCursor)>,
+}
+
+impl<R: Robot> JointMove<R> {
+    /// To `goal` \[rad or m\], within a velocity [rad/s or m/s] and an acceleration [rad/s² or m/s²] per joint,
+    /// all > 0. Leave a tenth of the robot's limits to the operator's feed rate.
+    #[must_use]
+    pub fn to(goal: R::Joints, velocity: R::Joints, acceleration: R::Joints) -> Self {
+        JointMove { goal, velocity, acceleration, path: None }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((line, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            Some(point) => Step::Next(Demand::joints(line.joints(point.s))),
+            None => Step::Done,
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> JointMove<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        let line = JointLine::new(e.demanded().joints, self.goal);
+        let profile = line.profile(&self.velocity, &self.acceleration);
+        let profile = profile.map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((line, profile.cursor()));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}

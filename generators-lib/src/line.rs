@@ -1,0 +1,199 @@
+//! Straight lines: of the joints, and of the tool.
+//!
+//! In: two ends and limits. Out: the path over a scalar `s` in 0..=1, and the one profile of `s` that keeps every
+//! joint (or translation and rotation alike) within its limits: with `|dq_j|` the way of joint `j`,
+//! `V = min_j V_j / |dq_j|`, `A = min_j A_j / |dq_j|`.
+
+use crate::profile::{ProfileError, ProfileLimits, Trapezoid};
+use mrroc::JointVector;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+/// A straight line in joint space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JointLine<J> {
+    from: J,
+    to: J,
+}
+
+impl<J: JointVector> JointLine<J> {
+    /// The line between two joint vectors [rad or m].
+    #[must_use]
+    pub fn new(from: J, to: J) -> Self {
+        Self { from, to }
+    }
+
+    /// Joints at `s` in 0..=1; the ends are met exactly.
+    #[must_use]
+    pub fn joints(&self, s: f64) -> J {
+        if s >= 1.0 { self.to } else { self.from + (self.to - self.from) * s }
+    }
+
+    /// The fastest profile of `s` from 0 to 1 within per-joint limits of velocity [rad/s or m/s] and acceleration
+    /// [rad/s^2 or m/s^2]. A line without length has a profile of no distance and no duration.
+    ///
+    /// # Errors
+    /// An end that is not finite or a limit that is not positive.
+    pub fn profile(&self, velocity: &J, acceleration: &J) -> Result<Trapezoid, ProfileError> {
+        let way = self.to - self.from;
+        unit_profile(
+            (0..J::LEN).map(|i| {
+                (way[i].abs(), ProfileLimits { velocity: velocity[i], acceleration: acceleration[i] })
+            }),
+        )
+    }
+}
+
+/// Limits of a tool's motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolLimits {
+    /// Of translation [m/s], [m/s^2].
+    pub translation: ProfileLimits,
+    /// Of rotation [rad/s], [rad/s^2].
+    pub rotation: ProfileLimits,
+}
+
+/// A straight line of the tool frame: its origin moves linearly, its orientation turns at a constant rate about a
+/// constant axis, the short way round (spherical linear interpolation, Shoemake 1985).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinePath {
+    from: Isometry3<f64>,
+    to: Isometry3<f64>,
+    way: Vector3<f64>,
+    turn: Vector3<f64>,
+}
+
+impl LinePath {
+    /// The line between two poses of the tool in one common frame \[m\]. Half a turn goes about the axis that the
+    /// relative quaternion names.
+    #[must_use]
+    pub fn new(from: Isometry3<f64>, to: Isometry3<f64>) -> Self {
+        let way = to.translation.vector - from.translation.vector;
+        let turn = (from.rotation.inverse() * to.rotation).scaled_axis();
+        Self { from, to, way, turn }
+    }
+
+    /// Length of the origin's way \[m\].
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.way.norm()
+    }
+
+    /// Angle of the turn \[rad\], 0..=pi.
+    #[must_use]
+    pub fn angle(&self) -> f64 {
+        self.turn.norm()
+    }
+
+    /// Pose at `s` in 0..=1; the ends are met exactly.
+    #[must_use]
+    pub fn pose(&self, s: f64) -> Isometry3<f64> {
+        if s <= 0.0 {
+            return self.from;
+        }
+        if s >= 1.0 {
+            return self.to;
+        }
+        let translation = Translation3::from(self.from.translation.vector + self.way * s);
+        Isometry3::from_parts(
+            translation,
+            self.from.rotation * UnitQuaternion::from_scaled_axis(self.turn * s),
+        )
+    }
+
+    /// The fastest profile of `s` from 0 to 1 within `limits` of translation and of rotation at once. A line without
+    /// length and turn has a profile of no distance and no duration.
+    ///
+    /// # Errors
+    /// A pose that is not finite or a limit that is not positive.
+    pub fn profile(&self, limits: ToolLimits) -> Result<Trapezoid, ProfileError> {
+        unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
+    }
+}
+
+/// The profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
+fn unit_profile(shares: impl IntoIterator<Item = (f64, ProfileLimits)>) -> Result<Trapezoid, ProfileError> {
+    let mut distance = 0.0;
+    let mut limits = ProfileLimits { velocity: f64::INFINITY, acceleration: f64::MAX };
+    for (way, share) in shares {
+        Trapezoid::new(way, share)?;
+        if way > 0.0 {
+            distance = 1.0;
+            limits.velocity = limits.velocity.min(share.velocity / way);
+            limits.acceleration = limits.acceleration.min(share.acceleration / way);
+        }
+    }
+    Trapezoid::new(distance, limits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector2;
+    use proptest::prelude::*;
+    use std::f64::consts::PI;
+
+    fn limits(velocity: f64, acceleration: f64) -> ProfileLimits {
+        ProfileLimits { velocity, acceleration }
+    }
+
+    #[test]
+    fn the_slowest_joint_sets_the_pace_of_a_joint_line() {
+        let line = JointLine::new(Vector2::new(0.0, 1.0), Vector2::new(10.0, 0.0));
+        // Joint 0: (10, 2, 1) needs 7 s; joint 1 needs less.
+        let profile = line.profile(&Vector2::new(2.0, 5.0), &Vector2::new(1.0, 5.0)).unwrap();
+        assert!((profile.duration() - 7.0).abs() < 1e-12);
+        assert_eq!(line.joints(1.0), Vector2::new(10.0, 0.0));
+        assert_eq!(line.joints(0.5), Vector2::new(5.0, 0.5));
+        assert!(line.profile(&Vector2::new(0.0, 5.0), &Vector2::new(1.0, 5.0)).is_err());
+    }
+
+    #[test]
+    fn a_line_without_length_takes_no_time() {
+        let line = LinePath::new(Isometry3::identity(), Isometry3::identity());
+        let tool = ToolLimits { translation: limits(1.0, 1.0), rotation: limits(1.0, 1.0) };
+        assert_eq!(line.profile(tool).unwrap().duration(), 0.0);
+        assert_eq!(line.pose(0.0), Isometry3::identity());
+    }
+
+    #[test]
+    fn half_a_turn_has_an_axis_and_is_traversed() {
+        let to = Isometry3::rotation(Vector3::z() * PI);
+        let line = LinePath::new(Isometry3::identity(), to);
+        assert!((line.angle() - PI).abs() < 1e-12);
+        assert!((line.pose(0.5).rotation.angle() - PI / 2.0).abs() < 1e-12);
+    }
+
+    fn poses() -> impl Strategy<Value = Isometry3<f64>> {
+        proptest::array::uniform6(-1.5..1.5f64)
+            .prop_map(|x| Isometry3::new(Vector3::new(x[0], x[1], x[2]), Vector3::new(x[3], x[4], x[5])))
+    }
+
+    proptest! {
+        #[test]
+        fn neither_translation_nor_rotation_exceeds_its_limits(from in poses(), to in poses()) {
+            let (line, dt) = (LinePath::new(from, to), 2e-3);
+            let tool = ToolLimits { translation: limits(0.3, 1.0), rotation: limits(0.5, 2.0) };
+            let profile = line.profile(tool).unwrap();
+            let pose = |i: i32| line.pose(profile.at(f64::from(i) * dt).s);
+            prop_assert!(line.angle() <= PI + 1e-12);
+            for i in 0..(profile.duration() / dt) as i32 + 2 {
+                let (a, b, c) = (pose(i - 1), pose(i), pose(i + 1));
+                let v = (b.translation.vector - a.translation.vector) / dt;
+                let dv = (c.translation.vector - b.translation.vector) / dt - v;
+                let w = (a.rotation.inverse() * b.rotation).scaled_axis() / dt;
+                let dw = (b.rotation.inverse() * c.rotation).scaled_axis() / dt - w;
+                prop_assert!(v.norm() <= 0.3 + 1e-9 && dv.norm() <= 1.0 * dt + 1e-9);
+                prop_assert!(w.norm() <= 0.5 + 1e-9 && dw.norm() <= 2.0 * dt + 1e-9);
+            }
+            prop_assert_eq!(line.pose(0.0), from);
+            prop_assert_eq!(line.pose(1.0), to);
+        }
+
+        #[test]
+        fn orientations_agree_with_nalgebra_slerp(from in poses(), to in poses(), s in 0.0..1.0f64) {
+            let expected = from.rotation.try_slerp(&to.rotation, s, 1e-9);
+            prop_assume!(expected.is_some());
+            prop_assert!(LinePath::new(from, to).pose(s).rotation.angle_to(&expected.unwrap()) < 1e-7);
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! Rest-to-rest profiles of a path scalar: trapezoidal, or triangular where the distance is short.
+//!
+//! In: a distance and the limits of velocity and acceleration along it. Out: the path scalar and its first two
+//! derivatives over *path time*, which an operator's feed rate stretches or stops:
+//!
+//! ```text
+//! v_p = min(V, sqrt(A D))      peak velocity
+//! t_a = v_p / A                duration of either ramp
+//! T   = D / v_p + t_a          duration (D > 0)
+//! ```
+//!
+//! Source: Biagiotti and Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, section 3.2.
+
+use thiserror::Error;
+
+/// Limits of a path scalar's rate of change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfileLimits {
+    /// Largest velocity [units/s], > 0.
+    pub velocity: f64,
+    /// Largest acceleration and deceleration [units/s^2], finite, > 0.
+    pub acceleration: f64,
+}
+
+/// Why a profile cannot be made.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ProfileError {
+    /// The distance is negative, infinite or not a number.
+    #[error("profile distance {0} must be finite and not negative")]
+    Distance(f64),
+    /// The velocity limit is not positive.
+    #[error("profile velocity limit {0} must be greater than 0")]
+    Velocity(f64),
+    /// The acceleration limit is not positive or not finite.
+    #[error("profile acceleration limit {0} must be finite and greater than 0")]
+    Acceleration(f64),
+    /// A duration was asked for that would need more than the limits allow.
+    #[error("profile duration {asked} s is shorter than the least possible, {least} s")]
+    Duration {
+        /// Duration asked for \[s\].
+        asked: f64,
+        /// Shortest duration within the limits \[s\].
+        least: f64,
+    },
+}
+
+/// Path scalar and its derivatives at one instant of path time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProfilePoint {
+    /// Path scalar, from 0 to the profile's distance \[units\].
+    pub s: f64,
+    /// Its velocity [units/s], >= 0.
+    pub v: f64,
+    /// Its acceleration [units/s^2]; at a corner of the profile, that of the later phase.
+    pub a: f64,
+}
+
+/// A trapezoidal (or triangular) rest-to-rest profile; immutable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trapezoid {
+    distance: f64,
+    peak: f64,
+    acceleration: f64,
+    ramp: f64,
+    duration: f64,
+}
+
+impl Trapezoid {
+    /// The fastest profile over `distance` \[units\] within `limits`.
+    ///
+    /// # Errors
+    /// A distance that is negative or not finite, or a limit that is not positive.
+    pub fn new(distance: f64, limits: ProfileLimits) -> Result<Self, ProfileError> {
+        let ProfileLimits { velocity, acceleration } = limits;
+        if !(distance.is_finite() && distance >= 0.0) {
+            return Err(ProfileError::Distance(distance));
+        }
+        if velocity.is_nan() || velocity <= 0.0 {
+            return Err(ProfileError::Velocity(velocity));
+        }
+        if !(acceleration.is_finite() && acceleration > 0.0) {
+            return Err(ProfileError::Acceleration(acceleration));
+        }
+        let peak = velocity.min((acceleration * distance).sqrt());
+        let ramp = peak / acceleration;
+        let duration = if peak > 0.0 { distance / peak + ramp } else { 0.0 };
+        Ok(Self { distance, peak, acceleration, ramp, duration })
+    }
+
+    /// The same motion in exactly `duration` \[s\], slower: with `k = duration / T`, velocities shrink by `k` and
+    /// accelerations by `k^2`, so no limit is broken. Synchronises axes and arms.
+    ///
+    /// # Errors
+    /// A duration shorter than this profile's (or not finite).
+    pub fn stretched_to(self, duration: f64) -> Result<Self, ProfileError> {
+        if !(duration.is_finite() && duration >= self.duration) {
+            return Err(ProfileError::Duration { asked: duration, least: self.duration });
+        }
+        if self.duration == 0.0 {
+            return Ok(self);
+        }
+        let k = duration / self.duration;
+        Ok(Self {
+            distance: self.distance,
+            peak: self.peak / k,
+            acceleration: self.acceleration / (k * k),
+            ramp: self.ramp * k,
+            duration,
+        })
+    }
+
+    /// The duration rounded up to a whole number of steps of `dt` \[s\], > 0, by [`Self::stretched_to`]: the end then
+    /// falls on a step. A `dt` that is not positive leaves the profile as it is.
+    #[must_use]
+    pub fn in_whole_steps(self, dt: f64) -> Self {
+        // A duration that is whole but for rounding must not gain a step.
+        let steps = (self.duration / dt - 1e-9).ceil();
+        let duration = (steps * dt).max(self.duration);
+        if dt > 0.0 { self.stretched_to(duration).unwrap_or(self) } else { self }
+    }
+
+    /// Distance `D` \[units\].
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+
+    /// Duration `T` \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Peak velocity [units/s].
+    #[must_use]
+    pub fn peak(&self) -> f64 {
+        self.peak
+    }
+
+    /// The profile at path time `t` \[s\]. Before 0 it rests at 0, from [`Self::duration`] on at the exact distance.
+    #[must_use]
+    pub fn at(&self, t: f64) -> ProfilePoint {
+        if t >= self.duration {
+            return self.end();
+        }
+        let a = self.acceleration;
+        if t < self.ramp {
+            let t = t.max(0.0);
+            return ProfilePoint { s: 0.5 * a * t * t, v: a * t, a };
+        }
+        let left = self.duration - t;
+        if left <= self.ramp {
+            return ProfilePoint { s: self.distance - 0.5 * a * left * left, v: a * left, a: -a };
+        }
+        ProfilePoint { s: self.peak * (t - 0.5 * self.ramp), v: self.peak, a: 0.0 }
+    }
+
+    /// A cursor at the start of this profile.
+    #[must_use]
+    pub fn cursor(self) -> ProfileCursor {
+        ProfileCursor { profile: self, time: 0.0, ended: false }
+    }
+
+    fn end(&self) -> ProfilePoint {
+        ProfilePoint { s: self.distance, v: 0.0, a: 0.0 }
+    }
+}
+
+/// A walk along a [`Trapezoid`] in increments of path time, which may differ from step to step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfileCursor {
+    profile: Trapezoid,
+    time: f64,
+    ended: bool,
+}
+
+impl ProfileCursor {
+    /// Advances by `dt` \[s\], >= 0. The exact end is emitted once, then `None`.
+    pub fn advance(&mut self, dt: f64) -> Option<ProfilePoint> {
+        if self.ended {
+            return None;
+        }
+        self.time += dt;
+        // The sum of n increments may miss n * dt by rounding; that must not cost a step.
+        if self.profile.duration - self.time <= 1e-9 * dt {
+            self.ended = true;
+            return Some(self.profile.end());
+        }
+        Some(self.profile.at(self.time))
+    }
+
+    /// Path time so far \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The profile being walked.
+    #[must_use]
+    pub fn profile(&self) -> &Trapezoid {
+        &self.profile
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn trapezoid(distance: f64, velocity: f64, acceleration: f64) -> Trapezoid {
+        Trapezoid::new(distance, ProfileLimits { velocity, acceleration }).unwrap()
+    }
+
+    /// Closed forms T = D/V + V/A, or 2 sqrt(D/A) where V is not reached.
+    #[test]
+    fn durations_equal_the_closed_forms() {
+        assert!((trapezoid(10.0, 2.0, 1.0).duration() - 7.0).abs() < 1e-12);
+        assert!((trapezoid(8.0, 2.0, 1.0).duration() - 6.0).abs() < 1e-12);
+        assert!((trapezoid(3.0, 2.0, 1.0).duration() - 3.464_101_615_138).abs() < 1e-11);
+    }
+
+    /// Corke's robotics toolbox: `trapezoidal(0, 1, 9)` has v = 0.1875 over t = 0..8, hence t_b = 8/3 s.
+    #[test]
+    fn positions_equal_the_robotics_toolbox() {
+        let profile = trapezoid(1.0, 0.1875, 0.1875 / (8.0 / 3.0));
+        assert!((profile.duration() - 8.0).abs() < 1e-12);
+        for (t, s) in [0.0, 0.035_156_25, 0.140_625, 0.3125, 0.5].into_iter().enumerate() {
+            assert!((profile.at(t as f64).s - s).abs() < 1e-12, "t = {t}");
+        }
+    }
+
+    #[test]
+    fn the_exact_end_is_emitted_once_and_then_none() {
+        for distance in [0.0, 1e-12, 0.7, 3.0] {
+            let mut cursor = trapezoid(distance, 0.4, 1.3).cursor();
+            let mut last = None;
+            while let Some(point) = cursor.advance(0.001) {
+                last = Some(point);
+            }
+            assert_eq!(last, Some(ProfilePoint { s: distance, v: 0.0, a: 0.0 }));
+            assert_eq!(cursor.advance(0.001), None);
+        }
+    }
+
+    #[test]
+    fn a_profile_in_whole_steps_ends_on_a_step() {
+        for distance in [0.1, 0.33, 1.0, 2.0] {
+            let fast = trapezoid(distance, 0.7, 1.9);
+            let profile = fast.in_whole_steps(0.002);
+            let steps = profile.duration() / 0.002;
+            assert!((steps - steps.round()).abs() < 1e-9);
+            assert!(profile.duration() < fast.duration() + 0.002);
+            let mut cursor = profile.cursor();
+            assert_eq!(std::iter::from_fn(|| cursor.advance(0.002)).count(), steps.round() as usize);
+        }
+        // Already whole: nothing changes.
+        assert!((trapezoid(10.0, 2.0, 1.0).in_whole_steps(0.001).duration() - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn no_time_no_motion_and_impossible_limits_are_refused() {
+        let mut cursor = trapezoid(1.0, 1.0, 1.0).cursor();
+        let here = cursor.advance(0.5);
+        assert_eq!(cursor.advance(0.0), here);
+        let limits = |velocity, acceleration| ProfileLimits { velocity, acceleration };
+        assert!(Trapezoid::new(f64::NAN, limits(1.0, 1.0)).is_err());
+        assert!(Trapezoid::new(-1.0, limits(1.0, 1.0)).is_err());
+        assert!(Trapezoid::new(1.0, limits(0.0, 1.0)).is_err());
+        assert!(Trapezoid::new(1.0, limits(1.0, f64::NAN)).is_err());
+        assert!(trapezoid(1.0, 1.0, 1.0).stretched_to(0.1).is_err());
+    }
+
+    proptest! {
+        #[test]
+        fn finite_differences_stay_within_the_limits(d in 1e-3..10.0f64, v in 0.05..3.0f64, a in 0.1..20.0f64) {
+            let profile = trapezoid(d, v, a).in_whole_steps(1e-3);
+            let h = profile.duration() / 1777.0;
+            let s = |i: i32| profile.at(f64::from(i) * h).s;
+            for i in -2..1780 {
+                let velocity = (s(i + 1) - s(i)) / h;
+                let acceleration = (s(i + 1) - 2.0 * s(i) + s(i - 1)) / (h * h);
+                prop_assert!(velocity >= -1e-9 && velocity <= v * (1.0 + 1e-9));
+                prop_assert!(acceleration.abs() <= a * (1.0 + 1e-6) + 1e-14 * d / (h * h));
+            }
+        }
+
+        #[test]
+        fn a_profile_run_backwards_is_itself(d in 0.0..10.0f64, v in 0.05..3.0f64, a in 0.1..20.0f64, x in 0.0..1.0f64) {
+            let profile = trapezoid(d, v, a);
+            let (there, back) = (profile.at(x * profile.duration()), profile.at((1.0 - x) * profile.duration()));
+            prop_assert!((there.s + back.s - d).abs() < 1e-9 * (1.0 + d));
+            prop_assert!((there.v - back.v).abs() < 1e-9 * (1.0 + v));
+        }
+
+        #[test]
+        fn a_changing_feed_rate_visits_the_same_profile(steps in proptest::collection::vec(0.0..0.02f64, 1..200)) {
+            let profile = trapezoid(0.8, 0.5, 1.0);
+            let mut cursor = profile.cursor();
+            for dt in steps {
+                if let Some(point) = cursor.advance(dt) {
+                    prop_assert!((point.s - profile.at(cursor.time()).s).abs() < 1e-12);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,23 @@
+# Mirrors CI; the README's two commands need none of it.
+
+# What CI runs.
+ci:
+    .ci/run
+
+# All tests.
+test:
+    cargo test
+
+# What a step costs, in nanoseconds.
+bench:
+    cargo bench -p mrroc-tests --bench steps
+    cargo bench -p mrroc-generators
+
+# Accept changed snapshots of expansions and diagnostics.
+snapshots:
+    INSTA_UPDATE=always cargo test -p mrroc-macros
+    INSTA_UPDATE=always cargo test -p mrroc-tests --test macros_diagnostics
+
+# Engrave the drawing that is shipped with the project.
+engrave *ARGS:
+    cargo run --release -- {{ARGS}}

@@ -1,0 +1,245 @@
+//! How far executed points lie from the drawing: a cursor that moves along the exact stroke.
+//!
+//! Each stroke is flattened to 0.2 µm, so that a distance is exact to less than 0.5 µm. The cursor walks from the
+//! segment that was nearest before; if it ends far away, the whole stroke is searched.
+
+use crate::drawing::{Drawing, Stroke, Vec2};
+use crate::sampling::Sampling;
+
+/// Flattening of the strokes [mm].
+const FLATTENING: f64 = 2e-4;
+
+/// From this distance on the nearest segment is searched anew [mm].
+const LOST: f64 = 0.25;
+
+/// The walk goes on over this many segments that are no nearer.
+const PATIENCE: usize = 3;
+
+/// Where points near marked corners are measured, too.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Corners {
+    /// They count as all others.
+    #[default]
+    Counted,
+    /// Points within this radius [mm] of a corner of the drawing are measured, but not counted.
+    Excepted {
+        /// Radius [mm], > 0.
+        radius: f64,
+    },
+}
+
+/// A segment of a flattened stroke.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    from: Vec2,
+    along: Vec2,
+    /// 1 / |along|².
+    inverse: f64,
+}
+
+impl Segment {
+    fn squared_distance(&self, p: Vec2) -> f64 {
+        let gap = p - self.from;
+        let t = (gap.dot(&self.along) * self.inverse).clamp(0.0, 1.0);
+        (gap - self.along * t).norm_squared()
+    }
+}
+
+/// The worst point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Worst {
+    /// Its stroke.
+    pub stroke: usize,
+    /// Where it was executed [mm].
+    pub position: Vec2,
+    /// Its distance from the drawing [mm].
+    pub distance: f64,
+}
+
+/// What was measured.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeviationReport {
+    /// The largest distance [mm].
+    pub max: f64,
+    /// The root of the mean square [mm].
+    pub rms: f64,
+    /// The points that count.
+    pub points: u64,
+    /// The points near corners that do not count.
+    pub excepted: u64,
+    /// The worst point that counts.
+    pub worst: Option<Worst>,
+}
+
+/// Measures executed points against a drawing.
+#[derive(Clone, Debug)]
+pub struct Deviation {
+    strokes: Vec<Vec<Segment>>,
+    corners: Vec<Vec<Vec2>>,
+    except_squared: f64,
+    stroke: usize,
+    cursor: usize,
+    sum_of_squares: f64,
+    max_squared: f64,
+    points: u64,
+    excepted: u64,
+    worst: Option<Worst>,
+}
+
+impl Deviation {
+    /// Measures against the drawing, whose corners are those of the sampling.
+    #[must_use]
+    pub fn new(drawing: &Drawing, sampling: &Sampling, corners: Corners) -> Self {
+        let (except_squared, excepted_corners) = match corners {
+            Corners::Counted => (0.0, vec![Vec::new(); drawing.strokes.len()]),
+            Corners::Excepted { radius } => {
+                (radius * radius, drawing.strokes.iter().map(|s| sampling.corners(s)).collect())
+            }
+        };
+        Self {
+            strokes: drawing.strokes.iter().map(segments).collect(),
+            corners: excepted_corners,
+            except_squared,
+            stroke: 0,
+            cursor: 0,
+            sum_of_squares: 0.0,
+            max_squared: 0.0,
+            points: 0,
+            excepted: 0,
+            worst: None,
+        }
+    }
+
+    /// The tool comes down at the start of a stroke: the cursor goes there.
+    pub fn begin_stroke(&mut self, stroke: usize) {
+        self.stroke = stroke;
+        self.cursor = 0;
+    }
+
+    /// Measures one executed point [mm] of the present stroke; its distance from it [mm], 0 if there is no such stroke.
+    pub fn observe(&mut self, p: Vec2) -> f64 {
+        let Some(segments) = self.strokes.get(self.stroke).filter(|s| !s.is_empty()) else { return 0.0 };
+        let (cursor, mut squared) = walk(segments, self.cursor, p);
+        self.cursor = cursor;
+        if squared > LOST * LOST {
+            for (i, segment) in segments.iter().enumerate() {
+                let d = segment.squared_distance(p);
+                if d < squared {
+                    (self.cursor, squared) = (i, d);
+                }
+            }
+        }
+        if self.corners[self.stroke].iter().any(|c| (c - p).norm_squared() < self.except_squared) {
+            self.excepted += 1;
+            return squared.sqrt();
+        }
+        self.points += 1;
+        self.sum_of_squares += squared;
+        if squared > self.max_squared || self.worst.is_none() {
+            self.max_squared = squared;
+            self.worst = Some(Worst { stroke: self.stroke, position: p, distance: squared.sqrt() });
+        }
+        squared.sqrt()
+    }
+
+    /// What was measured so far.
+    #[must_use]
+    pub fn report(&self) -> DeviationReport {
+        DeviationReport {
+            max: self.max_squared.sqrt(),
+            rms: if self.points == 0 { 0.0 } else { (self.sum_of_squares / self.points as f64).sqrt() },
+            points: self.points,
+            excepted: self.excepted,
+            worst: self.worst,
+        }
+    }
+}
+
+fn segments(stroke: &Stroke) -> Vec<Segment> {
+    let points = stroke.flattened(FLATTENING);
+    points
+        .windows(2)
+        .map(|w| (w[0], w[1] - w[0]))
+        .filter(|(_, along)| along.norm_squared() > 0.0)
+        .map(|(from, along)| Segment { from, along, inverse: 1.0 / along.norm_squared() })
+        .collect()
+}
+
+/// The nearest segment found by walking both ways from the cursor, forwards first.
+fn walk(segments: &[Segment], cursor: usize, p: Vec2) -> (usize, f64) {
+    let mut best = (cursor, segments[cursor].squared_distance(p));
+    let mut patience = PATIENCE;
+    for (i, segment) in segments.iter().enumerate().skip(cursor + 1) {
+        let d = segment.squared_distance(p);
+        if d < best.1 {
+            best = (i, d);
+            patience = PATIENCE;
+        } else if patience == 0 {
+            break;
+        } else {
+            patience -= 1;
+        }
+    }
+    if best.0 == cursor {
+        patience = 1;
+        for i in (0..cursor).rev() {
+            let d = segments[i].squared_distance(p);
+            if d < best.1 {
+                best = (i, d);
+                patience = PATIENCE;
+            } else if patience == 0 {
+                break;
+            } else {
+                patience -= 1;
+            }
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drawing::{EllipticalArc, Piece};
+
+    fn circle() -> Drawing {
+        let arc = EllipticalArc::circular(Vec2::zeros(), 10.0, 0.0, std::f64::consts::TAU);
+        Drawing { strokes: vec![Stroke::new(vec![Piece::Arc(arc)]).unwrap()] }
+    }
+
+    #[test]
+    fn distances_from_a_circle_are_exact_to_half_a_micrometre() {
+        let mut deviation = Deviation::new(&circle(), &Sampling::default(), Corners::Counted);
+        deviation.begin_stroke(0);
+        let mut squares = 0.0;
+        for k in 0..5000 {
+            let a = f64::from(k) / 5000.0 * 6.28;
+            let off = 0.01 * (a * 9.0).sin();
+            let found = deviation.observe(Vec2::new(a.cos(), a.sin()) * (10.0 + off));
+            assert!((found - off.abs()).abs() < 5e-4, "{found} for {off}");
+            squares += off * off;
+        }
+        let report = deviation.report();
+        assert!((report.max - 0.01).abs() < 5e-4);
+        assert!((report.rms - (squares / 5000.0f64).sqrt()).abs() < 3e-4);
+    }
+
+    #[test]
+    fn a_lost_cursor_finds_its_way() {
+        let mut deviation = Deviation::new(&circle(), &Sampling::default(), Corners::Counted);
+        assert!(deviation.observe(Vec2::new(-10.0, 0.0)) < 5e-4);
+        assert!((deviation.observe(Vec2::new(0.0, 10.3)) - 0.3).abs() < 5e-4);
+    }
+
+    #[test]
+    fn corners_can_be_excepted() {
+        let line = |a: [f64; 2], b: [f64; 2]| Piece::Line { from: a.into(), to: b.into() };
+        let stroke = Stroke::new(vec![line([0.0, 0.0], [5.0, 0.0]), line([5.0, 0.0], [5.0, 5.0])]).unwrap();
+        let drawing = Drawing { strokes: vec![stroke] };
+        let mut deviation = Deviation::new(&drawing, &Sampling::default(), Corners::Excepted { radius: 0.5 });
+        assert!((deviation.observe(Vec2::new(4.9, 0.1)) - 0.1).abs() < 1e-9);
+        assert_eq!((deviation.report().points, deviation.report().excepted), (0, 1));
+        deviation.observe(Vec2::new(5.0, 3.0));
+        assert_eq!(deviation.report().points, 1);
+    }
+}

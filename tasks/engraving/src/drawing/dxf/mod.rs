@@ -1,0 +1,142 @@
+//! DXF (ASCII): LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE, POLYLINE and INSERT of model space become strokes.
+//!
+//! The file is read once, tag by tag, so that a million entities cost no memory before they are refused and every
+//! message has its line (the crate `dxf` takes 1.7 GB for a million lines and its entities have no lines). Other
+//! entities are counted and reported. Curves whose ends touch are joined into strokes.
+
+mod blocks;
+mod curves;
+mod entity;
+mod spline;
+mod tags;
+mod units;
+
+use super::{Affine, Budget, Drawing, Import, Piece, Stroke, join_touching};
+use crate::error::DrawingError;
+use blocks::Blocks;
+use entity::Entity;
+use std::collections::BTreeMap;
+use tags::Tags;
+
+/// Reads an ASCII DXF file.
+///
+/// # Errors
+/// [`DrawingError`] at the tag or entity that cannot be engraved.
+pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, DrawingError> {
+    let mut tags = Tags::new(file, text);
+    let mut units = None;
+    let mut blocks = Blocks::default();
+    let mut reader =
+        Reader { file, budget, chains: Vec::new(), left_out: BTreeMap::new(), warnings: Vec::new() };
+    let mut ended = false;
+    while let Some(tag) = tags.next()? {
+        if tag.code != 0 {
+            continue;
+        }
+        match tag.value {
+            "SECTION" => match tags.next()?.map(|name| name.value) {
+                Some("HEADER") => units = units::insertion_units(&mut tags)?,
+                Some("BLOCKS") => blocks = blocks::read(&mut tags, reader.budget)?,
+                Some("ENTITIES") => {
+                    entity::each(&mut tags, "ENDSEC", |entity| {
+                        reader.entity(&entity, &blocks, &Affine::IDENTITY, 0)
+                    })?;
+                }
+                _ => tags.skip_section()?,
+            },
+            "EOF" => {
+                ended = true;
+                break;
+            }
+            _ => {}
+        }
+    }
+    if !ended {
+        return Err(tags.truncated("before its EOF"));
+    }
+    let Reader { chains, left_out, mut warnings, .. } = reader;
+    for (kind, count) in left_out {
+        warnings
+            .push(format!("{count} {kind} left out: explode it to lines, arcs and splines to engrave it"));
+    }
+    let (scale, unit_warning) = units::scale(units);
+    warnings.extend(unit_warning);
+    let to_mm = Affine::scaling(scale, scale);
+    let strokes = chains.into_iter().filter_map(Stroke::new).map(|s| s.transformed(&to_mm)).collect();
+    Ok(Import { drawing: Drawing { strokes: join_touching(strokes) }, warnings })
+}
+
+/// Entities on their way to chains of pieces.
+struct Reader<'a> {
+    file: &'a str,
+    budget: &'a mut Budget,
+    chains: Vec<Vec<Piece>>,
+    left_out: BTreeMap<String, usize>,
+    warnings: Vec<String>,
+}
+
+impl Reader<'_> {
+    fn entity(
+        &mut self,
+        entity: &Entity<'_>,
+        blocks: &Blocks<'_>,
+        map: &Affine,
+        depth: usize,
+    ) -> Result<(), DrawingError> {
+        if entity.is_hidden() {
+            return Ok(());
+        }
+        if entity.kind == "INSERT" {
+            return self.insert(entity, blocks, map, depth);
+        }
+        match curves::chain(entity, self.file)? {
+            Some(chain) => {
+                self.budget.take(chain.len().max(1), || entity.place(self.file))?;
+                let flipped = entity.extrusion_map();
+                let chain: Vec<Piece> = chain.iter().map(|p| p.transformed(&map.after(&flipped))).collect();
+                if let Some(bad) = chain.iter().find(|piece| !piece.is_sane()) {
+                    let what = format!("a coordinate of {}", entity.kind);
+                    return Err(DrawingError::OutOfRange {
+                        at: entity.place(self.file),
+                        what,
+                        value: bad.start().amax(),
+                    });
+                }
+                self.chains.push(chain);
+            }
+            None => *self.left_out.entry(entity.kind.to_owned()).or_insert(0) += 1,
+        }
+        Ok(())
+    }
+
+    fn insert(
+        &mut self,
+        entity: &Entity<'_>,
+        blocks: &Blocks<'_>,
+        map: &Affine,
+        depth: usize,
+    ) -> Result<(), DrawingError> {
+        let at = || entity.place(self.file);
+        self.budget.depth(depth + 1, "blocks", at)?;
+        // An insert costs a piece of the budget itself: empty blocks in blocks would be free otherwise.
+        self.budget.take(1, at)?;
+        let name = entity.text(2).unwrap_or("");
+        let Some(block) = blocks.get(name) else {
+            self.warnings
+                .push(format!("{}: INSERT of the block {name:?}, which is not in the file, left out", at()));
+            return Ok(());
+        };
+        let own = Affine::translation(-block.base);
+        for placed in entity.insertions(self.file)? {
+            let map = map.after(&entity.extrusion_map()).after(&placed).after(&own);
+            self.budget.take(1, || entity.place(self.file))?;
+            for inner in &block.entities {
+                self.entity(inner, blocks, &map, depth + 1)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,212 @@
+//! NURBS as files give them, split into one Bézier curve per knot span by knot insertion (Boehm 1980; Piegl and
+//! Tiller, The NURBS Book, A5.6): exact, and a kink at a repeated knot becomes a join that the sampler sees.
+
+use super::{Piece, RationalBezier, Vec2};
+
+/// The highest degree that is read: CAD files use 2 to 5.
+const HIGHEST_DEGREE: usize = 11;
+
+/// A non-uniform rational B-spline.
+#[derive(Clone, Debug)]
+pub struct Nurbs {
+    /// Degree, 1..=11.
+    pub degree: usize,
+    /// Knots, not decreasing, as many as control points + degree + 1.
+    pub knots: Vec<f64>,
+    /// Control points [mm] with weights > 0.
+    pub controls: Vec<(Vec2, f64)>,
+}
+
+impl Nurbs {
+    /// The curve over open uniform knots 0..0, 1, 2, .. k..k, as LinuxCNC's G5.2 means it.
+    #[must_use]
+    pub fn open_uniform(degree: usize, controls: Vec<(Vec2, f64)>) -> Self {
+        let spans = controls.len().saturating_sub(degree);
+        let knots =
+            (0..controls.len() + degree + 1).map(|i| i.saturating_sub(degree).min(spans) as f64).collect();
+        Self { degree, knots, controls }
+    }
+
+    /// The exact Bézier pieces, in order.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with degree, knots, weights or numbers of them.
+    pub fn pieces(&self) -> Result<Vec<Piece>, String> {
+        self.check()?;
+        let p = self.degree;
+        let first = self.knots[p];
+        let last = self.knots[self.controls.len()];
+        let mut spline = Homogeneous::new(self);
+        let mut inner: Vec<f64> = self.knots.iter().copied().filter(|k| *k >= first && *k <= last).collect();
+        inner.dedup();
+        for knot in inner {
+            while spline.multiplicity(knot) < p {
+                spline.insert(knot, p);
+            }
+        }
+        let mut pieces = Vec::new();
+        let start = spline.knots.iter().position(|k| *k >= first).unwrap_or(0);
+        // With every knot at multiplicity p (or p + 1 at clamped ends) each group of p spans one Bézier curve.
+        let mut i = start + spline.multiplicity(first) - 1;
+        while i + 1 < spline.knots.len() && spline.knots[i] < last {
+            let controls = spline.controls[i - p..=i].iter().map(|[x, y, w]| (Vec2::new(x / w, y / w), *w));
+            if let Some(piece) = bezier_piece(controls.collect()) {
+                pieces.push(piece);
+            }
+            i += spline.multiplicity(spline.knots[i + 1]);
+        }
+        Ok(pieces)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let (p, n, k) = (self.degree, self.controls.len(), self.knots.len());
+        if !(1..=HIGHEST_DEGREE).contains(&p) {
+            return Err(format!("a spline of degree {p}; degrees 1 to {HIGHEST_DEGREE} can be engraved"));
+        }
+        if n < p + 1 {
+            return Err(format!(
+                "a spline of degree {p} with {n} control points; it needs {} or more",
+                p + 1
+            ));
+        }
+        if k != n + p + 1 {
+            return Err(format!(
+                "a spline with {k} knots; {n} control points of degree {p} need {}",
+                n + p + 1
+            ));
+        }
+        if self.knots.windows(2).any(|w| !w[0].is_finite() || !w[1].is_finite() || w[1] < w[0]) {
+            return Err("a spline whose knots decrease or are not finite".to_owned());
+        }
+        if self.knots[n] <= self.knots[p] {
+            return Err("a spline whose knots are all equal".to_owned());
+        }
+        if self.controls.iter().any(|(_, w)| !w.is_finite() || *w < 1e-9) {
+            return Err("a spline with a weight that is not positive".to_owned());
+        }
+        Ok(())
+    }
+}
+
+/// A polynomial cubic where the weights allow it, a rational curve otherwise.
+fn bezier_piece(controls: Vec<(Vec2, f64)>) -> Option<Piece> {
+    let even = controls.iter().all(|(_, w)| (w - controls[0].1).abs() < 1e-12 * w.abs());
+    match controls[..] {
+        [(a, _), (b, _)] => Some(Piece::Line { from: a, to: b }),
+        [(a, _), (b, _), (c, _)] if even => Some(Piece::quadratic(a, b, c)),
+        [(a, _), (b, _), (c, _), (d, _)] if even => Some(Piece::Cubic([a, b, c, d])),
+        _ => RationalBezier::new(controls).map(Piece::Rational),
+    }
+}
+
+/// The spline in homogeneous coordinates while knots go in.
+struct Homogeneous {
+    knots: Vec<f64>,
+    controls: Vec<[f64; 3]>,
+}
+
+impl Homogeneous {
+    fn new(of: &Nurbs) -> Self {
+        let controls = of.controls.iter().map(|(p, w)| [p.x * w, p.y * w, *w]).collect();
+        Self { knots: of.knots.clone(), controls }
+    }
+
+    fn multiplicity(&self, knot: f64) -> usize {
+        let from = self.knots.partition_point(|k| *k < knot);
+        self.knots[from..].iter().take_while(|k| **k == knot).count()
+    }
+
+    /// Boehm's insertion of one knot that lies inside the domain.
+    fn insert(&mut self, knot: f64, p: usize) {
+        // The span [k, k+1) that holds the knot; the last non-empty one for the end of the domain.
+        let n = self.controls.len();
+        let k = (self.knots.partition_point(|x| *x <= knot)).clamp(p + 1, n) - 1;
+        let lower = k + 1 - p;
+        let mut controls = Vec::with_capacity(n + 1);
+        controls.extend_from_slice(&self.controls[..lower]);
+        for i in lower..=k {
+            let width = self.knots[i + p] - self.knots[i];
+            let a = if width > 0.0 { (knot - self.knots[i]) / width } else { 0.0 };
+            let (from, to) = (self.controls[i - 1], self.controls[i]);
+            controls.push([0, 1, 2].map(|c| from[c] * (1.0 - a) + to[c] * a));
+        }
+        controls.extend_from_slice(&self.controls[k..]);
+        self.controls = controls;
+        let at = self.knots.partition_point(|x| *x <= knot);
+        self.knots.insert(at, knot);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// De Boor's recursion straight from the definition: an oracle that shares no code with knot insertion.
+    fn basis(knots: &[f64], i: usize, p: usize, u: f64) -> f64 {
+        if p == 0 {
+            return f64::from(u8::from(knots[i] <= u && u < knots[i + 1]));
+        }
+        let part = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+        part(u - knots[i], knots[i + p] - knots[i]) * basis(knots, i, p - 1, u)
+            + part(knots[i + p + 1] - u, knots[i + p + 1] - knots[i + 1]) * basis(knots, i + 1, p - 1, u)
+    }
+
+    fn agrees(curve: &Nurbs) {
+        let p = curve.degree;
+        let pieces = curve.pieces().unwrap();
+        let mut spans: Vec<f64> = curve.knots[p..=curve.controls.len()].to_vec();
+        spans.dedup();
+        assert_eq!(pieces.len(), spans.len() - 1);
+        for (piece, span) in pieces.iter().zip(spans.windows(2)) {
+            for k in 0..10 {
+                let t = f64::from(k) / 10.0;
+                let u = span[0] + (span[1] - span[0]) * t;
+                let (mut sum, mut weight) = (Vec2::zeros(), 0.0);
+                for (i, (point, w)) in curve.controls.iter().enumerate() {
+                    let b = basis(&curve.knots, i, p, u) * w;
+                    sum += point * b;
+                    weight += b;
+                }
+                assert!((piece.point(t) - sum / weight).norm() < 1e-10, "degree {p}, u = {u}");
+            }
+        }
+    }
+
+    fn points(n: usize) -> Vec<(Vec2, f64)> {
+        (0..n)
+            .map(|i| {
+                let a = i as f64;
+                (Vec2::new(a, (a * 1.7).sin() * 3.0), 1.0 + 0.5 * (a * 0.9).cos())
+            })
+            .collect()
+    }
+
+    #[test]
+    fn bezier_pieces_follow_the_definition() {
+        // Degree 1 with weights is the same line at another parameter: not compared point by point.
+        for degree in 2..=5 {
+            agrees(&Nurbs::open_uniform(degree, points(9)));
+        }
+    }
+
+    #[test]
+    fn unclamped_and_repeated_knots_follow_the_definition() {
+        agrees(&Nurbs { degree: 3, knots: (0..12).map(f64::from).collect(), controls: points(8) });
+        let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0, 3.5, 4.0, 4.0, 4.0, 4.0];
+        agrees(&Nurbs { degree: 3, knots, controls: points(9) });
+        let knots = vec![0.0, 0.5, 1.0, 1.0, 1.0, 2.0, 3.0, 4.0, 4.0];
+        agrees(&Nurbs { degree: 2, knots, controls: points(6) });
+    }
+
+    #[test]
+    fn bad_splines_are_refused_in_words() {
+        let mut curve = Nurbs::open_uniform(3, points(3));
+        assert!(curve.pieces().unwrap_err().contains("needs 4 or more"));
+        curve = Nurbs::open_uniform(3, points(6));
+        curve.knots.pop();
+        assert!(curve.pieces().unwrap_err().contains("need 10"));
+        curve = Nurbs::open_uniform(3, points(6));
+        curve.knots[5] = 0.1;
+        assert!(curve.pieces().unwrap_err().contains("decrease"));
+    }
+}

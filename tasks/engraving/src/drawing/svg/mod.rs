@@ -1,0 +1,119 @@
+//! SVG: visible shapes and paths become strokes; transforms, units and view boxes are honoured.
+//!
+//! roxmltree reads the XML, svgtypes the path data, lengths and transforms; arcs stay exact elliptical arcs.
+//! Every visible outline is engraved, whether it is stroked or filled. Entities of a DTD are refused. Text has no
+//! outlines of its own: it is refused by name if nothing else is visible and reported otherwise.
+
+mod outline;
+mod path_data;
+mod tree;
+mod units;
+mod visibility;
+
+use super::{Budget, Drawing, Import, Stroke};
+use crate::error::{DrawingError, Place};
+use tree::Walk;
+
+/// Reads an SVG document.
+///
+/// # Errors
+/// [`DrawingError`] at the element or attribute that cannot be engraved.
+pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, DrawingError> {
+    shallow(file, text, budget)?;
+    let options = roxmltree::ParsingOptions { nodes_limit: 1_000_000, ..Default::default() };
+    let document =
+        roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(file, text, &e))?;
+    let root = document.root_element();
+    if root.tag_name().name() != "svg" {
+        return Err(DrawingError::Malformed {
+            at: Place::line(file, 1, text.lines().next().unwrap_or("")),
+            what: format!("the root element is <{}>, not <svg>", root.tag_name().name()),
+            help: "give an SVG drawing".to_owned(),
+        });
+    }
+    let mut walk = Walk::new(file, text, &document, budget);
+    walk.root(root)?;
+    let Walk { outlines, mut warnings, texts, .. } = walk;
+    if let Some((at, count)) = texts {
+        if outlines.is_empty() {
+            return Err(DrawingError::Unsupported {
+                at,
+                what: "text, which has no outlines in the file".to_owned(),
+                help: "convert it to paths (Inkscape: Path > Object to Path), or engrave it with --text"
+                    .to_owned(),
+            });
+        }
+        warnings.push(format!(
+            "{at}: {count} text element(s) left out: convert them to paths (Inkscape: Path > Object to Path)"
+        ));
+    }
+    let strokes: Vec<Stroke> = outlines.into_iter().filter_map(Stroke::new).collect();
+    Ok(Import { drawing: Drawing { strokes }, warnings })
+}
+
+/// Refuses nesting that only a machine writes, before the XML reader, which calls itself for each level, sees it.
+fn shallow(file: &str, text: &str, budget: &Budget) -> Result<(), DrawingError> {
+    let limit = budget.limits().depth * 4;
+    let bytes = text.as_bytes();
+    let mut depth = 0usize;
+    let mut i = 0;
+    while let Some(step) = bytes[i..].iter().position(|b| *b == b'<') {
+        i += step + 1;
+        match bytes.get(i) {
+            Some(b'/') => depth = depth.saturating_sub(1),
+            Some(b'!' | b'?') | None => {}
+            Some(_) => {
+                let end = bytes[i..].iter().position(|b| *b == b'>').unwrap_or(0);
+                if end == 0 || bytes[i + end - 1] != b'/' {
+                    depth += 1;
+                }
+                if depth > limit {
+                    let at = Place { line: Some(line_of(text, i)), ..Place::file(file) };
+                    return Err(DrawingError::TooDeep { at, what: "elements", limit });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn line_of(text: &str, byte: usize) -> usize {
+    text.as_bytes()[..byte].iter().filter(|b| **b == b'\n').count() + 1
+}
+
+fn xml_error(file: &str, text: &str, error: &roxmltree::Error) -> DrawingError {
+    let pos = error.pos();
+    let (line, column) = (pos.row as usize, pos.col as usize);
+    let source = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
+    let at = Place::column(file, line, column, source);
+    let message = error.to_string();
+    let what = message.split(" at ").next().unwrap_or(&message).to_owned();
+    match error {
+        roxmltree::Error::DtdDetected | roxmltree::Error::EntityReferenceLoop(_) => {
+            DrawingError::Unsupported {
+                at,
+                what: "a document type declaration: entities are not read".to_owned(),
+                help: "save it as plain SVG".to_owned(),
+            }
+        }
+        roxmltree::Error::NodesLimitReached => {
+            DrawingError::TooManyPieces { at: Place::file(file), limit: 1_000_000 }
+        }
+        roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
+            let last = text.lines().count().max(1);
+            let source = text.lines().last().unwrap_or("");
+            DrawingError::Truncated {
+                at: Place::line(file, last, source),
+                inside: "inside an element".to_owned(),
+            }
+        }
+        _ => DrawingError::Malformed {
+            at,
+            what: format!("not well-formed XML: {what}"),
+            help: "open it in the drawing program and save it again".to_owned(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests;

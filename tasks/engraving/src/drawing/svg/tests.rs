@@ -1,0 +1,128 @@
+//! SVG: shapes, units, what is refused, and that nothing panics.
+
+use crate::drawing::{Drawing, Limits, Vec2, read_str};
+
+fn drawn(body: &str) -> Drawing {
+    let text = format!(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='100mm' height='50mm' viewBox='0 0 100 50'>{body}</svg>"
+    );
+    read_str("a.svg", &text, Limits::default()).unwrap().drawing
+}
+
+fn refusal(text: &str) -> String {
+    read_str("a.svg", text, Limits::default()).unwrap_err().to_string()
+}
+
+#[test]
+fn a_circle_lies_where_it_is_drawn_with_y_up() {
+    let bounds = drawn("<circle cx='10' cy='10' r='5'/>").bounds().unwrap();
+    assert!((bounds.centre() - Vec2::new(10.0, 40.0)).norm() < 1e-9);
+    assert!((bounds.size() - Vec2::new(10.0, 10.0)).norm() < 1e-9);
+}
+
+#[test]
+fn ninety_six_px_are_an_inch() {
+    let text =
+        "<svg xmlns='http://www.w3.org/2000/svg' width='2in' height='96'><line x2='1in' y2='0'/></svg>";
+    let drawing = read_str("a.svg", text, Limits::default()).unwrap().drawing;
+    assert!((drawing.length() - 25.4).abs() < 1e-9);
+}
+
+#[test]
+fn all_shapes_have_their_lengths() {
+    let tau = std::f64::consts::TAU;
+    assert!((drawn("<rect width='4' height='3'/>").length() - 14.0).abs() < 1e-9);
+    assert!((drawn("<rect width='40' height='30' rx='5'/>").length() - (100.0 + 5.0 * tau)).abs() < 1e-9);
+    assert!((drawn("<polygon points='0,0 3,0 3,4'/>").length() - 12.0).abs() < 1e-9);
+    assert!((drawn("<polyline points='0,0 3,0 3,4'/>").length() - 7.0).abs() < 1e-9);
+    assert!((drawn("<path d='M10 10 a5 5 0 1 1 0 10 z'/>").length() - (5.0 * tau / 2.0 + 10.0)).abs() < 1e-9);
+    assert!((drawn("<path d='M0 0 q5 0 10 0 t 10 0'/>").length() - 20.0).abs() < 1e-9);
+}
+
+#[test]
+fn transforms_and_uses_nest() {
+    let body = "<defs><g id='a'><line x2='2' y2='0' transform='scale(3)'/></g></defs>\
+                <g transform='rotate(90)'><use href='#a' x='1' transform='translate(0 -20)'/></g>";
+    let bounds = drawn(body).bounds().unwrap();
+    assert!((bounds.min - Vec2::new(20.0, 43.0)).norm() < 1e-9, "{bounds:?}");
+    assert!((bounds.max - Vec2::new(20.0, 49.0)).norm() < 1e-9);
+}
+
+#[test]
+fn hidden_things_are_not_engraved() {
+    let body = "<g style='display:none'><line x2='9'/></g><g visibility='hidden'><line x2='9'/>\
+                <line x2='3' visibility='visible'/></g><clipPath><rect width='9' height='9'/></clipPath>";
+    assert!((drawn(body).length() - 3.0).abs() < 1e-9);
+}
+
+#[test]
+fn text_without_outlines_names_the_remedy() {
+    let message = refusal("<svg xmlns='http://www.w3.org/2000/svg'>\n<text x='3'>Hi</text></svg>");
+    assert!(message.contains("a.svg:2:1") && message.contains("convert it to paths"), "{message}");
+}
+
+#[test]
+fn bad_path_data_is_pointed_at() {
+    let message = refusal("<svg xmlns='http://www.w3.org/2000/svg'>\n<path d='M 1 2 L 3 zap'/></svg>");
+    assert!(
+        message.contains("a.svg:2:") && message.contains("<path> has a bad d") && message.contains('^'),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_truncated_file_says_so() {
+    let message = refusal("<svg xmlns='http://www.w3.org/2000/svg'><g><path d='M 1 2");
+    assert!(message.contains("ends inside an element") && message.contains("cut short"), "{message}");
+}
+
+#[test]
+fn entities_are_refused() {
+    let bomb = "<!DOCTYPE svg [<!ENTITY a 'lol'><!ENTITY b '&a;&a;&a;&a;'>]><svg>&b;</svg>";
+    assert!(refusal(bomb).contains("entities are not read"));
+}
+
+#[test]
+fn a_use_of_itself_ends_with_an_error() {
+    let message = refusal("<svg xmlns='http://www.w3.org/2000/svg'><g id='a'><use href='#a'/></g></svg>");
+    assert!(message.contains("nested more than 64 deep") && message.contains("contains itself"), "{message}");
+}
+
+#[test]
+fn a_bomb_of_uses_is_refused() {
+    let mut body = "<line id='a0' x2='1'/>".to_owned();
+    for i in 1..30 {
+        body += &format!("<g id='a{i}'>{}</g>", format!("<use href='#a{}'/>", i - 1).repeat(10));
+    }
+    let message = refusal(&format!("<svg xmlns='http://www.w3.org/2000/svg'>{body}</svg>"));
+    assert!(message.contains("more than 100000 curve pieces"), "{message}");
+}
+
+#[test]
+fn very_deep_nesting_is_refused() {
+    let deep = format!("<svg xmlns='http://www.w3.org/2000/svg'>{}", "<g>".repeat(1_000_000));
+    assert!(refusal(&deep).contains("nested more than"));
+}
+
+#[test]
+fn an_empty_drawing_says_what_to_check() {
+    assert!(refusal("<svg xmlns='http://www.w3.org/2000/svg'/>").contains("hidden layers"));
+    assert!(refusal("<html/>").contains("not <svg>"));
+}
+
+#[test]
+fn numbers_beyond_any_plate_are_refused() {
+    let message = refusal("<svg xmlns='http://www.w3.org/2000/svg'><line x2='1e300'/></svg>");
+    assert!(message.contains("below 10 000 000 mm"), "{message}");
+}
+
+proptest::proptest! {
+    #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(3000) })]
+
+    #[test]
+    fn no_document_panics(body in "[ -~\n]{0,120}", d in "[MmLlHhVvCcSsQqTtAaZz0-9eE., +-]{0,60}", t in "[a-zX0-9(), .-]{0,30}") {
+        let _ = read_str("a.svg", &body, Limits::default());
+        let _ = read_str("a.svg", &format!("<svg>{body}</svg>"), Limits::default());
+        let _ = read_str("a.svg", &format!("<svg viewBox='{d}'><path d='{d}'/><g transform='{t}'><path d='M0 0 {d}'/><rect width='{d}'/></g></svg>"), Limits::default());
+    }
+}

@@ -1,0 +1,305 @@
+//! The walk through the element tree, with transform and visibility inherited.
+
+use super::visibility::{Visibility, inherited, is_switched_off};
+use super::{outline, path_data, units};
+use crate::drawing::{Affine, Budget, Piece, Vec2};
+use crate::error::{DrawingError, Place};
+use roxmltree::{Document, Node};
+use std::collections::HashMap;
+use std::str::FromStr;
+
+/// Elements that draw nothing by themselves.
+const NEVER_DRAWN: &[&str] = &[
+    "defs",
+    "symbol",
+    "clipPath",
+    "mask",
+    "pattern",
+    "marker",
+    "linearGradient",
+    "radialGradient",
+    "filter",
+    "font",
+    "glyph",
+    "style",
+    "script",
+    "metadata",
+    "title",
+    "desc",
+    "namedview",
+    "animate",
+    "set",
+];
+
+/// What is inherited on the way down.
+#[derive(Clone, Copy)]
+struct Inherited {
+    map: Affine,
+    visibility: Visibility,
+    /// Width and height of the viewport [px], for percentages.
+    viewport: Vec2,
+    depth: usize,
+}
+
+/// The walk and what it has found.
+pub struct Walk<'a> {
+    file: &'a str,
+    text: &'a str,
+    document: &'a Document<'a>,
+    budget: &'a mut Budget,
+    ids: HashMap<&'a str, Node<'a, 'a>>,
+    /// Chains of pieces [mm].
+    pub outlines: Vec<Vec<Piece>>,
+    /// What was left out.
+    pub warnings: Vec<String>,
+    /// The first visible text and how many there are.
+    pub texts: Option<(Place, usize)>,
+    used: usize,
+}
+
+impl<'a> Walk<'a> {
+    /// A walk that has not begun.
+    pub fn new(file: &'a str, text: &'a str, document: &'a Document<'a>, budget: &'a mut Budget) -> Self {
+        let ids = document.descendants().filter_map(|n| Some((n.attribute("id")?, n))).collect();
+        let (outlines, warnings) = (Vec::new(), Vec::new());
+        Self { file, text, document, budget, ids, outlines, warnings, texts: None, used: 0 }
+    }
+
+    /// The whole document: its size in mm, y turned up.
+    pub fn root(&mut self, svg: Node<'a, 'a>) -> Result<(), DrawingError> {
+        let view = self.view_box(svg)?;
+        // Without width and height the view box is in px (CSS: 100 % of an unknown page).
+        let (fallback_w, fallback_h) = view.map_or((300.0, 150.0), |v| (v.w, v.h));
+        let viewport = Vec2::new(fallback_w, fallback_h);
+        let width = self.length(svg, "width", viewport.x)?;
+        let height = self.length(svg, "height", viewport.y)?;
+        let (width, height) = match (width, height) {
+            (Some(w), Some(h)) => (w, h),
+            (Some(w), None) => (w, w * fallback_h / fallback_w),
+            (None, Some(h)) => (h * fallback_w / fallback_h, h),
+            (None, None) => (fallback_w, fallback_h),
+        };
+        let to_mm =
+            Affine::new(units::MM_PER_PX, 0.0, 0.0, -units::MM_PER_PX, 0.0, height * units::MM_PER_PX);
+        let (map, viewport) = match view {
+            Some(view) => {
+                let inner = units::view_box_map(view, width, height, svg.attribute("preserveAspectRatio"));
+                (to_mm.after(&inner), Vec2::new(view.w, view.h))
+            }
+            None => (to_mm, Vec2::new(width, height)),
+        };
+        if is_switched_off(svg) {
+            return Ok(());
+        }
+        let visibility = inherited(svg, Visibility::Visible);
+        self.children(svg, Inherited { map, visibility, viewport, depth: 0 })
+    }
+
+    fn children(&mut self, parent: Node<'a, 'a>, from: Inherited) -> Result<(), DrawingError> {
+        for child in parent.children().filter(Node::is_element) {
+            self.element(child, from)?;
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, node: Node<'a, 'a>, mut from: Inherited) -> Result<(), DrawingError> {
+        let name = node.tag_name().name();
+        if NEVER_DRAWN.contains(&name) || is_switched_off(node) {
+            return Ok(());
+        }
+        from.depth += 1;
+        self.budget
+            .depth(from.depth, "elements", || Self::place_of(self.file, self.text, self.document, node))?;
+        from.visibility = inherited(node, from.visibility);
+        if let Some(transform) = node.attribute("transform") {
+            let t = svgtypes::Transform::from_str(transform)
+                .map_err(|e| self.bad_attribute(node, "transform", &e.to_string()))?;
+            from.map = from.map.after(&Affine::new(t.a, t.b, t.c, t.d, t.e, t.f));
+        }
+        let visible = from.visibility == Visibility::Visible;
+        match name {
+            "g" | "a" => self.children(node, from),
+            "switch" => match node.children().find(Node::is_element) {
+                Some(first) => self.element(first, from),
+                None => Ok(()),
+            },
+            "svg" => self.nested(node, from),
+            "use" => self.reuse(node, from),
+            "text" | "flowRoot" if visible => {
+                let place = self.place(node);
+                self.texts.get_or_insert((place, 0)).1 += 1;
+                Ok(())
+            }
+            "image" if visible => {
+                let place = self.place(node);
+                self.warnings.push(format!("{place}: an image is not engraved: trace it to paths first"));
+                Ok(())
+            }
+            _ if visible => {
+                let chains = self.shape(node, name, from.viewport)?;
+                self.keep(node, chains, &from.map)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn keep(
+        &mut self,
+        node: Node<'a, 'a>,
+        chains: Vec<Vec<Piece>>,
+        map: &Affine,
+    ) -> Result<(), DrawingError> {
+        for chain in chains {
+            let (file, text, document) = (self.file, self.text, self.document);
+            self.budget.take(chain.len(), || Self::place_of(file, text, document, node))?;
+            let chain: Vec<Piece> = chain.iter().map(|piece| piece.transformed(map)).collect();
+            if let Some(bad) = chain.iter().find(|piece| !piece.is_sane()) {
+                let p = bad.start();
+                let value = if p.x.abs() < 1e7 { p.y } else { p.x };
+                let what = format!("a coordinate of <{}>", node.tag_name().name());
+                return Err(DrawingError::OutOfRange { at: self.place(node), what, value });
+            }
+            self.outlines.push(chain);
+        }
+        Ok(())
+    }
+
+    /// A nested `<svg>`, or a `<symbol>` that is used: a viewport of its own.
+    fn nested(&mut self, node: Node<'a, 'a>, mut from: Inherited) -> Result<(), DrawingError> {
+        let x = self.length(node, "x", from.viewport.x)?.unwrap_or(0.0);
+        let y = self.length(node, "y", from.viewport.y)?.unwrap_or(0.0);
+        let width = self.length(node, "width", from.viewport.x)?.unwrap_or(from.viewport.x);
+        let height = self.length(node, "height", from.viewport.y)?.unwrap_or(from.viewport.y);
+        from.map = from.map.after(&Affine::translation(Vec2::new(x, y)));
+        from.viewport = Vec2::new(width, height);
+        if let Some(view) = self.view_box(node)? {
+            let aspect = node.attribute("preserveAspectRatio");
+            from.map = from.map.after(&units::view_box_map(view, width, height, aspect));
+            from.viewport = Vec2::new(view.w, view.h);
+        }
+        self.children(node, from)
+    }
+
+    fn reuse(&mut self, node: Node<'a, 'a>, mut from: Inherited) -> Result<(), DrawingError> {
+        // Uses of uses grow like a power: their number is bounded as their depth is.
+        self.used += 1;
+        if self.used > 100_000 {
+            return Err(DrawingError::TooManyPieces { at: self.place(node), limit: 100_000 });
+        }
+        let xlink = ("http://www.w3.org/1999/xlink", "href");
+        let href = node.attribute("href").or_else(|| node.attribute(xlink)).unwrap_or("");
+        let target = href.strip_prefix('#').and_then(|id| self.ids.get(id)).copied();
+        let Some(target) = target else {
+            return Err(DrawingError::Malformed {
+                at: self.place(node),
+                what: format!("<use> of {href:?}, which is not in the file"),
+                help: "open it in the drawing program, unlink the clones and save it again".to_owned(),
+            });
+        };
+        let x = self.length(node, "x", from.viewport.x)?.unwrap_or(0.0);
+        let y = self.length(node, "y", from.viewport.y)?.unwrap_or(0.0);
+        from.map = from.map.after(&Affine::translation(Vec2::new(x, y)));
+        if target.tag_name().name() == "symbol" {
+            from.depth += 1;
+            self.budget.depth(from.depth, "elements", || {
+                Self::place_of(self.file, self.text, self.document, node)
+            })?;
+            return self.nested(target, from);
+        }
+        self.element(target, from)
+    }
+
+    fn shape(&self, node: Node<'a, 'a>, name: &str, view: Vec2) -> Result<Vec<Vec<Piece>>, DrawingError> {
+        let diagonal = (view.norm_squared() / 2.0).sqrt();
+        let x = |n| self.length(node, n, view.x).map(|l| l.unwrap_or(0.0));
+        let y = |n| self.length(node, n, view.y).map(|l| l.unwrap_or(0.0));
+        let chain = match name {
+            "path" => {
+                let data = node.attribute("d").unwrap_or("");
+                return path_data::chains(data).map_err(|(at, why)| self.bad_data(node, "d", at, &why));
+            }
+            "rect" => {
+                let rx = self.length(node, "rx", view.x)?;
+                let ry = self.length(node, "ry", view.y)?;
+                let (rx, ry) = (rx.or(ry).unwrap_or(0.0), ry.or(rx).unwrap_or(0.0));
+                let (width, height) = (x("width")?, y("height")?);
+                if width <= 0.0 || height <= 0.0 {
+                    return Ok(Vec::new());
+                }
+                outline::rectangle(x("x")?, y("y")?, width, height, rx, ry)
+            }
+            "circle" => {
+                let r = self.length(node, "r", diagonal)?.unwrap_or(0.0);
+                outline::ellipse(Vec2::new(x("cx")?, y("cy")?), r, r)
+            }
+            "ellipse" => {
+                let rx = self.length(node, "rx", view.x)?;
+                let ry = self.length(node, "ry", view.y)?;
+                let (rx, ry) = (rx.or(ry).unwrap_or(0.0), ry.or(rx).unwrap_or(0.0));
+                outline::ellipse(Vec2::new(x("cx")?, y("cy")?), rx, ry)
+            }
+            "line" => outline::polyline(&[Vec2::new(x("x1")?, y("y1")?), Vec2::new(x("x2")?, y("y2")?)]),
+            "polyline" | "polygon" => {
+                let list = node.attribute("points").unwrap_or("");
+                let mut points: Vec<Vec2> =
+                    svgtypes::PointsParser::from(list).map(|(x, y)| Vec2::new(x, y)).collect();
+                if name == "polygon" && points.len() > 1 {
+                    points.push(points[0]);
+                }
+                outline::polyline(&points)
+            }
+            _ => return Ok(Vec::new()),
+        };
+        Ok(vec![chain])
+    }
+
+    fn length(&self, node: Node<'a, 'a>, name: &str, whole: f64) -> Result<Option<f64>, DrawingError> {
+        match node.attribute(name) {
+            None | Some("auto") => Ok(None),
+            Some(text) => match svgtypes::Length::from_str(text) {
+                Ok(length) => Ok(Some(units::to_px(length, whole))),
+                Err(e) => Err(self.bad_attribute(node, name, &e.to_string())),
+            },
+        }
+    }
+
+    fn view_box(&self, node: Node<'a, 'a>) -> Result<Option<svgtypes::ViewBox>, DrawingError> {
+        node.attribute("viewBox")
+            .map(|text| {
+                svgtypes::ViewBox::from_str(text)
+                    .map_err(|e| self.bad_attribute(node, "viewBox", &e.to_string()))
+            })
+            .transpose()
+    }
+
+    fn place(&self, node: Node<'a, 'a>) -> Place {
+        Self::place_of(self.file, self.text, self.document, node)
+    }
+
+    fn place_of(file: &str, text: &str, document: &Document<'_>, node: Node<'_, '_>) -> Place {
+        Self::place_at(file, text, document, node.range().start)
+    }
+
+    fn place_at(file: &str, text: &str, document: &Document<'_>, byte: usize) -> Place {
+        let pos = document.text_pos_at(byte);
+        let line = text.lines().nth(pos.row as usize - 1).unwrap_or("");
+        Place::column(file, pos.row as usize, pos.col as usize, line)
+    }
+
+    fn bad_attribute(&self, node: Node<'a, 'a>, name: &str, why: &str) -> DrawingError {
+        self.bad_data(node, name, 0, why)
+    }
+
+    fn bad_data(&self, node: Node<'a, 'a>, name: &str, offset: usize, why: &str) -> DrawingError {
+        let start = node.attribute_node(name).map_or(node.range().start, |a| a.range_value().start);
+        let mut byte = (start + offset).min(self.text.len());
+        while !self.text.is_char_boundary(byte) {
+            byte -= 1;
+        }
+        DrawingError::Malformed {
+            at: Self::place_at(self.file, self.text, self.document, byte),
+            what: format!("<{}> has a bad {name}: {why}", node.tag_name().name()),
+            help: "open it in the drawing program and save it again".to_owned(),
+        }
+    }
+}

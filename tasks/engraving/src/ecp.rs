@@ -1,0 +1,154 @@
+//! The arm's program: finds the plate, engraves stroke by stroke, parks.
+
+use std::cell::Cell;
+use std::rc::Rc;
+
+use mrroc::{Ecp, Fault, Pose};
+use mrroc_generators::bspline::{Junction, Method, SplinePoint, SplineSettings};
+use mrroc_generators::feed::FeedLimits;
+use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};
+use mrroc_generators::line::ToolLimits;
+use mrroc_generators::profile::ProfileLimits;
+use mrroc_robots::{Irp6, Six};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use crate::drawing::{Drawing, Vec2};
+use crate::mp::Phase;
+use crate::probe::{Open, Touch, TouchProbe};
+use crate::sampling::{Mark, Sample, Sampling};
+
+/// What the arm is doing, for those who look on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Activity {
+    /// The stroke that is being engraved.
+    pub stroke: Option<usize>,
+    /// Height at which the plate was found [m, world].
+    pub plate_height: Option<f64>,
+}
+
+/// Everything that the arm must know.
+pub struct Job {
+    /// The strokes, placed on the plate [mm].
+    pub drawing: Drawing,
+    /// How the strokes become points.
+    pub sampling: Sampling,
+    /// Where the plate lies, as far as it is known: its lower left corner, x to the right, y up [m, world].
+    pub plate: Pose,
+    /// The middle of the plate, where the probe goes down [mm].
+    pub middle: Vec2,
+    /// The orientation of the tool on the plate.
+    pub orientation: UnitQuaternion<f64>,
+    /// Depth of the engraving [m], > 0.
+    pub depth: f64,
+    /// Feed along the strokes [m/s], > 0.
+    pub feed: f64,
+    /// The step [s].
+    pub step: f64,
+    /// Where the arm parks [rad].
+    pub park: Six,
+    /// What the arm is doing.
+    pub activity: Rc<Cell<Activity>>,
+}
+
+/// Height above the plate at which the tool travels [m].
+pub const TRAVEL_HEIGHT: f64 = 0.002;
+/// Height above the expected plate from which the probe goes down [m].
+pub const PROBE_HEIGHT: f64 = 0.010;
+/// How far below the expected height the probe looks for the plate [m].
+pub const PROBE_DEPTH: f64 = 0.010;
+/// Acceleration along and across a stroke [m/s²].
+const STROKE_ACCELERATION: f64 = 0.25;
+/// The feed may leave a chord of a step this far from the curve [m].
+const CHORD_ERROR: f64 = 1e-6;
+
+/// Limits of a straight way of the tool [m/s, m/s²].
+fn straight(velocity: f64, acceleration: f64) -> ToolLimits {
+    ToolLimits {
+        translation: ProfileLimits { velocity, acceleration },
+        rotation: ProfileLimits { velocity: 0.5, acceleration: 2.0 },
+    }
+}
+
+impl Job {
+    /// The tool's pose over a place of the plate [mm], `height` above its surface [m].
+    #[must_use]
+    pub fn over(&self, place: Vec2, height: f64) -> Pose {
+        let position = Translation3::new(place.x * 1e-3, place.y * 1e-3, height);
+        self.plate * Pose::from_parts(position, self.orientation)
+    }
+
+    /// The program of the ECP.
+    ///
+    /// # Errors
+    /// The fault that ended it.
+    pub fn run(mut self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+        for _ in 0..3 {
+            ecp.obey(|ecp, phase: Phase| match phase {
+                Phase::FindPlate => self.find_plate(ecp),
+                Phase::Engrave => self.engrave(ecp),
+                Phase::Park => self.go_and_park(ecp),
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Goes down twice, fast and slowly; where the probe first touched is the height of the plate from then on.
+    fn find_plate(&mut self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+        let mut probe = ecp.sensor::<TouchProbe>("probe")?;
+        ecp.move_robot((), StraightLine::to(self.over(self.middle, PROBE_HEIGHT), straight(0.1, 0.5)))?;
+        ecp.wait_at_most((&mut probe,), Open::for_steps(50), 500)?;
+        for (speed, back) in [(0.010, 0.001), (0.001, TRAVEL_HEIGHT)] {
+            let down = -Vector3::z_axis();
+            let way = PROBE_HEIGHT + PROBE_DEPTH;
+            let touch = GuardedApproach::along(down, speed, 0.2, way, |touch: &Touch| touch.contact);
+            ecp.move_robot((&mut probe,), touch)?;
+            // The tool's z points down, into the plate.
+            ecp.move_robot((), StraightLine::by(Pose::translation(0.0, 0.0, -back), straight(0.02, 0.2)))?;
+        }
+        let touch = probe.reading().filter(|touch| touch.contact);
+        let height = touch.ok_or_else(|| Fault::thrown("the probe lost the plate while it touched it"))?.height;
+        self.plate.translation.z = height;
+        self.activity.set(Activity { plate_height: Some(height), ..self.activity.get() });
+        Ok(())
+    }
+
+    fn engrave(&self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+        let spline = SplineSettings { method: Method::C2, corner: std::f64::consts::PI, ..SplineSettings::default() };
+        let feed = FeedLimits {
+            feed: self.feed,
+            tangential: STROKE_ACCELERATION,
+            normal: STROKE_ACCELERATION,
+            step: self.step,
+            chord_error: CHORD_ERROR,
+            jerk: f64::INFINITY,
+        };
+        for (index, stroke) in self.drawing.strokes.iter().enumerate() {
+            ecp.move_robot((), StraightLine::to(self.over(stroke.start(), TRAVEL_HEIGHT), straight(0.1, 1.0)))?;
+            ecp.move_robot((), StraightLine::to(self.over(stroke.start(), -self.depth), straight(0.005, 0.2)))?;
+            let points: Vec<_> = self.sampling.stroke(stroke, index).iter().map(|sample| self.point(sample)).collect();
+            let track = SplineTrack::through(points, spline, feed, self.plate, self.orientation);
+            let track = track.map_err(|error| Fault::thrown(&error.to_string()))?;
+            self.activity.set(Activity { stroke: Some(index), ..self.activity.get() });
+            ecp.move_robot((), track)?;
+            self.activity.set(Activity { stroke: None, ..self.activity.get() });
+            ecp.move_robot((), StraightLine::to(self.over(stroke.end(), TRAVEL_HEIGHT), straight(0.02, 0.2)))?;
+        }
+        Ok(())
+    }
+
+    /// A sample at the engraving's depth, in the plate's frame [m].
+    fn point(&self, sample: &Sample) -> SplinePoint {
+        SplinePoint {
+            position: Vector3::new(sample.position.x * 1e-3, sample.position.y * 1e-3, -self.depth),
+            junction: if sample.mark == Mark::Corner { Junction::Corner } else { Junction::Smooth },
+            ..SplinePoint::default()
+        }
+    }
+
+    fn go_and_park(&self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+        let up = Pose::translation(0.0, 0.0, -0.05);
+        ecp.move_robot((), StraightLine::by(up, straight(0.1, 0.5)))?;
+        ecp.move_robot((), JointMove::to(self.park, Six::repeat(0.3), Six::repeat(1.5)))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,131 @@
+//! What came of it: looks at every servo period of the arm and measures, carves and records.
+
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+use mrroc::{Limits, Pose, Robot, ServoRecord};
+use mrroc_robots::{Irp6, Shaft, Six};
+
+use crate::deviation::Deviation;
+use crate::drawing::Vec2;
+use crate::ecp::Activity;
+use crate::plate::{HeightMap, Tip};
+use crate::trace::Trace;
+
+/// The measurements of a run.
+pub struct Execution {
+    /// Of the demanded path.
+    pub demanded: Deviation,
+    /// Of the path of the arm's true tip, from the plant's dynamics.
+    pub executed: Deviation,
+    /// The plate.
+    pub surface: HeightMap,
+    /// The executed path.
+    pub trace: Trace,
+    /// Largest joint speed demanded [rad/s].
+    pub velocity: Six,
+    /// Largest joint acceleration demanded [rad/s²].
+    pub acceleration: Six,
+    /// Length of the tip's way in the material [mm].
+    pub cut_length: f64,
+    /// Length of the tip's way above it [mm].
+    pub travel_length: f64,
+    arm: Irp6,
+    shaft: Shaft,
+    activity: Rc<Cell<Activity>>,
+    /// `X_PW`: the world in the frame of the plate's true surface.
+    world: Pose,
+    stroke: Option<usize>,
+    tip: Option<Tip>,
+    joints: Option<(Six, Six)>,
+    time: f64,
+}
+
+impl Execution {
+    /// For an arm whose true state is `shaft`'s, and a plate whose true surface lies at `X_WP`.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn new(
+        arm: Irp6,
+        shaft: Shaft,
+        activity: Rc<Cell<Activity>>,
+        X_WP: &Pose,
+        measure: Deviation,
+        surface: HeightMap,
+        trace: Trace,
+    ) -> Self {
+        Execution {
+            demanded: measure.clone(),
+            executed: measure,
+            surface,
+            trace,
+            velocity: Six::zeros(),
+            acceleration: Six::zeros(),
+            cut_length: 0.0,
+            travel_length: 0.0,
+            arm,
+            shaft,
+            activity,
+            world: X_WP.inverse(),
+            stroke: None,
+            tip: None,
+            joints: None,
+            time: 0.0,
+        }
+    }
+
+    /// An observer of the arm's servo periods.
+    pub fn observer(execution: &Rc<RefCell<Execution>>) -> impl FnMut(&ServoRecord<Irp6>) + 'static {
+        let execution = Rc::clone(execution);
+        move |record| execution.borrow_mut().observe(record)
+    }
+
+    fn observe(&mut self, record: &ServoRecord<Irp6>) {
+        self.observe_joints(record);
+        // In the plate's frame, in millimetres.
+        let tip = |q: &Six| (self.world * self.arm.forward(q) * record.tool).translation.vector * 1e3;
+        let executed = tip(&self.shaft.state().position);
+        let stroke = self.activity.get().stroke;
+        if let Some(index) = stroke {
+            if self.stroke != stroke {
+                self.demanded.begin_stroke(index);
+                self.executed.begin_stroke(index);
+            }
+            let demanded = tip(&record.demanded);
+            self.demanded.observe(Vec2::new(demanded.x, demanded.y));
+            self.executed.observe(Vec2::new(executed.x, executed.y));
+        }
+        self.stroke = stroke;
+        if let Some(last) = self.tip {
+            let way = (executed - last).norm();
+            if executed.z < 0.0 { self.cut_length += way } else { self.travel_length += way }
+        }
+        self.tip = Some(executed);
+        self.surface.move_to(executed);
+        self.trace.move_to(executed);
+    }
+
+    /// Velocities and accelerations by differences of the demanded positions.
+    fn observe_joints(&mut self, record: &ServoRecord<Irp6>) {
+        let q = record.demanded;
+        if let Some((last, speed)) = self.joints {
+            let per_second = (record.time - self.time).recip();
+            let velocity = (q - last) * per_second;
+            let acceleration = (velocity - speed) * per_second;
+            self.velocity = self.velocity.sup(&velocity.abs());
+            self.acceleration = self.acceleration.sup(&acceleration.abs());
+            self.joints = Some((q, velocity));
+        } else {
+            self.joints = Some((q, Six::zeros()));
+        }
+        self.time = record.time;
+    }
+
+    /// The largest velocities and accelerations as shares of the limits.
+    #[must_use]
+    pub fn shares(&self, limits: &Limits<Six>) -> [(f64, f64); 6] {
+        core::array::from_fn(|i| {
+            (self.velocity[i] / limits.velocity[i], self.acceleration[i] / limits.acceleration[i])
+        })
+    }
+}

@@ -1,0 +1,122 @@
+//! The cell: arm, touch probe, programs; and a run of it under the virtual clock.
+
+use std::cell::{Cell as Shared, RefCell};
+use std::rc::Rc;
+use std::time::Duration;
+
+use mrroc::{Cell, CellError, Pose, RobotSetup, RunReport, SensorSetup};
+use mrroc_robots::SimulatedIrp6;
+use nalgebra::Translation3;
+
+use crate::bench::{Bench, HEIGHT_ERROR, OutOfReach};
+use crate::deviation::{Corners, Deviation};
+use crate::drawing::{Drawing, Vec2};
+use crate::ecp::{Activity, Job, PROBE_HEIGHT, TRAVEL_HEIGHT};
+use crate::execution::Execution;
+use crate::mp::coordinate;
+use crate::placement::Plate;
+use crate::plate::{Cutter, HeightMap};
+use crate::probe::PlateSurface;
+use crate::sampling::Sampling;
+use crate::trace::Trace;
+
+/// Size of a cell of the plate's height map [mm].
+const CELL: f64 = 0.05;
+/// How far the recorded path may leave the executed one [mm].
+const TRACE_TOLERANCE: f64 = 0.002;
+
+/// What may be chosen for a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The step [s], a multiple of the arm's servo period of 2 ms.
+    pub step: f64,
+    /// Feed along the strokes [mm/s], > 0.
+    pub feed: f64,
+    /// Depth of the engraving [mm], > 0.
+    pub depth: f64,
+    /// The cutter.
+    pub cutter: Cutter,
+}
+
+/// What came of a run.
+pub struct Outcome {
+    /// Steps and simulated time.
+    pub report: RunReport,
+    /// What was measured.
+    pub execution: Execution,
+    /// Where the probe found the plate, over the promised height [m].
+    pub height_found: Option<f64>,
+}
+
+/// Checks that the arm reaches every point of the drawing, at all heights that it will take there.
+///
+/// # Errors
+/// The first place that it does not reach.
+pub fn check_reach(bench: &Bench, plate: &Plate, drawing: &Drawing, sampling: &Sampling, depth: f64) -> Result<u64, OutOfReach> {
+    bench.joints(Vec2::new(plate.width / 2.0, plate.height / 2.0), PROBE_HEIGHT)?;
+    let mut samples = 0;
+    for sample in sampling.samples(drawing) {
+        samples += 1;
+        for height in [TRAVEL_HEIGHT + 0.002, -depth * 1e-3 - 0.004] {
+            bench.joints(sample.position, height)?;
+        }
+    }
+    Ok(samples)
+}
+
+/// Engraves the drawing. `on_step` is called at the start of every step with its index and the arm's activity.
+///
+/// # Errors
+/// The first cause when the run ends with a fault.
+pub fn engrave(
+    bench: &Bench,
+    plate: &Plate,
+    drawing: &Drawing,
+    sampling: Sampling,
+    settings: Settings,
+    mut on_step: impl FnMut(u64, Activity) + 'static,
+) -> Result<Outcome, CellError> {
+    let surface_frame = Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * bench.plate;
+    let arm = SimulatedIrp6::new(bench.arm.clone(), &bench.park);
+    let shaft = arm.shaft();
+    let activity = Rc::new(Shared::new(Activity::default()));
+    let execution = Rc::new(RefCell::new(Execution::new(
+        bench.arm.clone(),
+        shaft.clone(),
+        Rc::clone(&activity),
+        &surface_frame,
+        Deviation::new(drawing, &sampling, Corners::Counted),
+        HeightMap::new(plate, CELL, settings.cutter),
+        Trace::new(TRACE_TOLERANCE),
+    )));
+    let job = Job {
+        drawing: drawing.clone(),
+        sampling,
+        plate: bench.plate,
+        middle: Vec2::new(plate.width / 2.0, plate.height / 2.0),
+        orientation: bench.orientation,
+        depth: settings.depth * 1e-3,
+        feed: settings.feed * 1e-3,
+        step: settings.step,
+        park: bench.park,
+        activity: Rc::clone(&activity),
+    };
+    let probe = PlateSurface::new(bench.arm.clone(), bench.tool, shaft, surface_frame.translation.z);
+    let irp6 = RobotSetup::new("irp6", bench.arm.clone(), arm)
+        .tool(bench.tool)
+        .program(|ecp| job.run(ecp))
+        .observe(Execution::observer(&execution));
+    let shown = Rc::clone(&activity);
+    let report = Cell::new(Duration::from_secs_f64(settings.step))
+        .robot(irp6)
+        .sensor(SensorSetup::new("probe", probe).of("irp6"))
+        .program(coordinate)
+        .on_step(move |step, _| on_step(step, shown.get()))
+        .run()?;
+    let height_found = activity.get().plate_height.map(|height| height - bench.plate.translation.z);
+    // The cell is gone, and with it the observer: this is the only owner left.
+    let execution = Rc::into_inner(execution).map(RefCell::into_inner);
+    let mut execution = execution.expect("the cell has dropped its observer");
+    execution.surface.finish();
+    Ok(Outcome { report, execution, height_found })
+}

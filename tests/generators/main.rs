@@ -1,0 +1,181 @@
+//! The library's generators, run through whole cells.
+
+use mrroc::{
+    Cell, FaultKind, Generator, Pose, ReadingOrder, Robot, RobotSetup, Sensor, SensorSetup, VirtualSensor,
+};
+use mrroc::{Fault, Payload};
+use mrroc_generators::bspline::SplineSettings;
+use mrroc_generators::feed::FeedLimits;
+use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};
+use mrroc_generators::line::ToolLimits;
+use mrroc_generators::profile::ProfileLimits;
+use mrroc_robots::{Irp6, Six};
+use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
+use nalgebra::{Translation3, UnitQuaternion, UnitVector3, Vector3};
+
+fn limits(v: f64, a: f64) -> ToolLimits {
+    let limits = ProfileLimits { velocity: v, acceleration: a };
+    ToolLimits { translation: limits, rotation: limits }
+}
+
+#[test]
+fn classes_are_those_of_the_paper() {
+    type Points = std::vec::IntoIter<Vector3<f64>>;
+    assert_eq!(JointMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(StraightLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(SplineTrack::<Gantry, Points>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(GuardedApproach::<Gantry, Probe>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
+}
+
+#[test]
+fn a_joint_move_takes_the_closed_form_time_and_ends_exactly() {
+    let (robot, trace) = gantry("g");
+    let robot = robot.program(|ecp| {
+        let (velocity, acceleration) = (Vector3::repeat(0.5), Vector3::repeat(5.0));
+        ecp.move_robot((), JointMove::to(Vector3::new(0.4, -0.2, 0.1), velocity, acceleration)).map(drop)
+    });
+    let report = Cell::new(MS).robot(robot).run().expect("within the limits");
+    // D / V + V / A = 0.9 s.
+    assert!((901..=904).contains(&report.steps), "{}", report.steps);
+    let trace = trace.borrow();
+    assert_eq!(*trace.last().expect("recorded"), Vector3::new(0.4, -0.2, 0.1));
+    let (v, a) = peaks(&trace, 1e-3);
+    assert!((v - 0.5).abs() < 1e-9 && a <= 5.0 + 1e-6, "{v} {a}");
+    // All joints are on the line between the ends.
+    assert!(trace.iter().all(|q| (q[1] + 0.5 * q[0]).abs() < 1e-12 && (q[2] - 0.25 * q[0]).abs() < 1e-12));
+}
+
+fn irp6_at(position: [f64; 3]) -> (Irp6, Six) {
+    let robot = Irp6::nominal();
+    let q = robot
+        .inverse(&flange(position), &Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0))
+        .expect("within reach");
+    (robot, q)
+}
+
+fn flange([x, y, z]: [f64; 3]) -> Pose {
+    let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    Pose::from_parts(Translation3::new(x, y, z), down)
+}
+
+#[test]
+fn a_straight_line_of_a_six_joint_arm_is_straight_in_space() {
+    let (robot, q) = irp6_at([0.85, 0.0, 0.35]);
+    let drive = ExactDrive::new(q, MS);
+    let (setup, trace) = traced(RobotSetup::new("irp6", robot.clone(), drive));
+    let setup = setup.program(|ecp| {
+        ecp.move_robot((), StraightLine::to(flange([0.90, 0.08, 0.38]), limits(0.1, 0.5)))?;
+        ecp.move_robot((), StraightLine::by(Pose::translation(0.0, 0.0, 0.03), limits(0.1, 0.5))).map(drop)
+    });
+    Cell::new(MS).robot(setup).run().expect("within the limits");
+    let trace = trace.borrow();
+    let (from, to) = (Vector3::new(0.85, 0.0, 0.35), Vector3::new(0.90, 0.08, 0.38));
+    let along = (to - from).normalize();
+    // The tool points down, so 30 mm along its z is 30 mm down.
+    let end = robot.forward(trace.last().expect("recorded")).translation.vector;
+    assert!((end - Vector3::new(0.90, 0.08, 0.35)).norm() < 1e-12);
+    let corner =
+        trace.iter().map(|q| robot.forward(q).translation.vector).position(|p| (p - to).norm() < 1e-12);
+    for q in &trace[..corner.expect("passed the end of the first line")] {
+        let p = robot.forward(q).translation.vector - from;
+        assert!((p - along * along.dot(&p)).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn a_spline_track_leads_the_tool_through_its_points() {
+    let (robot, q) = irp6_at([0.85, 0.0, 0.35]);
+    let (setup, trace) = traced(RobotSetup::new("irp6", robot.clone(), ExactDrive::new(q, MS)));
+    // A circle of 10 mm through 48 points, in a frame on the plate.
+    let points: Vec<_> = (0..=48)
+        .map(|i| f64::from(i) * std::f64::consts::TAU / 48.0)
+        .map(|angle| Vector3::new(0.01 * (1.0 - angle.cos()), 0.01 * angle.sin(), 0.0))
+        .collect();
+    let feed = FeedLimits {
+        feed: 0.02,
+        tangential: 0.2,
+        normal: 0.2,
+        step: 1e-3,
+        chord_error: f64::INFINITY,
+        jerk: f64::INFINITY,
+    };
+    let track = SplineTrack::through(
+        points,
+        SplineSettings::default(),
+        feed,
+        Pose::translation(0.85, 0.0, 0.35),
+        flange([0.0; 3]).rotation,
+    )
+    .expect("settings in range");
+    let setup = setup.program(|ecp| ecp.move_robot((), track).map(drop));
+    Cell::new(MS).robot(setup).run().expect("within the limits");
+    let trace = trace.borrow();
+    let centre = Vector3::new(0.86, 0.0, 0.35);
+    for q in trace.iter() {
+        let radius = (robot.forward(q).translation.vector - centre).norm();
+        // A natural end has no curvature where the circle has k: with spans of h the first one is off by at
+        // most 0.05 h² k, and later ones by 0.27 of the one before.
+        let span = 0.01 * std::f64::consts::TAU / 48.0;
+        assert!((radius - 0.01).abs() < 0.05 * span * span / 0.01, "{radius}");
+    }
+    assert!(
+        (robot.forward(trace.last().expect("recorded")).translation.vector
+            - flange([0.85, 0.0, 0.35]).translation.vector)
+            .norm()
+            < 1e-9
+    );
+}
+
+struct Probe;
+
+impl Sensor for Probe {
+    const KIND: &'static str = "probe";
+    type Reading = Contact;
+    type Configuration = ();
+}
+
+#[derive(Clone, Copy, Payload)]
+struct Contact {
+    made: bool,
+}
+
+/// A surface at this height \[m\].
+struct Surface(f64);
+
+impl VirtualSensor for Surface {
+    type Kind = Probe;
+    fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Contact, Fault> {
+        let tool = order.robot.ok_or_else(|| Fault::thrown("the probe is on no robot"))?;
+        Ok(Contact { made: tool.pose.translation.z <= self.0 })
+    }
+}
+
+fn approach(surface: f64) -> (Result<mrroc::RunReport, mrroc::CellError>, f64) {
+    let (robot, trace) = gantry("g");
+    let robot = robot.program(|ecp| {
+        let mut probe = ecp.sensor::<Probe>("probe")?;
+        let down: UnitVector3<f64> = -Vector3::z_axis();
+        let guarded = GuardedApproach::along(down, 0.02, 0.5, 0.1, |contact: &Contact| contact.made);
+        ecp.move_robot((&mut probe,), guarded).map(drop)
+    });
+    let report = Cell::new(MS).robot(robot).sensor(SensorSetup::new("probe", Surface(surface)).of("g")).run();
+    let z = trace.borrow().last().expect("recorded")[2];
+    (report, z)
+}
+
+#[test]
+fn a_guarded_approach_ends_at_the_contact() {
+    let (report, z) = approach(-0.05);
+    report.expect("there is contact");
+    // Two steps from the touch to the last demand, and the braking from 20 mm/s.
+    assert!((-0.05 - 5.0 * 0.02 * 1e-3..=-0.05).contains(&z), "{z}");
+}
+
+#[test]
+fn a_guarded_approach_without_contact_is_a_fault_and_goes_no_farther_than_told() {
+    let (report, z) = approach(-0.2);
+    let fault = fault(report);
+    assert_eq!(fault.kind(), FaultKind::Program);
+    assert!(fault.message().contains("no contact"), "{fault}");
+    assert!((-0.1001..=-0.0999).contains(&z), "{z}");
+}
