@@ -8,6 +8,7 @@ use crate::attribute::{Arguments, Kind};
 use crate::class::{Level, Role};
 use crate::emit::{self, Call, ConditionImpl, Target};
 use crate::errors::Errors;
+use crate::fallback;
 use crate::generator::analyse_method;
 use crate::item::{self, Block, Function, Item};
 use crate::parameters;
@@ -67,7 +68,7 @@ fn of_function(
     let doc = class_line(&roles, target.level);
     let unit_type = roles.state.is_none().then(|| emit::unit_type(function, &doc));
     if !errors.is_empty() {
-        let fallback = emit::fallback(&target, Kind::Condition, None);
+        let fallback = fallback::implementation(&target, Kind::Condition, None);
         let errors = errors.into_tokens();
         return quote!(#item #errors #unit_type #fallback);
     }
@@ -97,7 +98,7 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: &Tok
         doc: None,
     };
     let Some(roles) = roles.filter(|_| errors.is_empty()) else {
-        let fallback = emit::fallback(&target, Kind::Condition, None);
+        let fallback = fallback::implementation(&target, Kind::Condition, None);
         let errors = errors.into_tokens();
         return quote!(#item #errors #fallback);
     };
