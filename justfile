@@ -11,7 +11,8 @@ test:
 # What a step costs, in nanoseconds.
 bench:
     cargo bench -p mrroc-tests --bench steps
-    cargo bench -p mrroc-generators
+    cargo bench -p mrroc-generators --bench generators
+    cargo bench -p mrroc-robots --bench kinematics
 
 # Accept changed snapshots of expansions and diagnostics.
 snapshots:

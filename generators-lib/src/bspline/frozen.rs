@@ -9,7 +9,8 @@
 //! ```
 //!
 //! In the window that starts at `k` the frozen `c_{k-1}` goes to the right-hand side, the far end has `S'' = 0`, and
-//! only `c_k` is kept. `c_{-1}` is chosen last, so that the first point is hit exactly.
+//! only `c_k` is kept; the first window, with `S'' = 0` at its start, gives `c_{-1}` too. `c_1` comes from a later
+//! window than these two, so the curve starts as near to the first point as it passes the others, not at it.
 
 use super::{Part, Span};
 use nalgebra::Vector3;
@@ -27,8 +28,6 @@ pub(super) struct Frozen {
     h: [f64; 5],
     /// Parts of the points `k-1` and `k`.
     parts: [Part; 2],
-    /// First point of the run, which the curve hits exactly.
-    first: Point,
 }
 
 /// Basis values at a knot, and the ratio of its outer supports.
@@ -56,9 +55,7 @@ impl Frozen {
     /// Freezes the control point of the window's first point. `h` holds the window's knot spans, one fewer than
     /// `points`. The span two points back is then complete.
     pub(super) fn step(&mut self, points: &[Point], h: &[f64], part: Part) -> Option<(Span, Part)> {
-        let first = points.first()?;
         if self.frozen == 0 {
-            self.first = *first;
             self.h = [*h.first()?; 5];
         }
         let here = h.first().copied().unwrap_or(self.h[4]);
@@ -131,19 +128,13 @@ impl Frozen {
         let of_span = self.parts[0];
         self.parts = [self.parts[1], part];
         self.frozen += 1;
-        if self.frozen == 2 {
-            // c_1 comes from a later window than c_{-1} and c_0: hit the first point exactly all the same.
-            let Row { alpha, beta, gamma, .. } = Row::new([self.h[1], self.h[2], self.h[3], self.h[4]]);
-            self.c[1] = (self.first - self.c[2] * beta - self.c[3] * gamma) / alpha;
-        }
         if self.frozen < 3 {
             return None;
         }
         let [h0, h1, h2, h3, h4] = self.h;
         let (p0, m0) = knot([self.c[0], self.c[1], self.c[2]], [h0, h1, h2, h3]);
         let (p1, m1) = knot([self.c[1], self.c[2], self.c[3]], [h1, h2, h3, h4]);
-        let start = if self.frozen == 3 { self.first } else { p0 };
-        Some((Span::cubic(start, p1, m0, m1, h2), of_span))
+        Some((Span::cubic(p0, p1, m0, m1, h2), of_span))
     }
 }
 

@@ -79,7 +79,12 @@ impl Bench {
         let out = |why| OutOfReach { x: place.x, y: place.y, why };
         let position = Translation3::new(place.x * 1e-3, place.y * 1e-3, height);
         let flange = self.plate * Pose::from_parts(position, self.orientation) * self.tool.inverse();
-        let joints = self.arm.inverse(&flange, &self.park).map_err(|_| out("it is too far away or too near"))?;
-        if self.arm.is_feasible(&joints) { Ok(joints) } else { Err(out("a joint or a motor is at its limit")) }
+        let joints =
+            self.arm.inverse(&flange, &self.park).map_err(|_| out("it is too far away or too near"))?;
+        if self.arm.is_feasible(&joints) {
+            Ok(joints)
+        } else {
+            Err(out("a joint or a motor is at its limit"))
+        }
     }
 }

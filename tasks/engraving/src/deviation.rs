@@ -116,8 +116,9 @@ impl Deviation {
         self.cursor = 0;
     }
 
-    /// Measures one executed point [mm] of the present stroke; its distance from it [mm], 0 if there is no such stroke.
-    pub fn observe(&mut self, p: Vec2) -> f64 {
+    /// Measures one executed point of the present stroke: its place over the plate and its error in depth [mm]; its
+    /// distance from the stroke [mm], 0 if there is no such stroke.
+    pub fn observe(&mut self, p: Vec2, depth_error: f64) -> f64 {
         let Some(segments) = self.strokes.get(self.stroke).filter(|s| !s.is_empty()) else { return 0.0 };
         let (cursor, mut squared) = walk(segments, self.cursor, p);
         self.cursor = cursor;
@@ -129,6 +130,7 @@ impl Deviation {
                 }
             }
         }
+        squared += depth_error * depth_error;
         if self.corners[self.stroke].iter().any(|c| (c - p).norm_squared() < self.except_squared) {
             self.excepted += 1;
             return squared.sqrt();
@@ -215,7 +217,7 @@ mod tests {
         for k in 0..5000 {
             let a = f64::from(k) / 5000.0 * 6.28;
             let off = 0.01 * (a * 9.0).sin();
-            let found = deviation.observe(Vec2::new(a.cos(), a.sin()) * (10.0 + off));
+            let found = deviation.observe(Vec2::new(a.cos(), a.sin()) * (10.0 + off), 0.0);
             assert!((found - off.abs()).abs() < 5e-4, "{found} for {off}");
             squares += off * off;
         }
@@ -227,8 +229,8 @@ mod tests {
     #[test]
     fn a_lost_cursor_finds_its_way() {
         let mut deviation = Deviation::new(&circle(), &Sampling::default(), Corners::Counted);
-        assert!(deviation.observe(Vec2::new(-10.0, 0.0)) < 5e-4);
-        assert!((deviation.observe(Vec2::new(0.0, 10.3)) - 0.3).abs() < 5e-4);
+        assert!(deviation.observe(Vec2::new(-10.0, 0.0), 0.0) < 5e-4);
+        assert!((deviation.observe(Vec2::new(0.0, 10.3), 0.0) - 0.3).abs() < 5e-4);
     }
 
     #[test]
@@ -237,9 +239,9 @@ mod tests {
         let stroke = Stroke::new(vec![line([0.0, 0.0], [5.0, 0.0]), line([5.0, 0.0], [5.0, 5.0])]).unwrap();
         let drawing = Drawing { strokes: vec![stroke] };
         let mut deviation = Deviation::new(&drawing, &Sampling::default(), Corners::Excepted { radius: 0.5 });
-        assert!((deviation.observe(Vec2::new(4.9, 0.1)) - 0.1).abs() < 1e-9);
+        assert!((deviation.observe(Vec2::new(4.9, 0.1), 0.0) - 0.1).abs() < 1e-9);
         assert_eq!((deviation.report().points, deviation.report().excepted), (0, 1));
-        deviation.observe(Vec2::new(5.0, 3.0));
+        deviation.observe(Vec2::new(5.0, 3.0), 0.0);
         assert_eq!(deviation.report().points, 1);
     }
 }

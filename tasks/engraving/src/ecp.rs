@@ -106,14 +106,16 @@ impl Job {
             ecp.move_robot((), StraightLine::by(Pose::translation(0.0, 0.0, -back), straight(0.02, 0.2)))?;
         }
         let touch = probe.reading().filter(|touch| touch.contact);
-        let height = touch.ok_or_else(|| Fault::thrown("the probe lost the plate while it touched it"))?.height;
+        let height =
+            touch.ok_or_else(|| Fault::thrown("the probe lost the plate while it touched it"))?.height;
         self.plate.translation.z = height;
         self.activity.set(Activity { plate_height: Some(height), ..self.activity.get() });
         Ok(())
     }
 
     fn engrave(&self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
-        let spline = SplineSettings { method: Method::C2, corner: std::f64::consts::PI, ..SplineSettings::default() };
+        let spline =
+            SplineSettings { method: Method::C2, corner: std::f64::consts::PI, ..SplineSettings::default() };
         let feed = FeedLimits {
             feed: self.feed,
             tangential: STROKE_ACCELERATION,
@@ -123,15 +125,25 @@ impl Job {
             jerk: f64::INFINITY,
         };
         for (index, stroke) in self.drawing.strokes.iter().enumerate() {
-            ecp.move_robot((), StraightLine::to(self.over(stroke.start(), TRAVEL_HEIGHT), straight(0.1, 1.0)))?;
-            ecp.move_robot((), StraightLine::to(self.over(stroke.start(), -self.depth), straight(0.005, 0.2)))?;
-            let points: Vec<_> = self.sampling.stroke(stroke, index).iter().map(|sample| self.point(sample)).collect();
+            ecp.move_robot(
+                (),
+                StraightLine::to(self.over(stroke.start(), TRAVEL_HEIGHT), straight(0.1, 1.0)),
+            )?;
+            ecp.move_robot(
+                (),
+                StraightLine::to(self.over(stroke.start(), -self.depth), straight(0.005, 0.2)),
+            )?;
+            let points: Vec<_> =
+                self.sampling.stroke(stroke, index).iter().map(|sample| self.point(sample)).collect();
             let track = SplineTrack::through(points, spline, feed, self.plate, self.orientation);
             let track = track.map_err(|error| Fault::thrown(&error.to_string()))?;
             self.activity.set(Activity { stroke: Some(index), ..self.activity.get() });
             ecp.move_robot((), track)?;
             self.activity.set(Activity { stroke: None, ..self.activity.get() });
-            ecp.move_robot((), StraightLine::to(self.over(stroke.end(), TRAVEL_HEIGHT), straight(0.02, 0.2)))?;
+            ecp.move_robot(
+                (),
+                StraightLine::to(self.over(stroke.end(), TRAVEL_HEIGHT), straight(0.02, 0.2)),
+            )?;
         }
         Ok(())
     }

@@ -35,6 +35,9 @@ pub struct Execution {
     activity: Rc<Cell<Activity>>,
     /// `X_PW`: the world in the frame of the plate's true surface.
     world: Pose,
+    /// Depth of the engraving [mm], and the height of its bottom over the plate's true surface [mm].
+    depth: f64,
+    bottom: f64,
     stroke: Option<usize>,
     tip: Option<Tip>,
     joints: Option<(Six, Six)>,
@@ -42,7 +45,8 @@ pub struct Execution {
 }
 
 impl Execution {
-    /// For an arm whose true state is `shaft`'s, and a plate whose true surface lies at `X_WP`.
+    /// For an arm whose true state is `shaft`'s, and a plate whose true surface lies at `X_WP`, engraved
+    /// `depth` deep [mm].
     #[must_use]
     #[allow(non_snake_case)]
     pub fn new(
@@ -50,6 +54,7 @@ impl Execution {
         shaft: Shaft,
         activity: Rc<Cell<Activity>>,
         X_WP: &Pose,
+        depth: f64,
         measure: Deviation,
         surface: HeightMap,
         trace: Trace,
@@ -67,6 +72,8 @@ impl Execution {
             shaft,
             activity,
             world: X_WP.inverse(),
+            depth,
+            bottom: 0.0,
             stroke: None,
             tip: None,
             joints: None,
@@ -88,12 +95,16 @@ impl Execution {
         let stroke = self.activity.get().stroke;
         if let Some(index) = stroke {
             if self.stroke != stroke {
+                let found = self.activity.get().plate_height.unwrap_or(0.0);
+                self.bottom = (found + self.world.translation.z) * 1e3 - self.depth;
                 self.demanded.begin_stroke(index);
                 self.executed.begin_stroke(index);
             }
             let demanded = tip(&record.demanded);
-            self.demanded.observe(Vec2::new(demanded.x, demanded.y));
-            self.executed.observe(Vec2::new(executed.x, executed.y));
+            // Depth counts from where the probe found the plate: that is where the drawing lies for the arm.
+            let bottom = self.bottom;
+            self.demanded.observe(Vec2::new(demanded.x, demanded.y), demanded.z - bottom);
+            self.executed.observe(Vec2::new(executed.x, executed.y), executed.z - bottom);
         }
         self.stroke = stroke;
         if let Some(last) = self.tip {

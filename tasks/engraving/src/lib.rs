@@ -1,10 +1,11 @@
 //! The engraving task: a drawing becomes strokes on a plate, the arm follows them, and pictures show the result.
 //!
-//! This library is everything around the motion: [`drawing`] reads, [`placement`] fits the drawing onto the plate,
-//! [`ordering`] shortens travel, [`sampling`] gives the motion its points, [`deviation`] measures what was executed,
-//! [`plate`] carves, [`picture`] and [`paths_svg`] show, [`summary`] reports.
+//! The task itself is small: [`mp`] coordinates, [`ecp`] is the arm's program, [`probe`] the virtual sensor that finds
+//! the plate, [`run`] the cell. The rest is what surrounds it: [`drawing`] reads, [`placement`] fits the drawing onto
+//! the plate, [`ordering`] shortens travel, [`sampling`] gives the motion its points, [`bench`] says where things stand,
+//! [`execution`] and [`deviation`] measure, [`plate`] carves, [`picture`] and [`paths_svg`] show, [`summary`] reports.
 //!
-//! Lengths are in millimetres throughout, as in the files that are read; the motion program converts to metres.
+//! Lengths are in millimetres, as in the files that are read, but for the motion program, which is in metres.
 
 pub mod bench;
 pub mod deviation;
@@ -13,12 +14,18 @@ pub mod ecp;
 pub mod error;
 pub mod execution;
 pub mod mp;
+pub mod options;
 pub mod ordering;
+pub mod paths_svg;
 pub mod picture;
 pub mod placement;
 pub mod plate;
 pub mod probe;
+pub mod progress;
 pub mod run;
 pub mod sampling;
 pub mod summary;
 pub mod trace;
+
+/// The SVG of the job without arguments: the nameplate.
+pub const NAMEPLATE: &str = include_str!("../assets/drawings/nameplate.svg");

@@ -1,20 +1,198 @@
-//! Engraves a drawing with a simulated IRp-6.
-use engraving::*;
-fn main() {
-    let plate = placement::Plate::default();
-    let import = drawing::read_file(std::path::Path::new(&std::env::args().nth(1).unwrap()), drawing::Limits::default()).unwrap();
-    let placed = placement::place(&import.drawing, &plate, placement::Sizing::Fill).unwrap();
-    let drawing = ordering::nearest_first(placed.drawing, nalgebra::Vector2::zeros());
-    let bench = bench::Bench::new(&plate).unwrap();
-    let sampling = sampling::Sampling::default();
-    let n = run::check_reach(&bench, &plate, &drawing, &sampling, 0.3).unwrap();
-    println!("{n} samples, {} strokes", drawing.strokes.len());
-    let from = std::time::Instant::now();
-    let settings = run::Settings { step: 2e-3, feed: 15.0, depth: 0.3, cutter: plate::Cutter::default() };
-    let out = run::engrave(&bench, &plate, &drawing, sampling, settings, |_, _| {}).unwrap();
-    let wall = from.elapsed().as_secs_f64();
-    println!("{:?} wall {wall} speedup {}", out.report, out.report.time.as_secs_f64() / wall);
-    println!("demanded {:?}", out.execution.demanded.report());
-    println!("executed {:?}", out.execution.executed.report());
-    println!("height {:?} {:?}", out.height_found, out.execution.shares(mrroc::Robot::limits(&bench.arm)));
+//! Engraves a drawing with a simulated IRp-6: `cargo run --release -- --help`.
+
+use std::cell::RefCell;
+use std::error::Error;
+use std::process::ExitCode;
+use std::rc::Rc;
+use std::time::Instant;
+
+use engraving::bench::{Bench, HEIGHT_ERROR};
+use engraving::drawing::hershey::Font;
+use engraving::drawing::{Import, Limits, Vec2, read_file, read_str};
+use engraving::options::{HELP, Options, Request, Source, Talk, parse};
+use engraving::ordering::nearest_first;
+use engraving::paths_svg::PathsSvg;
+use engraving::picture::{Material, render};
+use engraving::placement::{Placement, place};
+use engraving::progress::{Display, Progress};
+use engraving::run::{Outcome, Settings, check_reach, engrave};
+use engraving::sampling::Sampling;
+use engraving::summary::{JointPeaks, PathDeviation, PlateHeight, Summary};
+use engraving::{NAMEPLATE, error::DrawingError};
+use mrroc::Robot;
+
+/// The demanded path may lie this far from the drawing [mm].
+const DEMANDED_BOUND: f64 = 0.01;
+/// The executed path may lie this far from the drawing [mm], at worst and as RMS.
+const EXECUTED_BOUND: f64 = 0.3;
+const EXECUTED_RMS_BOUND: f64 = 0.1;
+/// The probe may miss the plate's height by this much [mm].
+const HEIGHT_BOUND: f64 = 0.02;
+/// Height of capitals in a text before it is fitted [mm].
+const CAPITALS: f64 = 10.0;
+
+fn main() -> ExitCode {
+    let request = match parse(std::env::args_os().skip(1)) {
+        Ok(request) => request,
+        Err(error) => return refused(&error),
+    };
+    let options = match request {
+        Request::Help => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        Request::Version => {
+            println!("engraving {}", env!("CARGO_PKG_VERSION"));
+            return ExitCode::SUCCESS;
+        }
+        Request::Engrave(options) => options,
+    };
+    let plan = match Plan::new(&options) {
+        Ok(plan) => plan,
+        Err(error) => return refused(&*error),
+    };
+    match plan.carry_out(&options) {
+        Ok(summary) => {
+            if options.talk == Talk::Normal {
+                print!("{}", summary.table());
+                println!("  see {0}/plate.png, {0}/paths.svg, {0}/summary.json", options.out.display());
+            }
+            if summary.passed { ExitCode::SUCCESS } else { broken(&summary) }
+        }
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Nothing has moved.
+fn refused(error: &dyn std::fmt::Display) -> ExitCode {
+    eprintln!("error: {error}");
+    ExitCode::from(2)
+}
+
+fn broken(summary: &Summary) -> ExitCode {
+    for broken in &summary.broken {
+        eprintln!("bound missed: {broken}");
+    }
+    ExitCode::FAILURE
+}
+
+/// Everything that is known before anything moves.
+struct Plan {
+    source: String,
+    bench: Bench,
+    placement: Placement,
+    sampling: Sampling,
+    samples: u64,
+}
+
+impl Plan {
+    fn new(options: &Options) -> Result<Plan, Box<dyn Error>> {
+        let (source, import) = read(&options.source)?;
+        if options.talk == Talk::Normal {
+            for warning in &import.warnings {
+                eprintln!("warning: {warning}");
+            }
+        }
+        let mut placement = place(&import.drawing, &options.plate, options.sizing)?;
+        placement.drawing = nearest_first(placement.drawing, Vec2::zeros());
+        let bench = Bench::new(&options.plate)?;
+        let sampling = Sampling::default();
+        let samples = check_reach(&bench, &options.plate, &placement.drawing, &sampling, options.depth)?;
+        // Found out now, not after minutes of engraving.
+        std::fs::create_dir_all(&options.out)
+            .map_err(|error| format!("--out {}: {error}", options.out.display()))?;
+        Ok(Plan { source, bench, placement, sampling, samples })
+    }
+
+    fn carry_out(&self, options: &Options) -> Result<Summary, Box<dyn Error>> {
+        let display = if options.talk == Talk::Quiet { Display::Silent } else { Display::for_stderr() };
+        let drawing = &self.placement.drawing;
+        let progress = Rc::new(RefCell::new(Progress::new(display, drawing.length())));
+        let shown = Rc::clone(&progress);
+        let settings =
+            Settings { step: options.step, feed: options.feed, depth: options.depth, cutter: options.cutter };
+        let began = Instant::now();
+        let outcome =
+            engrave(&self.bench, &options.plate, drawing, self.sampling, settings, move |step, path| {
+                shown.borrow_mut().at(step, path);
+            })?;
+        let wall_s = began.elapsed().as_secs_f64();
+        if let Some(progress) = Rc::into_inner(progress) {
+            progress.into_inner().finish(outcome.report.steps);
+        }
+        let summary = self.summary(options, &outcome, wall_s);
+        self.draw(options, outcome, &summary)?;
+        summary.write_json(&options.out.join("summary.json"))?;
+        Ok(summary)
+    }
+
+    fn summary(&self, options: &Options, outcome: &Outcome, wall_s: f64) -> Summary {
+        let execution = &outcome.execution;
+        let size = self.placement.bounds.size();
+        let shares = execution.shares(self.bench.arm.limits());
+        let peaks = shares.iter().enumerate().map(|(i, &(velocity_share, acceleration_share))| JointPeaks {
+            joint: (i + 1).to_string(),
+            velocity_share,
+            acceleration_share,
+        });
+        Summary {
+            source: self.source.clone(),
+            strokes: self.placement.drawing.strokes.len(),
+            cut_length_mm: execution.cut_length,
+            travel_length_mm: execution.travel_length,
+            drawing_size_mm: [size.x, size.y],
+            samples: self.samples,
+            steps: outcome.report.steps,
+            step_s: options.step,
+            simulated_s: outcome.report.time.as_secs_f64(),
+            wall_s,
+            demanded: PathDeviation::new(&execution.demanded.report(), DEMANDED_BOUND, DEMANDED_BOUND),
+            executed: PathDeviation::new(&execution.executed.report(), EXECUTED_BOUND, EXECUTED_RMS_BOUND),
+            joints: peaks.collect(),
+            plate_height: outcome.height_found.map(|found| PlateHeight {
+                found_mm: found * 1e3,
+                true_mm: HEIGHT_ERROR * 1e3,
+                limit_mm: HEIGHT_BOUND,
+            }),
+            broken: Vec::new(),
+            passed: true,
+        }
+        .judged()
+    }
+
+    fn draw(&self, options: &Options, outcome: Outcome, summary: &Summary) -> std::io::Result<()> {
+        let caption = format!(
+            "{}: {:.0} mm engraved {:.2} mm deep in {:.0} s",
+            self.source, summary.cut_length_mm, options.depth, summary.simulated_s
+        );
+        let picture = render(&outcome.execution.surface, &options.plate, Material::Brass, &caption);
+        picture.write_png(&options.out.join("plate.png"))?;
+        let paths = PathsSvg {
+            plate: &options.plate,
+            drawing: &self.placement.drawing,
+            executed: &outcome.execution.trace.parts(),
+            deviation: &outcome.execution.executed.report(),
+            title: &self.source,
+        };
+        paths.write(&options.out.join("paths.svg"))
+    }
+}
+
+/// The drawing and what to call it.
+fn read(source: &Source) -> Result<(String, Import), DrawingError> {
+    match source {
+        Source::Nameplate => {
+            Ok(("nameplate".to_owned(), read_str("nameplate.svg", NAMEPLATE, Limits::default())?))
+        }
+        Source::File(path) => {
+            let name = path
+                .file_name()
+                .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into());
+            Ok((name, read_file(path, Limits::default())?))
+        }
+        Source::Text { text, font } => Ok((format!("\"{text}\""), Font::open(font)?.write(text, CAPITALS)?)),
+    }
 }

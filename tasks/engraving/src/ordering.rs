@@ -66,8 +66,13 @@ impl Grid {
     fn new(strokes: &[Stroke], extent: f64) -> Self {
         let across = (strokes.len() as f64).sqrt().ceil().max(1.0);
         let cell = (extent / across).max(1e-3);
-        let mut grid =
-            Self { cell, cells: HashMap::new(), homes: Vec::new(), rings: across as i64 + 2, left: strokes.len() };
+        let mut grid = Self {
+            cell,
+            cells: HashMap::new(),
+            homes: Vec::new(),
+            rings: across as i64 + 2,
+            left: strokes.len(),
+        };
         for (stroke, geometry) in strokes.iter().enumerate() {
             let mut homes = Vec::new();
             grid.add(End { position: geometry.start(), stroke, sense: Sense::Forward }, &mut homes);
@@ -167,7 +172,11 @@ mod tests {
         let mut left = drawing.strokes.clone();
         let mut tool = Vec2::zeros();
         for stroke in nearest_first(drawing, tool).strokes {
-            let nearest = left.iter().flat_map(|s| [s.start(), s.end()]).map(|p| (p - tool).norm()).fold(f64::MAX, f64::min);
+            let nearest = left
+                .iter()
+                .flat_map(|s| [s.start(), s.end()])
+                .map(|p| (p - tool).norm())
+                .fold(f64::MAX, f64::min);
             assert!(((stroke.start() - tool).norm() - nearest).abs() < 1e-12);
             left.retain(|s| *s != stroke && s.reversed() != stroke);
             tool = stroke.end();

@@ -149,12 +149,17 @@ mod tests {
 
     #[test]
     fn too_large_a_drawing_is_refused_with_numbers_and_flags() {
-        let error = place(&diagonal(300.0, 20.0), &Plate::default(), Sizing::Natural).unwrap_err().to_string();
+        let error =
+            place(&diagonal(300.0, 20.0), &Plate::default(), Sizing::Natural).unwrap_err().to_string();
         for part in ["300.0 x 20.0 mm", "180.0 x 100.0 mm", "--fit", "--scale 0.6", "--plate 320x40"] {
             assert!(error.contains(part), "{error}");
         }
         assert!(!error.contains("inches"));
-        let error = place(&diagonal(2540.0, 1270.0), &Plate::default(), Sizing::Natural).unwrap_err().to_string();
-        assert!(error.contains("100.0 x 50.0 mm if its numbers were meant in millimetres and read as inches"), "{error}");
+        let error =
+            place(&diagonal(2540.0, 1270.0), &Plate::default(), Sizing::Natural).unwrap_err().to_string();
+        assert!(
+            error.contains("100.0 x 50.0 mm if its numbers were meant in millimetres and read as inches"),
+            "{error}"
+        );
     }
 }

@@ -89,7 +89,8 @@ impl HeightMap {
     /// The height of a cell [mm], <= 0; 0 outside the plate. Row 0 is the lowest.
     #[must_use]
     pub fn height(&self, column: isize, row: isize) -> f32 {
-        let inside = column >= 0 && row >= 0 && (column as usize) < self.columns && (row as usize) < self.rows;
+        let inside =
+            column >= 0 && row >= 0 && (column as usize) < self.columns && (row as usize) < self.rows;
         if inside { self.heights[row as usize * self.columns + column as usize] } else { 0.0 }
     }
 

@@ -73,4 +73,3 @@ fn open(c: &mut Open, v: &Reading<(TouchProbe,)>) -> bool {
     }
     c.seen >= c.steps
 }
-

@@ -52,7 +52,13 @@ pub struct Outcome {
 ///
 /// # Errors
 /// The first place that it does not reach.
-pub fn check_reach(bench: &Bench, plate: &Plate, drawing: &Drawing, sampling: &Sampling, depth: f64) -> Result<u64, OutOfReach> {
+pub fn check_reach(
+    bench: &Bench,
+    plate: &Plate,
+    drawing: &Drawing,
+    sampling: &Sampling,
+    depth: f64,
+) -> Result<u64, OutOfReach> {
     bench.joints(Vec2::new(plate.width / 2.0, plate.height / 2.0), PROBE_HEIGHT)?;
     let mut samples = 0;
     for sample in sampling.samples(drawing) {
@@ -64,7 +70,8 @@ pub fn check_reach(bench: &Bench, plate: &Plate, drawing: &Drawing, sampling: &S
     Ok(samples)
 }
 
-/// Engraves the drawing. `on_step` is called at the start of every step with its index and the arm's activity.
+/// Engraves the drawing. `on_step` is called at the start of every step with its index and the length of the path in
+/// the material so far [mm].
 ///
 /// # Errors
 /// The first cause when the run ends with a fault.
@@ -74,9 +81,10 @@ pub fn engrave(
     drawing: &Drawing,
     sampling: Sampling,
     settings: Settings,
-    mut on_step: impl FnMut(u64, Activity) + 'static,
+    mut on_step: impl FnMut(u64, f64) + 'static,
 ) -> Result<Outcome, CellError> {
-    let surface_frame = Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * bench.plate;
+    let surface_frame =
+        Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * bench.plate;
     let arm = SimulatedIrp6::new(bench.arm.clone(), &bench.park);
     let shaft = arm.shaft();
     let activity = Rc::new(Shared::new(Activity::default()));
@@ -85,6 +93,7 @@ pub fn engrave(
         shaft.clone(),
         Rc::clone(&activity),
         &surface_frame,
+        settings.depth,
         Deviation::new(drawing, &sampling, Corners::Counted),
         HeightMap::new(plate, CELL, settings.cutter),
         Trace::new(TRACE_TOLERANCE),
@@ -106,12 +115,12 @@ pub fn engrave(
         .tool(bench.tool)
         .program(|ecp| job.run(ecp))
         .observe(Execution::observer(&execution));
-    let shown = Rc::clone(&activity);
+    let watched = Rc::clone(&execution);
     let report = Cell::new(Duration::from_secs_f64(settings.step))
         .robot(irp6)
         .sensor(SensorSetup::new("probe", probe).of("irp6"))
         .program(coordinate)
-        .on_step(move |step, _| on_step(step, shown.get()))
+        .on_step(move |step, _| on_step(step, watched.borrow().cut_length))
         .run()?;
     let height_found = activity.get().plate_height.map(|height| height - bench.plate.translation.z);
     // The cell is gone, and with it the observer: this is the only owner left.

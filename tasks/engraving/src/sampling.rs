@@ -162,8 +162,11 @@ impl Sampling {
             let spans: Vec<f64> = points.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
             let too_long = |i: usize| {
                 let beside = [i.checked_sub(1), Some(i + 1)];
-                let shortest =
-                    beside.into_iter().flatten().filter_map(|k| spans.get(k)).fold(f64::INFINITY, |a, b| a.min(*b));
+                let shortest = beside
+                    .into_iter()
+                    .flatten()
+                    .filter_map(|k| spans.get(k))
+                    .fold(f64::INFINITY, |a, b| a.min(*b));
                 spans[i] > GRADING * shortest && spans[i] > 2.0 * self.closest
             };
             let halved: Vec<bool> = (0..spans.len()).map(too_long).collect();
@@ -266,6 +269,7 @@ impl Iterator for Samples<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::deviation::{Corners, Deviation};
     use crate::drawing::{EllipticalArc, Limits, read_file};
     use std::path::Path;
 
@@ -277,30 +281,26 @@ mod tests {
         Piece::Line { from: a.into(), to: b.into() }
     }
 
-    /// The largest distance of the spline through a stroke's samples from the stroke, by brute force.
+    /// The largest distance of the spline through a stroke's samples from the stroke.
     fn worst(stroke: &Stroke) -> f64 {
-        let exact = stroke.flattened(1e-4);
-        let samples = Sampling::default().stroke(stroke, 0);
-        let mut worst = 0.0f64;
+        let sampling = Sampling::default();
+        let drawing = Drawing { strokes: vec![stroke.clone()] };
+        let mut deviation = Deviation::new(&drawing, &sampling, Corners::Counted);
+        let samples = sampling.stroke(stroke, 0);
         let mut run = vec![samples[0].position];
         for sample in &samples[1..] {
             run.push(sample.position);
             if sample.mark != Mark::Smooth {
                 let spline = NaturalSpline::new(std::mem::take(&mut run)).unwrap();
                 for span in 0..spline.spans() {
-                    for k in 0..8 {
-                        let q = spline.point(span, f64::from(k) / 8.0);
-                        let d = exact
-                            .windows(2)
-                            .map(|w| crate::drawing::distance_to_segment(q, w[0], w[1]))
-                            .fold(f64::MAX, f64::min);
-                        worst = worst.max(d);
+                    for k in 0..16 {
+                        deviation.observe(spline.point(span, f64::from(k) / 16.0), 0.0);
                     }
                 }
                 run.push(sample.position);
             }
         }
-        worst
+        deviation.report().max
     }
 
     #[test]
@@ -331,12 +331,13 @@ mod tests {
     #[test]
     fn splines_through_the_shipped_drawings_stay_within_a_hundredth_of_a_millimetre() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/drawings");
-        let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let mut files: Vec<_> =
+            std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
         files.sort();
         assert!(!files.is_empty());
         for file in files {
             let import = read_file(&file, Limits::default()).unwrap();
-            for stroke in import.drawing.strokes.iter().take(12) {
+            for stroke in import.drawing.strokes.iter() {
                 let worst = worst(stroke);
                 assert!(worst < 0.005, "{}: {worst}", file.display());
             }
@@ -345,7 +346,8 @@ mod tests {
 
     #[test]
     fn corners_are_found_where_the_tangent_turns() {
-        let pieces = vec![line([0.0, 0.0], [5.0, 0.0]), line([5.0, 0.0], [10.0, 0.1]), line([10.0, 0.1], [10.0, 9.0])];
+        let pieces =
+            vec![line([0.0, 0.0], [5.0, 0.0]), line([5.0, 0.0], [10.0, 0.1]), line([10.0, 0.1], [10.0, 9.0])];
         assert_eq!(Sampling::default().corners(&stroke(pieces)), vec![Vec2::new(10.0, 0.1)]);
     }
 }

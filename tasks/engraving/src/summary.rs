@@ -27,7 +27,7 @@ pub struct PathDeviation {
     /// The largest distance [mm].
     pub max_mm: Bounded,
     /// The root of the mean square [mm].
-    pub rms_mm: f64,
+    pub rms_mm: Bounded,
     /// Where the largest is [mm], in plate coordinates.
     pub worst_at_mm: [f64; 2],
     /// Points measured.
@@ -37,12 +37,12 @@ pub struct PathDeviation {
 }
 
 impl PathDeviation {
-    /// From a measurement, with the bound that it must keep [mm].
+    /// From a measurement, with the bounds that its maximum and its RMS must keep [mm].
     #[must_use]
-    pub fn new(report: &crate::deviation::DeviationReport, limit_mm: f64) -> Self {
+    pub fn new(report: &crate::deviation::DeviationReport, limit_mm: f64, rms_limit_mm: f64) -> Self {
         Self {
             max_mm: Bounded { value: report.max, limit: limit_mm },
-            rms_mm: report.rms,
+            rms_mm: Bounded { value: report.rms, limit: rms_limit_mm },
             worst_at_mm: report.worst.map_or([0.0; 2], |w| [w.position.x, w.position.y]),
             points: report.points,
             excepted: report.excepted,
@@ -136,18 +136,30 @@ impl Summary {
                     bound.value, deviation.worst_at_mm[0], deviation.worst_at_mm[1], bound.limit
                 ));
             }
+            let bound = deviation.rms_mm;
+            if !bound.holds() {
+                broken
+                    .push(format!("{name} path: {:.4} mm RMS, more than {:.4} mm", bound.value, bound.limit));
+            }
         }
         for joint in &self.joints {
-            for (name, share) in [("velocity", joint.velocity_share), ("acceleration", joint.acceleration_share)] {
+            for (name, share) in
+                [("velocity", joint.velocity_share), ("acceleration", joint.acceleration_share)]
+            {
                 if !(Bounded { value: share, limit: 1.0 }).holds() {
-                    broken.push(format!("joint {}: {name} at {:.0} % of its limit", joint.joint, share * 100.0));
+                    broken.push(format!(
+                        "joint {}: {name} at {:.0} % of its limit",
+                        joint.joint,
+                        share * 100.0
+                    ));
                 }
             }
         }
         if let Some(height) = self.plate_height
             && !height.holds()
         {
-            broken.push(format!("plate found at {:.3} mm, it is at {:.3} mm", height.found_mm, height.true_mm));
+            broken
+                .push(format!("plate found at {:.3} mm, it is at {:.3} mm", height.found_mm, height.true_mm));
         }
         self.passed = broken.is_empty();
         self.broken = broken;
@@ -170,25 +182,59 @@ impl Summary {
         let mut rows: Vec<(String, String, Option<bool>)> = Vec::new();
         let mut row = |name: &str, value: String, holds| rows.push((name.to_owned(), value, holds));
         let [width, height] = self.drawing_size_mm;
-        row("drawing", format!("{}, {width:.1} x {height:.1} mm, {} strokes", self.source, self.strokes), None);
-        row("path", format!("{:.1} mm cut, {:.1} mm travel", self.cut_length_mm, self.travel_length_mm), None);
-        row("steps", format!("{} of {} ms from {} points", self.steps, self.step_s * 1e3, self.samples), None);
-        row("time", format!("{:.1} s simulated in {:.2} s, {:.0} x real time", self.simulated_s, self.wall_s, self.speed_up()), None);
+        row(
+            "drawing",
+            format!("{}, {width:.1} x {height:.1} mm, {} strokes", self.source, self.strokes),
+            None,
+        );
+        row(
+            "path",
+            format!("{:.1} mm cut, {:.1} mm travel", self.cut_length_mm, self.travel_length_mm),
+            None,
+        );
+        row(
+            "steps",
+            format!("{} of {} ms from {} points", self.steps, self.step_s * 1e3, self.samples),
+            None,
+        );
+        row(
+            "time",
+            format!(
+                "{:.1} s simulated in {:.2} s, {:.0} x real time",
+                self.simulated_s,
+                self.wall_s,
+                self.speed_up()
+            ),
+            None,
+        );
         for (name, d) in [("demanded path", &self.demanded), ("executed path", &self.executed)] {
-            let text = format!("max {:.4} mm (bound {:.4}), rms {:.4} mm", d.max_mm.value, d.max_mm.limit, d.rms_mm);
-            row(name, text, Some(d.max_mm.holds()));
+            let text = format!(
+                "max {:.4} mm (bound {:.4}), rms {:.4} mm (bound {:.4})",
+                d.max_mm.value, d.max_mm.limit, d.rms_mm.value, d.rms_mm.limit
+            );
+            row(name, text, Some(d.max_mm.holds() && d.rms_mm.holds()));
         }
         let peak = |share: fn(&JointPeaks) -> f64| {
-            self.joints.iter().max_by(|a, b| share(a).total_cmp(&share(b))).map(|j| (j.joint.as_str(), share(j)))
+            self.joints
+                .iter()
+                .max_by(|a, b| share(a).total_cmp(&share(b)))
+                .map(|j| (j.joint.as_str(), share(j)))
         };
-        for (name, found) in [("peak velocity", peak(|j| j.velocity_share)), ("peak acceleration", peak(|j| j.acceleration_share))] {
+        for (name, found) in [
+            ("peak velocity", peak(|j| j.velocity_share)),
+            ("peak acceleration", peak(|j| j.acceleration_share)),
+        ] {
             if let Some((joint, share)) = found {
                 row(name, format!("{:.1} % of the limit, joint {joint}", share * 100.0), Some(share <= 1.0));
             }
         }
         if let Some(h) = self.plate_height {
             let error = h.found_mm - h.true_mm;
-            row("plate height", format!("{:.3} mm, {:+.1} µm from true", h.found_mm, error * 1e3), Some(h.holds()));
+            row(
+                "plate height",
+                format!("{:.3} mm, {:+.1} µm from true", h.found_mm, error * 1e3),
+                Some(h.holds()),
+            );
         }
         let mut out = String::new();
         for (name, value, holds) in rows {
@@ -213,7 +259,7 @@ mod tests {
     fn summary() -> Summary {
         let deviation = PathDeviation {
             max_mm: Bounded { value: 0.004, limit: 0.01 },
-            rms_mm: 0.001,
+            rms_mm: Bounded { value: 0.001, limit: 0.01 },
             worst_at_mm: [1.0, 2.0],
             points: 100,
             excepted: 0,

@@ -97,7 +97,8 @@ impl Trace {
         }
         let width = (self.tolerance / distance).min(1.0).asin();
         let Some(sector) = &mut self.sector else {
-            self.sector = Some(Sector { reference: gap / distance, low: -width, high: width, reached: distance });
+            self.sector =
+                Some(Sector { reference: gap / distance, low: -width, high: width, reached: distance });
             return true;
         };
         let angle = crate::drawing::cross(sector.reference, gap).atan2(sector.reference.dot(&gap));

@@ -87,8 +87,7 @@ impl Stroke {
 }
 
 /// The distance of a point from a segment [mm].
-#[must_use]
-pub(crate) fn distance_to_segment(p: Vec2, a: Vec2, b: Vec2) -> f64 {
+fn distance_to_segment(p: Vec2, a: Vec2, b: Vec2) -> f64 {
     let along = b - a;
     let squared = along.norm_squared();
     let t = if squared > 0.0 { ((p - a).dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };

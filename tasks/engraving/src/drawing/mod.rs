@@ -24,8 +24,6 @@ pub mod svg;
 pub use affine::Affine;
 pub use bezier::RationalBezier;
 pub use ellipse::EllipticalArc;
-#[cfg(test)]
-pub(crate) use flattening::distance_to_segment;
 pub use import::{Import, read_bytes, read_file, read_str};
 pub use joining::join_touching;
 pub use limits::{Budget, Limits};

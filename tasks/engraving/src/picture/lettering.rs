@@ -54,7 +54,9 @@ impl Pen {
         // Characters that the font lacks are left out of a caption.
         let plain: String = text.chars().filter(|c| c.is_ascii() && !c.is_control()).collect();
         let written = Font::open("futural").and_then(|font| font.write(&plain, CAPITAL));
-        written.map(|import| import.drawing.strokes.iter().map(|s| s.flattened(0.02)).collect()).unwrap_or_default()
+        written
+            .map(|import| import.drawing.strokes.iter().map(|s| s.flattened(0.02)).collect())
+            .unwrap_or_default()
     }
 
     fn width(&self, text: &str) -> f64 {

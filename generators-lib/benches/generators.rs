@@ -1,4 +1,4 @@
-//! Times of the stepping functions: `cargo run --release -p mrroc-generators --example timing`.
+//! Times of the stepping functions: `cargo bench -p mrroc-generators --bench generators`.
 
 use mrroc_generators::bspline::*;
 use mrroc_generators::feed::{FedPath, FeedLimits};

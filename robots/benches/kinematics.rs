@@ -1,5 +1,5 @@
 //! Prints how long kinematics and one servo period of the simulated arm take on this machine.
-//! Run with `cargo run --release -p mrroc-robots --example timing`.
+//! Run with `cargo bench -p mrroc-robots --bench kinematics`.
 
 use std::hint::black_box;
 use std::time::Instant;
