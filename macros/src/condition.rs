@@ -5,10 +5,11 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 
 use crate::attribute::{Arguments, Kind};
-use crate::class::Level;
+use crate::class::{Level, Role};
 use crate::emit::{self, Call, ConditionImpl, Target};
 use crate::errors::Errors;
-use crate::generator::{analyse_method, check_no_order};
+use crate::fallback;
+use crate::generator::analyse_method;
 use crate::item::{self, Block, Function, Item};
 use crate::parameters;
 use crate::signature::{Expected, Roles, analyse};
@@ -67,7 +68,7 @@ fn of_function(
     let doc = class_line(&roles, target.level);
     let unit_type = roles.state.is_none().then(|| emit::unit_type(function, &doc));
     if !errors.is_empty() {
-        let fallback = emit::fallback(&target, Kind::Condition, None);
+        let fallback = fallback::implementation(&target, Kind::Condition, None);
         let errors = errors.into_tokens();
         return quote!(#item #errors #unit_type #fallback);
     }
@@ -97,7 +98,7 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: &Tok
         doc: None,
     };
     let Some(roles) = roles.filter(|_| errors.is_empty()) else {
-        let fallback = emit::fallback(&target, Kind::Condition, None);
+        let fallback = fallback::implementation(&target, Kind::Condition, None);
         let errors = errors.into_tokens();
         return quote!(#item #errors #fallback);
     };
@@ -124,4 +125,16 @@ fn implementation(target: Target<'_>, path: TokenStream, roles: &Roles) -> Token
 /// The line of documentation that names the class.
 fn class_line(roles: &Roles, level: Level) -> String {
     format!("Condition class: {level} `{}`.", roles.uses.in_paper(level))
+}
+
+/// Nobody gives orders to an MP.
+fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
+    if level == Some(Level::Mp)
+        && let Some(at) = roles.place(Role::Order)
+    {
+        errors.add(syn::Error::new(
+            at,
+            "nobody orders an MP: a condition of an MP takes some of `&mut Dwell`, `&State<(Rnt, Polycrank)>`, `&Reading<(WristForce,)>` and `Tick`",
+        ));
+    }
 }

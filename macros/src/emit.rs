@@ -1,11 +1,10 @@
 //! Prints implementations of the traits. Every path of the runtime that an expansion uses is named here.
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote, quote_spanned};
 use syn::spanned::Spanned;
-use syn::{Attribute, ExprPath, Generics, Type};
+use syn::{Attribute, ExprPath, Generics};
 
-use crate::attribute::Kind;
 use crate::class::{Level, Role, Uses};
 use crate::signature::Roles;
 
@@ -90,7 +89,7 @@ impl Call<'_> {
 }
 
 impl Target<'_> {
-    fn level(&self) -> TokenStream {
+    pub fn level(&self) -> TokenStream {
         let krate = &self.krate;
         match self.level {
             Level::Mp => quote!(#krate::Level::Mp),
@@ -114,7 +113,7 @@ impl Target<'_> {
     }
 
     /// The arguments of a trait's method; those that are not `used` have no name.
-    fn arguments(&self, used: impl Fn(Role) -> bool) -> TokenStream {
+    pub fn arguments(&self, used: impl Fn(Role) -> bool) -> TokenStream {
         let krate = &self.krate;
         let name = |role| {
             if used(role) { argument(role, Span::call_site()).to_token_stream() } else { quote!(_) }
@@ -134,32 +133,52 @@ impl Target<'_> {
     /// `assumed` are the bounds on the lists. The compiler has checked them already, at the signature of the
     /// user's function; assumed here, they are not reported a second and a third time. The lifetime is what
     /// makes the compiler accept them as assumptions.
-    fn implement(&self, trait_name: &str, assumed: &[TokenStream], items: &TokenStream) -> TokenStream {
+    pub fn implement(&self, trait_name: &str, assumed: &[TokenStream], items: &TokenStream) -> TokenStream {
         let Target { krate, self_type, cfgs, .. } = self;
         let trait_name = Ident::new(trait_name, Span::call_site());
-        let mut generics = self.generics.clone();
-        if !assumed.is_empty() {
-            let predicates = &mut generics.make_where_clause().predicates;
-            for bound in assumed {
-                predicates.push(syn::parse_quote!(for<'seen_above> #bound));
-            }
-        }
-        let (generics, _, where_clause) = generics.split_for_impl();
+        let (generics, _, _) = self.generics.split_for_impl();
+        let assumed = assumed.iter().map(|bound| quote!(for<'seen_above> #bound));
+        let where_clause = where_clause(&self.generics, assumed);
         let doc = self.doc.as_ref().map(|doc| {
             let doc = format!(" {doc}");
             quote!(#[doc = #doc])
         });
+        // At the state's type, where a second implementation is reported.
+        let implement = quote_spanned!(self_type.span()=> impl);
+        let mut body = Group::new(Delimiter::Brace, items.clone());
+        body.set_span(self_type.span());
         quote! {
             #(#cfgs)*
             const _: () = {
                 #doc
                 #[automatically_derived]
-                impl #generics #krate::#trait_name for #self_type #where_clause {
-                    #items
-                }
+                #implement #generics #krate::#trait_name for #self_type #where_clause #body
             };
         }
     }
+}
+
+/// The bounds of `generics`, and `more`.
+pub fn where_clause(generics: &Generics, more: impl IntoIterator<Item = TokenStream>) -> Option<TokenStream> {
+    let written = generics.where_clause.iter().flat_map(|bounds| &bounds.predicates);
+    let bounds: Vec<_> = written.map(ToTokens::to_token_stream).chain(more).collect();
+    (!bounds.is_empty()).then(|| quote!(where #(#bounds,)*))
+}
+
+/// The tokens, all placed at `span`.
+pub fn placed(tokens: TokenStream, span: Span) -> TokenStream {
+    let place = |token| match token {
+        TokenTree::Group(group) => {
+            let mut placed = Group::new(group.delimiter(), self::placed(group.stream(), span));
+            placed.set_span(span);
+            TokenTree::Group(placed)
+        }
+        mut token => {
+            token.set_span(span);
+            token
+        }
+    };
+    tokens.into_iter().map(place).collect()
 }
 
 /// The arguments in the order of the trait's methods.
@@ -352,40 +371,4 @@ pub fn unit_type(function: &crate::item::Function, doc: &str) -> TokenStream {
         #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::default::Default)]
         #visibility struct #name {}
     }
-}
-
-/// After a mistake: an implementation that accepts any lists and computes nothing, so that the mistake is the
-/// only one reported.
-pub fn fallback(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> TokenStream {
-    let krate = &target.krate;
-    let level = target.level();
-    let anything = quote!(#krate::__private1::Anything);
-    let robots = match (kind, robot) {
-        (Kind::Condition, _) => quote!(#krate::AnyRobots),
-        (Kind::Generator, Some(robot)) => quote!(#robot),
-        (Kind::Generator, None) => anything.clone(),
-    };
-    let arguments = target.arguments(|_| false);
-    let types = quote! {
-        type Robots = #robots;
-        type Sensors = #anything;
-        type Order = ();
-        const CLASS: #krate::Class = #krate::Class::new(#level, #krate::Uses::NOTHING);
-    };
-    let body = quote!({ ::core::unreachable!() });
-    if kind == Kind::Condition {
-        let items = quote! {
-            #types
-            fn is_met(#arguments) -> ::core::result::Result<bool, #krate::Fault> #body
-        };
-        return target.implement("Condition", &[], &items);
-    }
-    let step = quote!(::core::result::Result<#krate::Step<Self::Robots, Self::Language>, #krate::Fault>);
-    let items = quote! {
-        #types
-        type Language = #krate::Motion;
-        fn first_step(#arguments) -> #step #body
-        fn next_step(#arguments) -> #step #body
-    };
-    target.implement("Generator", &[], &items)
 }

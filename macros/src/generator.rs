@@ -8,9 +8,11 @@ use crate::attribute::{Arguments, Kind};
 use crate::class::{Level, Role, Uses};
 use crate::emit::{self, Call, GeneratorImpl, Source, Target};
 use crate::errors::Errors;
+use crate::fallback;
 use crate::item::{self, Block, Function, Item};
 use crate::parameters;
-use crate::signature::{Expected, Roles, analyse, text};
+use crate::signature::{Expected, Roles, analyse};
+use crate::types::text;
 
 /// Expands the attribute.
 pub fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
@@ -72,7 +74,7 @@ fn of_function(
     let unit_type = roles.state.is_none().then(|| emit::unit_type(function, &doc));
 
     let Some(outcome) = roles.outcome.as_ref().filter(|_| errors.is_empty()) else {
-        let fallback = emit::fallback(&target, Kind::Generator, robot_of_ecp(arguments, &roles));
+        let fallback = fallback::implementation(&target, Kind::Generator, robot_of_ecp(arguments, &roles));
         let errors = errors.into_tokens();
         return quote!(#item #errors #unit_type #fallback);
     };
@@ -145,7 +147,7 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: &Tok
         };
         let methods: Vec<Roles> = block.methods.iter().map(roles_of).collect();
         let robot = methods.iter().find_map(|roles| robot_of_ecp(arguments, roles));
-        let fallback = emit::fallback(&target, Kind::Generator, robot);
+        let fallback = fallback::implementation(&target, Kind::Generator, robot);
         let errors = errors.into_tokens();
         return quote!(#item #errors #fallback);
     };
@@ -214,7 +216,7 @@ fn check_class(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
 }
 
 /// Nobody gives orders to an MP.
-pub fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
+fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
     if level == Some(Level::Mp)
         && let Some(at) = roles.place(Role::Order)
     {

@@ -19,6 +19,7 @@ mod class;
 mod condition;
 mod emit;
 mod errors;
+mod fallback;
 mod generator;
 mod item;
 mod parameters;
@@ -26,6 +27,7 @@ mod payload;
 mod signature;
 #[cfg(test)]
 mod tests;
+mod types;
 
 /// Makes a generator of a step function: what a **Move** needs to know of a motion.
 ///

@@ -2,7 +2,7 @@
 
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::ToTokens;
-use syn::{GenericParam, Generics, Signature, Type};
+use syn::{GenericParam, Generics, Signature, Type, WherePredicate};
 
 use crate::errors::Errors;
 
@@ -11,18 +11,15 @@ pub fn of_state(signature: &Signature, state: Option<&Type>, errors: &mut Errors
     let mut generics = signature.generics.clone();
     let tokens = state.map(ToTokens::to_token_stream).unwrap_or_default();
     for parameter in &signature.generics.params {
-        let ident = match parameter {
-            GenericParam::Type(parameter) => &parameter.ident,
-            GenericParam::Const(parameter) => &parameter.ident,
-            GenericParam::Lifetime(_) => continue,
-        };
-        if !mentions(tokens.clone(), ident) {
+        let ident = ident(parameter);
+        let is_lifetime = matches!(parameter, GenericParam::Lifetime(_));
+        if !is_lifetime && !mentions(tokens.clone(), ident) {
             errors.at(
                 ident,
                 match state {
                     Some(state) => format!(
                         "`{ident}` is not in the state's type, so a call could not say which it is: hold a `PhantomData<{ident}>` in `{}`",
-                        crate::signature::text(state)
+                        crate::types::text(state)
                     ),
                     None => format!(
                         "without a state a call could not say which `{ident}`: give the function one that names it, `c: &mut Hold<{ident}>`"
@@ -31,20 +28,26 @@ pub fn of_state(signature: &Signature, state: Option<&Type>, errors: &mut Errors
             );
         }
     }
-    // A lifetime that only the reference to the state has does not reach the implementation.
-    generics.params = generics
-        .params
-        .into_iter()
-        .filter(|parameter| match parameter {
-            GenericParam::Lifetime(lifetime) => mentions(tokens.clone(), &lifetime.lifetime.ident),
-            GenericParam::Type(parameter) => mentions(tokens.clone(), &parameter.ident),
-            GenericParam::Const(parameter) => mentions(tokens.clone(), &parameter.ident),
-        })
-        .collect();
-    if generics.params.is_empty() {
-        generics.where_clause = None;
+    // A lifetime that only the reference to the state has does not reach the implementation, and no parameter
+    // that was a mistake does.
+    let (kept, left): (Vec<_>, Vec<_>) =
+        generics.params.into_iter().partition(|parameter| mentions(tokens.clone(), ident(parameter)));
+    generics.params = kept.into_iter().collect();
+    if let Some(bounds) = &mut generics.where_clause {
+        let predicates = core::mem::take(&mut bounds.predicates);
+        let names_left =
+            |bound: &WherePredicate| left.iter().any(|left| mentions(bound.to_token_stream(), ident(left)));
+        bounds.predicates = predicates.into_iter().filter(|bound| !names_left(bound)).collect();
     }
     generics
+}
+
+fn ident(parameter: &GenericParam) -> &Ident {
+    match parameter {
+        GenericParam::Type(parameter) => &parameter.ident,
+        GenericParam::Const(parameter) => &parameter.ident,
+        GenericParam::Lifetime(parameter) => &parameter.lifetime.ident,
+    }
 }
 
 /// Whether the tokens name `ident`.

@@ -3,8 +3,9 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::{quote, quote_spanned};
 use syn::spanned::Spanned;
-use syn::{Data, DeriveInput, Fields, Index, Member, Path, Type, parse_quote};
+use syn::{Data, DeriveInput, Fields, Index, Member, Path, Type};
 
+use crate::emit::{placed, where_clause};
 use crate::errors::Errors;
 
 /// Expands the derive.
@@ -44,27 +45,21 @@ pub fn expand(item: TokenStream) -> TokenStream {
     };
     let tight = matches!(input.data, Data::Struct(_));
     let name = &input.ident;
-    let mut generics = input.generics.clone();
     let is_valid = errors.is_empty();
-    if !is_valid {
-        generics.make_where_clause().predicates.push(parse_quote!(Self: ::core::marker::Copy + 'static));
-    }
-    let (parameters, arguments, where_clause) = generics.split_for_impl();
+    let (parameters, arguments, _) = input.generics.split_for_impl();
+    let plain = (!is_valid).then(|| quote!(Self: ::core::marker::Copy + 'static));
+    let bounds = where_clause(&input.generics, plain.clone());
     // What `Wire` lacks is reported with `Wire`; `Payload` assumes it (the lifetime makes that possible).
-    let mut with_wire = generics.clone();
-    with_wire.make_where_clause().predicates.push(parse_quote!(for<'seen_above> Self: #krate::Wire));
-    let with_wire = &with_wire.where_clause;
+    let with_wire = quote!(for<'seen_above> Self: #krate::Wire);
+    let bounds_with_wire = where_clause(&input.generics, plain.into_iter().chain([with_wire]));
     let text = name.to_string();
     let fields = match &input.data {
         Data::Struct(data) if is_valid && !data.fields.is_empty() => Some(fields(&krate, &data.fields)),
         _ => None,
     };
     let fits = fields.is_some().then(|| {
-        let message =
-            format!("a message holds at most 56 words, `{text}` takes more: send less, or send it in parts");
-        quote_spanned! {name.span()=>
-            const _: () = ::core::assert!(__LEN <= #krate::WORDS, #message);
-        }
+        let fits = quote!(const _: () = #krate::__private1::fits_a_message(__LEN););
+        placed(fits, name.span())
     });
     let body = if is_valid {
         body
@@ -87,11 +82,11 @@ pub fn expand(item: TokenStream) -> TokenStream {
         const _: () = {
             #fields
             #[automatically_derived]
-            impl #parameters #krate::Wire for #name #arguments #where_clause {
+            impl #parameters #krate::Wire for #name #arguments #bounds {
                 #body
             }
             #[automatically_derived]
-            impl #parameters #krate::Payload for #name #arguments #with_wire {
+            impl #parameters #krate::Payload for #name #arguments #bounds_with_wire {
                 const NAME: &'static str = #text;
                 const TIGHT: bool = #tight;
             }

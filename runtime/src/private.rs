@@ -4,7 +4,7 @@
 use crate::image::Sensor;
 use crate::list::{RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList, SensorsOf};
 use crate::robot::Robot;
-use crate::wire::{BadWords, Wire};
+use crate::wire::{BadWords, WORDS, Wire};
 
 pub use crate::list::PayloadType;
 pub use crate::step::{IntoStep, IntoVerdict};
@@ -45,6 +45,17 @@ impl<T> Field<T> {
         *words = rest;
         (self.get)(own)
     }
+}
+
+/// Whether a payload of `len` words fits a message; the compiler asks.
+///
+/// # Panics
+/// When it does not.
+pub const fn fits_a_message(len: usize) {
+    assert!(
+        len <= WORDS,
+        "a message holds at most 56 words, this payload takes more: send less, or in parts"
+    );
 }
 
 /// The lists of a generator whose attribute reported a mistake: goes with all handles, so that the calls of

@@ -16,6 +16,11 @@ pub const WORDS: usize = 56;
 pub struct BadWords;
 
 /// A plain value of a fixed number of words.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no plain value",
+    label = "cannot be sent as words",
+    note = "plain are numbers, `bool`, arrays and vectors of them, poses, and types that `#[derive(Clone, Copy, mrroc::Payload)]`"
+)]
 pub trait Wire: Copy + 'static {
     /// Words taken, at most [`WORDS`].
     const LEN: usize;

@@ -2,15 +2,15 @@
 //!
 //! Every file of `fail/` is a program. Its head says what the mistake is and, where a text can be demanded,
 //! what the error must say (``says: `(Rnt,)` ``); a program with more errors than one says why (`errors: 2, ..`).
-//! One run of `cargo check` judges them all. The snapshots hold place, code, message and labels, not the
-//! compiler's rendering, so that they outlive its versions.
+//! One run of `cargo check` judges them all. The snapshots hold the place, the code, and what the macros and the
+//! runtime say; not what the compiler says, nor how it prints it, so that they outlive its versions.
 #![allow(missing_docs)]
 
 use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
-use std::{env, fs};
 
 use serde_json::Value;
 
@@ -30,7 +30,8 @@ fn every_mistake_is_one_error_that_gives_the_form_to_write() {
     let mut failures = String::new();
     for (name, source) in &cases {
         let errors = errors.get(name).map(Vec::as_slice).unwrap_or_default();
-        let text = errors.concat();
+        let text: String = errors.iter().map(|error| error.said.as_str()).collect();
+        let ours: String = errors.iter().map(|error| error.ours.as_str()).collect();
         let expected = head(source, "errors: ").next().map_or(1, |line| {
             let (number, reason) = line.split_once(", ").expect("a number of errors and its reason");
             assert!(!reason.is_empty());
@@ -46,7 +47,7 @@ fn every_mistake_is_one_error_that_gives_the_form_to_write() {
         }
         let mistake = source.lines().next().unwrap().trim_start_matches("//! ");
         insta::with_settings!({ snapshot_path => "snapshots", prepend_module_to_snapshot => false, omit_expression => true, description => mistake }, {
-            insta::assert_snapshot!(name.as_str(), text);
+            insta::assert_snapshot!(name.as_str(), ours);
         });
     }
     assert!(failures.is_empty(), "\n{failures}");
@@ -58,7 +59,7 @@ fn head<'a>(source: &'a str, key: &'a str) -> impl Iterator<Item = &'a str> {
 }
 
 /// Checks all programs as the examples of one package; returns the errors of each.
-fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<String>> {
+fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<Mistake>> {
     let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("diagnostics");
     let _ = fs::remove_dir_all(&scratch);
     fs::create_dir_all(scratch.join("examples")).unwrap();
@@ -82,8 +83,7 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     }
 
     // The workspace's own target directory, so that the dependencies are there already.
-    let target = env::var_os("CARGO_TARGET_DIR")
-        .map_or_else(|| Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_owned(), PathBuf::from);
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
     let output = Command::new(env!("CARGO"))
         .args(["check", "--offline", "--keep-going", "--message-format=json", "--examples"])
         .current_dir(&scratch)
@@ -95,7 +95,7 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     let ran = messages.iter().any(|message| message["target"]["kind"][0] == "example");
     assert!(ran, "cargo did not come to the programs:\n{}", String::from_utf8_lossy(&output.stderr));
 
-    let mut errors = BTreeMap::<String, Vec<String>>::new();
+    let mut errors = BTreeMap::<String, Vec<Mistake>>::new();
     // What cargo prints: it leaves out what it has printed already, word for word.
     let mut printed = HashSet::new();
     let is_new =
@@ -104,45 +104,64 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
         let text = message["message"]["message"].as_str().unwrap();
         if !text.starts_with("aborting due to") {
             let case = message["target"]["name"].as_str().unwrap();
-            errors.entry(case.to_owned()).or_default().push(summary(&message["message"]));
+            errors.entry(case.to_owned()).or_default().push(Mistake::of(&message["message"]));
         }
     }
     errors
 }
 
-/// Place, code, message, label and our own notes of an error.
-fn summary(error: &Value) -> String {
-    let mut text = String::new();
-    for span in error["spans"].as_array().unwrap().iter().filter(|span| span["is_primary"] == true) {
-        let marked = span["text"][0]["text"].as_str().unwrap_or_default();
-        let column = |key: &str| usize::try_from(span[key].as_u64().unwrap()).unwrap() - 1;
-        let one_line = span["line_start"] == span["line_end"];
-        let end = if one_line { column("column_end") } else { marked.chars().count() };
-        let marked: String = marked.chars().take(end).skip(column("column_start")).collect();
-        let (line, column) = (&span["line_start"], &span["column_start"]);
-        writeln!(text, "{line}:{column} `{marked}`").unwrap();
-        if let Some(label) = span["label"].as_str() {
-            writeln!(text, "  label: {label}").unwrap();
+/// One error of the compiler.
+struct Mistake {
+    /// Place, code and all that it says.
+    said: String,
+    /// The part of it that is not the compiler's to word: the place, and what the macros and the runtime say.
+    ours: String,
+}
+
+impl Mistake {
+    fn of(error: &Value) -> Mistake {
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let code = text(&error["code"]["code"]);
+        // Errors without a code come from the macros; unsatisfied bounds have texts of ours.
+        let is_ours = code.is_empty() || code == "E0277";
+        let mut lines = Vec::new();
+        let head = if code.is_empty() { "error".to_owned() } else { format!("error[{code}]") };
+        lines.push((true, if is_ours { format!("{head}: {}", text(&error["message"])) } else { head }));
+        lines.push((false, text(&error["message"])));
+        for span in error["spans"].as_array().unwrap().iter().filter(|span| span["is_primary"] == true) {
+            lines.push((true, place(span)));
+            lines.push((is_ours, format!("  label: {}", text(&span["label"]))));
         }
-    }
-    let code = error["code"]["code"].as_str().map_or_else(String::new, |code| format!("[{code}]"));
-    let message = error["message"].as_str().unwrap();
-    let mut text = format!("error{code}: {message}\n{text}");
-    for child in error["children"].as_array().unwrap() {
-        let (level, message) = (child["level"].as_str().unwrap(), child["message"].as_str().unwrap());
-        // Where a bound comes from and what else implements it is the compiler's to word.
-        let own = child["spans"].as_array().is_none_or(Vec::is_empty)
-            && !["the following", "required", "the full", "consider", "this error orig"]
-                .iter()
-                .any(|start| message.starts_with(start));
-        for span in child["spans"].as_array().into_iter().flatten() {
-            if let Some(replacement) = span["suggested_replacement"].as_str() {
-                writeln!(text, "  {level}: {message}: `{replacement}`").unwrap();
+        for child in error["children"].as_array().unwrap() {
+            let (level, message) = (text(&child["level"]), text(&child["message"]));
+            let spans = child["spans"].as_array().unwrap();
+            let is_note = is_ours && level == "note" && spans.is_empty() && !is_of_compiler(&message);
+            lines.push((is_note, format!("  {level}: {message}")));
+            for replacement in spans.iter().filter_map(|span| span["suggested_replacement"].as_str()) {
+                lines.push((false, format!("  {level}: {message}: `{replacement}`")));
             }
         }
-        if own {
-            writeln!(text, "  {level}: {message}").unwrap();
-        }
+        lines.retain(|(_, line)| !line.trim().is_empty() && line != "  label: ");
+        let of = |all: bool| -> String {
+            lines.iter().filter(|(ours, _)| all || *ours).map(|(_, line)| format!("{line}\n")).collect()
+        };
+        Mistake { said: of(true), ours: of(false) }
     }
-    text
+}
+
+/// Notes of the compiler's own beside ours.
+fn is_of_compiler(note: &str) -> bool {
+    ["required", "the full name", "consider", "this error originates"]
+        .iter()
+        .any(|start| note.starts_with(start))
+}
+
+/// Line, column and the marked text, up to the end of the line.
+fn place(span: &Value) -> String {
+    let number = |key: &str| usize::try_from(span[key].as_u64().unwrap()).unwrap();
+    let (line, start) = (number("line_start"), number("column_start"));
+    let end = if number("line_end") == line { number("column_end") } else { usize::MAX };
+    let text = span["text"][0]["text"].as_str().unwrap_or_default();
+    let marked: String = text.chars().take(end - 1).skip(start - 1).collect();
+    format!("{line}:{start} `{marked}`")
 }

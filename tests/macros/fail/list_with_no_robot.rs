@@ -12,7 +12,4 @@ fn carry(_: &mut Carry) -> Step<(Rnt, WristForce)> {
     Step::Done
 }
 
-fn main() {
-    
-    
-}
+fn main() {}

@@ -6,7 +6,7 @@ use mrroc::*;
 
 #[generator(mp)]
 fn follow(e: &State<(Rnt, Polycrank)>, v: &Reading<(WristForce,)>) -> Always<(Rnt, Polycrank)> {
-    let _ = (e, v,);
+    let _ = (e, v);
     Always((Demand::hold(), Demand::hold()))
 }
 

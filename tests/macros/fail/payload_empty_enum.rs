@@ -7,7 +7,6 @@ use mrroc::*;
 #[derive(Clone, Copy, Payload)]
 enum Plan {}
 
-
 fn tells<P: Payload>() -> &'static str {
     P::NAME
 }

@@ -10,7 +10,6 @@ enum Plan {
     Go(f64),
 }
 
-
 fn tells<P: Payload>() -> &'static str {
     P::NAME
 }

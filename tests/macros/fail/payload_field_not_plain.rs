@@ -1,5 +1,5 @@
 //! A field of a payload is no plain value.
-//! says: &'static str
+//! says: plain are numbers
 
 use mistakes::*;
 use mrroc::*;
@@ -8,7 +8,6 @@ use mrroc::*;
 struct Plan {
     name: &'static str,
 }
-
 
 fn tells<P: Payload>() -> &'static str {
     P::NAME

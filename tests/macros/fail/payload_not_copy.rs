@@ -9,7 +9,6 @@ struct Plan {
     x: f64,
 }
 
-
 fn tells<P: Payload>() -> &'static str {
     P::NAME
 }

@@ -9,7 +9,6 @@ struct Plan {
     path: [[f64; 3]; 20],
 }
 
-
 fn tells<P: Payload>() -> &'static str {
     P::NAME
 }

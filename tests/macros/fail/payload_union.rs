@@ -10,7 +10,6 @@ union Plan {
     b: f64,
 }
 
-
 fn tells<P: Payload>() -> &'static str {
     P::NAME
 }

@@ -11,7 +11,6 @@ struct Many<T> {
 
 type Plan = Many<f64>;
 
-
 fn tells<P: Payload>() -> &'static str {
     P::NAME
 }

@@ -15,7 +15,4 @@ fn carry(_: &mut Carry) -> Step<(Rnt,), Plan> {
     Step::Done
 }
 
-fn main() {
-    
-    
-}
+fn main() {}

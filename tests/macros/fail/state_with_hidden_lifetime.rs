@@ -13,5 +13,4 @@ fn carry(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = carry(&mut Carry(&1.0));
-    
 }

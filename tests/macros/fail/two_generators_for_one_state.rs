@@ -18,5 +18,4 @@ fn lift(_: &mut Carry) -> Step<(Rnt, Polycrank)> {
 
 fn main() {
     let _ = (carry(&mut Carry), lift(&mut Carry));
-    
 }
