@@ -10,6 +10,9 @@ use mrroc::{
     Cell, Demand, Generator, Order, Reading, RobotImage, RobotSetup, RobotState, State, Step, Tick, generator,
 };
 use mrroc::{Motion, Pose, Robot};
+use mrroc_generators::generators::StraightLine;
+use mrroc_generators::line::ToolLimits;
+use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
@@ -56,6 +59,27 @@ fn definition() {
         per_call(from)
     });
     println!("{:<58} {:>9.1} ns   (goal: at most 10)", "  Generator over bare call", through - bare);
+}
+
+/// A demand of a straight line: profile, interpolation of position and orientation.
+fn line() {
+    const CALLS: u32 = 500_000;
+    let limits = ProfileLimits { velocity: 1e-3, acceleration: 1e-3 };
+    let pose = Pose::from_parts(Translation3::new(0.85, 0.0, 0.35), down());
+    let state = RobotState::<Irp6> { joints: start(), velocity: Six::zeros(), pose };
+    let (e, v) = (State::<Irp6>::new(RobotImage::new(state, state)), Reading::<()>::new(()));
+    let t = Tick { step: 0, dt: 1e-5, duration: 1e-3 };
+    report("a straight line's demand", || {
+        let goal = pose * Pose::rotation(Vector3::z()) * Pose::translation(0.0, 0.0, 0.1);
+        let mut line = StraightLine::<Irp6>::to(goal, ToolLimits { translation: limits, rotation: limits });
+        let _ = line.first_step(&Order::new(()), &e, &v, t);
+        let from = Instant::now();
+        for _ in 0..CALLS {
+            let _ =
+                black_box(black_box(&mut line).next_step(&Order::new(()), black_box(&e), &v, black_box(t)));
+        }
+        from.elapsed().as_nanos() as f64 / f64::from(CALLS)
+    });
 }
 
 /// Holds for so many steps: nothing to compute.
@@ -133,6 +157,7 @@ fn main() {
         from.elapsed().as_nanos() as f64 / 1e5
     });
     definition();
+    line();
     chains::<1>();
     chains::<2>();
     chains::<4>();
