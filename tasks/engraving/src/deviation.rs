@@ -1,7 +1,9 @@
 //! How far executed points lie from the drawing: a cursor that moves along the exact stroke.
 //!
-//! Each stroke is flattened to 0.2 µm, so that a distance is exact to less than 0.5 µm. The cursor walks from the
-//! segment that was nearest before; if it ends far away, the whole stroke is searched.
+//! Each stroke is flattened to 0.2 µm, so that a distance is exact to less than 0.5 µm. The cursor advances along the
+//! stroke about as far as the tool moved: at a cusp it goes on to the way back, instead of turning back itself, and
+//! where two parts of a stroke come close it stays on its own. If it ends far away, it searches wider, and then the
+//! whole stroke.
 
 use crate::drawing::{Drawing, Stroke, Vec2};
 use crate::sampling::Sampling;
@@ -9,11 +11,17 @@ use crate::sampling::Sampling;
 /// Flattening of the strokes [mm].
 const FLATTENING: f64 = 2e-4;
 
-/// From this distance on the nearest segment is searched anew [mm].
-const LOST: f64 = 0.25;
+/// Beyond this distance the search goes [`WIDE`] both ways [mm].
+const FAR: f64 = 0.05;
 
-/// The walk goes on over this many segments that are no nearer.
-const PATIENCE: usize = 3;
+/// Half the width of the wider search along the stroke [mm].
+const WIDE: f64 = 3.0;
+
+/// Beyond this distance the whole stroke is searched [mm].
+const LOST: f64 = 0.5;
+
+/// What the cursor may go ahead and back beyond the tool's own movement [mm].
+const SLACK: f64 = 0.02;
 
 /// Where points near marked corners are measured, too.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,6 +43,8 @@ struct Segment {
     along: Vec2,
     /// 1 / |along|².
     inverse: f64,
+    /// Length of the stroke before it [mm].
+    before: f64,
 }
 
 impl Segment {
@@ -79,6 +89,7 @@ pub struct Deviation {
     except_squared: f64,
     stroke: usize,
     cursor: usize,
+    latest: Option<Vec2>,
     sum_of_squares: f64,
     max_squared: f64,
     points: u64,
@@ -102,6 +113,7 @@ impl Deviation {
             except_squared,
             stroke: 0,
             cursor: 0,
+            latest: None,
             sum_of_squares: 0.0,
             max_squared: 0.0,
             points: 0,
@@ -114,23 +126,24 @@ impl Deviation {
     pub fn begin_stroke(&mut self, stroke: usize) {
         self.stroke = stroke;
         self.cursor = 0;
+        self.latest = None;
     }
 
     /// Measures one executed point of the present stroke: its place over the plate and its error in depth [mm]; its
     /// distance from the stroke [mm], 0 if there is no such stroke.
     pub fn observe(&mut self, p: Vec2, depth_error: f64) -> f64 {
         let Some(segments) = self.strokes.get(self.stroke).filter(|s| !s.is_empty()) else { return 0.0 };
-        let (cursor, mut squared) = walk(segments, self.cursor, p);
-        self.cursor = cursor;
-        if squared > LOST * LOST {
-            for (i, segment) in segments.iter().enumerate() {
-                let d = segment.squared_distance(p);
-                if d < squared {
-                    (self.cursor, squared) = (i, d);
-                }
-            }
+        let moved = self.latest.map_or(0.0, |latest| (p - latest).norm());
+        self.latest = Some(p);
+        let mut best = nearest_around(segments, self.cursor, SLACK, 1.5 * moved + SLACK, p);
+        if best.1 > FAR * FAR {
+            best = nearest_around(segments, best.0, WIDE, WIDE, p);
         }
-        squared += depth_error * depth_error;
+        if best.1 > LOST * LOST {
+            best = nearest_around(segments, 0, 0.0, f64::INFINITY, p);
+        }
+        self.cursor = best.0;
+        let squared = best.1 + depth_error * depth_error;
         if self.corners[self.stroke].iter().any(|c| (c - p).norm_squared() < self.except_squared) {
             self.excepted += 1;
             return squared.sqrt();
@@ -159,41 +172,42 @@ impl Deviation {
 
 fn segments(stroke: &Stroke) -> Vec<Segment> {
     let points = stroke.flattened(FLATTENING);
-    points
-        .windows(2)
-        .map(|w| (w[0], w[1] - w[0]))
-        .filter(|(_, along)| along.norm_squared() > 0.0)
-        .map(|(from, along)| Segment { from, along, inverse: 1.0 / along.norm_squared() })
-        .collect()
+    let mut before = 0.0;
+    let mut segments = Vec::with_capacity(points.len());
+    for w in points.windows(2) {
+        let along = w[1] - w[0];
+        let squared = along.norm_squared();
+        if squared > 0.0 {
+            segments.push(Segment { from: w[0], along, inverse: 1.0 / squared, before });
+            before += squared.sqrt();
+        }
+    }
+    segments
 }
 
-/// The nearest segment found by walking both ways from the cursor, forwards first.
-fn walk(segments: &[Segment], cursor: usize, p: Vec2) -> (usize, f64) {
-    let mut best = (cursor, segments[cursor].squared_distance(p));
-    let mut patience = PATIENCE;
+/// The nearest segment within the lengths `back` and `ahead` [mm] of the cursor, and the squared distance [mm²].
+fn nearest_around(segments: &[Segment], cursor: usize, back: f64, ahead: f64, p: Vec2) -> (usize, f64) {
+    let here = &segments[cursor];
+    let mut best = (cursor, here.squared_distance(p));
+    // How far along the present segment the point is: the window begins there.
+    let along = (p - here.from).dot(&here.along) * here.inverse;
+    let at = here.before + here.along.norm() * along.clamp(0.0, 1.0);
     for (i, segment) in segments.iter().enumerate().skip(cursor + 1) {
+        if segment.before > at + ahead {
+            break;
+        }
         let d = segment.squared_distance(p);
         if d < best.1 {
             best = (i, d);
-            patience = PATIENCE;
-        } else if patience == 0 {
-            break;
-        } else {
-            patience -= 1;
         }
     }
-    if best.0 == cursor {
-        patience = 1;
-        for i in (0..cursor).rev() {
-            let d = segments[i].squared_distance(p);
-            if d < best.1 {
-                best = (i, d);
-                patience = PATIENCE;
-            } else if patience == 0 {
-                break;
-            } else {
-                patience -= 1;
-            }
+    for i in (0..cursor).rev() {
+        if segments[i + 1].before < at - back {
+            break;
+        }
+        let d = segments[i].squared_distance(p);
+        if d < best.1 {
+            best = (i, d);
         }
     }
     best
@@ -231,6 +245,21 @@ mod tests {
         let mut deviation = Deviation::new(&circle(), &Sampling::default(), Corners::Counted);
         assert!(deviation.observe(Vec2::new(-10.0, 0.0), 0.0) < 5e-4);
         assert!((deviation.observe(Vec2::new(0.0, 10.3), 0.0) - 0.3).abs() < 5e-4);
+    }
+
+    #[test]
+    fn the_cursor_follows_a_narrow_spike_forth_and_back() {
+        let line = |a: [f64; 2], b: [f64; 2]| Piece::Line { from: a.into(), to: b.into() };
+        let stroke = Stroke::new(vec![line([0.0, 0.0], [9.0, 0.0]), line([9.0, 0.0], [0.0, 1.0])]).unwrap();
+        let mut deviation = Deviation::new(
+            &Drawing { strokes: vec![stroke.clone()] },
+            &Sampling::default(),
+            Corners::Counted,
+        );
+        for k in 0..=400 {
+            assert!(deviation.observe(stroke.point(f64::from(k) / 200.0), 0.0) < 1e-9);
+        }
+        assert_eq!(deviation.cursor, 1);
     }
 
     #[test]

@@ -169,11 +169,9 @@ impl PathsSvg<'_> {
         );
         for (line, text) in [
             format!("largest deviation {:.2} µm", worst.distance * 1e3),
+            format!("{} points measured", self.deviation.points),
             format!("root mean square {:.2} µm", self.deviation.rms * 1e3),
-            format!(
-                "at x {:.2}, y {:.2} mm, {} points measured",
-                worst.position.x, worst.position.y, self.deviation.points
-            ),
+            format!("at x {:.2}, y {:.2} mm", worst.position.x, worst.position.y),
         ]
         .iter()
         .enumerate()

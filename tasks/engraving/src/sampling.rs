@@ -45,9 +45,9 @@ pub struct Sampling {
 }
 
 impl Default for Sampling {
-    /// 2 µm, 5 degrees, 10 µm.
+    /// 2 µm, 5 degrees, 4 µm.
     fn default() -> Self {
-        Self { tolerance: 0.002, corner_angle: 5.0f64.to_radians(), closest: 0.01 }
+        Self { tolerance: 0.002, corner_angle: 5.0f64.to_radians(), closest: 0.004 }
     }
 }
 

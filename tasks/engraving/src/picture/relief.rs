@@ -79,7 +79,7 @@ fn sample(map: &HeightMap, frame: &Frame<'_>, colours: &Colours, deepest: f32, x
     for (k, c) in colour.iter_mut().enumerate() {
         let base = colours.metal[k] * (1.0 - groove) + colours.groove[k] * groove;
         let shine = colours.shine[k] * gloss * (0.55 - 0.40 * groove);
-        *c = base * (0.22 + 1.05 * lambert) * grain * sheen + shine;
+        *c = base * (0.20 + 1.08 * lambert) * grain * sheen + shine;
     }
     colour
 }
@@ -151,7 +151,7 @@ impl Colours {
     fn of(material: Material) -> Self {
         match material {
             Material::Brass => {
-                Self { metal: [0.62, 0.40, 0.12], groove: [0.050, 0.026, 0.008], shine: [1.0, 0.86, 0.55] }
+                Self { metal: [0.62, 0.40, 0.12], groove: [0.085, 0.042, 0.012], shine: [1.0, 0.86, 0.55] }
             }
             Material::Steel => {
                 Self { metal: [0.46, 0.48, 0.51], groove: [0.030, 0.032, 0.036], shine: [0.95, 0.97, 1.0] }
