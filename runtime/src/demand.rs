@@ -11,14 +11,14 @@ use crate::wire::{BadWords, Wire};
 ///
 /// All poses are of the tool frame E in the world W, lengths in metres, angles in radians. The EDP converts;
 /// only joint coordinates depend on the kind of robot.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Demand<R: Robot> {
     pub(crate) coordinates: Coordinates<R>,
     pub(crate) tool: Option<Pose>,
 }
 
 /// The coordinates of a demand.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub(crate) enum Coordinates<R: Robot> {
     Hold,
     Joints(R::Joints),
@@ -26,7 +26,7 @@ pub(crate) enum Coordinates<R: Robot> {
     Displacement(Pose),
 }
 
-// Derived, these would ask for `R: Copy`; the kind is only a name here.
+// Derived, these would ask the same of `R`, which is only a name here.
 impl<R: Robot> Clone for Demand<R> {
     fn clone(&self) -> Self {
         *self
@@ -39,6 +39,28 @@ impl<R: Robot> Clone for Coordinates<R> {
     }
 }
 impl<R: Robot> Copy for Coordinates<R> {}
+impl<R: Robot> PartialEq for Demand<R> {
+    fn eq(&self, other: &Self) -> bool {
+        self.tool == other.tool && self.coordinates == other.coordinates
+    }
+}
+impl<R: Robot> PartialEq for Coordinates<R> {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Coordinates::Hold, Coordinates::Hold) => true,
+            (Coordinates::Joints(a), Coordinates::Joints(b)) => a == b,
+            (Coordinates::Pose(a), Coordinates::Pose(b)) => a == b,
+            (Coordinates::Displacement(a), Coordinates::Displacement(b)) => a == b,
+            (
+                Coordinates::Hold
+                | Coordinates::Joints(_)
+                | Coordinates::Pose(_)
+                | Coordinates::Displacement(_),
+                _,
+            ) => false,
+        }
+    }
+}
 
 impl<R: Robot> Demand<R> {
     const fn of(coordinates: Coordinates<R>) -> Self {

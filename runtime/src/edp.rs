@@ -53,6 +53,7 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub observers: Vec<Observer<R>>,
 }
 
+#[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
 enum Mode<J> {
     /// No demand is due.
     Holding,
@@ -166,7 +167,7 @@ impl<R: Robot> Edp<R> {
             let (error, limit) =
                 ((self.measured.position[i] - demanded[i]).abs(), self.config.following_error[i]);
             // A NaN from an encoder is no small error.
-            if !(error <= limit) {
+            if error.is_nan() || error > limit {
                 return Err(Fault::new(kind).at_joint(i).exceeds(error, limit, R::joint(i).unit(0)));
             }
         }

@@ -203,7 +203,7 @@ impl Mp {
         let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         self.begin_step()?;
-        self.start(indices, |i| <G::Robots as Robots<G::Language>>::payload(i))?;
+        self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
         if first_uses.sensors {
             self.order_readings(sensors);
             self.sensing.collect(sensors, v, &*self.waiter, self.step)?;
@@ -257,9 +257,7 @@ impl Mp {
             self.order_readings(sensors);
             self.exchange(indices, Kind::Step, state_flag)?;
             self.sensing.collect(sensors, v, &*self.waiter, self.step)?;
-            if self
-                .finished(indices, const { G::ENDS }, |i| <G::Robots as Robots<G::Language>>::payload(i))?
-            {
+            if self.finished(indices, const { G::ENDS }, <G::Robots as Robots<G::Language>>::payload)? {
                 return Ok(());
             }
         }
@@ -622,10 +620,9 @@ impl Mp {
                 return fault;
             }
             // Every reply is a fault now; what counts is that the robots stand.
-            if let Err(closed) = self.exchange(&all, Kind::Stop, 0) {
-                if closed.kind() == FaultKind::CellClosed {
-                    return fault;
-                }
+            let answered = self.exchange(&all, Kind::Stop, 0);
+            if answered.is_err_and(|error| error.kind() == FaultKind::CellClosed) {
+                return fault;
             }
             if all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL)) {
                 return fault;

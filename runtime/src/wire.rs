@@ -57,12 +57,12 @@ macro_rules! wire_numbers {
             const LEN: usize = 1;
             const LAYOUT: u64 = layout_hash(0, stringify!($number));
             fn put(&self, words: &mut [u64]) {
-                let to: fn($number) -> u64 = $to;
-                words[0] = to(*self);
+                const TO: fn($number) -> u64 = $to;
+                words[0] = TO(*self);
             }
             fn get(words: &[u64]) -> Result<Self, BadWords> {
-                let from: fn(u64) -> Option<$number> = $from;
-                words.first().copied().and_then(from).ok_or(BadWords)
+                const FROM: fn(u64) -> Option<$number> = $from;
+                words.first().copied().and_then(FROM).ok_or(BadWords)
             }
         }
     )*};
