@@ -108,6 +108,10 @@ impl Irp6 {
     pub const MOTOR_UPPER: Six = Six::new(450.0, 100.0, 100.0, 380.0, 490.0, 3000.0);
     /// Hard limit of every motor's speed: 0.5 rad per servo period of 2 ms [rad/s] (MRROC++).
     pub const MOTOR_SPEED: f64 = 250.0;
+
+    /// Distance from the wrist singularity \[rad\] within which faults name it: joints 4 and 6 turn ten times as
+    /// fast there as the tool.
+    pub const NEAR_SINGULARITY: f64 = 0.1;
     /// First moments of mass that load the lower and the upper arm, after balancing [kg m] (assumed).
     pub const GRAVITY_MOMENT: [f64; 2] = [6.0, 4.0];
     /// Drives of column, lower arm, upper arm, T, V, N.
@@ -313,6 +317,10 @@ impl Robot for Irp6 {
 
     fn limits(&self) -> &Limits<Six> {
         &self.limits
+    }
+
+    fn near_singularity(&self, q: &Six) -> Option<&'static str> {
+        (Self::wrist_singularity_distance(q) < Self::NEAR_SINGULARITY).then_some("near the wrist singularity")
     }
 
     fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {

@@ -172,7 +172,13 @@ impl<R: Robot> Acceptor<R> {
         let per_second = duration.recip();
         let velocity = (position - self.position) * per_second;
         let acceleration = (velocity - self.velocity) * per_second;
-        self.check(&position, &velocity, &acceleration, duration)?;
+        let checked = self.check(&position, &velocity, &acceleration, duration);
+        checked.map_err(|fault| {
+            match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
+                (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => fault.text(name),
+                _ => fault,
+            }
+        })?;
         self.robot.check_coupled(&self.position, &position, duration).map_err(|limit| {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
             fault.exceeds(limit.actual, limit.limit, limit.unit)

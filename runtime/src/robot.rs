@@ -35,6 +35,12 @@ pub trait Robot: Clone + 'static {
         Ok(())
     }
 
+    /// The singularity near which `q` lies, if any, where joints must turn fast for the tool to turn slowly: named in
+    /// the fault when a demanded pose asks for more than the joints can do there. None unless a robot says so.
+    fn near_singularity(&self, _q: &Self::Joints) -> Option<&'static str> {
+        None
+    }
+
     /// Direct kinematics: `X_WF`, the pose of the flange in the world, for joint positions `q` [rad, m].
     fn forward(&self, q: &Self::Joints) -> Pose;
 

@@ -126,6 +126,58 @@ fn a_spline_track_leads_the_tool_through_its_points() {
     );
 }
 
+#[test]
+fn fault_23_a_straight_line_through_the_wrist_singularity_passes_or_names_it_before_a_limit_is_broken() {
+    let robot = Irp6::nominal();
+    let near = Six::new(0.0, -1.57, 0.16, -0.16, 0.6, 0.0);
+    // With joint 4 turned by d between the ends the line passes the singularity at about 0.3 sin(d/2) rad.
+    for offset in [0.0, 1e-12, 1e-6, 1e-3, 0.05, 0.3] {
+        let start = robot.inverse(&wrist_at(0.3, 0.0), &near).expect("within reach");
+        let (setup, trace) = traced(RobotSetup::new("irp6", robot.clone(), ExactDrive::new(start, MS)));
+        let goal = wrist_at(-0.3, offset);
+        let setup =
+            setup.program(move |ecp| ecp.move_robot((), StraightLine::to(goal, limits(0.05, 0.2))).map(drop));
+        let ended = Cell::new(MS).robot(setup).run();
+        let trace = trace.borrow();
+        let (v, a) = (robot.limits().velocity, robot.limits().acceleration);
+        for window in trace.windows(3) {
+            let (v0, v1) = ((window[1] - window[0]) / 1e-3, (window[2] - window[1]) / 1e-3);
+            for i in 0..6 {
+                assert!(v1[i].abs() <= v[i] * (1.0 + 1e-9), "joint {i} at {} rad/s, offset {offset}", v1[i]);
+                assert!(
+                    (v1[i] - v0[i]).abs() / 1e-3 <= a[i] * (1.0 + 1e-9) + 1e-5,
+                    "joint {i}, offset {offset}"
+                );
+            }
+        }
+        match ended {
+            Ok(_) => {
+                let end = robot.forward(trace.last().expect("recorded"));
+                assert!((end.translation.vector - goal.translation.vector).norm() < 1e-9, "offset {offset}");
+                assert!(end.rotation.angle_to(&goal.rotation) < 1e-7, "offset {offset}");
+            }
+            Err(mrroc::CellError::Fault(fault)) => {
+                // Beside the singularity the wrist would have to turn faster than it can.
+                assert!(offset > 0.0, "straight through: {fault}");
+                let kinds = [
+                    FaultKind::DemandedVelocity,
+                    FaultKind::DemandedAcceleration,
+                    FaultKind::NoInverseKinematics,
+                    FaultKind::DemandOutOfRange,
+                ];
+                assert!(kinds.contains(&fault.kind()), "{fault}");
+                assert!(fault.to_string().contains("wrist singularity"), "{fault}");
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+}
+
+/// A pose whose wrist is turned by `angle` from its singularity, with joint 4 at `elbow`.
+fn wrist_at(angle: f64, elbow: f64) -> Pose {
+    Irp6::nominal().forward(&Six::new(0.0, -1.57, 0.16, elbow, angle, 0.3))
+}
+
 struct Probe;
 
 impl Sensor for Probe {
