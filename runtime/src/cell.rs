@@ -258,7 +258,13 @@ impl Cell {
         let ecps: Vec<_> = names.iter().map(|name| scheduler.place(format!("ecp {name}"))).collect();
 
         let mut mp_sensing = Sensing { ports: Vec::new(), patience };
-        let mut ecp_sensing: Vec<_> = names.iter().map(|_| Sensing { ports: Vec::new(), patience }).collect();
+        // An ECP loses patience first, so that it can say with whom.
+        let shorter = patience - self.step.as_nanos() as Nanos;
+        let mut ecp_sensing: Vec<_> =
+            names.iter().map(|_| Sensing { ports: Vec::new(), patience: shorter }).collect();
+        // EDPs tick first half a servo period after a step's beginning.
+        let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
+        let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
         for sensor in self.sensors {
             sensor.spawn(&mut scheduler, self.step, mp, &names, &ecps, &mut mp_sensing, &mut ecp_sensing)?;
         }
@@ -268,7 +274,7 @@ impl Cell {
         {
             let (client, server) = scheduler.port(mp, ecp);
             ports.push(RobotPort::new(*name, robot.kind(), client));
-            let place = Place { name: *name, ecp, step: self.step, nudged };
+            let place = Place { name: *name, ecp, step: self.step, grace, nudged };
             robot.spawn(&mut scheduler, place, server, sensing, Rc::clone(&outcomes))?;
         }
 
@@ -280,7 +286,7 @@ impl Cell {
         scheduler.body(
             mp,
             Box::new(move |waiter| {
-                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, step, rate_change);
+                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 let outcome = mp.run_program(|mp| match program {
                     Some(program) => program(mp),
                     None => mp.nudge(),
@@ -344,6 +350,7 @@ struct Place {
     name: Name,
     ecp: usize,
     step: Duration,
+    grace: Nanos,
     nudged: bool,
 }
 
@@ -403,10 +410,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         scheduler.body(edp, Box::new(move |waiter| Edp::new(config, waiter, server).run()))?;
         let (program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
+        let timing = (place.step.as_nanos() as Nanos, place.grace);
         scheduler.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<R>::new(process, waiter, mp, client, sensing);
+                let mut ecp = Ecp::<R>::new(process, waiter, mp, client, sensing, timing);
                 let has_own = program.is_some();
                 let outcome = ecp.run_program(|ecp| match program {
                     Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
