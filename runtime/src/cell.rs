@@ -34,6 +34,9 @@ pub enum CellError {
     /// A sensor of a robot that the cell does not have.
     #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
     NoSuchRobot(Name, String),
+    /// A step that takes no time.
+    #[error("the step of the cell takes no time: give it 1 ms or more")]
+    Step,
     /// Neither an MP program nor an ECP program.
     #[error(
         "the cell has no program: give one to the MP with `Cell::program`, to an ECP with `RobotSetup::program`"
@@ -302,6 +305,9 @@ impl Cell {
     }
 
     fn names(&self) -> Result<Vec<Name>, CellError> {
+        if self.step.is_zero() {
+            return Err(CellError::Step);
+        }
         let mut all = Vec::new();
         for robot in &self.robots {
             let name = Name::new(robot.name())?;

@@ -10,6 +10,7 @@ mod handover;
 mod kit;
 mod lateness;
 mod moves;
+mod pairing;
 mod panics;
 mod sensors;
 mod suspending;
