@@ -126,18 +126,13 @@ impl<J: JointVector> Braking<J> {
     }
 }
 
-/// Distance that a joint needs to stop from velocity `v` and acceleration `a`, in the direction of `v`
-/// [rad or m], after moving on for `reaction` \[s\].
-pub(crate) fn stopping_distance(v: f64, a: f64, limit: f64, jerk: Option<f64>, reaction: f64) -> f64 {
-    let distance = match jerk {
-        // Only an acceleration that still drives the joint on makes it longer.
-        Some(jerk) => {
-            let brake = JointBrake::with_jerk(v, if a * v > 0.0 { a } else { 0.0 }, limit, jerk);
-            brake.at(brake.duration()).0.abs()
-        }
-        None => v * v / (2.0 * limit),
-    };
-    distance + v.abs() * reaction
+/// Distance that a joint with a jerk limit needs to stop [rad or m], in the direction of `v`, its mean velocity
+/// in the last step of `duration` \[s\], and from its acceleration `a`.
+pub(crate) fn stopping_distance(v: f64, a: f64, limit: f64, jerk: f64, duration: f64) -> f64 {
+    // Only an acceleration that still drives the joint on makes it longer.
+    let a = if a * v > 0.0 { a } else { 0.0 };
+    let brake = JointBrake::with_jerk(v + 0.5 * a * duration, a, limit, jerk);
+    brake.at(brake.duration()).0.abs()
 }
 
 #[cfg(test)]

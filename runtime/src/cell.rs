@@ -34,6 +34,9 @@ pub enum CellError {
     /// A sensor of a robot that the cell does not have.
     #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
     NoSuchRobot(Name, String),
+    /// A step that takes no time.
+    #[error("the step of the cell takes no time: give it 1 ms or more")]
+    Step,
     /// Neither an MP program nor an ECP program.
     #[error(
         "the cell has no program: give one to the MP with `Cell::program`, to an ECP with `RobotSetup::program`"
@@ -258,7 +261,13 @@ impl Cell {
         let ecps: Vec<_> = names.iter().map(|name| scheduler.place(format!("ecp {name}"))).collect();
 
         let mut mp_sensing = Sensing { ports: Vec::new(), patience };
-        let mut ecp_sensing: Vec<_> = names.iter().map(|_| Sensing { ports: Vec::new(), patience }).collect();
+        // An ECP loses patience first, so that it can say with whom.
+        let shorter = patience - self.step.as_nanos() as Nanos;
+        let mut ecp_sensing: Vec<_> =
+            names.iter().map(|_| Sensing { ports: Vec::new(), patience: shorter }).collect();
+        // EDPs tick first half a servo period after a step's beginning.
+        let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
+        let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
         for sensor in self.sensors {
             sensor.spawn(&mut scheduler, self.step, mp, &names, &ecps, &mut mp_sensing, &mut ecp_sensing)?;
         }
@@ -268,7 +277,7 @@ impl Cell {
         {
             let (client, server) = scheduler.port(mp, ecp);
             ports.push(RobotPort::new(*name, robot.kind(), client));
-            let place = Place { name: *name, ecp, step: self.step, nudged };
+            let place = Place { name: *name, ecp, step: self.step, grace, nudged };
             robot.spawn(&mut scheduler, place, server, sensing, Rc::clone(&outcomes))?;
         }
 
@@ -280,7 +289,7 @@ impl Cell {
         scheduler.body(
             mp,
             Box::new(move |waiter| {
-                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, step, rate_change);
+                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 let outcome = mp.run_program(|mp| match program {
                     Some(program) => program(mp),
                     None => mp.nudge(),
@@ -296,6 +305,9 @@ impl Cell {
     }
 
     fn names(&self) -> Result<Vec<Name>, CellError> {
+        if self.step.is_zero() {
+            return Err(CellError::Step);
+        }
         let mut all = Vec::new();
         for robot in &self.robots {
             let name = Name::new(robot.name())?;
@@ -345,6 +357,7 @@ struct Place {
     name: Name,
     ecp: usize,
     step: Duration,
+    grace: Nanos,
     nudged: bool,
 }
 
@@ -404,10 +417,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         scheduler.body(edp, Box::new(move |waiter| Edp::new(config, waiter, server).run()))?;
         let (program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
+        let timing = (place.step.as_nanos() as Nanos, place.grace);
         scheduler.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<R>::new(process, waiter, mp, client, sensing);
+                let mut ecp = Ecp::<R>::new(process, waiter, mp, client, sensing, timing);
                 let has_own = program.is_some();
                 let outcome = ecp.run_program(|ecp| match program {
                     Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

@@ -53,6 +53,9 @@ pub struct Ecp<R: Robot> {
     edp: Box<dyn Client>,
     sensing: Sensing,
     patience: Nanos,
+    /// The cell's step, and the time into it after which a demand would come too late for the EDP's ticks \[ns\].
+    period: Nanos,
+    grace: Nanos,
     /// The MP's order; `open` until it is answered.
     order: Message,
     open: bool,
@@ -78,6 +81,7 @@ impl<R: Robot> Ecp<R> {
         mp: Box<dyn Server>,
         edp: Box<dyn Client>,
         sensing: Sensing,
+        (period, grace): (Nanos, Nanos),
     ) -> Self {
         Ecp {
             process,
@@ -86,6 +90,8 @@ impl<R: Robot> Ecp<R> {
             edp,
             patience: sensing.patience,
             sensing,
+            period,
+            grace,
             order: Message::new(Kind::Query),
             open: false,
             out: Message::new(Kind::Query),
@@ -261,6 +267,7 @@ impl<R: Robot> Ecp<R> {
         let mut rate = 1.0;
         let mut own = Feed::new(DEFAULT_CHANGE);
         let mut flags = flag::FIRST;
+        let mut refreshed = false;
         loop {
             let kind = self.next_order()?;
             let ending_now = kind == Kind::End;
@@ -276,8 +283,12 @@ impl<R: Robot> Ecp<R> {
                 Kind::End if self.order.is(flag::BLEND) => break,
                 _ => {}
             }
-            let duration = self.order.header.duration;
-            let mut dt = self.order.header.dt;
+            let (mut dt, mut duration) = (self.order.header.dt, self.order.header.duration);
+            if step == 0 && !self.moving && duration > 0.0 {
+                // No period of this motion can have been skipped.
+                let period = self.period as f64 * 1e-9;
+                (dt, duration) = (dt / duration * period, period);
+            }
             if ending_now {
                 // The MP may be slowing down as well: both bound the change of the one rate that counts.
                 own.reset(rate);
@@ -307,8 +318,14 @@ impl<R: Robot> Ecp<R> {
                 self.answer(self.driver.header.flags & flag::STATE);
                 continue;
             }
-            if step == 0 && (first_uses.robots || first_uses.sensors) {
+            if step == 0 && (first_uses.robots || first_uses.sensors) && !refreshed {
+                let began = self.waiter.now();
                 self.refresh(sensors, v, first_uses.robots)?;
+                refreshed = true;
+                if self.waiter.now() > began && self.is_late() {
+                    self.answer(self.driver.header.flags & flag::STATE);
+                    continue;
+                }
             }
             if uses.robots {
                 *e = self.image;
@@ -569,6 +586,11 @@ impl<R: Robot> Ecp<R> {
     fn settle_unless_blending(&mut self) -> Result<(), Fault> {
         let ended = self.open && self.order.header.kind == Kind::End;
         if ended && self.order.is(flag::BLEND) { Ok(()) } else { self.settle() }
+    }
+
+    /// Whether a demand of the open order's step would miss the EDP's ticks.
+    fn is_late(&self) -> bool {
+        self.waiter.now() >= self.order.header.step * self.period + self.grace
     }
 
     fn headroom(&self) -> RateHeadroom {

@@ -78,6 +78,9 @@ pub(crate) struct Edp<R: Robot> {
     from: R::Joints,
     to: R::Joints,
     tick: u32,
+    /// The first step whose ticks have not begun, and the step at whose end the robot is at the last demand.
+    due: u64,
+    attained: u64,
     ticks_per_step: u32,
     servo: Nanos,
     measured: Measured<R::Joints>,
@@ -94,7 +97,7 @@ impl<R: Robot> Edp<R> {
         let ticks_per_step = (config.step.as_nanos() / servo.as_nanos().max(1)).max(1) as u32;
         let reaction = config.step.as_secs_f64() * f64::from(missed_step_budget(config.step) + 1);
         let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
-        Edp {
+        let mut edp = Edp {
             waiter,
             port,
             acceptor,
@@ -103,6 +106,8 @@ impl<R: Robot> Edp<R> {
             from: measured.position,
             to: measured.position,
             tick: 0,
+            due: 0,
+            attained: 0,
             ticks_per_step,
             servo: servo.as_nanos() as Nanos,
             measured,
@@ -111,7 +116,18 @@ impl<R: Robot> Edp<R> {
             request: Message::new(Kind::Query),
             reply: Message::new(Kind::Reply),
             config,
+        };
+        // Where encoders give no numbers, there is nothing to hold: the drives get no demand at all.
+        if let Err(fault) = edp.check_following(&edp.to, FaultKind::FollowingError) {
+            edp.mode = Mode::Off;
+            edp.latch(fault, 0);
         }
+        edp
+    }
+
+    /// Keeps the first fault.
+    fn latch(&mut self, fault: Fault, step: u64) {
+        self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
     }
 
     /// Serves until the cell closes.
@@ -129,7 +145,21 @@ impl<R: Robot> Edp<R> {
     }
 
     fn serve(&mut self) {
-        let result = match self.request.header.kind {
+        let result = guarded(|| self.act()).and_then(|result| result);
+        if let Err(fault) = result {
+            self.latch(fault, self.request.header.step);
+            self.brake();
+        }
+        if let Err(fault) = guarded(|| self.answer()) {
+            self.latch(fault, self.request.header.step);
+            self.brake();
+            // With a fault there is no image to compute.
+            self.answer();
+        }
+    }
+
+    fn act(&mut self) -> Result<(), Fault> {
+        match self.request.header.kind {
             Kind::Query => self.check_standing_start(),
             Kind::Demand => self.demand(),
             Kind::Brake => {
@@ -144,13 +174,7 @@ impl<R: Robot> Edp<R> {
             Kind::Start | Kind::Step | Kind::End | Kind::Abort | Kind::Read | Kind::Reply | Kind::Fault => {
                 Err(Fault::new(FaultKind::Message))
             }
-        };
-        if let Err(fault) = result {
-            let fault = fault.in_process(self.config.process).at_step(self.request.header.step);
-            self.fault.get_or_insert(fault);
-            self.brake();
         }
-        self.answer();
     }
 
     /// A robot that does not stand where it was last told to stand must not start.
@@ -167,7 +191,8 @@ impl<R: Robot> Edp<R> {
             let (error, limit) =
                 ((self.measured.position[i] - demanded[i]).abs(), self.config.following_error[i]);
             // A NaN from an encoder is no small error.
-            if error.is_nan() || error > limit {
+            let is_small = error <= limit && self.measured.velocity[i].is_finite();
+            if !is_small {
                 return Err(Fault::new(kind).at_joint(i).exceeds(error, limit, R::joint(i).unit(0)));
             }
         }
@@ -182,8 +207,19 @@ impl<R: Robot> Edp<R> {
         if self.request.is(flag::FIRST) {
             self.acceptor.begin();
         }
+        // What was to be done in a step that is over has been bridged, and is never made up for.
+        let moving = matches!(self.mode, Mode::Moving { .. });
+        if header.step < self.due || (moving && header.step <= self.attained) {
+            return Ok(());
+        }
         let demand = Demand::get(self.request.words()).map_err(|_| Fault::new(FaultKind::Message))?;
-        self.next = Some(self.acceptor.accept(&demand, header.dt, header.duration)?);
+        // The time that the drives have, which bridged steps have not shortened: a late demand's own count of
+        // periods says how far its path has come. From a standstill it is one step.
+        let steps = if moving { header.step - self.attained } else { 1 };
+        let rate = header.dt / header.duration;
+        let duration = steps as f64 * self.config.step.as_secs_f64();
+        self.next = Some(self.acceptor.accept(&demand, rate * duration, duration)?);
+        self.attained = header.step;
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
     }
@@ -242,28 +278,39 @@ impl<R: Robot> Edp<R> {
         }
         if self.tick == 0 {
             self.from = self.to;
-            self.to = *self.next_demand().joints();
+            let step = now / (self.config.step.as_nanos() as Nanos).max(1);
+            self.to = *self.next_demand(step).joints();
+            // A servo period that is longer than a step takes the demands of steps after its middle, too.
+            self.due = (now - self.servo / 2) / (self.config.step.as_nanos() as Nanos).max(1) + 1;
         }
         self.tick = (self.tick + 1) % self.ticks_per_step;
         let part = if self.tick == 0 { 1.0 } else { f64::from(self.tick) / f64::from(self.ticks_per_step) };
         let demanded = if part == 1.0 { self.to } else { self.from + (self.to - self.from) * part };
-        let fault = match self.config.driver.tick(&demanded) {
-            Ok(measured) => {
+        let fault = match guarded(|| self.config.driver.tick(&demanded)) {
+            Ok(Ok(measured)) => {
                 self.measured = measured;
                 self.check_following(&demanded, FaultKind::FollowingError).err()
             }
-            Err(trip) => {
+            // What a driver that panicked still does is unknown: it is told nothing more.
+            Err(panic) => {
+                self.mode = Mode::Off;
+                Some(panic)
+            }
+            Ok(Err(trip)) => {
                 self.mode = Mode::Off;
                 let fault = Fault::new(FaultKind::DriveFault).text(trip.what).at_joint(trip.joint);
                 Some(fault.exceeds(trip.actual, trip.limit, trip.unit))
             }
         };
-        if let Some(fault) = fault {
-            let step = now / (self.config.step.as_nanos() as Nanos).max(1);
-            let fault = fault.in_process(self.config.process).at_step(step);
-            self.fault.get_or_insert(fault);
+        let observed = self.observe(now, demanded);
+        if let Some(fault) = fault.or(observed.err()) {
+            self.latch(fault, now / (self.config.step.as_nanos() as Nanos).max(1));
             self.brake();
         }
+    }
+
+    /// Shows the servo period to the observers. One that panics ends them all.
+    fn observe(&mut self, now: Nanos, demanded: R::Joints) -> Result<(), Fault> {
         if !self.config.observers.is_empty() {
             let record = ServoRecord {
                 time: (now + self.servo / 2) as f64 * 1e-9,
@@ -271,18 +318,23 @@ impl<R: Robot> Edp<R> {
                 measured: self.measured,
                 tool: *self.acceptor.tool(),
             };
-            for observer in &mut self.config.observers {
-                observer(&record);
+            let observers = &mut self.config.observers;
+            let shown = guarded(|| observers.iter_mut().for_each(|observer| observer(&record)));
+            if shown.is_err() {
+                observers.clear();
             }
+            return shown;
         }
+        Ok(())
     }
 
     /// The demand of the step that begins: the one that came, or what replaces it.
-    fn next_demand(&mut self) -> AcceptedDemand<R> {
+    fn next_demand(&mut self, step_index: u64) -> AcceptedDemand<R> {
         // A demand accepted before a stop is still the state that the stop begins at.
         if let Some(next) = self.next.take() {
             return next;
         }
+        self.attained = step_index;
         let step = self.demand_period();
         match &mut self.mode {
             Mode::Holding | Mode::Off => self.acceptor.hold(step),
@@ -294,7 +346,7 @@ impl<R: Robot> Edp<R> {
                 let lost = Fault::new(FaultKind::PeerLost).in_process(self.config.process);
                 self.fault.get_or_insert(lost.text("no demand from the ECP"));
                 self.mode = Mode::Braking(self.acceptor.braking());
-                self.next_demand()
+                self.next_demand(step_index)
             }
             Mode::Braking(braking) if braking.is_over() => {
                 self.mode = Mode::Holding;
@@ -303,4 +355,10 @@ impl<R: Robot> Edp<R> {
             Mode::Braking(braking) => self.acceptor.brake(braking, step),
         }
     }
+}
+
+/// Runs code of the user's, a driver, an observer, a robot's kinematics; its panic is a fault of the process.
+fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Fault> {
+    let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+    caught.map_err(|panic| crate::fault::panicked(&*panic))
 }

@@ -57,7 +57,13 @@ pub(crate) struct Acceptor<R: Robot> {
     position: R::Joints,
     velocity: R::Joints,
     acceleration: R::Joints,
-    /// Pose of the tool at the start of the instruction, for displacements.
+    /// Joint positions demanded last, the path's mean velocity up to there, and for how long demands have been
+    /// missing since \[s\].
+    demanded: R::Joints,
+    path_velocity: R::Joints,
+    missing: f64,
+    /// Joint positions at the start of the motion, and the flange's pose there once a displacement asks for it.
+    origin: R::Joints,
     start: Option<Pose>,
     /// Rate and duration \[s\] of the step accepted last.
     rate: f64,
@@ -76,6 +82,10 @@ impl<R: Robot> Acceptor<R> {
             position,
             velocity: zeros,
             acceleration: zeros,
+            demanded: position,
+            path_velocity: zeros,
+            missing: 0.0,
+            origin: position,
             start: None,
             rate: 1.0,
             period: 0.0,
@@ -110,12 +120,13 @@ impl<R: Robot> Acceptor<R> {
     /// velocity of its last step, which one step takes away within the limits.
     pub fn can_hold(&self, duration: f64) -> bool {
         let zeros = R::Joints::zeros();
-        self.check(&self.position, &zeros, &((zeros - self.velocity) * duration.recip()), duration).is_ok()
+        let acceleration = (zeros - self.velocity) * duration.recip();
+        self.check(&self.position, &zeros, &zeros, &acceleration, duration).is_ok()
     }
 
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
-        self.start = None;
+        (self.origin, self.start) = (self.position, None);
     }
 
     /// Stay: the state demanded last is demanded again.
@@ -123,19 +134,34 @@ impl<R: Robot> Acceptor<R> {
         let zeros = R::Joints::zeros();
         self.acceleration = (zeros - self.velocity) * duration.recip();
         self.velocity = zeros;
+        (self.demanded, self.path_velocity, self.missing) = (self.position, zeros, 0.0);
         AcceptedDemand::new(self.position)
     }
 
-    /// A demand was lost: the velocity is held.
+    /// A demand was lost: the path's velocity is held, an acceleration fades as fast as the jerk limit allows.
     pub fn extrapolate(&mut self, duration: f64) -> AcceptedDemand<R> {
+        self.acceleration = match self.robot.limits().jerk {
+            Some(jerk) => R::Joints::from_joints(|i| {
+                let a = self.acceleration[i];
+                a - a.signum() * a.abs().min(jerk[i] * duration)
+            }),
+            // The robot's own velocity, after earlier losses, is that of catching up: held, it would swing to
+            // and fro. Back to the path's takes (n - 1) / n of the acceleration that catching up took in n steps.
+            None => (self.path_velocity - self.velocity) * duration.recip(),
+        };
+        self.missing += duration;
+        self.velocity = self.velocity + self.acceleration * duration;
         self.position = self.position + self.velocity * duration;
-        self.acceleration = R::Joints::zeros();
+        self.period = duration;
         AcceptedDemand::new(self.position)
     }
 
     /// The way to a standstill from here.
     pub fn braking(&self) -> Braking<R::Joints> {
-        Braking::new(self.position, self.velocity, self.acceleration, self.robot.limits())
+        let limits = self.robot.limits();
+        // The velocity is the mean of the last step; where jerk counts, so does what it has become since.
+        let since = if limits.jerk.is_some() { 0.5 * self.period } else { 0.0 };
+        Braking::new(self.position, self.velocity + self.acceleration * since, self.acceleration, limits)
     }
 
     /// The next state on that way.
@@ -143,6 +169,7 @@ impl<R: Robot> Acceptor<R> {
         let (position, velocity) = braking.advance(duration);
         self.acceleration = (velocity - self.velocity) * duration.recip();
         (self.position, self.velocity) = (position, velocity);
+        (self.demanded, self.path_velocity, self.missing) = (position, velocity, 0.0);
         AcceptedDemand::new(position)
     }
 
@@ -161,9 +188,8 @@ impl<R: Robot> Acceptor<R> {
             Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool)?,
             Coordinates::Displacement(displacement) => {
                 let displacement = valid_frame(displacement)?;
-                let position = self.position;
-                let start = *self.start.get_or_insert_with(|| self.robot.forward(&position) * tool);
-                self.joints_at(&(start * displacement), &tool)?
+                let start = *self.start.get_or_insert_with(|| self.robot.forward(&self.origin));
+                self.joints_at(&(start * tool * displacement), &tool)?
             }
         };
         if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
@@ -172,7 +198,8 @@ impl<R: Robot> Acceptor<R> {
         let per_second = duration.recip();
         let velocity = (position - self.position) * per_second;
         let acceleration = (velocity - self.velocity) * per_second;
-        let checked = self.check(&position, &velocity, &acceleration, duration);
+        let path_velocity = (position - self.demanded) * (self.missing + duration).recip();
+        let checked = self.check(&position, &velocity, &path_velocity, &acceleration, duration);
         checked.map_err(|fault| {
             match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
                 (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => fault.text(name),
@@ -186,6 +213,7 @@ impl<R: Robot> Acceptor<R> {
         (self.rate, self.period) = (dt / duration, duration);
         (self.position, self.velocity, self.acceleration, self.tool) =
             (position, velocity, acceleration, tool);
+        (self.demanded, self.path_velocity, self.missing) = (position, path_velocity, 0.0);
         Ok(AcceptedDemand::new(position))
     }
 
@@ -202,11 +230,23 @@ impl<R: Robot> Acceptor<R> {
         })
     }
 
-    fn check(&self, q: &R::Joints, v: &R::Joints, a: &R::Joints, duration: f64) -> Result<(), Fault> {
+    /// Position `q`, velocity `v` and acceleration `a` against the limits; `held` is the velocity that is held when
+    /// the next demands are lost.
+    fn check(
+        &self,
+        q: &R::Joints,
+        v: &R::Joints,
+        held: &R::Joints,
+        a: &R::Joints,
+        duration: f64,
+    ) -> Result<(), Fault> {
         let limits: &Limits<R::Joints> = self.robot.limits();
         let per_second = duration.recip();
         let slack = |limit: f64, round_off: f64| limit * (1.0 + RELATIVE) + round_off;
         let standing = self.is_at_rest();
+        // Without a jerk limit all joints brake in the time that the slowest to stop needs.
+        let faster = |i: usize| v[i].abs().max(held[i].abs());
+        let stop_time = (0..R::Joints::LEN).map(|i| faster(i) / limits.acceleration[i]).fold(0.0, f64::max);
         for i in 0..R::Joints::LEN {
             let round_off = ROUND_OFF * q[i].abs().max(1.0);
             let excess = |kind, actual: f64, limit: f64, unit| {
@@ -219,7 +259,12 @@ impl<R: Robot> Acceptor<R> {
                 return Err(excess(kind, v[i].abs(), speed_limit, R::joint(i).unit(1)));
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
-            let distance = stopping_distance(v[i], a[i], limits.acceleration[i], jerk_limit, self.reaction);
+            let lost = jerk_limit.map_or(faster(i), |jerk| speed_when_lost(v[i], a[i], jerk));
+            let braking = match jerk_limit {
+                Some(jerk) => stopping_distance(v[i], a[i], limits.acceleration[i], jerk, duration),
+                None => 0.5 * lost * stop_time,
+            };
+            let distance = braking + lost * self.reaction;
             let (lower, upper) = (limits.lower[i] - round_off, limits.upper[i] + round_off);
             let reach = q[i] + distance.copysign(v[i]);
             if q[i] > upper || (v[i] > 0.0 && reach > upper) {
@@ -271,6 +316,11 @@ impl<R: Robot> Acceptor<R> {
         }
         RateHeadroom { rise, fall }
     }
+}
+
+/// The speed that a joint with a jerk limit has once its demands have been lost: its acceleration `a` fades.
+fn speed_when_lost(v: f64, a: f64, jerk: f64) -> f64 {
+    v.abs() + if a * v > 0.0 { a * a / (2.0 * jerk) } else { 0.0 }
 }
 
 /// The share of an acceleration limit that a generator may plan with: what is left keeps every motion stoppable

@@ -61,6 +61,8 @@ pub struct Mp {
     operator: Operator,
     hook: Option<StepHook>,
     period: Nanos,
+    /// Time into a step after which its demands would come too late for the EDPs' ticks \[ns\].
+    grace: Nanos,
     /// Index of the step that has begun, and whether an exchange took place in it.
     step: u64,
     used: bool,
@@ -79,7 +81,7 @@ impl Mp {
         sensing: Sensing,
         operator: Operator,
         hook: Option<StepHook>,
-        step: Duration,
+        (step, grace): (Duration, Nanos),
         rate_change: f64,
     ) -> Mp {
         let duration = step.as_secs_f64();
@@ -90,6 +92,7 @@ impl Mp {
             operator,
             hook,
             period: step.as_nanos() as Nanos,
+            grace,
             step: 0,
             used: true,
             duration,
@@ -203,14 +206,22 @@ impl Mp {
         let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         self.begin_step()?;
+        let handed_over = self.robots.iter().any(|robot| robot.handed_over);
         self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
         if first_uses.sensors {
             self.order_readings(sensors);
             self.sensing.collect(sensors, v, &*self.waiter, self.step)?;
+            self.used = self.waiter.now() % self.period >= self.grace
+                || self.waiter.now() >= (self.step + 1) * self.period;
         }
         let mut step = 0;
         loop {
             self.begin_step()?;
+            if step == 0 && !handed_over {
+                // No period of this motion can have been skipped.
+                self.duration = self.period as f64 * 1e-9;
+                self.dt = self.feed.rate() * self.duration;
+            }
             if self.operator.is_aborting() && self.dt == 0.0 {
                 return self.abort(indices);
             }
@@ -398,7 +409,12 @@ impl Mp {
         if !self.used {
             return Ok(());
         }
-        let next = (self.step + 1) * self.period;
+        let now = self.waiter.now();
+        let mut next = (self.step + 1) * self.period;
+        if now >= next && now % self.period >= self.grace {
+            // Too late for this step as well.
+            next = now - now % self.period + self.period;
+        }
         while self.waiter.now() < next {
             self.waiter.wait(Some(next)).map_err(|_| Fault::new(FaultKind::CellClosed))?;
         }

@@ -14,11 +14,14 @@ pub struct Operator {
 
 #[derive(Debug, Default)]
 struct Panel {
-    /// Bits of the reduction of speed, 1 - speed, so that the default is full speed.
-    reduction: AtomicU64,
+    /// Bits of the speed, counted from those of full speed, which is the default.
+    speed: AtomicU64,
     suspended: AtomicBool,
     abort: AtomicBool,
 }
+
+/// The bits of full speed.
+const FULL: u64 = 1.0_f64.to_bits();
 
 /// A speed that is no share of the planned one.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -38,14 +41,14 @@ impl Operator {
         if !(0.0..=1.0).contains(&speed) {
             return Err(BadSpeed(speed));
         }
-        self.panel.reduction.store((1.0 - speed).to_bits(), Ordering::Release);
+        self.panel.speed.store(speed.to_bits() ^ FULL, Ordering::Release);
         Ok(())
     }
 
     /// The speed that is set.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        1.0 - f64::from_bits(self.panel.reduction.load(Ordering::Acquire))
+        f64::from_bits(self.panel.speed.load(Ordering::Acquire) ^ FULL)
     }
 
     /// Stops all robots on their paths; the instruction goes on at [`resume`](Operator::resume).

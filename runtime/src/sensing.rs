@@ -34,12 +34,27 @@ pub(crate) struct SensorPort {
     reply: Message,
     awaiting: bool,
     read: bool,
+    /// The step of the last order, and of the last one after a pause.
+    asked: Option<u64>,
+    since: u64,
 }
 
 impl SensorPort {
     pub fn new(name: Name, kind: TypeId, robot: Option<usize>, source: Source) -> SensorPort {
         let (order, reply) = (Message::new(Kind::Read), Message::new(Kind::Reply));
-        SensorPort { name, kind, robot, source, taken: false, order, reply, awaiting: false, read: false }
+        SensorPort {
+            name,
+            kind,
+            robot,
+            source,
+            taken: false,
+            order,
+            reply,
+            awaiting: false,
+            read: false,
+            asked: None,
+            since: 0,
+        }
     }
 
     /// Orders a reading in `step`, with the state of the robot that the sensor belongs to.
@@ -58,11 +73,25 @@ impl SensorPort {
                     (self.awaiting, self.read) = (false, true);
                 }
                 if !self.awaiting {
+                    if self.asked.is_none_or(|asked| step > asked + 1) {
+                        self.since = step;
+                    }
                     client.send(&self.order);
                     self.awaiting = true;
                 }
             }
             Source::NonInteractive { orders, .. } => orders.write(&self.order),
+        }
+        self.asked = Some(step);
+    }
+
+    /// The step from which the age of what is there counts. A reading from before a pause is too old only when
+    /// its successor takes too long.
+    fn age_counts_from(&self) -> Option<u64> {
+        let read = self.read.then_some(self.reply.header.step);
+        match &self.source {
+            Source::WithDelay(_) => Some(read.map_or(self.since, |read| read.max(self.since))),
+            Source::Interactive(_) | Source::NonInteractive { .. } => read,
         }
     }
 
@@ -70,7 +99,8 @@ impl SensorPort {
     fn collect(&mut self, waiter: &dyn Waiter, deadline: Nanos) -> Result<(), Fault> {
         match &self.source {
             Source::Interactive(client) => {
-                while !client.receive(&mut self.reply) {
+                // An answer to an order that was given up is none to this one.
+                while !(client.receive(&mut self.reply) && self.reply.header.step == self.order.header.step) {
                     waiter.wait(Some(deadline)).map_err(|_| Fault::new(FaultKind::CellClosed))?;
                     if waiter.now() >= deadline {
                         return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
@@ -163,15 +193,13 @@ impl Sensing {
         for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
             let port = &mut self.ports[index];
             port.collect(waiter, deadline)?;
+            let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
+            if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > MAX_AGE) {
+                let stale = port.fault(FaultKind::SensorStale);
+                return Err(stale.exceeds(f64::from(age), f64::from(MAX_AGE), "step"));
+            }
             if port.read {
-                let age = u32::try_from(step.saturating_sub(port.reply.header.step)).unwrap_or(u32::MAX);
-                if age > MAX_AGE {
-                    return Err(port.fault(FaultKind::SensorStale).exceeds(
-                        f64::from(age),
-                        f64::from(MAX_AGE),
-                        "step",
-                    ));
-                }
+                let age = age(port.reply.header.step);
                 V::read(v, i, port.reply.words(), age).map_err(|_| port.fault(FaultKind::Message))?;
             }
         }

@@ -127,8 +127,11 @@ impl<V: VirtualSensor> Vsp<V> {
                 loop {
                     for port in &ports {
                         if port.receive(request) {
-                            // Requesters of one step share one aggregation.
-                            if aggregated.replace(request.header.step) != Some(request.header.step) {
+                            // Requesters of one step that ask for the same share one aggregation.
+                            let mut configuration = [0; CONFIGURATION_WORDS];
+                            configuration.copy_from_slice(&request.body[..CONFIGURATION_WORDS]);
+                            let asked = Some((request.header.step, configuration));
+                            if core::mem::replace(&mut aggregated, asked) != asked {
                                 self.work()?;
                                 self.aggregate(request, reply);
                             }

@@ -1,12 +1,17 @@
 //! The runtime's promises, a file per promise.
 
 mod aborting;
+mod bounds;
 mod coordination;
+mod determinism;
 mod faults;
 mod feed;
 mod handover;
 mod kit;
+mod lateness;
 mod moves;
+mod pairing;
+mod panics;
 mod sensors;
 mod suspending;
 mod waits;

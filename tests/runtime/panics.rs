@@ -1,0 +1,188 @@
+//! Panics anywhere in user code: caught where they happen, named, and the robots stop.
+
+use mrroc::{
+    Cell, CellError, Fault, FaultKind, ReadingOrder, RobotSetup, SensorSetup, VirtualSensor, condition,
+};
+use mrroc::{DriveFault, Driver, Measured};
+use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, peaks, traced};
+
+use crate::kit::{Count, Counter, Offset, Smooth, Twin, Watch};
+
+fn stopped(result: Result<mrroc::RunReport, CellError>, process: &str, trace: &[Q<3>]) {
+    let fault = fault(result);
+    assert_eq!(fault.kind(), FaultKind::GeneratorPanicked, "{fault}");
+    assert_eq!(fault.process().expect("named").to_string(), process, "{fault}");
+    assert!(fault.message().contains("on purpose"), "{fault}");
+    assert!(peaks(trace, 1e-3).1 <= 10.0 + 1e-6);
+    assert_eq!(trace[trace.len() - 1], trace[trace.len() - 2], "not at standstill");
+}
+
+#[test]
+fn fault_08_a_hook_that_panics_in_every_step_stops_the_robots() {
+    let (robot, trace) = gantry("g");
+    let robot = robot.program(|ecp| ecp.move_robot((), Smooth::to(0.3, 0.5)).map(drop));
+    let cell = Cell::new(MS).robot(robot).on_step(|step, _| assert!(step < 200, "on purpose"));
+    stopped(cell.run(), "mp", &trace.borrow());
+}
+
+#[test]
+fn fault_08_an_observer_that_panics_in_every_servo_period_stops_the_robots() {
+    let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
+    let mut periods = 0;
+    let left = left.observe(move |_| {
+        periods += 1;
+        assert!(periods < 200, "on purpose");
+    });
+    let cell = Cell::new(MS).robot(left).robot(right).program(|mp| {
+        let (mut left, mut right) = (mp.robot::<Gantry>("left")?, mp.robot::<Gantry>("right")?);
+        mp.move_robots((&mut left, &mut right), (), Twin(Smooth::to(0.3, 0.5))).map(drop)
+    });
+    stopped(cell.run(), "edp left", &right_trace.borrow());
+    assert!(peaks(&left_trace.borrow(), 1e-3).1 <= 10.0 + 1e-6);
+}
+
+/// Panics in tick `at`, and in every later one.
+struct Panicking {
+    drive: ExactDrive<3>,
+    ticks: u32,
+    at: u32,
+}
+
+impl Driver<Gantry> for Panicking {
+    fn period(&self) -> std::time::Duration {
+        MS
+    }
+    fn measured(&self) -> Measured<Q<3>> {
+        Driver::<Gantry>::measured(&self.drive)
+    }
+    fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
+        self.ticks += 1;
+        assert!(self.ticks < self.at, "on purpose");
+        Driver::<Gantry>::tick(&mut self.drive, demanded)
+    }
+}
+
+#[test]
+fn a_driver_that_panics_stops_the_other_robot() {
+    let drive = Panicking { drive: ExactDrive::at_origin(), ticks: 0, at: 200 };
+    let (left, _) = traced(RobotSetup::new("left", Gantry::default(), drive));
+    let (right, right_trace) = gantry("right");
+    let cell = Cell::new(MS).robot(left).robot(right).program(|mp| {
+        let (mut left, mut right) = (mp.robot::<Gantry>("left")?, mp.robot::<Gantry>("right")?);
+        mp.move_robots((&mut left, &mut right), (), Twin(Smooth::to(0.3, 0.5))).map(drop)
+    });
+    stopped(cell.run(), "edp left", &right_trace.borrow());
+}
+
+struct Touchy(u32);
+
+#[condition(ecp)]
+fn touchy(c: &mut Touchy) -> bool {
+    c.0 -= 1;
+    assert!(c.0 > 0, "on purpose");
+    false
+}
+
+#[test]
+fn fault_08_a_condition_that_panics_ends_the_wait() {
+    let (robot, trace) = gantry("g");
+    let robot = robot.program(|ecp| ecp.wait_until((), Touchy(10)).map(drop));
+    stopped(Cell::new(MS).robot(robot).run(), "ecp g", &trace.borrow());
+}
+
+struct Explosive(u32);
+
+impl VirtualSensor for Explosive {
+    type Kind = Counter;
+    fn aggregate(&mut self, _: &ReadingOrder<Offset>) -> Result<Count, Fault> {
+        self.0 -= 1;
+        assert!(self.0 > 0, "on purpose");
+        Ok(Count { count: 0, x: 0.0, step: 0 })
+    }
+}
+
+#[test]
+fn fault_08_a_sensor_that_panics_ends_the_motion_that_reads_it() {
+    let (robot, trace) = gantry("g");
+    let robot = robot.program(|ecp| {
+        let mut counter = ecp.sensor::<Counter>("counter")?;
+        ecp.move_robot((&mut counter,), Watch { steps: 100, ..Watch::default() }).map(drop)
+    });
+    let cell = Cell::new(MS).robot(robot).sensor(SensorSetup::new("counter", Explosive(10)).of("g"));
+    stopped(cell.run(), "vsp counter", &trace.borrow());
+}
+
+#[test]
+fn a_program_that_swallows_a_latched_fault_still_ends_with_it() {
+    let (robot, _) = gantry("g");
+    let cell = Cell::new(MS).robot(robot).program(|mp| {
+        let _ = mp.wait_until((), (), Broken);
+        Ok(())
+    });
+    assert_eq!(fault(cell.run()).message(), "on purpose");
+}
+
+struct Broken;
+
+#[condition(mp)]
+fn broken(_c: &mut Broken) -> Result<bool, Fault> {
+    Err(Fault::thrown("on purpose"))
+}
+
+/// Encoders that read NaN from tick `at` on, 0 for the very beginning; keeps what it was told.
+struct Blind {
+    drive: ExactDrive<3>,
+    ticks: u32,
+    at: u32,
+    velocity_only: bool,
+    told: std::rc::Rc<std::cell::RefCell<Vec<Q<3>>>>,
+}
+
+impl Blind {
+    fn read(&self, mut measured: Measured<Q<3>>) -> Measured<Q<3>> {
+        if self.ticks >= self.at {
+            measured.velocity[1] = f64::NAN;
+            if !self.velocity_only {
+                measured.position[1] = f64::NAN;
+            }
+        }
+        measured
+    }
+}
+
+impl Driver<Gantry> for Blind {
+    fn period(&self) -> std::time::Duration {
+        MS
+    }
+    fn measured(&self) -> Measured<Q<3>> {
+        self.read(Driver::<Gantry>::measured(&self.drive))
+    }
+    fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
+        self.ticks += 1;
+        self.told.borrow_mut().push(*demanded);
+        let measured = Driver::<Gantry>::tick(&mut self.drive, demanded)?;
+        Ok(self.read(measured))
+    }
+}
+
+#[test]
+fn fault_18_encoders_that_read_no_number_stop_the_robot_and_never_reach_its_drives() {
+    for at in [0, 1, 200] {
+        for velocity_only in [false, true] {
+            let told = std::rc::Rc::default();
+            let drive = Blind {
+                drive: ExactDrive::at_origin(),
+                ticks: 0,
+                at,
+                velocity_only,
+                told: std::rc::Rc::clone(&told),
+            };
+            let robot = RobotSetup::new("g", Gantry::default(), drive)
+                .program(|ecp| ecp.move_robot((), Smooth::to(0.3, 0.5)).map(drop));
+            let fault = fault(Cell::new(MS).robot(robot).run());
+            assert_eq!(fault.process().expect("named").to_string(), "edp g", "at {at}: {fault}");
+            assert_eq!(fault.joint(), Some(1), "at {at}: {fault}");
+            assert!(told.borrow().iter().all(|q| q.iter().all(|x| x.is_finite())), "at {at}");
+        }
+    }
+}
