@@ -32,7 +32,7 @@ impl NaturalSpline {
         self.chords.len()
     }
 
-    /// The point [mm] at the fraction `f` in 0..=1 of a span.
+    /// The point \[mm\] at the fraction `f` in 0..=1 of a span.
     #[must_use]
     pub fn point(&self, span: usize, f: f64) -> Vec2 {
         let (a, b) = (self.points[span], self.points[span + 1]);
@@ -77,7 +77,7 @@ fn slopes(points: &[Vec2], h: &[f64]) -> Vec<Vec2> {
     right
 }
 
-/// A polyline drawn as a smooth curve: runs of vertices that turn by less than `corner` [rad] become natural
+/// A polyline drawn as a smooth curve: runs of vertices that turn by less than `corner` \[rad\] become natural
 /// splines, the other vertices stay corners. A closed polyline that is smooth at its start stays smooth there.
 #[must_use]
 pub fn smooth_pieces(vertices: &[Vec2], corner: f64) -> Vec<Piece> {
