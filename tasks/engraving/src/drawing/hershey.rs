@@ -3,7 +3,7 @@
 //! A JHF line is a glyph: five characters of number, three of how many coordinate pairs follow, then pairs of
 //! characters that count from `R`: first the left and right edges, then vertices, ` R` lifting the pen. Glyphs stand
 //! in ASCII order from the blank. The coarse polylines are drawn as smooth curves through their vertices; turns of
-//! 40 degrees or more stay corners.
+//! 50 degrees or more stay corners.
 
 use super::{Affine, Drawing, Import, Stroke, Vec2, smooth_pieces};
 use crate::error::{DrawingError, Place};
@@ -26,7 +26,7 @@ const BASELINE: f64 = 9.0;
 const LINE_STEP: f64 = 1.7;
 
 /// Turns of less than this are part of a curve \[rad\].
-const CORNER: f64 = 40.0 * std::f64::consts::PI / 180.0;
+const CORNER: f64 = 50.0 * std::f64::consts::PI / 180.0;
 
 /// The most vertices of a glyph: Hershey's own have fewer than 200.
 const LONGEST_GLYPH: usize = 2000;
