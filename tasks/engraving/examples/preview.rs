@@ -12,13 +12,28 @@ use engraving::sampling::{Mark, Sampling};
 use engraving::trace::Trace;
 use engraving::{NAMEPLATE, ordering};
 use std::error::Error;
+use std::process::ExitCode;
 use std::time::Instant;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    match parse(std::env::args_os().skip(1))? {
-        Request::Engrave(options) => preview(&options),
-        Request::Help => Ok(print!("{HELP}")),
-        Request::Version => Ok(println!("{}", env!("CARGO_PKG_VERSION"))),
+fn main() -> ExitCode {
+    let run = match parse(std::env::args_os().skip(1)) {
+        Ok(Request::Engrave(options)) => preview(&options),
+        Ok(Request::Help) => {
+            print!("{HELP}");
+            Ok(())
+        }
+        Ok(Request::Version) => {
+            println!("{}", env!("CARGO_PKG_VERSION"));
+            Ok(())
+        }
+        Err(error) => Err(error.into()),
+    };
+    match run {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
     }
 }
 

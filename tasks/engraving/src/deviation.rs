@@ -8,19 +8,19 @@
 use crate::drawing::{Drawing, Stroke, Vec2};
 use crate::sampling::Sampling;
 
-/// Flattening of the strokes [mm].
+/// Flattening of the strokes \[mm\].
 const FLATTENING: f64 = 2e-4;
 
-/// Beyond this distance the search goes [`WIDE`] both ways [mm].
+/// Beyond this distance the search goes [`WIDE`] both ways \[mm\].
 const FAR: f64 = 0.05;
 
-/// Half the width of the wider search along the stroke [mm].
+/// Half the width of the wider search along the stroke \[mm\].
 const WIDE: f64 = 3.0;
 
-/// Beyond this distance the whole stroke is searched [mm].
+/// Beyond this distance the whole stroke is searched \[mm\].
 const LOST: f64 = 0.5;
 
-/// What the cursor may go ahead and back beyond the tool's own movement [mm].
+/// What the cursor may go ahead and back beyond the tool's own movement \[mm\].
 const SLACK: f64 = 0.02;
 
 /// Where points near marked corners are measured, too.
@@ -29,9 +29,9 @@ pub enum Corners {
     /// They count as all others.
     #[default]
     Counted,
-    /// Points within this radius [mm] of a corner of the drawing are measured, but not counted.
+    /// Points within this radius \[mm\] of a corner of the drawing are measured, but not counted.
     Excepted {
-        /// Radius [mm], > 0.
+        /// Radius \[mm\], > 0.
         radius: f64,
     },
 }
@@ -43,7 +43,7 @@ struct Segment {
     along: Vec2,
     /// 1 / |along|².
     inverse: f64,
-    /// Length of the stroke before it [mm].
+    /// Length of the stroke before it \[mm\].
     before: f64,
 }
 
@@ -60,18 +60,18 @@ impl Segment {
 pub struct Worst {
     /// Its stroke.
     pub stroke: usize,
-    /// Where it was executed [mm].
+    /// Where it was executed \[mm\].
     pub position: Vec2,
-    /// Its distance from the drawing [mm].
+    /// Its distance from the drawing \[mm\].
     pub distance: f64,
 }
 
 /// What was measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DeviationReport {
-    /// The largest distance [mm].
+    /// The largest distance \[mm\].
     pub max: f64,
-    /// The root of the mean square [mm].
+    /// The root of the mean square \[mm\].
     pub rms: f64,
     /// The points that count.
     pub points: u64,
@@ -129,8 +129,8 @@ impl Deviation {
         self.latest = None;
     }
 
-    /// Measures one executed point of the present stroke: its place over the plate and its error in depth [mm]; its
-    /// distance from the stroke [mm], 0 if there is no such stroke.
+    /// Measures one executed point of the present stroke: its place over the plate and its error in depth \[mm\]; its
+    /// distance from the stroke \[mm\], 0 if there is no such stroke.
     pub fn observe(&mut self, p: Vec2, depth_error: f64) -> f64 {
         let Some(segments) = self.strokes.get(self.stroke).filter(|s| !s.is_empty()) else { return 0.0 };
         let moved = self.latest.map_or(0.0, |latest| (p - latest).norm());
@@ -185,7 +185,7 @@ fn segments(stroke: &Stroke) -> Vec<Segment> {
     segments
 }
 
-/// The nearest segment within the lengths `back` and `ahead` [mm] of the cursor, and the squared distance [mm²].
+/// The nearest segment within the lengths `back` and `ahead` \[mm\] of the cursor, and the squared distance \[mm²\].
 fn nearest_around(segments: &[Segment], cursor: usize, back: f64, ahead: f64, p: Vec2) -> (usize, f64) {
     let here = &segments[cursor];
     let mut best = (cursor, here.squared_distance(p));
@@ -229,7 +229,7 @@ mod tests {
         deviation.begin_stroke(0);
         let mut squares = 0.0;
         for k in 0..5000 {
-            let a = f64::from(k) / 5000.0 * 6.28;
+            let a = f64::from(k) / 5000.0 * 6.25;
             let off = 0.01 * (a * 9.0).sin();
             let found = deviation.observe(Vec2::new(a.cos(), a.sin()) * (10.0 + off), 0.0);
             assert!((found - off.abs()).abs() < 5e-4, "{found} for {off}");

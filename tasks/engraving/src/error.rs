@@ -2,56 +2,66 @@
 
 use std::fmt;
 
-/// A place in a file, with the line's text where it helps.
+/// A place in a file, with the part of the line around it where that helps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     /// The file, or what stands for it.
-    pub file: String,
+    pub file: Box<str>,
     /// Line, from 1.
-    pub line: Option<usize>,
+    pub line: Option<u32>,
     /// Column in characters, from 1.
-    pub column: Option<usize>,
-    /// The line's text.
-    pub text: Option<String>,
+    pub column: Option<u32>,
+    /// The line's text and a caret, ready to print.
+    excerpt: Option<Box<str>>,
 }
 
 impl Place {
     /// The file as a whole.
     #[must_use]
     pub fn file(file: &str) -> Self {
-        Self { file: file.to_owned(), ..Self::default() }
+        Self { file: file.into(), ..Self::default() }
+    }
+
+    /// A line of a file, whose text is not shown.
+    #[must_use]
+    pub fn bare_line(file: &str, line: usize) -> Self {
+        Self { line: u32::try_from(line).ok(), ..Self::file(file) }
     }
 
     /// A line of a file.
     #[must_use]
     pub fn line(file: &str, line: usize, text: &str) -> Self {
-        Self { line: Some(line), text: Some(text.to_owned()), ..Self::file(file) }
+        Self { excerpt: Some(excerpt(line, 0, text)), ..Self::bare_line(file, line) }
     }
 
     /// A column of a line of a file, both from 1.
     #[must_use]
     pub fn column(file: &str, line: usize, column: usize, text: &str) -> Self {
-        Self { column: Some(column), ..Self::line(file, line, text) }
+        let excerpt = Some(excerpt(line, column, text));
+        Self { column: u32::try_from(column).ok(), excerpt, ..Self::bare_line(file, line) }
     }
 
     /// The line's text with a caret below the column, on lines of their own; empty without a text.
     #[must_use]
-    pub fn caret(&self) -> String {
-        const WIDTH: usize = 76;
-        let (Some(line), Some(text)) = (self.line, self.text.as_ref()) else { return String::new() };
-        let column = self.column.unwrap_or(0);
-        // A window of the line around the column; control characters would disturb the terminal.
-        let skip = column.saturating_sub(WIDTH / 2);
-        let shown: String =
-            text.chars().skip(skip).take(WIDTH).map(|c| if c.is_control() { ' ' } else { c }).collect();
-        let gutter = line.to_string();
-        let blank = " ".repeat(gutter.len());
-        let mut out = format!("\n {gutter} | {shown}");
-        if column > 0 {
-            out.push_str(&format!("\n {blank} | {}^", " ".repeat(column - 1 - skip.min(column - 1))));
-        }
-        out
+    pub fn caret(&self) -> &str {
+        self.excerpt.as_deref().unwrap_or("")
     }
+}
+
+/// The text around the column, and the caret; without a column (0) the text alone.
+fn excerpt(line: usize, column: usize, text: &str) -> Box<str> {
+    const WIDTH: usize = 76;
+    let skip = column.saturating_sub(WIDTH / 2);
+    // Control characters would disturb the terminal.
+    let plain = |c: char| if c.is_control() { ' ' } else { c };
+    let shown: String = text.chars().skip(skip).take(WIDTH).map(plain).collect();
+    let gutter = line.to_string();
+    let mut out = format!("\n {gutter} | {shown}");
+    if column > 0 {
+        let blank = " ".repeat(gutter.len());
+        out.push_str(&format!("\n {blank} | {}^", " ".repeat((column - 1).saturating_sub(skip))));
+    }
+    out.into()
 }
 
 impl fmt::Display for Place {
@@ -85,9 +95,9 @@ pub enum DrawingError {
     FileTooLong {
         /// The path.
         file: String,
-        /// Its length [bytes].
+        /// Its length \[bytes\].
         bytes: u64,
-        /// The limit [bytes].
+        /// The limit \[bytes\].
         limit: u64,
     },
     /// A line longer than the limit.
@@ -97,9 +107,9 @@ pub enum DrawingError {
     LineTooLong {
         /// Where.
         at: Place,
-        /// Its length [bytes].
+        /// Its length \[bytes\].
         bytes: usize,
-        /// The limit [bytes].
+        /// The limit \[bytes\].
         limit: usize,
     },
     /// Neither the name nor the content says what it is.
@@ -163,9 +173,9 @@ pub enum DrawingError {
     ArcMismatch {
         /// Where.
         at: Place,
-        /// Distance of the start from the centre [mm].
+        /// Distance of the start from the centre \[mm\].
         start_mm: f64,
-        /// Distance of the end from the centre [mm].
+        /// Distance of the end from the centre \[mm\].
         end_mm: f64,
     },
     /// A feed of zero or less: the move would never end.
@@ -231,15 +241,15 @@ pub enum DrawingError {
         "the drawing is {width:.1} x {height:.1} mm, the plate has room for {room_width:.1} x {room_height:.1} mm inside its margin of {margin} mm\n help: {help}"
     )]
     LargerThanPlate {
-        /// Width of the drawing [mm].
+        /// Width of the drawing \[mm\].
         width: f64,
-        /// Height of the drawing [mm].
+        /// Height of the drawing \[mm\].
         height: f64,
-        /// Width inside the margins [mm].
+        /// Width inside the margins \[mm\].
         room_width: f64,
-        /// Height inside the margins [mm].
+        /// Height inside the margins \[mm\].
         room_height: f64,
-        /// Margin [mm].
+        /// Margin \[mm\].
         margin: f64,
         /// What to do.
         help: String,
@@ -260,7 +270,8 @@ mod tests {
     #[test]
     fn a_long_line_is_shown_around_its_column() {
         let text = "x".repeat(5000);
-        let caret = Place::column("a", 1, 4000, &text).caret();
+        let place = Place::column("a", 1, 4000, &text);
+        let caret = place.caret();
         assert!(caret.lines().all(|line| line.len() < 90), "{caret}");
         let last = caret.lines().last().unwrap();
         assert!(last.ends_with('^'));

@@ -45,11 +45,11 @@ pub struct Options {
     pub plate: Plate,
     /// The tool's end.
     pub cutter: Cutter,
-    /// Depth of the groove [mm], > 0.
+    /// Depth of the groove \[mm\], > 0.
     pub depth: f64,
-    /// Feed [mm/s], > 0.
+    /// Feed \[mm/s\], > 0.
     pub feed: f64,
-    /// The controller's step [s], > 0.
+    /// The controller's step \[s\], > 0.
     pub step: f64,
     /// What is said.
     pub talk: Talk,

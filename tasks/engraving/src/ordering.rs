@@ -5,7 +5,7 @@
 use crate::drawing::{Closure, Drawing, Stroke, Vec2};
 use std::collections::HashMap;
 
-/// Orders and turns the strokes, beginning with the one nearest to `from` [mm].
+/// Orders and turns the strokes, beginning with the one nearest to `from` \[mm\].
 #[must_use]
 pub fn nearest_first(drawing: Drawing, from: Vec2) -> Drawing {
     let Some(bounds) = drawing.bounds() else { return drawing };
@@ -27,7 +27,7 @@ pub fn nearest_first(drawing: Drawing, from: Vec2) -> Drawing {
     Drawing { strokes }
 }
 
-/// The length of the travel moves between strokes [mm], from `from` on.
+/// The length of the travel moves between strokes \[mm\], from `from` on.
 #[must_use]
 pub fn travel_length(drawing: &Drawing, from: Vec2) -> f64 {
     let mut tool = from;
@@ -132,12 +132,11 @@ impl Grid {
 
 /// The cells at Chebyshev distance `ring`.
 fn border(cx: i64, cy: i64, ring: i64) -> impl Iterator<Item = (i64, i64)> {
-    let rows = (-ring..=ring).flat_map(move |dx| {
+    (-ring..=ring).flat_map(move |dx| {
         let whole = dx.abs() == ring;
         let step = if whole || ring == 0 { 1 } else { 2 * ring };
         (-ring..=ring).step_by(step as usize).map(move |dy| (cx + dx, cy + dy))
-    });
-    rows
+    })
 }
 
 #[cfg(test)]

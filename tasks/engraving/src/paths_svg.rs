@@ -25,7 +25,7 @@ pub struct PathsSvg<'a> {
 /// The most points drawn; the path is thinned until it has fewer: 5 MB at 14 bytes a point, both layers together.
 const MOST_POINTS: usize = 150_000;
 
-/// The margin around the plate, the heading, and the panel at its right [mm].
+/// The margin around the plate, the heading, and the panel at its right \[mm\].
 const EDGE: f64 = 8.0;
 const HEADING: f64 = 14.0;
 const PANEL: f64 = 66.0;

@@ -6,11 +6,11 @@ use crate::error::DrawingError;
 /// The plate; its lower left corner is the origin of plate coordinates, x right, y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plate {
-    /// Width [mm], > 0.
+    /// Width \[mm\], > 0.
     pub width: f64,
-    /// Height [mm], > 0.
+    /// Height \[mm\], > 0.
     pub height: f64,
-    /// Kept free on every side [mm], >= 0.
+    /// Kept free on every side \[mm\], >= 0.
     pub margin: f64,
 }
 
@@ -21,7 +21,7 @@ impl Default for Plate {
 }
 
 impl Plate {
-    /// Width and height inside the margins [mm].
+    /// Width and height inside the margins \[mm\].
     #[must_use]
     pub fn room(&self) -> Vec2 {
         Vec2::new(self.width - 2.0 * self.margin, self.height - 2.0 * self.margin)
@@ -38,9 +38,9 @@ pub enum Sizing {
     Scale(f64),
     /// As large as fits into so many millimetres, its proportions kept.
     Within {
-        /// Width [mm], > 0.
+        /// Width \[mm\], > 0.
         width: f64,
-        /// Height [mm], > 0.
+        /// Height \[mm\], > 0.
         height: f64,
     },
     /// As large as the plate has room for.
@@ -50,9 +50,9 @@ pub enum Sizing {
 /// A drawing in plate coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
-    /// The drawing [mm].
+    /// The drawing \[mm\].
     pub drawing: Drawing,
-    /// Its box [mm].
+    /// Its box \[mm\].
     pub bounds: Bounds,
     /// How many times larger than in the file.
     pub scale: f64,

@@ -6,20 +6,20 @@
 
 use crate::placement::Plate;
 
-/// The tip of the tool in plate coordinates [mm]; z = 0 is the surface, z < 0 is in the material.
+/// The tip of the tool in plate coordinates \[mm\]; z = 0 is the surface, z < 0 is in the material.
 pub type Tip = nalgebra::Vector3<f64>;
 
 /// The shape of the tool's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutter {
-    /// A pointed tool with this full angle [rad], 0..π.
+    /// A pointed tool with this full angle \[rad\], 0..π.
     Vee {
-        /// Full angle of the tip [rad].
+        /// Full angle of the tip \[rad\].
         angle: f64,
     },
-    /// A ball of this radius [mm], > 0.
+    /// A ball of this radius \[mm\], > 0.
     Ball {
-        /// Radius [mm].
+        /// Radius \[mm\].
         radius: f64,
     },
 }
@@ -32,7 +32,7 @@ impl Default for Cutter {
 }
 
 impl Cutter {
-    /// Half the width that a tip `depth` [mm] below the surface cuts [mm].
+    /// Half the width that a tip `depth` \[mm\] below the surface cuts \[mm\].
     #[must_use]
     pub fn half_width(&self, depth: f64) -> f64 {
         let depth = depth.max(0.0);
@@ -64,7 +64,7 @@ const MERGED_CELLS: f64 = 3.0;
 const MOST_CELLS: f64 = 24e6;
 
 impl HeightMap {
-    /// A flat plate with cells of about `cell` [mm]; larger ones where the plate would need too many.
+    /// A flat plate with cells of about `cell` \[mm\]; larger ones where the plate would need too many.
     #[must_use]
     pub fn new(plate: &Plate, cell: f64, cutter: Cutter) -> Self {
         let cell = cell.max((plate.width * plate.height / MOST_CELLS).sqrt());
@@ -74,7 +74,7 @@ impl HeightMap {
         Self { columns, rows, cell, heights, cutter, anchor: None, latest: None }
     }
 
-    /// Size of a cell [mm].
+    /// Size of a cell \[mm\].
     #[must_use]
     pub fn cell(&self) -> f64 {
         self.cell
@@ -86,7 +86,7 @@ impl HeightMap {
         (self.columns, self.rows)
     }
 
-    /// The height of a cell [mm], <= 0; 0 outside the plate. Row 0 is the lowest.
+    /// The height of a cell \[mm\], <= 0; 0 outside the plate. Row 0 is the lowest.
     #[must_use]
     pub fn height(&self, column: isize, row: isize) -> f32 {
         let inside =
@@ -94,7 +94,7 @@ impl HeightMap {
         if inside { self.heights[row as usize * self.columns + column as usize] } else { 0.0 }
     }
 
-    /// The deepest cell [mm], <= 0.
+    /// The deepest cell \[mm\], <= 0.
     #[must_use]
     pub fn deepest(&self) -> f32 {
         self.heights.iter().fold(0.0, |a, b| a.min(*b))

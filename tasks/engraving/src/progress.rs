@@ -51,7 +51,7 @@ impl Progress {
         Self { display, total_mm, began: now, shown: now, every, until_look: LOOK_EVERY }
     }
 
-    /// Tells the step and how much of the path [mm] is done.
+    /// Tells the step and how much of the path \[mm\] is done.
     pub fn at(&mut self, step: u64, path_mm: f64) {
         if self.display == Display::Silent {
             return;

@@ -25,7 +25,7 @@ pub enum Mark {
 /// A point of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Position on the plate [mm].
+    /// Position on the plate \[mm\].
     pub position: Vec2,
     /// Index of its stroke in the drawing.
     pub stroke: usize,
@@ -36,11 +36,11 @@ pub struct Sample {
 /// How finely strokes are sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
-    /// The spline's distance from the exact curve [mm], > 0.
+    /// The spline's distance from the exact curve \[mm\], > 0.
     pub tolerance: f64,
-    /// A join that turns by more is a corner [rad], 0..π.
+    /// A join that turns by more is a corner \[rad\], 0..π.
     pub corner_angle: f64,
-    /// Points are not set closer than this [mm], > 0.
+    /// Points are not set closer than this \[mm\], > 0.
     pub closest: f64,
 }
 
@@ -85,7 +85,7 @@ impl Sampling {
         samples
     }
 
-    /// Positions of the stroke's corners, without its ends [mm].
+    /// Positions of the stroke's corners, without its ends \[mm\].
     #[must_use]
     pub fn corners(&self, stroke: &Stroke) -> Vec<Vec2> {
         let ends = self.run_ends(stroke);
@@ -216,7 +216,7 @@ fn middle(stroke: &Stroke, a: f64, b: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// The largest distance of a spline's span from the exact curve between two stroke parameters [mm].
+/// The largest distance of a spline's span from the exact curve between two stroke parameters \[mm\].
 fn deviation(stroke: &Stroke, spline: &NaturalSpline, span: usize, from: f64, to: f64) -> f64 {
     let mut worst = 0.0f64;
     for k in 1..=5 {

@@ -24,11 +24,11 @@ impl Bounded {
 /// Distances from the drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PathDeviation {
-    /// The largest distance [mm].
+    /// The largest distance \[mm\].
     pub max_mm: Bounded,
-    /// The root of the mean square [mm].
+    /// The root of the mean square \[mm\].
     pub rms_mm: Bounded,
-    /// Where the largest is [mm], in plate coordinates.
+    /// Where the largest is \[mm\], in plate coordinates.
     pub worst_at_mm: [f64; 2],
     /// Points measured.
     pub points: u64,
@@ -37,7 +37,7 @@ pub struct PathDeviation {
 }
 
 impl PathDeviation {
-    /// From a measurement, with the bounds that its maximum and its RMS must keep [mm].
+    /// From a measurement, with the bounds that its maximum and its RMS must keep \[mm\].
     #[must_use]
     pub fn new(report: &crate::deviation::DeviationReport, limit_mm: f64, rms_limit_mm: f64) -> Self {
         Self {
@@ -64,11 +64,11 @@ pub struct JointPeaks {
 /// The plate's height as the arm found it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PlateHeight {
-    /// Where the touch reported the surface [mm].
+    /// Where the touch reported the surface \[mm\].
     pub found_mm: f64,
-    /// Where it truly is in the simulation [mm].
+    /// Where it truly is in the simulation \[mm\].
     pub true_mm: f64,
-    /// The largest error that passes [mm].
+    /// The largest error that passes \[mm\].
     pub limit_mm: f64,
 }
 
@@ -87,21 +87,21 @@ pub struct Summary {
     pub source: String,
     /// Strokes engraved.
     pub strokes: usize,
-    /// Length of all strokes [mm].
+    /// Length of all strokes \[mm\].
     pub cut_length_mm: f64,
-    /// Length of the travel between them [mm].
+    /// Length of the travel between them \[mm\].
     pub travel_length_mm: f64,
-    /// Width and height of the drawing on the plate [mm].
+    /// Width and height of the drawing on the plate \[mm\].
     pub drawing_size_mm: [f64; 2],
     /// Points of the spline.
     pub samples: u64,
     /// Steps of the controller.
     pub steps: u64,
-    /// The step [s].
+    /// The step \[s\].
     pub step_s: f64,
-    /// Simulated time [s].
+    /// Simulated time \[s\].
     pub simulated_s: f64,
-    /// Time on the wall [s].
+    /// Time on the wall \[s\].
     pub wall_s: f64,
     /// Demanded tip positions against the drawing.
     pub demanded: PathDeviation,

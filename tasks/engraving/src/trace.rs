@@ -20,7 +20,7 @@ pub enum Contact {
 pub struct TracePart {
     /// What the tool did.
     pub contact: Contact,
-    /// Kept points [mm].
+    /// Kept points \[mm\].
     pub points: Vec<Vec2>,
 }
 
@@ -33,7 +33,7 @@ pub struct Trace {
     sector: Option<Sector>,
 }
 
-/// The directions from the last kept point that pass all points since: a middle and half an angle [rad].
+/// The directions from the last kept point that pass all points since: a middle and half an angle \[rad\].
 #[derive(Clone, Copy, Debug)]
 struct Sector {
     reference: Vec2,
@@ -44,7 +44,7 @@ struct Sector {
 }
 
 impl Trace {
-    /// Keeps points so that the thinned path stays within `tolerance` [mm], > 0.
+    /// Keeps points so that the thinned path stays within `tolerance` \[mm\], > 0.
     #[must_use]
     pub fn new(tolerance: f64) -> Self {
         Self { parts: Vec::new(), tolerance, latest: None, sector: None }
@@ -58,7 +58,7 @@ impl Trace {
         self.parts
     }
 
-    /// Records an executed tip [mm].
+    /// Records an executed tip \[mm\].
     pub fn move_to(&mut self, tip: Tip) {
         let p = Vec2::new(tip.x, tip.y);
         let contact = if tip.z < 0.0 { Contact::Cutting } else { Contact::Travelling };

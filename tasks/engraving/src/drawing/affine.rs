@@ -36,7 +36,7 @@ impl Affine {
         Self::new(x, 0.0, 0.0, y, 0.0, 0.0)
     }
 
-    /// A turn about the origin [rad], counter-clockwise where y points up.
+    /// A turn about the origin \[rad\], counter-clockwise where y points up.
     #[must_use]
     pub fn rotation(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();

@@ -5,7 +5,7 @@ use super::{Affine, Vec2};
 /// A rational Bézier curve: `P(t) = Σ B_i(t) w_i p_i / Σ B_i(t) w_i`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RationalBezier {
-    /// Control points [mm] with their weights, > 0; at least two.
+    /// Control points \[mm\] with their weights, > 0; at least two.
     controls: Box<[(Vec2, f64)]>,
 }
 
@@ -23,7 +23,7 @@ impl RationalBezier {
         &self.controls
     }
 
-    /// The point [mm], and the first and second derivatives [mm], at `t` in 0..=1.
+    /// The point \[mm\], and the first and second derivatives \[mm\], at `t` in 0..=1.
     #[must_use]
     pub fn evaluate(&self, t: f64) -> (Vec2, Vec2, Vec2) {
         // Homogeneous sums and their two derivatives by Horner-like Bernstein recursion on all three at once.

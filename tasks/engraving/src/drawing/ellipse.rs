@@ -8,15 +8,15 @@ use std::f64::consts::{PI, TAU};
 /// An arc of an ellipse or a circle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EllipticalArc {
-    /// Centre [mm].
+    /// Centre \[mm\].
     pub centre: Vec2,
-    /// The half-diameter at θ = 0 [mm].
+    /// The half-diameter at θ = 0 \[mm\].
     pub u: Vec2,
-    /// The conjugate half-diameter, at θ = π/2 [mm].
+    /// The conjugate half-diameter, at θ = π/2 \[mm\].
     pub v: Vec2,
-    /// Parameter of the start [rad].
+    /// Parameter of the start \[rad\].
     pub start_angle: f64,
-    /// Parameter travelled [rad], negative against the sense from `u` to `v`.
+    /// Parameter travelled \[rad\], negative against the sense from `u` to `v`.
     pub sweep: f64,
 }
 
@@ -42,14 +42,14 @@ impl EllipticalArc {
         Some(Self::about(centre, from, sweep))
     }
 
-    /// The circular arc about `centre` that starts at `from` and turns by `sweep` [rad].
+    /// The circular arc about `centre` that starts at `from` and turns by `sweep` \[rad\].
     #[must_use]
     pub fn about(centre: Vec2, from: Vec2, sweep: f64) -> Self {
         let u = from - centre;
         Self { centre, u, v: Vec2::new(-u.y, u.x), start_angle: 0.0, sweep }
     }
 
-    /// The arc of SVG's `A` command: radii, turn of the x axis [rad], the two flags (SVG 2, appendix B.2.4).
+    /// The arc of SVG's `A` command: radii, turn of the x axis \[rad\], the two flags (SVG 2, appendix B.2.4).
     ///
     /// Radii that are too small grow as the standard demands; `None` where it demands a straight line.
     #[must_use]
@@ -92,20 +92,20 @@ impl EllipticalArc {
         Some(Self { centre, u, v, start_angle: start, sweep: angle })
     }
 
-    /// Parameter of the ellipse at `t` in 0..=1 [rad].
+    /// Parameter of the ellipse at `t` in 0..=1 \[rad\].
     #[must_use]
     pub fn angle(&self, t: f64) -> f64 {
         self.start_angle + self.sweep * t
     }
 
-    /// The point at `t` in 0..=1 [mm].
+    /// The point at `t` in 0..=1 \[mm\].
     #[must_use]
     pub fn point(&self, t: f64) -> Vec2 {
         let (sin, cos) = self.angle(t).sin_cos();
         self.centre + self.u * cos + self.v * sin
     }
 
-    /// First and second derivative by `t` [mm].
+    /// First and second derivative by `t` \[mm\].
     #[must_use]
     pub fn derivatives(&self, t: f64) -> (Vec2, Vec2) {
         let (sin, cos) = self.angle(t).sin_cos();
@@ -127,13 +127,13 @@ impl EllipticalArc {
         Self { centre: map.point(self.centre), u: map.direction(self.u), v: map.direction(self.v), ..*self }
     }
 
-    /// An upper bound of |P''(t)| [mm].
+    /// An upper bound of |P''(t)| \[mm\].
     #[must_use]
     pub fn second_derivative_bound(&self) -> f64 {
         self.sweep * self.sweep * self.longest_half_axis()
     }
 
-    /// The longer half-axis [mm]: the larger singular value of [u v].
+    /// The longer half-axis \[mm\]: the larger singular value of [u v].
     #[must_use]
     pub fn longest_half_axis(&self) -> f64 {
         let sum = self.u.norm_squared() + self.v.norm_squared();

@@ -7,7 +7,7 @@ const MOST_CHORDS: f64 = 50_000.0;
 
 impl Piece {
     /// Calls `each` with the parameter and point of every vertex after the start, so that no chord is further from
-    /// the curve than `tolerance` [mm], > 0.
+    /// the curve than `tolerance` \[mm\], > 0.
     ///
     /// Arcs and cubics by the bound `|P''| h² / 8` on the chord's deviation, rational pieces by halving.
     pub fn flatten(&self, tolerance: f64, each: &mut impl FnMut(f64, Vec2)) {
@@ -56,7 +56,7 @@ impl Piece {
         self.halve((middle, p), to, tolerance, depth - 1, each);
     }
 
-    /// The box around the piece [mm]: exact but for rational pieces, where it is within 1 µm.
+    /// The box around the piece \[mm\]: exact but for rational pieces, where it is within 1 µm.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         let ends = Bounds { min: self.start().inf(&self.end()), max: self.start().sup(&self.end()) };
@@ -75,7 +75,7 @@ impl Piece {
 }
 
 impl Stroke {
-    /// The stroke as a polyline [mm] no further than `tolerance` [mm] from it, its start included.
+    /// The stroke as a polyline \[mm\] no further than `tolerance` \[mm\] from it, its start included.
     #[must_use]
     pub fn flattened(&self, tolerance: f64) -> Vec<Vec2> {
         let mut points = vec![self.start()];
@@ -86,7 +86,7 @@ impl Stroke {
     }
 }
 
-/// The distance of a point from a segment [mm].
+/// The distance of a point from a segment \[mm\].
 fn distance_to_segment(p: Vec2, a: Vec2, b: Vec2) -> f64 {
     let along = b - a;
     let squared = along.norm_squared();

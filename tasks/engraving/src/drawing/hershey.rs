@@ -3,7 +3,7 @@
 //! A JHF line is a glyph: five characters of number, three of how many coordinate pairs follow, then pairs of
 //! characters that count from `R`: first the left and right edges, then vertices, ` R` lifting the pen. Glyphs stand
 //! in ASCII order from the blank. The coarse polylines are drawn as smooth curves through their vertices; turns of
-//! 40 degrees or more stay corners.
+//! 50 degrees or more stay corners.
 
 use super::{Affine, Drawing, Import, Stroke, Vec2, smooth_pieces};
 use crate::error::{DrawingError, Place};
@@ -25,8 +25,8 @@ const BASELINE: f64 = 9.0;
 /// From line to line, in capital heights.
 const LINE_STEP: f64 = 1.7;
 
-/// Turns of less than this are part of a curve [rad].
-const CORNER: f64 = 40.0 * std::f64::consts::PI / 180.0;
+/// Turns of less than this are part of a curve \[rad\].
+const CORNER: f64 = 50.0 * std::f64::consts::PI / 180.0;
 
 /// The most vertices of a glyph: Hershey's own have fewer than 200.
 const LONGEST_GLYPH: usize = 2000;
@@ -93,7 +93,7 @@ impl Font {
             let count = count
                 .filter(|n| (1..=LONGEST_GLYPH).contains(n))
                 .ok_or_else(|| malformed("a glyph without its count of pairs"))?;
-            let mut data = first[8..].as_bytes().to_vec();
+            let mut data = first.as_bytes()[8..].to_vec();
             while data.len() < 2 * count {
                 match lines.next() {
                     Some((_, more)) => data.extend_from_slice(more.as_bytes()),
@@ -115,7 +115,7 @@ impl Font {
         Ok(Self { name: name.to_owned(), glyphs })
     }
 
-    /// The text, several lines centred below one another, in capitals of `capital_mm` [mm], > 0.
+    /// The text, several lines centred below one another, in capitals of `capital_mm` \[mm\], > 0.
     ///
     /// # Errors
     /// [`DrawingError::MissingGlyph`] names the first character that the font lacks; [`DrawingError::Empty`] for

@@ -139,7 +139,7 @@ pub fn read_str(name: &str, text: &str, limits: Limits) -> Result<Import, Drawin
 fn check_lines(name: &str, text: &str, limits: &Limits) -> Result<(), DrawingError> {
     match text.lines().enumerate().find(|(_, line)| line.len() > limits.line_bytes) {
         Some((i, line)) => Err(DrawingError::LineTooLong {
-            at: Place { line: Some(i + 1), ..Place::file(name) },
+            at: Place::bare_line(name, i + 1),
             bytes: line.len(),
             limit: limits.line_bytes,
         }),

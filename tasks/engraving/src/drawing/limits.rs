@@ -5,9 +5,9 @@ use crate::error::{DrawingError, Place};
 /// Bounds on what is read. The defaults refuse within two seconds and 256 MB whatever the file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Longest file [bytes].
+    /// Longest file \[bytes\].
     pub file_bytes: u64,
-    /// Longest line of G-code or DXF [bytes].
+    /// Longest line of G-code or DXF \[bytes\].
     pub line_bytes: usize,
     /// Most curve pieces in a drawing.
     pub pieces: usize,

@@ -32,7 +32,7 @@ pub use piece::Piece;
 pub use spline::{NaturalSpline, smooth_pieces};
 pub use stroke::{Bounds, Closure, Drawing, Stroke};
 
-/// A point or a displacement in the plane of the drawing [mm], x to the right, y up.
+/// A point or a displacement in the plane of the drawing \[mm\], x to the right, y up.
 pub type Vec2 = nalgebra::Vector2<f64>;
 
 /// The signed area of the parallelogram of two vectors: `a.x b.y - a.y b.x`.

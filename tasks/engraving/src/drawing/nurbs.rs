@@ -1,5 +1,6 @@
-//! NURBS as files give them, split into one Bézier curve per knot span by knot insertion (Boehm 1980; Piegl and
-//! Tiller, The NURBS Book, A5.6): exact, and a kink at a repeated knot becomes a join that the sampler sees.
+//! NURBS as files give them, split into one Bézier curve per knot span by their blossom (Ramshaw 1989: the Bézier
+//! points of a span from `a` to `b` are the blossom at `a` p - j times and `b` j times): exact, and a kink at a
+//! repeated knot becomes a join that the sampler sees.
 
 use super::{Piece, RationalBezier, Vec2};
 
@@ -13,7 +14,7 @@ pub struct Nurbs {
     pub degree: usize,
     /// Knots, not decreasing, as many as control points + degree + 1.
     pub knots: Vec<f64>,
-    /// Control points [mm] with weights > 0.
+    /// Control points \[mm\] with weights > 0.
     pub controls: Vec<(Vec2, f64)>,
 }
 
@@ -33,29 +34,26 @@ impl Nurbs {
     /// A sentence that says what is wrong with degree, knots, weights or numbers of them.
     pub fn pieces(&self) -> Result<Vec<Piece>, String> {
         self.check()?;
+        let (p, n) = (self.degree, self.controls.len());
+        let spans = (p..n).filter(|i| self.knots[*i] < self.knots[i + 1]);
+        Ok(spans.filter_map(|i| bezier_piece((0..=p).map(|j| self.blossom(i, j)).collect())).collect())
+    }
+
+    /// The j-th Bézier point of the span from knot i, by de Boor's recursion in homogeneous coordinates.
+    fn blossom(&self, i: usize, j: usize) -> (Vec2, f64) {
         let p = self.degree;
-        let first = self.knots[p];
-        let last = self.knots[self.controls.len()];
-        let mut spline = Homogeneous::new(self);
-        let mut inner: Vec<f64> = self.knots.iter().copied().filter(|k| *k >= first && *k <= last).collect();
-        inner.dedup();
-        for knot in inner {
-            while spline.multiplicity(knot) < p {
-                spline.insert(knot, p);
+        let (a, b) = (self.knots[i], self.knots[i + 1]);
+        let mut d: Vec<(Vec2, f64)> = self.controls[i - p..=i].iter().map(|(q, w)| (q * *w, *w)).collect();
+        for r in 1..=p {
+            let argument = if r <= j { b } else { a };
+            for l in (r..=p).rev() {
+                let (low, high) = (self.knots[i - p + l], self.knots[i + l + 1 - r]);
+                let f = (argument - low) / (high - low);
+                d[l] = (d[l - 1].0 * (1.0 - f) + d[l].0 * f, d[l - 1].1 * (1.0 - f) + d[l].1 * f);
             }
         }
-        let mut pieces = Vec::new();
-        let start = spline.knots.iter().position(|k| *k >= first).unwrap_or(0);
-        // With every knot at multiplicity p (or p + 1 at clamped ends) each group of p spans one Bézier curve.
-        let mut i = start + spline.multiplicity(first) - 1;
-        while i + 1 < spline.knots.len() && spline.knots[i] < last {
-            let controls = spline.controls[i - p..=i].iter().map(|[x, y, w]| (Vec2::new(x / w, y / w), *w));
-            if let Some(piece) = bezier_piece(controls.collect()) {
-                pieces.push(piece);
-            }
-            i += spline.multiplicity(spline.knots[i + 1]);
-        }
-        Ok(pieces)
+        let (q, w) = d[p];
+        (q / w, w)
     }
 
     fn check(&self) -> Result<(), String> {
@@ -99,49 +97,11 @@ fn bezier_piece(controls: Vec<(Vec2, f64)>) -> Option<Piece> {
     }
 }
 
-/// The spline in homogeneous coordinates while knots go in.
-struct Homogeneous {
-    knots: Vec<f64>,
-    controls: Vec<[f64; 3]>,
-}
-
-impl Homogeneous {
-    fn new(of: &Nurbs) -> Self {
-        let controls = of.controls.iter().map(|(p, w)| [p.x * w, p.y * w, *w]).collect();
-        Self { knots: of.knots.clone(), controls }
-    }
-
-    fn multiplicity(&self, knot: f64) -> usize {
-        let from = self.knots.partition_point(|k| *k < knot);
-        self.knots[from..].iter().take_while(|k| **k == knot).count()
-    }
-
-    /// Boehm's insertion of one knot that lies inside the domain.
-    fn insert(&mut self, knot: f64, p: usize) {
-        // The span [k, k+1) that holds the knot; the last non-empty one for the end of the domain.
-        let n = self.controls.len();
-        let k = (self.knots.partition_point(|x| *x <= knot)).clamp(p + 1, n) - 1;
-        let lower = k + 1 - p;
-        let mut controls = Vec::with_capacity(n + 1);
-        controls.extend_from_slice(&self.controls[..lower]);
-        for i in lower..=k {
-            let width = self.knots[i + p] - self.knots[i];
-            let a = if width > 0.0 { (knot - self.knots[i]) / width } else { 0.0 };
-            let (from, to) = (self.controls[i - 1], self.controls[i]);
-            controls.push([0, 1, 2].map(|c| from[c] * (1.0 - a) + to[c] * a));
-        }
-        controls.extend_from_slice(&self.controls[k..]);
-        self.controls = controls;
-        let at = self.knots.partition_point(|x| *x <= knot);
-        self.knots.insert(at, knot);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// De Boor's recursion straight from the definition: an oracle that shares no code with knot insertion.
+    /// De Boor's recursion straight from the definition: an oracle that shares no code with the blossom.
     fn basis(knots: &[f64], i: usize, p: usize, u: f64) -> f64 {
         if p == 0 {
             return f64::from(u8::from(knots[i] <= u && u < knots[i + 1]));

@@ -7,14 +7,14 @@ use super::{Affine, EllipticalArc, RationalBezier, Vec2, cross};
 pub enum Piece {
     /// A straight line.
     Line {
-        /// Start [mm].
+        /// Start \[mm\].
         from: Vec2,
-        /// End [mm].
+        /// End \[mm\].
         to: Vec2,
     },
     /// A circular or elliptical arc.
     Arc(EllipticalArc),
-    /// A cubic Bézier curve's control points [mm].
+    /// A cubic Bézier curve's control points \[mm\].
     Cubic([Vec2; 4]),
     /// A rational Bézier curve: one span of a NURBS.
     Rational(RationalBezier),
@@ -27,7 +27,7 @@ impl Piece {
         Self::Cubic([a, a + (b - a) * (2.0 / 3.0), c + (b - c) * (2.0 / 3.0), c])
     }
 
-    /// The point at `t` in 0..=1 [mm].
+    /// The point at `t` in 0..=1 \[mm\].
     #[must_use]
     pub fn point(&self, t: f64) -> Vec2 {
         match self {
@@ -41,7 +41,7 @@ impl Piece {
         }
     }
 
-    /// First and second derivative by `t` [mm].
+    /// First and second derivative by `t` \[mm\].
     #[must_use]
     pub fn derivatives(&self, t: f64) -> (Vec2, Vec2) {
         match self {
@@ -62,7 +62,7 @@ impl Piece {
         }
     }
 
-    /// The first derivative by `t` [mm].
+    /// The first derivative by `t` \[mm\].
     #[must_use]
     pub fn derivative(&self, t: f64) -> Vec2 {
         self.derivatives(t).0
@@ -82,7 +82,7 @@ impl Piece {
         if norm > 0.0 { d / norm } else { Vec2::new(1.0, 0.0) }
     }
 
-    /// The signed curvature at `t` [1/mm], positive where the curve turns left; 0 where it is not defined.
+    /// The signed curvature at `t` \[1/mm\], positive where the curve turns left; 0 where it is not defined.
     #[must_use]
     pub fn curvature(&self, t: f64) -> f64 {
         let (d, dd) = self.derivatives(t);
@@ -90,13 +90,13 @@ impl Piece {
         if speed > 1e-9 { cross(d, dd) / (speed * speed * speed) } else { 0.0 }
     }
 
-    /// The start [mm].
+    /// The start \[mm\].
     #[must_use]
     pub fn start(&self) -> Vec2 {
         self.point(0.0)
     }
 
-    /// The end [mm].
+    /// The end \[mm\].
     #[must_use]
     pub fn end(&self) -> Vec2 {
         self.point(1.0)
@@ -124,7 +124,7 @@ impl Piece {
         }
     }
 
-    /// The arc length [mm], to 1e-6 relative: 5-point Gauss-Legendre over equal parts.
+    /// The arc length \[mm\], to 1e-6 relative: 5-point Gauss-Legendre over equal parts.
     #[must_use]
     pub fn length(&self) -> f64 {
         match self {

@@ -32,7 +32,7 @@ impl NaturalSpline {
         self.chords.len()
     }
 
-    /// The point [mm] at the fraction `f` in 0..=1 of a span.
+    /// The point \[mm\] at the fraction `f` in 0..=1 of a span.
     #[must_use]
     pub fn point(&self, span: usize, f: f64) -> Vec2 {
         let (a, b) = (self.points[span], self.points[span + 1]);
@@ -77,8 +77,9 @@ fn slopes(points: &[Vec2], h: &[f64]) -> Vec<Vec2> {
     right
 }
 
-/// A polyline drawn as a smooth curve: runs of vertices that turn by less than `corner` [rad] become natural
-/// splines, the other vertices stay corners. A closed polyline that is smooth at its start stays smooth there.
+/// A polyline drawn as a smooth curve: runs of vertices that turn by less than `corner` \[rad\] become natural
+/// splines, the other vertices stay corners; so do turns of more than 20 degrees between a long and a short side,
+/// where a spline would bend the long one. A closed polyline that is smooth at its start stays smooth there.
 #[must_use]
 pub fn smooth_pieces(vertices: &[Vec2], corner: f64) -> Vec<Piece> {
     let mut points: Vec<Vec2> = Vec::with_capacity(vertices.len());
@@ -88,12 +89,11 @@ pub fn smooth_pieces(vertices: &[Vec2], corner: f64) -> Vec<Piece> {
         }
     }
     let n = points.len();
-    let turn = |a: Vec2, b: Vec2, c: Vec2| (b - a).angle(&(c - b));
     let closed = n > 3 && (points[0] - points[n - 1]).norm() < 1e-6;
     let breaks: Vec<usize> = (1..n.saturating_sub(1))
-        .filter(|&i| turn(points[i - 1], points[i], points[i + 1]) >= corner)
+        .filter(|&i| is_corner(points[i - 1], points[i], points[i + 1], corner))
         .collect();
-    if closed && turn(points[n - 2], points[0], points[1]) < corner {
+    if closed && !is_corner(points[n - 2], points[0], points[1], corner) {
         return smooth_loop(&points[..n - 1], &breaks);
     }
     let mut ends = breaks;
@@ -103,6 +103,14 @@ pub fn smooth_pieces(vertices: &[Vec2], corner: f64) -> Vec<Piece> {
         .filter_map(|w| NaturalSpline::new(points[w[0]..=w[1]].to_vec()))
         .flat_map(|s| s.pieces())
         .collect()
+}
+
+/// Whether the polyline keeps its corner at `b`.
+fn is_corner(a: Vec2, b: Vec2, c: Vec2, corner: f64) -> bool {
+    let (before, after) = (b - a, c - b);
+    let turn = before.angle(&after);
+    let uneven = before.norm().max(after.norm()) > 3.0 * before.norm().min(after.norm());
+    turn >= corner || (uneven && turn > 20f64.to_radians())
 }
 
 /// A loop that is smooth at its first vertex: started at a corner, or, without one, wrapped far enough around that

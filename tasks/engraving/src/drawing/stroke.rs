@@ -11,12 +11,12 @@ pub enum Closure {
     Closed,
 }
 
-/// An axis-parallel box [mm].
+/// An axis-parallel box \[mm\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Lower left corner [mm].
+    /// Lower left corner \[mm\].
     pub min: Vec2,
-    /// Upper right corner [mm].
+    /// Upper right corner \[mm\].
     pub max: Vec2,
 }
 
@@ -38,13 +38,13 @@ impl Bounds {
         Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }
     }
 
-    /// Width and height [mm].
+    /// Width and height \[mm\].
     #[must_use]
     pub fn size(&self) -> Vec2 {
         self.max - self.min
     }
 
-    /// The middle [mm].
+    /// The middle \[mm\].
     #[must_use]
     pub fn centre(&self) -> Vec2 {
         (self.min + self.max) * 0.5
@@ -58,10 +58,10 @@ pub struct Stroke {
     closure: Closure,
 }
 
-/// Ends closer than this are the same point [mm].
+/// Ends closer than this are the same point \[mm\].
 pub const TOUCHING: f64 = 1e-4;
 
-/// Pieces shorter than this are dropped [mm]: rounding in the file, not a feature.
+/// Pieces shorter than this are dropped \[mm\]: rounding in the file, not a feature.
 const SHORTEST_PIECE: f64 = 1e-6;
 
 impl Stroke {
@@ -104,39 +104,39 @@ impl Stroke {
         (&self.pieces[k], (parameter - k as f64).clamp(0.0, 1.0))
     }
 
-    /// The point at the stroke parameter in 0..=number of pieces [mm].
+    /// The point at the stroke parameter in 0..=number of pieces \[mm\].
     #[must_use]
     pub fn point(&self, parameter: f64) -> Vec2 {
         let (piece, t) = self.locate(parameter);
         piece.point(t)
     }
 
-    /// The derivative by the stroke parameter [mm]; at a join that of the later piece.
+    /// The derivative by the stroke parameter \[mm\]; at a join that of the later piece.
     #[must_use]
     pub fn derivative(&self, parameter: f64) -> Vec2 {
         let (piece, t) = self.locate(parameter);
         piece.derivative(t)
     }
 
-    /// The start [mm].
+    /// The start \[mm\].
     #[must_use]
     pub fn start(&self) -> Vec2 {
         self.point(0.0)
     }
 
-    /// The end [mm].
+    /// The end \[mm\].
     #[must_use]
     pub fn end(&self) -> Vec2 {
         self.point(self.pieces.len() as f64)
     }
 
-    /// The arc length [mm].
+    /// The arc length \[mm\].
     #[must_use]
     pub fn length(&self) -> f64 {
         self.pieces.iter().map(Piece::length).sum()
     }
 
-    /// The box around the stroke [mm].
+    /// The box around the stroke \[mm\].
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         let mut bounds = Bounds { min: self.start(), max: self.start() };
@@ -180,13 +180,13 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// The box around everything [mm]; `None` for an empty drawing.
+    /// The box around everything \[mm\]; `None` for an empty drawing.
     #[must_use]
     pub fn bounds(&self) -> Option<Bounds> {
         self.strokes.iter().map(Stroke::bounds).reduce(|a, b| a.union(&b))
     }
 
-    /// The sum of the strokes' lengths [mm], without travel between them.
+    /// The sum of the strokes' lengths \[mm\], without travel between them.
     #[must_use]
     pub fn length(&self) -> f64 {
         self.strokes.iter().map(Stroke::length).sum()

@@ -46,7 +46,7 @@ struct Pen {
     half_width: f64,
 }
 
-/// Height of capitals [mm].
+/// Height of capitals \[mm\].
 const CAPITAL: f64 = 2.9;
 
 impl Pen {

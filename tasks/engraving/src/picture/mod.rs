@@ -11,9 +11,9 @@ use std::path::Path;
 /// An image of 8-bit RGB.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Width [pixels].
+    /// Width \[pixels\].
     pub width: usize,
-    /// Height [pixels].
+    /// Height \[pixels\].
     pub height: usize,
     /// Rows from the top, three bytes a pixel.
     pub rgb: Vec<u8>,
@@ -32,7 +32,7 @@ pub enum Material {
 /// The most pixels across.
 const WIDEST: f64 = 2240.0;
 
-/// The bench around the plate [mm], and the strip below it for the caption.
+/// The bench around the plate \[mm\], and the strip below it for the caption.
 const BENCH: f64 = 9.0;
 const CAPTION: f64 = 11.0;
 

@@ -8,14 +8,14 @@ use crate::plate::HeightMap;
 /// What is drawn, and how large.
 pub struct Frame<'a> {
     pub plate: &'a Plate,
-    /// The bench around it [mm].
+    /// The bench around it \[mm\].
     pub bench: f64,
     /// Pixels of a millimetre.
     pub per_mm: f64,
     pub material: Material,
 }
 
-/// Radius of the plate's corners and width of its bevelled rim [mm].
+/// Radius of the plate's corners and width of its bevelled rim \[mm\].
 const CORNER: f32 = 4.0;
 const BEVEL: f32 = 1.1;
 
@@ -48,7 +48,7 @@ pub fn draw(picture: &mut Picture, map: &HeightMap, frame: &Frame<'_>) {
     }
 }
 
-/// The linear colour at a place in plate coordinates [mm].
+/// The linear colour at a place in plate coordinates \[mm\].
 fn sample(map: &HeightMap, frame: &Frame<'_>, colours: &Colours, deepest: f32, x: f64, y: f64) -> Rgb {
     let (half_w, half_h) = (frame.plate.width as f32 / 2.0, frame.plate.height as f32 / 2.0);
     let (cx, cy) = (x as f32 - half_w, y as f32 - half_h);
@@ -84,7 +84,7 @@ fn sample(map: &HeightMap, frame: &Frame<'_>, colours: &Colours, deepest: f32, x
     colour
 }
 
-/// Signed distance from the plate's rounded outline (negative inside) [mm], and the outward direction there.
+/// Signed distance from the plate's rounded outline (negative inside) \[mm\], and the outward direction there.
 fn rounded(x: f32, y: f32, half_w: f32, half_h: f32) -> (f32, [f32; 2]) {
     let corner = CORNER.min(half_w).min(half_h);
     let (qx, qy) = (x.abs() - half_w + corner, y.abs() - half_h + corner);

@@ -76,7 +76,7 @@ impl<'a> Tags<'a> {
 
     /// The error of a file that ends here.
     pub fn truncated(&self, inside: &str) -> DrawingError {
-        let at = Place { line: Some(self.line.max(1)), ..Place::file(self.file) };
+        let at = Place::bare_line(self.file, self.line.max(1));
         DrawingError::Truncated { at, inside: inside.to_owned() }
     }
 }

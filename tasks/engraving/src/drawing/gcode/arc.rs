@@ -7,13 +7,13 @@ use std::f64::consts::TAU;
 /// How an arc's circle is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Circle {
-    /// Centre [mm].
+    /// Centre \[mm\].
     Centre(Vec2),
-    /// Radius [mm], negative for the longer way round.
+    /// Radius \[mm\], negative for the longer way round.
     Radius(f64),
 }
 
-/// The arc from `from` to `to` [mm]; a whole circle where they are one point and the centre is given.
+/// The arc from `from` to `to` \[mm\]; a whole circle where they are one point and the centre is given.
 ///
 /// Start and end must be as far from the centre as each other to 5 µm or 0.1 % (LinuxCNC's rule: never beyond
 /// 0.5 mm); the centre is then moved onto the bisector so that both ends are met exactly.

@@ -36,7 +36,7 @@ impl<'a> Characters<'a> {
         found
     }
 
-    /// Where the cursor is [bytes from the start of the line].
+    /// Where the cursor is \[bytes from the start of the line\].
     pub fn byte(&mut self) -> usize {
         self.peek();
         self.byte

@@ -4,7 +4,7 @@
 //! expressions in brackets (NIST RS274/NGC, sections 3.3 to 3.6). Anything that would change the drawing and is not
 //! understood is refused; what does not matter on this machine (coolant, tool changes) is left out with a warning.
 //!
-//! Which moves cut is decided once for the whole program ([`cutting`]):
+//! Which moves cut is decided once for the whole program:
 //! 1. a feed move somewhere at Z below 0: feed moves with an end below Z0 cut;
 //! 2. else, a feed move somewhere after M3 or M4 (before M5, and power not S0): only such feed moves cut;
 //! 3. else: every feed move cuts.

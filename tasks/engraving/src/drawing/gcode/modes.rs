@@ -123,7 +123,7 @@ impl Modes {
             410 | 411 | 420 | 421 => {
                 return Ok(Request::LeftOut("cutter compensation: the path as programmed is engraved"));
             }
-            550..=590 | 591..=593 => {
+            550..=593 => {
                 return Ok(Request::LeftOut("a work offset: the placement on the plate decides"));
             }
             _ => return refuse_g(tenths, byte),

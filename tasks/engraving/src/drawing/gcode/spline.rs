@@ -13,7 +13,7 @@ pub struct Collected {
 }
 
 impl Collected {
-    /// Begins at the tool [mm]; `L` is the order, 3 if it is not given.
+    /// Begins at the tool \[mm\]; `L` is the order, 3 if it is not given.
     pub fn new(tool: Vec2, order: Option<&Word>, byte: usize) -> Result<Self, Stop> {
         let order = match order {
             None => 3,
@@ -27,7 +27,7 @@ impl Collected {
         Ok(Self { order, controls: vec![(tool, 1.0)], byte })
     }
 
-    /// One more control point [mm] with its weight `P`.
+    /// One more control point \[mm\] with its weight `P`.
     pub fn add(&mut self, point: Vec2, block: &Block) -> Result<(), Stop> {
         let weight = block.value('p').unwrap_or(1.0);
         if weight <= 0.0 {

@@ -68,7 +68,7 @@ fn shallow(file: &str, text: &str, budget: &Budget) -> Result<(), DrawingError> 
                     depth += 1;
                 }
                 if depth > limit {
-                    let at = Place { line: Some(line_of(text, i)), ..Place::file(file) };
+                    let at = Place::bare_line(file, line_of(text, i));
                     return Err(DrawingError::TooDeep { at, what: "elements", limit });
                 }
             }

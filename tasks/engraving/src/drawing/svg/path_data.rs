@@ -13,16 +13,23 @@ struct Pen {
     quadratic: Option<Vec2>,
     chain: Vec<Piece>,
     chains: Vec<Vec<Piece>>,
+    /// Pieces of the chains that are complete.
+    lifted: usize,
 }
 
 /// The subpaths of path data, and where the data is wrong, if it is: a byte and a reason.
 ///
 /// # Errors
 /// The byte offset in the attribute and what svgtypes says of it.
-pub fn chains(data: &str) -> Result<Vec<Vec<Piece>>, (usize, String)> {
+///
+/// Reading stops soon after `most` pieces: the caller counts them and refuses.
+pub fn chains(data: &str, most: usize) -> Result<Vec<Vec<Piece>>, (usize, String)> {
     let mut pen = Pen::default();
     for segment in svgtypes::PathParser::from(data) {
         pen.draw(segment.map_err(|e| (error_offset(&e), e.to_string()))?);
+        if pen.lifted + pen.chain.len() > most {
+            break;
+        }
     }
     pen.lift();
     Ok(pen.chains)
@@ -38,6 +45,7 @@ fn error_offset(error: &svgtypes::Error) -> usize {
 impl Pen {
     fn lift(&mut self) {
         if !self.chain.is_empty() {
+            self.lifted += self.chain.len();
             self.chains.push(std::mem::take(&mut self.chain));
         }
     }

@@ -105,6 +105,16 @@ fn very_deep_nesting_is_refused() {
 }
 
 #[test]
+fn a_path_of_too_many_pieces_is_refused_and_never_cut_short() {
+    for step in [" L1 1", " M0 0 L1 1"] {
+        let data = step.repeat(250_001);
+        let message =
+            refusal(&format!("<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0{data}'/></svg>"));
+        assert!(message.contains("more than 250000 curve pieces"), "{message}");
+    }
+}
+
+#[test]
 fn an_empty_drawing_says_what_to_check() {
     assert!(refusal("<svg xmlns='http://www.w3.org/2000/svg'/>").contains("hidden layers"));
     assert!(refusal("<html/>").contains("not <svg>"));

@@ -48,7 +48,7 @@ pub struct Walk<'a> {
     document: &'a Document<'a>,
     budget: &'a mut Budget,
     ids: HashMap<&'a str, Node<'a, 'a>>,
-    /// Chains of pieces [mm].
+    /// Chains of pieces \[mm\].
     pub outlines: Vec<Vec<Piece>>,
     /// What was left out.
     pub warnings: Vec<String>,
@@ -126,13 +126,20 @@ impl<'a> Walk<'a> {
             "svg" => self.nested(node, from),
             "use" => self.reuse(node, from),
             "text" | "flowRoot" if visible => {
-                let place = self.place(node);
-                self.texts.get_or_insert((place, 0)).1 += 1;
+                if self.texts.is_none() {
+                    self.texts = Some((self.place(node), 0));
+                }
+                if let Some((_, count)) = self.texts.as_mut() {
+                    *count += 1;
+                }
                 Ok(())
             }
             "image" if visible => {
-                let place = self.place(node);
-                self.warnings.push(format!("{place}: an image is not engraved: trace it to paths first"));
+                if self.warnings.is_empty() {
+                    let place = self.place(node);
+                    self.warnings
+                        .push(format!("{place}: images are not engraved: trace them to paths first"));
+                }
                 Ok(())
             }
             _ if visible => {
@@ -216,7 +223,8 @@ impl<'a> Walk<'a> {
         let chain = match name {
             "path" => {
                 let data = node.attribute("d").unwrap_or("");
-                return path_data::chains(data).map_err(|(at, why)| self.bad_data(node, "d", at, &why));
+                return path_data::chains(data, self.budget.limits().pieces)
+                    .map_err(|(at, why)| self.bad_data(node, "d", at, &why));
             }
             "rect" => {
                 let rx = self.length(node, "rx", view.x)?;
