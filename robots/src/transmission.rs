@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! column        m1 = s1 + g1 (theta1 - o1)
-//! lower, upper  l = sqrt(L + mu cos(theta) - nu sin(theta)) [mm],   m = s + (2 pi / 5) (l - l0)
+//! lower, upper  l = sqrt(L + mu cos(theta) - nu sin(theta)) \[mm\],   m = s + (2 pi / 5) (l - l0)
 //! T             m4 = s4 + g4 theta4
 //! V             m5 = s5 + g5 (theta5 - o5) + (m4 - s4)
 //! N             m6 = s6 + g6 (theta6 - o6)

@@ -10,7 +10,8 @@ use mrroc::{
 use mrroc_tests::Gantry;
 use nalgebra::Vector3;
 
-/// Along x to `end` [m] by a smoothstep over `duration` [s] of path time, from where the robot was demanded to be.
+/// Along x to `end` \[m\] by a smoothstep over `duration` \[s\] of path time, from where the robot was demanded to be.
+#[derive(Debug)]
 pub struct Smooth {
     pub end: f64,
     pub duration: f64,
@@ -96,7 +97,7 @@ pub enum Phase {
     Retreat,
 }
 
-/// What tight cooperation is about: x [m].
+/// What tight cooperation is about: x \[m\].
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 pub struct Along {
     pub x: f64,
@@ -120,7 +121,7 @@ impl Sensor for Counter {
 pub struct Count {
     /// Aggregations so far, plus the configured offset.
     pub count: u64,
-    /// Where the associated robot was measured along x [m]; NaN without one.
+    /// Where the associated robot was measured along x \[m\]; NaN without one.
     pub x: f64,
     /// The step of the order.
     pub step: u64,

@@ -16,7 +16,7 @@ pub const MS: Duration = Duration::from_millis(1);
 /// One vector per joint.
 pub type Q<const N: usize> = SVector<f64, N>;
 
-/// Three perpendicular slides: joint positions are the flange's position [m].
+/// Three perpendicular slides: joint positions are the flange's position \[m\].
 #[derive(Clone, Debug)]
 pub struct Gantry {
     limits: Limits<Q<3>>,
@@ -188,7 +188,7 @@ pub fn traced<R: Robot<Joints = Q<N>>, const N: usize>(setup: RobotSetup<R>) -> 
     (setup.observe(move |record: &ServoRecord<R>| recorder.borrow_mut().push(record.demanded)), trace)
 }
 
-/// The largest velocity and acceleration of a trace with period `dt` [s], by differences.
+/// The largest velocity and acceleration of a trace with period `dt` \[s\], by differences.
 #[must_use]
 pub fn peaks<const N: usize>(trace: &[Q<N>], dt: f64) -> (f64, f64) {
     let mut peak = (0.0_f64, 0.0_f64);

@@ -28,37 +28,37 @@ pub struct Activity {
 
 /// Everything that the arm must know.
 pub struct Job {
-    /// The strokes, placed on the plate [mm].
+    /// The strokes, placed on the plate \[mm\].
     pub drawing: Drawing,
     /// How the strokes become points.
     pub sampling: Sampling,
     /// Where the plate lies, as far as it is known: its lower left corner, x to the right, y up [m, world].
     pub plate: Pose,
-    /// The middle of the plate, where the probe goes down [mm].
+    /// The middle of the plate, where the probe goes down \[mm\].
     pub middle: Vec2,
     /// The orientation of the tool on the plate.
     pub orientation: UnitQuaternion<f64>,
-    /// Depth of the engraving [m], > 0.
+    /// Depth of the engraving \[m\], > 0.
     pub depth: f64,
     /// Feed along the strokes [m/s], > 0.
     pub feed: f64,
-    /// The step [s].
+    /// The step \[s\].
     pub step: f64,
-    /// Where the arm parks [rad].
+    /// Where the arm parks \[rad\].
     pub park: Six,
     /// What the arm is doing.
     pub activity: Rc<Cell<Activity>>,
 }
 
-/// Height above the plate at which the tool travels [m].
+/// Height above the plate at which the tool travels \[m\].
 pub const TRAVEL_HEIGHT: f64 = 0.002;
-/// Height above the expected plate from which the probe goes down [m].
+/// Height above the expected plate from which the probe goes down \[m\].
 pub const PROBE_HEIGHT: f64 = 0.010;
-/// How far below the expected height the probe looks for the plate [m].
+/// How far below the expected height the probe looks for the plate \[m\].
 pub const PROBE_DEPTH: f64 = 0.010;
 /// Acceleration along and across a stroke [m/s²].
 const STROKE_ACCELERATION: f64 = 0.25;
-/// The feed may leave a chord of a step this far from the curve [m].
+/// The feed may leave a chord of a step this far from the curve \[m\].
 const CHORD_ERROR: f64 = 1e-6;
 
 /// Limits of a straight way of the tool [m/s, m/s²].
@@ -70,7 +70,7 @@ fn straight(velocity: f64, acceleration: f64) -> ToolLimits {
 }
 
 impl Job {
-    /// The tool's pose over a place of the plate [mm], `height` above its surface [m].
+    /// The tool's pose over a place of the plate \[mm\], `height` above its surface \[m\].
     #[must_use]
     pub fn over(&self, place: Vec2, height: f64) -> Pose {
         let position = Translation3::new(place.x * 1e-3, place.y * 1e-3, height);
@@ -148,7 +148,7 @@ impl Job {
         Ok(())
     }
 
-    /// A sample at the engraving's depth, in the plate's frame [m].
+    /// A sample at the engraving's depth, in the plate's frame \[m\].
     fn point(&self, sample: &Sample) -> SplinePoint {
         SplinePoint {
             position: Vector3::new(sample.position.x * 1e-3, sample.position.y * 1e-3, -self.depth),

@@ -12,6 +12,16 @@ use crate::ecp::Activity;
 use crate::plate::{HeightMap, Tip};
 use crate::trace::Trace;
 
+/// What measures, carves and records, unused yet.
+pub struct Instruments {
+    /// Measures distances from the drawing.
+    pub deviation: Deviation,
+    /// The plate that is carved.
+    pub surface: HeightMap,
+    /// Records the path.
+    pub trace: Trace,
+}
+
 /// The measurements of a run.
 pub struct Execution {
     /// Of the demanded path.
@@ -26,16 +36,16 @@ pub struct Execution {
     pub velocity: Six,
     /// Largest joint acceleration demanded [rad/s²].
     pub acceleration: Six,
-    /// Length of the tip's way in the material [mm].
+    /// Length of the tip's way in the material \[mm\].
     pub cut_length: f64,
-    /// Length of the tip's way above it [mm].
+    /// Length of the tip's way above it \[mm\].
     pub travel_length: f64,
     arm: Irp6,
     shaft: Shaft,
     activity: Rc<Cell<Activity>>,
     /// `X_PW`: the world in the frame of the plate's true surface.
     world: Pose,
-    /// Depth of the engraving [mm], and the height of its bottom over the plate's true surface [mm].
+    /// Depth of the engraving \[mm\], and the height of its bottom over the plate's true surface \[mm\].
     depth: f64,
     bottom: f64,
     stroke: Option<usize>,
@@ -45,8 +55,8 @@ pub struct Execution {
 }
 
 impl Execution {
-    /// For an arm whose true state is `shaft`'s, and a plate whose true surface lies at `X_WP`, engraved
-    /// `depth` deep [mm].
+    /// For an arm whose true state is `shaft`'s, and a plate whose true surface lies at `X_WP`, engraved `depth`
+    /// deep \[mm\].
     #[must_use]
     #[allow(non_snake_case)]
     pub fn new(
@@ -55,15 +65,13 @@ impl Execution {
         activity: Rc<Cell<Activity>>,
         X_WP: &Pose,
         depth: f64,
-        measure: Deviation,
-        surface: HeightMap,
-        trace: Trace,
+        instruments: Instruments,
     ) -> Self {
         Execution {
-            demanded: measure.clone(),
-            executed: measure,
-            surface,
-            trace,
+            demanded: instruments.deviation.clone(),
+            executed: instruments.deviation,
+            surface: instruments.surface,
+            trace: instruments.trace,
             velocity: Six::zeros(),
             acceleration: Six::zeros(),
             cut_length: 0.0,

@@ -2,17 +2,17 @@
 //!
 //! The task itself is small: [`mp`] coordinates, [`ecp`] is the arm's program, [`probe`] the virtual sensor that finds
 //! the plate, [`run`] the cell. The rest is what surrounds it: [`drawing`] reads, [`placement`] fits the drawing onto
-//! the plate, [`ordering`] shortens travel, [`sampling`] gives the motion its points, [`bench`] says where things stand,
+//! the plate, [`ordering`] shortens travel, [`sampling`] gives the motion its points, [`layout`] says where things stand,
 //! [`execution`] and [`deviation`] measure, [`plate`] carves, [`picture`] and [`paths_svg`] show, [`summary`] reports.
 //!
 //! Lengths are in millimetres, as in the files that are read, but for the motion program, which is in metres.
 
-pub mod bench;
 pub mod deviation;
 pub mod drawing;
 pub mod ecp;
 pub mod error;
 pub mod execution;
+pub mod layout;
 pub mod mp;
 pub mod options;
 pub mod ordering;

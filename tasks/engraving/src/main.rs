@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use std::rc::Rc;
 use std::time::Instant;
 
-use engraving::bench::{Bench, HEIGHT_ERROR};
 use engraving::drawing::hershey::Font;
 use engraving::drawing::{Import, Limits, Vec2, read_file, read_str};
+use engraving::layout::{HEIGHT_ERROR, Layout};
 use engraving::options::{HELP, Options, Request, Source, Talk, parse};
 use engraving::ordering::nearest_first;
 use engraving::paths_svg::PathsSvg;
@@ -21,14 +21,14 @@ use engraving::summary::{JointPeaks, PathDeviation, PlateHeight, Summary};
 use engraving::{NAMEPLATE, error::DrawingError};
 use mrroc::Robot;
 
-/// The demanded path may lie this far from the drawing [mm].
+/// The demanded path may lie this far from the drawing \[mm\].
 const DEMANDED_BOUND: f64 = 0.01;
-/// The executed path may lie this far from the drawing [mm], at worst and as RMS.
+/// The executed path may lie this far from the drawing \[mm\], at worst and as RMS.
 const EXECUTED_BOUND: f64 = 0.3;
 const EXECUTED_RMS_BOUND: f64 = 0.1;
-/// The probe may miss the plate's height by this much [mm].
+/// The probe may miss the plate's height by this much \[mm\].
 const HEIGHT_BOUND: f64 = 0.02;
-/// Height of capitals in a text before it is fitted [mm].
+/// Height of capitals in a text before it is fitted \[mm\].
 const CAPITALS: f64 = 10.0;
 
 fn main() -> ExitCode {
@@ -82,7 +82,7 @@ fn broken(summary: &Summary) -> ExitCode {
 /// Everything that is known before anything moves.
 struct Plan {
     source: String,
-    bench: Bench,
+    layout: Layout,
     placement: Placement,
     sampling: Sampling,
     samples: u64,
@@ -98,13 +98,13 @@ impl Plan {
         }
         let mut placement = place(&import.drawing, &options.plate, options.sizing)?;
         placement.drawing = nearest_first(placement.drawing, Vec2::zeros());
-        let bench = Bench::new(&options.plate)?;
+        let layout = Layout::new(&options.plate)?;
         let sampling = Sampling::default();
-        let samples = check_reach(&bench, &options.plate, &placement.drawing, &sampling, options.depth)?;
+        let samples = check_reach(&layout, &options.plate, &placement.drawing, &sampling, options.depth)?;
         // Found out now, not after minutes of engraving.
         std::fs::create_dir_all(&options.out)
             .map_err(|error| format!("--out {}: {error}", options.out.display()))?;
-        Ok(Plan { source, bench, placement, sampling, samples })
+        Ok(Plan { source, layout, placement, sampling, samples })
     }
 
     fn carry_out(&self, options: &Options) -> Result<Summary, Box<dyn Error>> {
@@ -116,7 +116,7 @@ impl Plan {
             Settings { step: options.step, feed: options.feed, depth: options.depth, cutter: options.cutter };
         let began = Instant::now();
         let outcome =
-            engrave(&self.bench, &options.plate, drawing, self.sampling, settings, move |step, path| {
+            engrave(&self.layout, &options.plate, drawing, self.sampling, settings, move |step, path| {
                 shown.borrow_mut().at(step, path);
             })?;
         let wall_s = began.elapsed().as_secs_f64();
@@ -132,7 +132,7 @@ impl Plan {
     fn summary(&self, options: &Options, outcome: &Outcome, wall_s: f64) -> Summary {
         let execution = &outcome.execution;
         let size = self.placement.bounds.size();
-        let shares = execution.shares(self.bench.arm.limits());
+        let shares = execution.shares(self.layout.arm.limits());
         let peaks = shares.iter().enumerate().map(|(i, &(velocity_share, acceleration_share))| JointPeaks {
             joint: (i + 1).to_string(),
             velocity_share,

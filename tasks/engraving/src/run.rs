@@ -8,11 +8,11 @@ use mrroc::{Cell, CellError, Pose, RobotSetup, RunReport, SensorSetup};
 use mrroc_robots::SimulatedIrp6;
 use nalgebra::Translation3;
 
-use crate::bench::{Bench, HEIGHT_ERROR, OutOfReach};
 use crate::deviation::{Corners, Deviation};
 use crate::drawing::{Drawing, Vec2};
 use crate::ecp::{Activity, Job, PROBE_HEIGHT, TRAVEL_HEIGHT};
-use crate::execution::Execution;
+use crate::execution::{Execution, Instruments};
+use crate::layout::{HEIGHT_ERROR, Layout, OutOfReach};
 use crate::mp::coordinate;
 use crate::placement::Plate;
 use crate::plate::{Cutter, HeightMap};
@@ -20,19 +20,19 @@ use crate::probe::PlateSurface;
 use crate::sampling::Sampling;
 use crate::trace::Trace;
 
-/// Size of a cell of the plate's height map [mm].
+/// Size of a cell of the plate's height map \[mm\].
 const CELL: f64 = 0.05;
-/// How far the recorded path may leave the executed one [mm].
+/// How far the recorded path may leave the executed one \[mm\].
 const TRACE_TOLERANCE: f64 = 0.002;
 
 /// What may be chosen for a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// The step [s], a multiple of the arm's servo period of 2 ms.
+    /// The step \[s\], a multiple of the arm's servo period of 2 ms.
     pub step: f64,
     /// Feed along the strokes [mm/s], > 0.
     pub feed: f64,
-    /// Depth of the engraving [mm], > 0.
+    /// Depth of the engraving \[mm\], > 0.
     pub depth: f64,
     /// The cutter.
     pub cutter: Cutter,
@@ -44,7 +44,7 @@ pub struct Outcome {
     pub report: RunReport,
     /// What was measured.
     pub execution: Execution,
-    /// Where the probe found the plate, over the promised height [m].
+    /// Where the probe found the plate, over the promised height \[m\].
     pub height_found: Option<f64>,
 }
 
@@ -53,30 +53,30 @@ pub struct Outcome {
 /// # Errors
 /// The first place that it does not reach.
 pub fn check_reach(
-    bench: &Bench,
+    layout: &Layout,
     plate: &Plate,
     drawing: &Drawing,
     sampling: &Sampling,
     depth: f64,
 ) -> Result<u64, OutOfReach> {
-    bench.joints(Vec2::new(plate.width / 2.0, plate.height / 2.0), PROBE_HEIGHT)?;
+    layout.joints(Vec2::new(plate.width / 2.0, plate.height / 2.0), PROBE_HEIGHT)?;
     let mut samples = 0;
     for sample in sampling.samples(drawing) {
         samples += 1;
         for height in [TRAVEL_HEIGHT + 0.002, -depth * 1e-3 - 0.004] {
-            bench.joints(sample.position, height)?;
+            layout.joints(sample.position, height)?;
         }
     }
     Ok(samples)
 }
 
 /// Engraves the drawing. `on_step` is called at the start of every step with its index and the length of the path in
-/// the material so far [mm].
+/// the material so far \[mm\].
 ///
 /// # Errors
 /// The first cause when the run ends with a fault.
 pub fn engrave(
-    bench: &Bench,
+    layout: &Layout,
     plate: &Plate,
     drawing: &Drawing,
     sampling: Sampling,
@@ -84,35 +84,37 @@ pub fn engrave(
     mut on_step: impl FnMut(u64, f64) + 'static,
 ) -> Result<Outcome, CellError> {
     let surface_frame =
-        Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * bench.plate;
-    let arm = SimulatedIrp6::new(bench.arm.clone(), &bench.park);
+        Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * layout.plate;
+    let arm = SimulatedIrp6::new(layout.arm.clone(), &layout.park);
     let shaft = arm.shaft();
     let activity = Rc::new(Shared::new(Activity::default()));
     let execution = Rc::new(RefCell::new(Execution::new(
-        bench.arm.clone(),
+        layout.arm.clone(),
         shaft.clone(),
         Rc::clone(&activity),
         &surface_frame,
         settings.depth,
-        Deviation::new(drawing, &sampling, Corners::Counted),
-        HeightMap::new(plate, CELL, settings.cutter),
-        Trace::new(TRACE_TOLERANCE),
+        Instruments {
+            deviation: Deviation::new(drawing, &sampling, Corners::Counted),
+            surface: HeightMap::new(plate, CELL, settings.cutter),
+            trace: Trace::new(TRACE_TOLERANCE),
+        },
     )));
     let job = Job {
         drawing: drawing.clone(),
         sampling,
-        plate: bench.plate,
+        plate: layout.plate,
         middle: Vec2::new(plate.width / 2.0, plate.height / 2.0),
-        orientation: bench.orientation,
+        orientation: layout.orientation,
         depth: settings.depth * 1e-3,
         feed: settings.feed * 1e-3,
         step: settings.step,
-        park: bench.park,
+        park: layout.park,
         activity: Rc::clone(&activity),
     };
-    let probe = PlateSurface::new(bench.arm.clone(), bench.tool, shaft, surface_frame.translation.z);
-    let irp6 = RobotSetup::new("irp6", bench.arm.clone(), arm)
-        .tool(bench.tool)
+    let probe = PlateSurface::new(layout.arm.clone(), layout.tool, shaft, surface_frame.translation.z);
+    let irp6 = RobotSetup::new("irp6", layout.arm.clone(), arm)
+        .tool(layout.tool)
         .program(|ecp| job.run(ecp))
         .observe(Execution::observer(&execution));
     let watched = Rc::clone(&execution);
@@ -122,7 +124,7 @@ pub fn engrave(
         .program(coordinate)
         .on_step(move |step, _| on_step(step, watched.borrow().cut_length))
         .run()?;
-    let height_found = activity.get().plate_height.map(|height| height - bench.plate.translation.z);
+    let height_found = activity.get().plate_height.map(|height| height - layout.plate.translation.z);
     // The cell is gone, and with it the observer: this is the only owner left.
     let execution = Rc::into_inner(execution).map(RefCell::into_inner);
     let mut execution = execution.expect("the cell has dropped its observer");

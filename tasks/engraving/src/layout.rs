@@ -7,21 +7,21 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use crate::drawing::Vec2;
 use crate::placement::Plate;
 
-/// Length of the milling head with its cutter, from the flange [m].
+/// Length of the milling head with its cutter, from the flange \[m\].
 pub const TOOL_LENGTH: f64 = 0.25;
 
 /// Where the middle of the plate lies in front of the arm [m, world]; the height is what the fixture promises.
 const MIDDLE: Vector3<f64> = Vector3::new(0.85, 0.0, 0.10);
 
-/// How the simulated plate differs from the promised height [m]: what the probe has to find.
+/// How the simulated plate differs from the promised height \[m\]: what the probe has to find.
 pub const HEIGHT_ERROR: f64 = -0.0017;
 
-/// Height above the plate at which the arm waits and parks [m].
+/// Height above the plate at which the arm waits and parks \[m\].
 const PARK_HEIGHT: f64 = 0.05;
 
 /// The cell's geometry.
 #[derive(Clone)]
-pub struct Bench {
+pub struct Layout {
     /// The arm.
     pub arm: Irp6,
     /// `X_FE`: the cutter's tip in the flange frame.
@@ -30,7 +30,7 @@ pub struct Bench {
     pub plate: Pose,
     /// `R_PE`: the tool's orientation on the plate, straight down.
     pub orientation: UnitQuaternion<f64>,
-    /// Where the arm waits and parks [rad].
+    /// Where the arm waits and parks \[rad\].
     pub park: Six,
 }
 
@@ -40,26 +40,26 @@ pub struct Bench {
     "the arm does not reach ({x:.1}, {y:.1}) mm of the plate: {why}\n  what to do: use a smaller plate (--plate) or a smaller drawing (--size)"
 )]
 pub struct OutOfReach {
-    /// The place [mm].
+    /// The place \[mm\].
     pub x: f64,
-    /// The place [mm].
+    /// The place \[mm\].
     pub y: f64,
     /// What prevents it.
     pub why: &'static str,
 }
 
-impl Bench {
+impl Layout {
     /// The nominal arm in front of a plate of this size.
     ///
     /// # Errors
     /// [`OutOfReach`] when the arm does not even reach its own parking place.
-    pub fn new(plate: &Plate) -> Result<Bench, OutOfReach> {
+    pub fn new(plate: &Plate) -> Result<Layout, OutOfReach> {
         let arm = Irp6::nominal();
         // Seen from the arm, the plate's x runs to the right and its y away: x_P = -y_W, y_P = x_W.
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -core::f64::consts::FRAC_PI_2);
         let corner = MIDDLE - turn * Vector3::new(plate.width * 0.5e-3, plate.height * 0.5e-3, 0.0);
         let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), core::f64::consts::PI);
-        let mut bench = Bench {
+        let mut layout = Layout {
             arm,
             tool: Pose::translation(0.0, 0.0, TOOL_LENGTH),
             plate: Pose::from_parts(Translation3::from(corner), turn),
@@ -67,11 +67,11 @@ impl Bench {
             park: Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0),
         };
         let middle = Vec2::new(plate.width / 2.0, plate.height / 2.0);
-        bench.park = bench.joints(middle, PARK_HEIGHT)?;
-        Ok(bench)
+        layout.park = layout.joints(middle, PARK_HEIGHT)?;
+        Ok(layout)
     }
 
-    /// The joints that put the tip over a place of the plate [mm], `height` above it [m].
+    /// The joints that put the tip over a place of the plate \[mm\], `height` above it \[m\].
     ///
     /// # Errors
     /// [`OutOfReach`] when no joints within the limits do.
