@@ -1,0 +1,108 @@
+//! The program as its user meets it: runs, pictures, figures, exit status, and what it says to bad input.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// A folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("the target folder can be written");
+    folder
+}
+
+fn engraving(folder: &PathBuf, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_engraving"));
+    command.current_dir(folder).args(arguments).output().expect("the program starts")
+}
+
+fn figures(folder: &std::path::Path) -> serde_json::Value {
+    let text = std::fs::read_to_string(folder.join("engraving/summary.json")).expect("the summary was written");
+    serde_json::from_str(&text).expect("the summary is JSON")
+}
+
+fn number(value: &serde_json::Value, pointer: &str) -> f64 {
+    value.pointer(pointer).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("no number at {pointer}"))
+}
+
+#[test]
+fn a_text_is_engraved_within_the_bounds_and_shown() {
+    let folder = folder("text");
+    let output = engraving(&folder, &["--text", "ab", "--size", "30x20", "--quiet"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty(), "--quiet said something");
+    let figures = figures(&folder);
+    assert_eq!(figures["passed"], true);
+    assert!(number(&figures, "/demanded/max_mm/value") <= 0.01);
+    assert!(number(&figures, "/executed/max_mm/value") <= 0.3);
+    assert!(number(&figures, "/executed/rms_mm/value") <= 0.1);
+    // A real arm is no echo: its error is neither zero nor the demand's.
+    assert!(number(&figures, "/executed/rms_mm/value") > 10.0 * number(&figures, "/demanded/rms_mm/value"));
+    // The probe found a plate that lies 1.7 mm lower than promised.
+    assert!((number(&figures, "/plate_height/found_mm") + 1.7).abs() < 0.02);
+    assert!((number(&figures, "/simulated_s") - number(&figures, "/steps") * 0.002).abs() < 0.01);
+    let png = std::fs::read(folder.join("engraving/plate.png")).expect("the picture was written");
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+    let svg = std::fs::read_to_string(folder.join("engraving/paths.svg")).expect("the paths were written");
+    assert!(roxmltree::Document::parse(&svg).is_ok());
+}
+
+#[test]
+fn the_same_job_gives_the_same_figures_to_the_bit() {
+    let run = |name: &str| {
+        let folder = folder(name);
+        let output = engraving(&folder, &["--text", "o", "--size", "10x10", "--quiet"]);
+        assert!(output.status.success());
+        let mut figures = figures(&folder);
+        // Time on the wall is the only thing that may differ.
+        figures["wall_s"] = 0.into();
+        (figures, std::fs::read(folder.join("engraving/plate.png")).expect("the picture was written"))
+    };
+    assert_eq!(run("once"), run("twice"));
+}
+
+#[test]
+fn a_feed_that_the_arm_cannot_follow_misses_a_bound_and_says_so() {
+    let folder = folder("fast");
+    let output = engraving(&folder, &["--text", "w", "--size", "10x10", "--feed", "400", "--quiet"]);
+    let (figures, errors) = (figures(&folder), String::from_utf8_lossy(&output.stderr).into_owned());
+    // Short strokes never reach the feed: the acceleration limits hold, and with them most of the bounds.
+    if figures["passed"] == true {
+        assert!(output.status.success());
+    } else {
+        assert_eq!(output.status.code(), Some(1));
+        assert!(errors.contains("bound missed"), "{errors}");
+    }
+}
+
+#[test]
+fn bad_input_is_refused_with_status_2_before_anything_is_written() {
+    let cases: [(&str, &[u8], &[&str], &str); 9] = [
+        ("empty.svg", b"<svg xmlns='http://www.w3.org/2000/svg'/>", &[], "empty.svg"),
+        ("cut.svg", b"<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L", &[], "cut.svg:1"),
+        ("arc.ngc", b"G21 G90\nG0 X0 Y0\nG1 Z-1 F100\nG2 X10 Y0 I1 J0\n", &[], "arc.ngc:4"),
+        ("feed.ngc", b"G21 G90\nG0 X0 Y0\nG1 Z-1 F0\nG1 X10\n", &[], "feed.ngc:3"),
+        ("word.ngc", b"G21\nG1 Q\xc3\xa4\n", &[], "word.ngc:2"),
+        ("nan.svg", b"<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0L1e999 0'/></svg>", &[], "nan.svg"),
+        ("large.svg", b"<svg xmlns='http://www.w3.org/2000/svg' width='900mm' height='9mm' viewBox='0 0 900 9'><path d='M0 0L900 9'/></svg>", &[], "--fit"),
+        ("far.svg", b"<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm' viewBox='0 0 9 9'><path d='M0 0L9 9'/></svg>", &["--plate", "2000x2000", "--fit"], "does not reach"),
+        ("some.xyz", b"hello", &[], "some.xyz"),
+    ];
+    for (name, content, arguments, expected) in cases {
+        let folder = folder(name);
+        std::fs::write(folder.join(name), content).expect("the folder can be written");
+        let output = engraving(&folder, &[&[name], arguments].concat());
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{name}: {errors}");
+        assert!(errors.contains(expected), "{name}: {errors}");
+        assert!(!folder.join("engraving").exists(), "{name} left results");
+    }
+}
+
+#[test]
+fn an_option_that_does_not_exist_gets_a_suggestion() {
+    let folder = folder("options");
+    let output = engraving(&folder, &["--dept", "1"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--depth"));
+}
