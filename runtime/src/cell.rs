@@ -315,7 +315,8 @@ impl Cell {
                 return Err(CellError::Twice(name));
             }
             let (servo, step) = (robot.servo_period(), self.step);
-            let divides = |a: Duration, b: Duration| !a.is_zero() && b.as_nanos() % a.as_nanos() == 0;
+            let divides =
+                |a: Duration, b: Duration| !a.is_zero() && b.as_nanos().is_multiple_of(a.as_nanos());
             if !divides(servo, step) && !divides(step, servo) {
                 return Err(CellError::Period { robot: name, servo, step });
             }

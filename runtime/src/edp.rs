@@ -53,6 +53,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub observers: Vec<Observer<R>>,
 }
 
+// A mode is changed rarely and never copied: a box would only allocate in a step.
+#[allow(clippy::large_enum_variant)]
 enum Mode<J> {
     /// No demand is due.
     Holding,

@@ -207,7 +207,7 @@ impl Mp {
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         self.begin_step()?;
         let handed_over = self.robots.iter().any(|robot| robot.handed_over);
-        self.start(indices, |i| <G::Robots as Robots<G::Language>>::payload(i))?;
+        self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
         if first_uses.sensors {
             self.order_readings(sensors);
             self.sensing.collect(sensors, v, &*self.waiter, self.step)?;
@@ -268,9 +268,7 @@ impl Mp {
             self.order_readings(sensors);
             self.exchange(indices, Kind::Step, state_flag)?;
             self.sensing.collect(sensors, v, &*self.waiter, self.step)?;
-            if self
-                .finished(indices, const { G::ENDS }, |i| <G::Robots as Robots<G::Language>>::payload(i))?
-            {
+            if self.finished(indices, const { G::ENDS }, <G::Robots as Robots<G::Language>>::payload)? {
                 return Ok(());
             }
         }
@@ -638,10 +636,9 @@ impl Mp {
                 return fault;
             }
             // Every reply is a fault now; what counts is that the robots stand.
-            if let Err(closed) = self.exchange(&all, Kind::Stop, 0) {
-                if closed.kind() == FaultKind::CellClosed {
-                    return fault;
-                }
+            let stopped = self.exchange(&all, Kind::Stop, 0);
+            if stopped.is_err_and(|closed| closed.kind() == FaultKind::CellClosed) {
+                return fault;
             }
             if all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL)) {
                 return fault;

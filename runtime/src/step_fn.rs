@@ -185,6 +185,7 @@ macro_rules! shapes {
             T: IntoStep<L, O>,
             F: Fn($(argument!($taken)),*) -> T,
         {
+            #[allow(clippy::needless_update)] // of the shape that takes all
             const USES: Uses = Uses { $($taken: true,)* ..Uses::NOTHING };
 
             #[inline]
@@ -210,6 +211,7 @@ macro_rules! shapes {
             T: IntoVerdict,
             F: Fn($(argument!($taken)),*) -> T,
         {
+            #[allow(clippy::needless_update)] // of the shape that takes all
             const USES: Uses = Uses { $($taken: true,)* ..Uses::NOTHING };
 
             #[inline]

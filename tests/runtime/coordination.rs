@@ -175,10 +175,10 @@ fn robots_of_different_kinds_go_together_and_handles_are_unique() {
         .robot(t)
         .program(|mp| {
             let mut g = mp.robot::<Gantry>("g")?;
-            assert_eq!(mp.robot::<Gantry>("g").err().expect("taken").kind(), FaultKind::Config);
-            let wrong = mp.robot::<Gantry>("t").err().expect("of another kind");
+            assert_eq!(mp.robot::<Gantry>("g").expect_err("taken").kind(), FaultKind::Config);
+            let wrong = mp.robot::<Gantry>("t").expect_err("of another kind");
             assert!(wrong.to_string().contains("another kind"), "{wrong}");
-            let missing = mp.robot::<Gantry>("gg").err().expect("not there").to_string();
+            let missing = mp.robot::<Gantry>("gg").expect_err("not there").to_string();
             assert!(missing.contains("`gg`") && missing.contains("g, t"), "{missing}");
             let mut t = mp.robot::<Turntable>("t")?;
             mp.move_robots((&mut g, &mut t), (), Mixed { steps: 100 })?;
