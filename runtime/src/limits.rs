@@ -68,6 +68,8 @@ pub(crate) struct Acceptor<R: Robot> {
     /// Rate and duration \[s\] of the step accepted last.
     rate: f64,
     period: f64,
+    /// The path's speed at rate 1, kept while the robot is suspended: it will be resumed into it.
+    path_speed: R::Joints,
     /// Time that passes between a lost peer and the start of braking \[s\].
     reaction: f64,
 }
@@ -89,6 +91,7 @@ impl<R: Robot> Acceptor<R> {
             start: None,
             rate: 1.0,
             period: 0.0,
+            path_speed: zeros,
             reaction,
         }
     }
@@ -127,6 +130,9 @@ impl<R: Robot> Acceptor<R> {
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
         (self.origin, self.start) = (self.position, None);
+        if self.is_at_rest() {
+            self.path_speed = R::Joints::zeros();
+        }
     }
 
     /// Stay: the state demanded last is demanded again.
@@ -135,6 +141,7 @@ impl<R: Robot> Acceptor<R> {
         self.acceleration = (zeros - self.velocity) * duration.recip();
         self.velocity = zeros;
         (self.demanded, self.path_velocity, self.missing) = (self.position, zeros, 0.0);
+        self.path_speed = zeros;
         AcceptedDemand::new(self.position)
     }
 
@@ -205,6 +212,10 @@ impl<R: Robot> Acceptor<R> {
             fault.exceeds(limit.actual, limit.limit, limit.unit)
         })?;
         (self.rate, self.period) = (dt / duration, duration);
+        // Near rate 0 the quotient is round-off.
+        if self.rate > 1e-3 {
+            self.path_speed = R::Joints::from_joints(|i| velocity[i].abs() / self.rate);
+        }
         (self.position, self.velocity, self.acceleration, self.tool) =
             (position, velocity, acceleration, tool);
         (self.demanded, self.path_velocity, self.missing) = (position, path_velocity, 0.0);
@@ -303,8 +314,8 @@ impl<R: Robot> Acceptor<R> {
         let (mut rise, mut fall) = (f64::INFINITY, f64::INFINITY);
         for i in 0..R::Joints::LEN {
             let limit = limits.acceleration[i];
-            // The path's velocity per unit of rate; within the step it may grow by the limit.
-            let along = self.velocity[i].abs() / self.rate.max(1e-3) + limit * self.period;
+            // Within the step the path's speed may grow by the limit.
+            let along = self.path_speed[i] + limit * self.period;
             let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * limit / along;
             (rise, fall) = (rise.min(left(raised)), fall.min(left(self.rate)));
         }
