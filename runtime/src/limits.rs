@@ -41,13 +41,31 @@ impl<R: Robot> AcceptedDemand<R> {
     }
 }
 
-/// How fast the rate may change without breaking an acceleration limit [1/s].
+/// How fast the rate may change without breaking a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct RateHeadroom {
-    /// Largest rise per second.
+pub struct RateHeadroom {
+    /// Largest rise \[1/s\].
     pub rise: f64,
-    /// Largest fall per second.
+    /// Largest fall \[1/s\].
     pub fall: f64,
+    /// Largest change of rise and fall \[1/s²\]; infinite where jerk has no limit.
+    pub bend: f64,
+}
+
+impl RateHeadroom {
+    /// Of what does not move.
+    pub const UNLIMITED: RateHeadroom =
+        RateHeadroom { rise: f64::INFINITY, fall: f64::INFINITY, bend: f64::INFINITY };
+
+    /// What two robots both have.
+    #[must_use]
+    pub fn and(self, other: RateHeadroom) -> RateHeadroom {
+        RateHeadroom {
+            rise: self.rise.min(other.rise),
+            fall: self.fall.min(other.fall),
+            bend: self.bend.min(other.bend),
+        }
+    }
 }
 
 /// The state demanded last and the checks on the way to the next one.
@@ -311,15 +329,22 @@ impl<R: Robot> Acceptor<R> {
         let limits = self.robot.limits();
         // By how much the rate itself may be higher at the end of a step in which it rises.
         let raised = (self.rate + crate::feed::DEFAULT_CHANGE * self.period).min(1.0);
-        let (mut rise, mut fall) = (f64::INFINITY, f64::INFINITY);
+        let mut headroom = RateHeadroom::UNLIMITED;
         for i in 0..R::Joints::LEN {
             let limit = limits.acceleration[i];
             // Within the step the path's speed may grow by the limit.
             let along = self.path_speed[i] + limit * self.period;
             let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * limit / along;
-            (rise, fall) = (rise.min(left(raised)), fall.min(left(self.rate)));
+            let (mut rise, mut fall, mut bend) = (left(raised), left(self.rate), f64::INFINITY);
+            if let Some(jerk) = limits.jerk {
+                // The path's jerk at a changing rate: r³ q''' + 3 r r' q'' + r'' q'. Half of the rest is for each.
+                let rest = 0.5 * (USABLE_SHARE - PATH_SHARE) * jerk[i];
+                let change = rest / (3.0 * PATH_SHARE * limit);
+                (rise, fall, bend) = (rise.min(change), fall.min(change), rest / along);
+            }
+            headroom = headroom.and(RateHeadroom { rise, fall, bend });
         }
-        RateHeadroom { rise, fall }
+        headroom
     }
 }
 

@@ -7,6 +7,7 @@ mod determinism;
 mod faults;
 mod feed;
 mod handover;
+mod jerk;
 mod kit;
 mod lateness;
 mod moves;
