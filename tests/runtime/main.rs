@@ -15,4 +15,5 @@ mod pairing;
 mod panics;
 mod sensors;
 mod suspending;
+mod sweeps;
 mod waits;
