@@ -52,6 +52,9 @@ pub enum CellError {
         /// The cell's step.
         step: Duration,
     },
+    /// A free-running sensor whose period takes no time.
+    #[error("sensor `{0}` runs freely with a period of no time: give it 1 ms or more")]
+    NoPeriod(Name),
     /// A configuration or a reading that is too long for a message.
     #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]
     TooLong(Name),
@@ -315,9 +318,8 @@ impl Cell {
                 return Err(CellError::Twice(name));
             }
             let (servo, step) = (robot.servo_period(), self.step);
-            let divides =
-                |a: Duration, b: Duration| !a.is_zero() && b.as_nanos().is_multiple_of(a.as_nanos());
-            if !divides(servo, step) && !divides(step, servo) {
+            let divides = |a: Duration, b: Duration| b.as_nanos().is_multiple_of(a.as_nanos());
+            if servo.is_zero() || !divides(servo, step) && !divides(step, servo) {
                 return Err(CellError::Period { robot: name, servo, step });
             }
             all.push(name);
@@ -474,6 +476,9 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
         {
             return Err(CellError::TooLong(name));
+        }
+        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
+            return Err(CellError::NoPeriod(name));
         }
         let robot = match &self.robot {
             Some(robot) => Some(

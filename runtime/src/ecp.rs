@@ -9,7 +9,6 @@ use crate::fault::{Fault, FaultKind, FaultWords, ProcessId};
 use crate::feed::{DEFAULT_CHANGE, Feed};
 use crate::generator::{Condition, Generator};
 use crate::image::{Reading, RobotImage, Sensor, State};
-use crate::limits::RateHeadroom;
 use crate::link::{Client, Nanos, Server, Waiter};
 use crate::list::{AnyRobots, Motion, PayloadType, RobotList, SensorHandle, SensorList, SensorsOf};
 use crate::message::{Kind, Message, flag};
@@ -264,7 +263,6 @@ impl<R: Robot> Ecp<R> {
         let mut e = State::<R>::new(self.image);
         let mut order = self.read_order::<G::Order>(false)?;
         let mut step = 0;
-        let mut rate = 1.0;
         let mut own = Feed::new(DEFAULT_CHANGE);
         let mut flags = flag::FIRST;
         let mut refreshed = false;
@@ -291,14 +289,14 @@ impl<R: Robot> Ecp<R> {
             }
             if ending_now {
                 // The MP may be slowing down as well: both bound the change of the one rate that counts.
-                own.reset(rate);
-                own.limit(self.headroom());
-                dt = dt.min(own.advance(0.0, duration) * duration);
-                if own.rate() == 0.0 {
+                own.limit(self.driver.header.headroom);
+                let slower = own.clone().advance(0.0, duration);
+                if slower == 0.0 {
                     break;
                 }
+                dt = dt.min(slower * duration);
             }
-            rate = if duration > 0.0 { dt / duration } else { 0.0 };
+            own.follow(if duration > 0.0 { dt / duration } else { 0.0 }, duration);
             let uses = if step == 0 { first_uses } else { next_uses };
             if dt == 0.0 {
                 // Suspended: the robot holds whatever the generator says, which may only end.
@@ -345,7 +343,7 @@ impl<R: Robot> Ecp<R> {
                 Err(fault) => return Err(self.fail(fault)),
             };
             demand.put(&mut self.out.body);
-            self.out.header.dt = dt;
+            self.out.header.dt = dt / duration * self.order.header.duration;
             self.moving = true;
             self.execute(sensors, v, Kind::Demand, flags, next_uses.robots)?;
             (step, flags) = (step + 1, 0);
@@ -476,7 +474,7 @@ impl<R: Robot> Ecp<R> {
         out.header = self.order.header;
         out.header.kind = Kind::Reply;
         out.header.flags = flags | driver.header.flags & flag::STANDSTILL;
-        (out.header.dt, out.header.duration) = (driver.header.dt, driver.header.duration);
+        out.header.headroom = driver.header.headroom;
         out.header.len = 0;
         if flags & flag::STATE != 0 {
             out.header.len = driver.header.len;
@@ -591,10 +589,6 @@ impl<R: Robot> Ecp<R> {
     /// Whether a demand of the open order's step would miss the EDP's ticks.
     fn is_late(&self) -> bool {
         self.waiter.now() >= self.order.header.step * self.period + self.grace
-    }
-
-    fn headroom(&self) -> RateHeadroom {
-        RateHeadroom { rise: self.driver.header.dt, fall: self.driver.header.duration }
     }
 
     /// The open order's value for a step function that reads it; for one that does not, a value of zeros.

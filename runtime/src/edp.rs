@@ -251,8 +251,7 @@ impl<R: Robot> Edp<R> {
             FaultWords::from(fault).put(&mut reply.body);
         } else {
             reply.header.kind = Kind::Reply;
-            let headroom = self.acceptor.headroom();
-            (reply.header.dt, reply.header.duration) = (headroom.rise, headroom.fall);
+            reply.header.headroom = self.acceptor.headroom();
             reply.header.len = 0;
             if self.request.is(flag::WANT_STATE) {
                 reply.header.flags |= flag::STATE;

@@ -10,6 +10,8 @@ use crate::limits::RateHeadroom;
 #[derive(Clone, Debug)]
 pub(crate) struct Feed {
     rate: f64,
+    /// The present change of the rate [1/s].
+    slope: f64,
     /// Largest change of the rate [1/s].
     change: f64,
     headroom: RateHeadroom,
@@ -18,11 +20,9 @@ pub(crate) struct Feed {
 /// From full speed to a standstill in 0.2 s, when the robots leave room for it.
 pub(crate) const DEFAULT_CHANGE: f64 = 5.0;
 
-const UNLIMITED: RateHeadroom = RateHeadroom { rise: f64::INFINITY, fall: f64::INFINITY };
-
 impl Feed {
     pub fn new(change: f64) -> Feed {
-        Feed { rate: 1.0, change, headroom: UNLIMITED }
+        Feed { rate: 1.0, slope: 0.0, change, headroom: RateHeadroom::UNLIMITED }
     }
 
     /// The rate now, 0 ..= 1.
@@ -32,22 +32,52 @@ impl Feed {
 
     /// A robot's report of the step that ended.
     pub fn limit(&mut self, headroom: RateHeadroom) {
-        self.headroom.rise = self.headroom.rise.min(headroom.rise.max(0.0));
-        self.headroom.fall = self.headroom.fall.min(headroom.fall.max(0.0));
+        self.headroom = self.headroom.and(headroom);
     }
 
     /// The rate of the next step, of `duration` \[s\], on the way to `wanted`.
     pub fn advance(&mut self, wanted: f64, duration: f64) -> f64 {
-        let rise = self.change.min(self.headroom.rise) * duration;
-        let fall = self.change.min(self.headroom.fall) * duration;
-        self.rate = wanted.clamp(0.0, 1.0).clamp(self.rate - fall, self.rate + rise);
-        self.headroom = UNLIMITED;
+        if duration <= 0.0 {
+            return self.rate;
+        }
+        let wanted = wanted.clamp(0.0, 1.0);
+        let RateHeadroom { rise, fall, bend } = self.headroom;
+        let left = wanted - self.rate;
+        let largest = if left < 0.0 { -self.change.min(fall) } else { self.change.min(rise) };
+        let slope = landing(left.abs(), bend, duration).min(largest.abs()).copysign(left);
+        let (low, high) = (self.slope - bend * duration, self.slope + bend * duration);
+        let last = core::mem::replace(&mut self.slope, slope.clamp(low, high));
+        let next = self.rate + self.slope * duration;
+        // Within a step of the end, and slow enough to end there: exactly at it.
+        let lands = (next - wanted) * left >= 0.0 || (wanted - next).abs() <= f64::EPSILON;
+        let arrives = lands && (last.abs() <= 2.0 * bend * duration || bend.is_infinite());
+        self.rate = if arrives { wanted } else { next.clamp(0.0, 1.0) };
+        if self.rate == wanted {
+            self.slope = 0.0;
+        }
+        self.headroom = RateHeadroom::UNLIMITED;
         self.rate
+    }
+
+    /// The rate that a step of `duration` \[s\] had, changed elsewhere.
+    pub fn follow(&mut self, rate: f64, duration: f64) {
+        self.slope = if duration > 0.0 { (rate - self.rate) / duration } else { 0.0 };
+        self.rate = rate;
+        self.headroom = RateHeadroom::UNLIMITED;
     }
 
     /// At a standstill nothing needs a ramp: a new motion starts at the wanted rate.
     pub fn reset(&mut self, wanted: f64) {
-        self.rate = wanted;
-        self.headroom = UNLIMITED;
+        (self.rate, self.slope) = (wanted, 0.0);
+        self.headroom = RateHeadroom::UNLIMITED;
     }
+}
+
+/// The largest slope from which the rate can come to rest after `left`, one step of it included: the root of
+/// `slope T + slope² / 2 bend = left`.
+fn landing(left: f64, bend: f64, duration: f64) -> f64 {
+    if bend.is_infinite() || left <= bend * duration * duration {
+        return left / duration;
+    }
+    bend * ((duration * duration + 2.0 * left / bend).sqrt() - duration)
 }

@@ -41,13 +41,31 @@ impl<R: Robot> AcceptedDemand<R> {
     }
 }
 
-/// How fast the rate may change without breaking an acceleration limit [1/s].
+/// How fast the rate may change without breaking a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct RateHeadroom {
-    /// Largest rise per second.
+pub struct RateHeadroom {
+    /// Largest rise \[1/s\].
     pub rise: f64,
-    /// Largest fall per second.
+    /// Largest fall \[1/s\].
     pub fall: f64,
+    /// Largest change of rise and fall \[1/s²\]; infinite where jerk has no limit.
+    pub bend: f64,
+}
+
+impl RateHeadroom {
+    /// Of what does not move.
+    pub const UNLIMITED: RateHeadroom =
+        RateHeadroom { rise: f64::INFINITY, fall: f64::INFINITY, bend: f64::INFINITY };
+
+    /// What two robots both have.
+    #[must_use]
+    pub fn and(self, other: RateHeadroom) -> RateHeadroom {
+        RateHeadroom {
+            rise: self.rise.min(other.rise),
+            fall: self.fall.min(other.fall),
+            bend: self.bend.min(other.bend),
+        }
+    }
 }
 
 /// The state demanded last and the checks on the way to the next one.
@@ -68,6 +86,8 @@ pub(crate) struct Acceptor<R: Robot> {
     /// Rate and duration \[s\] of the step accepted last.
     rate: f64,
     period: f64,
+    /// The path's speed at rate 1, kept while the robot is suspended: it will be resumed into it.
+    path_speed: R::Joints,
     /// Time that passes between a lost peer and the start of braking \[s\].
     reaction: f64,
 }
@@ -89,6 +109,7 @@ impl<R: Robot> Acceptor<R> {
             start: None,
             rate: 1.0,
             period: 0.0,
+            path_speed: zeros,
             reaction,
         }
     }
@@ -127,6 +148,9 @@ impl<R: Robot> Acceptor<R> {
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
         (self.origin, self.start) = (self.position, None);
+        if self.is_at_rest() {
+            self.path_speed = R::Joints::zeros();
+        }
     }
 
     /// Stay: the state demanded last is demanded again.
@@ -135,6 +159,7 @@ impl<R: Robot> Acceptor<R> {
         self.acceleration = (zeros - self.velocity) * duration.recip();
         self.velocity = zeros;
         (self.demanded, self.path_velocity, self.missing) = (self.position, zeros, 0.0);
+        self.path_speed = zeros;
         AcceptedDemand::new(self.position)
     }
 
@@ -211,6 +236,10 @@ impl<R: Robot> Acceptor<R> {
             fault.exceeds(limit.actual, limit.limit, limit.unit)
         })?;
         (self.rate, self.period) = (dt / duration, duration);
+        // Near rate 0 the quotient is round-off.
+        if self.rate > 1e-3 {
+            self.path_speed = R::Joints::from_joints(|i| velocity[i].abs() / self.rate);
+        }
         (self.position, self.velocity, self.acceleration, self.tool) =
             (position, velocity, acceleration, tool);
         (self.demanded, self.path_velocity, self.missing) = (position, path_velocity, 0.0);
@@ -306,15 +335,22 @@ impl<R: Robot> Acceptor<R> {
         let limits = self.robot.limits();
         // By how much the rate itself may be higher at the end of a step in which it rises.
         let raised = (self.rate + crate::feed::DEFAULT_CHANGE * self.period).min(1.0);
-        let (mut rise, mut fall) = (f64::INFINITY, f64::INFINITY);
+        let mut headroom = RateHeadroom::UNLIMITED;
         for i in 0..R::Joints::LEN {
             let limit = limits.acceleration[i];
-            // The path's velocity per unit of rate; within the step it may grow by the limit.
-            let along = self.velocity[i].abs() / self.rate.max(1e-3) + limit * self.period;
+            // Within the step the path's speed may grow by the limit.
+            let along = self.path_speed[i] + limit * self.period;
             let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * limit / along;
-            (rise, fall) = (rise.min(left(raised)), fall.min(left(self.rate)));
+            let (mut rise, mut fall, mut bend) = (left(raised), left(self.rate), f64::INFINITY);
+            if let Some(jerk) = limits.jerk {
+                // The path's jerk at a changing rate: r³ q''' + 3 r r' q'' + r'' q'. Half of the rest is for each.
+                let rest = 0.5 * (USABLE_SHARE - PATH_SHARE) * jerk[i];
+                let change = rest / (3.0 * PATH_SHARE * limit);
+                (rise, fall, bend) = (rise.min(change), fall.min(change), rest / along);
+            }
+            headroom = headroom.and(RateHeadroom { rise, fall, bend });
         }
-        RateHeadroom { rise, fall }
+        headroom
     }
 }
 

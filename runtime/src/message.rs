@@ -1,5 +1,6 @@
 //! The messages between processes: one plain envelope for every link.
 
+use crate::limits::RateHeadroom;
 use crate::wire::WORDS;
 
 /// What a message is about.
@@ -62,10 +63,12 @@ pub struct Header {
     pub len: u32,
     /// Identity of the type in the body.
     pub payload: u64,
-    /// In an order: path time of the step \[s\]. In a reply: largest rise of the rate per second within the limits.
+    /// Path time of the step \[s\].
     pub dt: f64,
-    /// In an order: real time of the step \[s\]. In a reply: largest fall of the rate per second within the limits.
+    /// Real time of the step \[s\].
     pub duration: f64,
+    /// In a reply: how fast the rate may change within the robot's limits.
+    pub headroom: RateHeadroom,
 }
 
 /// A message: what every link carries.
@@ -80,8 +83,17 @@ pub struct Message {
 impl Message {
     /// A message without a body.
     pub const fn new(kind: Kind) -> Message {
-        let header =
-            Header { kind, flags: 0, step: 0, instruction: 0, len: 0, payload: 0, dt: 0.0, duration: 0.0 };
+        let header = Header {
+            kind,
+            flags: 0,
+            step: 0,
+            instruction: 0,
+            len: 0,
+            payload: 0,
+            dt: 0.0,
+            duration: 0.0,
+            headroom: RateHeadroom::UNLIMITED,
+        };
         Message { header, body: [0; WORDS] }
     }
 

@@ -12,7 +12,6 @@ use crate::fault::{Fault, FaultKind, FaultWords, ProcessId, Role};
 use crate::feed::Feed;
 use crate::generator::{Condition, Generator};
 use crate::image::{Reading, RobotImage, Sensor, State};
-use crate::limits::RateHeadroom;
 use crate::link::{Client, Nanos, Waiter};
 use crate::list::{
     PayloadType, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList, SensorsOf,
@@ -567,10 +566,7 @@ impl Mp {
                         .map_or_else(|_| Fault::new(FaultKind::Message), Fault::from),
                 ),
                 None => {
-                    self.feed.limit(RateHeadroom {
-                        rise: robot.reply.header.dt,
-                        fall: robot.reply.header.duration,
-                    });
+                    self.feed.limit(robot.reply.header.headroom);
                     None
                 }
             };

@@ -53,6 +53,7 @@ pub const fn layout_hash(seed: u64, text: &str) -> u64 {
 
 macro_rules! wire_numbers {
     ($($number:ty: $to:expr, $from:expr;)*) => {$(
+        #[allow(clippy::redundant_closure_call)] // some are closures, some are functions
         impl Wire for $number {
             const LEN: usize = 1;
             const LAYOUT: u64 = layout_hash(0, stringify!($number));

@@ -257,8 +257,15 @@ fn the_operators_speed_is_the_one_that_was_set() {
 }
 
 #[test]
-fn a_step_of_no_time_is_refused() {
+fn a_period_of_no_time_is_refused() {
     let (robot, _) = gantry("g");
     let result = Cell::new(std::time::Duration::ZERO).robot(robot.program(|_| Ok(()))).run();
     assert_eq!(result, Err(mrroc::CellError::Step));
+    let timeless = ExactDrive::new(Q::<3>::zeros(), std::time::Duration::ZERO);
+    let robot = RobotSetup::new("g", Gantry::default(), timeless).program(|_| Ok(()));
+    assert!(matches!(Cell::new(MS).robot(robot).run(), Err(mrroc::CellError::Period { .. })));
+    let free = mrroc::VspMode::NonInteractive(std::time::Duration::ZERO);
+    let sensor = mrroc::SensorSetup::new("counter", crate::kit::Counting::default()).mode(free);
+    let result = Cell::new(MS).robot(gantry("g").0.program(|_| Ok(()))).sensor(sensor).run();
+    assert!(matches!(result, Err(mrroc::CellError::NoPeriod(_))));
 }

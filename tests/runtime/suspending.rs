@@ -1,7 +1,7 @@
 //! Suspend, anywhere, in paths that use nine tenths of the acceleration limit.
 
-use mrroc::{Always, Cell, Operator, Step, Tick, generator};
-use mrroc_tests::{Gantry, MS, Q, gantry, peaks};
+use mrroc::{Always, Cell, Operator, RobotSetup, Step, Tick, generator};
+use mrroc_tests::{ExactDrive, Gantry, MS, Q, gantry, peaks, traced};
 
 use crate::kit::{Phase, x};
 
@@ -52,6 +52,37 @@ impl Trapezoid {
 #[generator(ecp)]
 fn trapezoid(c: &mut Trapezoid, t: Tick) -> Step<Gantry> {
     c.advance(t.dt).map_or(Step::Done, |position| Step::Next(x(position)))
+}
+
+#[test]
+fn fault_37_a_fast_robot_may_be_resumed_wherever_it_stands() {
+    // 2.6 m/s at 10 m/s², as an FR3's joints: a rate that rose by 5 a second would ask for 13 m/s².
+    let path = Trapezoid { up: 9.0, down: 9.0, speed: 2.6, cruise: 0.05, t: 0.0 };
+    for at in (1..640).step_by(9) {
+        let drive = ExactDrive::new(Q::<3>::new(-1.0, 0.0, 0.0), MS);
+        let (robot, trace) = traced(RobotSetup::new("g", Gantry::with_velocity(2.6), drive));
+        let robot = robot.program(move |ecp| ecp.move_robot((), Shifted(path)).map(drop));
+        let cell = Cell::new(MS).robot(robot).on_step(move |step, operator| {
+            if step == at {
+                operator.suspend();
+            }
+            if step == at + 900 {
+                operator.resume();
+            }
+        });
+        cell.run().unwrap_or_else(|error| panic!("suspended at {at}: {error}"));
+        let trace = trace.borrow();
+        assert!((trace.last().expect("recorded")[0] + 1.0 - path.length()).abs() < 1e-9, "suspended at {at}");
+        assert!(peaks(&trace, 1e-3).1 <= 10.0 + 1e-6, "suspended at {at}");
+    }
+}
+
+/// A trapezoid from -1 m.
+struct Shifted(Trapezoid);
+
+#[generator(ecp)]
+fn shifted(c: &mut Shifted, t: Tick) -> Step<Gantry> {
+    c.0.advance(t.dt).map_or(Step::Done, |position| Step::Next(x(position - 1.0)))
 }
 
 struct InMp(Trapezoid);

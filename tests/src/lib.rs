@@ -38,6 +38,14 @@ impl Default for Gantry {
 }
 
 impl Gantry {
+    /// With a velocity limit [m/s].
+    #[must_use]
+    pub fn with_velocity(velocity: f64) -> Self {
+        let mut gantry = Gantry::default();
+        gantry.limits.velocity = Q::repeat(velocity);
+        gantry
+    }
+
     /// With a jerk limit [m/s³].
     #[must_use]
     pub fn with_jerk(jerk: f64) -> Self {
