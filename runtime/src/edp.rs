@@ -2,8 +2,7 @@
 //!
 //! In: demands of the ECP, one per step. Out: the joint positions that the drives get, one per servo period,
 //! and the robot's image in every reply. Ticks come half a servo period after the steps, so that the demand of
-//! a step is there before the drives ask for it; between two demands positions are interpolated in joints, so
-//! that the robot is at the demand of a step when the step ends.
+//! a step is there before the drives ask for it; servo periods within a step get positions interpolated in joints.
 
 use core::time::Duration;
 
@@ -12,6 +11,7 @@ use crate::demand::Demand;
 use crate::driver::{Driver, Measured};
 use crate::fault::{Fault, FaultKind, FaultWords, ProcessId};
 use crate::image::{RobotImage, RobotState};
+use crate::interpolation::Interpolation;
 use crate::joints::JointVector;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
@@ -74,14 +74,11 @@ pub(crate) struct Edp<R: Robot> {
     mode: Mode<R::Joints>,
     /// Accepted for the step that the ticks have not begun.
     next: Option<AcceptedDemand<R>>,
-    /// What the ticks interpolate between, and at which tick of the step they are.
-    from: R::Joints,
-    to: R::Joints,
-    tick: u32,
+    /// What the ticks make of the demands.
+    interpolation: Interpolation<R::Joints>,
     /// The first step whose ticks have not begun, and the step at whose end the robot is at the last demand.
     due: u64,
     attained: u64,
-    ticks_per_step: u32,
     servo: Nanos,
     measured: Measured<R::Joints>,
     stopped: bool,
@@ -103,12 +100,9 @@ impl<R: Robot> Edp<R> {
             acceptor,
             mode: Mode::Holding,
             next: None,
-            from: measured.position,
-            to: measured.position,
-            tick: 0,
+            interpolation: Interpolation::new(measured.position, ticks_per_step),
             due: 0,
             attained: 0,
-            ticks_per_step,
             servo: servo.as_nanos() as Nanos,
             measured,
             stopped: false,
@@ -118,7 +112,7 @@ impl<R: Robot> Edp<R> {
             config,
         };
         // Where encoders give no numbers, there is nothing to hold: the drives get no demand at all.
-        if let Err(fault) = edp.check_following(&edp.to, FaultKind::FollowingError) {
+        if let Err(fault) = edp.check_following(edp.interpolation.goal(), FaultKind::FollowingError) {
             edp.mode = Mode::Off;
             edp.latch(fault, 0);
         }
@@ -180,7 +174,7 @@ impl<R: Robot> Edp<R> {
     /// A robot that does not stand where it was last told to stand must not start.
     fn check_standing_start(&self) -> Result<(), Fault> {
         if self.request.is(flag::FIRST) && matches!(self.mode, Mode::Holding) {
-            self.check_following(&self.to, FaultKind::StartPoseMismatch)
+            self.check_following(self.interpolation.goal(), FaultKind::StartPoseMismatch)
         } else {
             Ok(())
         }
@@ -234,7 +228,7 @@ impl<R: Robot> Edp<R> {
 
     /// Time between two demands that the ticks follow \[s\].
     fn demand_period(&self) -> f64 {
-        self.servo as f64 * 1e-9 * f64::from(self.ticks_per_step)
+        self.servo as f64 * 1e-9 * f64::from(self.interpolation.ticks_per_step())
     }
 
     fn answer(&mut self) {
@@ -275,16 +269,14 @@ impl<R: Robot> Edp<R> {
         if matches!(self.mode, Mode::Off) {
             return;
         }
-        if self.tick == 0 {
-            self.from = self.to;
+        if self.interpolation.begins_step() {
             let step = now / (self.config.step.as_nanos() as Nanos).max(1);
-            self.to = *self.next_demand(step).joints();
+            let demand = *self.next_demand(step).joints();
+            self.interpolation.push(demand);
             // A servo period that is longer than a step takes the demands of steps after its middle, too.
             self.due = (now - self.servo / 2) / (self.config.step.as_nanos() as Nanos).max(1) + 1;
         }
-        self.tick = (self.tick + 1) % self.ticks_per_step;
-        let part = if self.tick == 0 { 1.0 } else { f64::from(self.tick) / f64::from(self.ticks_per_step) };
-        let demanded = if part == 1.0 { self.to } else { self.from + (self.to - self.from) * part };
+        let demanded = self.interpolation.tick();
         let fault = match guarded(|| self.config.driver.tick(&demanded)) {
             Ok(Ok(measured)) => {
                 self.measured = measured;

@@ -65,6 +65,7 @@ mod fault;
 mod feed;
 mod generator;
 mod image;
+mod interpolation;
 mod joints;
 mod limits;
 mod link;

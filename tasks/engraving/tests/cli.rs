@@ -17,12 +17,16 @@ fn engraving(folder: &PathBuf, arguments: &[&str]) -> Output {
 }
 
 fn figures(folder: &std::path::Path) -> serde_json::Value {
-    let text = std::fs::read_to_string(folder.join("engraving/summary.json")).expect("the summary was written");
+    let text =
+        std::fs::read_to_string(folder.join("engraving/summary.json")).expect("the summary was written");
     serde_json::from_str(&text).expect("the summary is JSON")
 }
 
 fn number(value: &serde_json::Value, pointer: &str) -> f64 {
-    value.pointer(pointer).and_then(serde_json::Value::as_f64).unwrap_or_else(|| panic!("no number at {pointer}"))
+    value
+        .pointer(pointer)
+        .and_then(serde_json::Value::as_f64)
+        .unwrap_or_else(|| panic!("no number at {pointer}"))
 }
 
 #[test]
