@@ -10,6 +10,9 @@
 //! panic.
 #![warn(missing_docs)]
 
+// Generators name this crate as a user's copy of them does.
+extern crate self as mrroc_generators;
+
 pub mod bspline;
 pub mod feed;
 pub mod generators;

@@ -1,5 +1,7 @@
 //! The library's generators, run through whole cells.
 
+mod copied;
+
 use mrroc::{
     Cell, FaultKind, Generator, Pose, ReadingOrder, Robot, RobotSetup, Sensor, SensorSetup, VirtualSensor,
 };

@@ -2,8 +2,8 @@
 
 use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
 
-use crate::line::JointLine;
-use crate::profile::ProfileCursor;
+use mrroc_generators::line::JointLine;
+use mrroc_generators::profile::ProfileCursor;
 
 /// Moves all joints to their goals together, by one trapezoidal profile.
 ///

@@ -5,8 +5,8 @@ use core::marker::PhantomData;
 use mrroc::{Demand, Fault, Pose, Robot, Step, Tick, generator};
 use nalgebra::{Translation3, UnitQuaternion};
 
-use crate::bspline::{SpanStream, SplinePoint, SplineSettings};
-use crate::feed::{FedPath, FeedError, FeedLimits};
+use mrroc_generators::bspline::{SpanStream, SplinePoint, SplineSettings};
+use mrroc_generators::feed::{FedPath, FeedError, FeedLimits};
 
 /// Leads the tool along the curve through points that come one by one, at a steady orientation.
 ///

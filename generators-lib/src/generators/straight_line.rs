@@ -4,8 +4,8 @@ use core::marker::PhantomData;
 
 use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
 
-use crate::line::{LinePath, ToolLimits};
-use crate::profile::ProfileCursor;
+use mrroc_generators::line::{LinePath, ToolLimits};
+use mrroc_generators::profile::ProfileCursor;
 
 /// Moves the tool straight to a pose while it turns the short way, by one trapezoidal profile.
 ///
