@@ -66,6 +66,24 @@ fn the_same_job_gives_the_same_figures_to_the_bit() {
 }
 
 #[test]
+fn every_sample_drawing_is_engraved_within_the_bounds() {
+    let folder = folder("samples");
+    let samples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/drawings");
+    let mut engraved = 0;
+    for entry in std::fs::read_dir(samples).expect("the samples are there") {
+        let path = entry.expect("the samples can be listed").path();
+        let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        if !["svg", "dxf", "gcode"].contains(&ending.as_str()) {
+            continue;
+        }
+        let output = engraving(&folder, &[&path.to_string_lossy(), "--fit", "--quiet"]);
+        assert!(output.status.success(), "{}: {}", path.display(), String::from_utf8_lossy(&output.stderr));
+        engraved += 1;
+    }
+    assert!(engraved >= 5, "{engraved}");
+}
+
+#[test]
 fn a_step_that_is_too_long_to_stop_at_the_plate_misses_a_bound_and_says_so() {
     let folder = folder("slow");
     let output = engraving(&folder, &["--text", "w", "--size", "10x10", "--step-ms", "100", "--quiet"]);
