@@ -2,6 +2,8 @@
 
 use std::cell::RefCell;
 use std::error::Error;
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 use std::rc::Rc;
 use std::time::Instant;
@@ -37,14 +39,8 @@ fn main() -> ExitCode {
         Err(error) => return refused(&error),
     };
     let options = match request {
-        Request::Help => {
-            print!("{HELP}");
-            return ExitCode::SUCCESS;
-        }
-        Request::Version => {
-            println!("engraving {}", env!("CARGO_PKG_VERSION"));
-            return ExitCode::SUCCESS;
-        }
+        Request::Help => return say(HELP),
+        Request::Version => return say(concat!("engraving ", env!("CARGO_PKG_VERSION"), "\n")),
         Request::Engrave(options) => options,
     };
     let plan = match Plan::new(&options) {
@@ -53,28 +49,48 @@ fn main() -> ExitCode {
     };
     match plan.carry_out(&options) {
         Ok(summary) => {
-            if options.talk == Talk::Normal {
-                print!("{}", summary.table());
-                println!("  see {0}/plate.png, {0}/paths.svg, {0}/summary.json", options.out.display());
-            }
-            if summary.passed { ExitCode::SUCCESS } else { broken(&summary) }
+            let said = match options.talk {
+                Talk::Normal => say(&format!(
+                    "{}  see {1}/plate.png, {1}/paths.svg, {1}/summary.json\n",
+                    summary.table(),
+                    options.out.display()
+                )),
+                Talk::Quiet => ExitCode::SUCCESS,
+            };
+            if summary.passed { said } else { broken(&summary) }
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            complain(&format!("error: {error}"));
             ExitCode::FAILURE
         }
     }
 }
 
+/// Prints a text. A reader that has had enough and closed the pipe is no failure.
+fn say(text: &str) -> ExitCode {
+    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(&format!("error: the standard output cannot be written: {error}"));
+            ExitCode::FAILURE
+        }
+        Ok(()) | Err(_) => ExitCode::SUCCESS,
+    }
+}
+
+fn complain(line: &str) {
+    // Without a standard error the exit status alone must tell.
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
 /// Nothing has moved.
 fn refused(error: &dyn std::fmt::Display) -> ExitCode {
-    eprintln!("error: {error}");
+    complain(&format!("error: {error}"));
     ExitCode::from(2)
 }
 
 fn broken(summary: &Summary) -> ExitCode {
     for broken in &summary.broken {
-        eprintln!("bound missed: {broken}");
+        complain(&format!("bound missed: {broken}"));
     }
     ExitCode::FAILURE
 }
@@ -93,7 +109,7 @@ impl Plan {
         let (source, import) = read(&options.source)?;
         if options.talk == Talk::Normal {
             for warning in &import.warnings {
-                eprintln!("warning: {warning}");
+                complain(&format!("warning: {warning}"));
             }
         }
         let mut placement = place(&import.drawing, &options.plate, options.sizing)?;
@@ -102,8 +118,7 @@ impl Plan {
         let sampling = Sampling::default();
         let samples = check_reach(&layout, &options.plate, &placement.drawing, &sampling, options.depth)?;
         // Found out now, not after minutes of engraving.
-        std::fs::create_dir_all(&options.out)
-            .map_err(|error| format!("--out {}: {error}", options.out.display()))?;
+        std::fs::create_dir_all(&options.out).map_err(|error| unwritable(&options.out, &error))?;
         Ok(Plan { source, layout, placement, sampling, samples })
     }
 
@@ -125,7 +140,8 @@ impl Plan {
         }
         let summary = self.summary(options, &outcome, wall_s);
         self.draw(options, outcome, &summary)?;
-        summary.write_json(&options.out.join("summary.json"))?;
+        let path = options.out.join("summary.json");
+        summary.write_json(&path).map_err(|error| unwritable(&path, &error))?;
         Ok(summary)
     }
 
@@ -163,13 +179,14 @@ impl Plan {
         .judged()
     }
 
-    fn draw(&self, options: &Options, outcome: Outcome, summary: &Summary) -> std::io::Result<()> {
+    fn draw(&self, options: &Options, outcome: Outcome, summary: &Summary) -> Result<(), String> {
         let caption = format!(
             "{}: {:.0} mm engraved {:.2} mm deep in {:.0} s",
             self.source, summary.cut_length_mm, options.depth, summary.simulated_s
         );
         let picture = render(&outcome.execution.surface, &options.plate, Material::Brass, &caption);
-        picture.write_png(&options.out.join("plate.png"))?;
+        let path = options.out.join("plate.png");
+        picture.write_png(&path).map_err(|error| unwritable(&path, &error))?;
         let paths = PathsSvg {
             plate: &options.plate,
             drawing: &self.placement.drawing,
@@ -177,8 +194,16 @@ impl Plan {
             deviation: &outcome.execution.executed.report(),
             title: &self.source,
         };
-        paths.write(&options.out.join("paths.svg"))
+        let path = options.out.join("paths.svg");
+        paths.write(&path).map_err(|error| unwritable(&path, &error))
     }
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> String {
+    format!(
+        "{}: cannot be written: {error}\n help: give a folder that can be written by --out",
+        path.display()
+    )
 }
 
 /// The drawing and what to call it.

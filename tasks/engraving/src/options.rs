@@ -114,7 +114,7 @@ Plate and tool:
   --tool ball:MM      a ball of this diameter
   --depth MM          depth of the groove [default: 0.3]
   --feed MM/S         speed along the path [default: 20]
-  --step-ms MS        step of the controller [default: 2]
+  --step-ms MS        step of the controller: 1 or a multiple of 2 [default: 2]
 
 Results:
   --out DIR           folder for plate.png, paths.svg and summary.json
@@ -181,7 +181,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, O
             "tool" => options.cutter = tool(&value(&mut parser, "--tool")?)?,
             "depth" => options.depth = number(&mut parser, "--depth", 0.001, 20.0)?,
             "feed" => options.feed = number(&mut parser, "--feed", 0.01, 1000.0)?,
-            "step-ms" => options.step = number(&mut parser, "--step-ms", 0.1, 100.0)? * 1e-3,
+            "step-ms" => options.step = step(number(&mut parser, "--step-ms", 0.1, 100.0)?)?,
             other => return Err(unknown(&format!("--{other}"), other)),
         }
         if let Some(new) = new_sizing
@@ -267,10 +267,23 @@ fn number(parser: &mut lexopt::Parser, option: &str, low: f64, high: f64) -> Res
     }
 }
 
+/// A step [ms] in seconds: a multiple of the arm's servo period of 2 ms, or an even part of it.
+fn step(step_ms: f64) -> Result<f64, OptionsError> {
+    const SERVO_MS: f64 = 2.0;
+    let periods = (step_ms / SERVO_MS).max(SERVO_MS / step_ms);
+    if (periods - periods.round()).abs() < 1e-9 {
+        return Ok(step_ms * 1e-3);
+    }
+    Err(refuse(
+        format!("--step-ms {step_ms}: the arm's servo period of 2 ms does not divide it, nor it the period"),
+        "give 1 or a multiple of 2",
+    ))
+}
+
 fn size(text: &str, option: &str) -> Result<(f64, f64), OptionsError> {
-    let sides: Vec<f64> = text.split(['x', 'X', '×']).filter_map(|side| side.trim().parse().ok()).collect();
-    match sides[..] {
-        [w, h] if w > 0.0 && h > 0.0 && w <= 2000.0 && h <= 2000.0 => Ok((w, h)),
+    let sides: Result<Vec<f64>, _> = text.split(['x', 'X', '×']).map(|side| side.trim().parse()).collect();
+    match sides.as_deref() {
+        Ok(&[w, h]) if w > 0.0 && h > 0.0 && w <= 2000.0 && h <= 2000.0 => Ok((w, h)),
         _ => Err(refuse(
             format!("{option} {text}"),
             format!("give width and height in mm up to 2000, as {option} 200x120"),
@@ -341,6 +354,10 @@ mod tests {
             ("--depth -1", "0.001 to 20"),
             ("--depth nan", "0.001 to 20"),
             ("--plate 3", "as --plate 200x120"),
+            ("--plate 3xx4", "as --plate 200x120"),
+            ("--plate 3x4xy", "as --plate 200x120"),
+            ("--step-ms 3", "a multiple of 2"),
+            ("--step-ms 1.5", "a multiple of 2"),
             ("--size 3x4 --fit", "both say how large"),
             ("a.svg b.svg", "two files"),
             ("a.svg --text x", "both say what to engrave"),

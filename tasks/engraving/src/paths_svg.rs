@@ -29,6 +29,10 @@ const MOST_POINTS: usize = 150_000;
 const EDGE: f64 = 8.0;
 const HEADING: f64 = 14.0;
 const PANEL: f64 = 66.0;
+/// The panel's height: legend, magnified view, scale and figures \[mm\].
+const PANEL_HEIGHT: f64 = 124.0;
+/// Width of a character of the heading, on the safe side \[mm\].
+const HEADING_CHARACTER: f64 = 3.6;
 
 const DRAWN: &str = "#b9c4d0";
 const EXECUTED: &str = "#c8102e";
@@ -40,7 +44,8 @@ impl PathsSvg<'_> {
     pub fn document(&self) -> String {
         let (w, h) = (self.plate.width, self.plate.height);
         let width = w + PANEL + 3.0 * EDGE;
-        let height = (h + HEADING + 2.0 * EDGE + 10.0).max(HEADING + 128.0);
+        let height = (h + HEADING + 2.0 * EDGE + 10.0).max(HEADING + EDGE + PANEL_HEIGHT);
+        let room = ((width - 2.0 * EDGE) / HEADING_CHARACTER) as usize;
         let mut out = String::new();
         let _ = write!(
             out,
@@ -49,7 +54,7 @@ impl PathsSvg<'_> {
              <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
              <text x=\"{EDGE}\" y=\"11\" font-size=\"5\" font-weight=\"bold\" fill=\"#1b2733\">{title}</text>\n\
              <text x=\"{EDGE}\" y=\"16.5\" font-size=\"3.2\" fill=\"#51606f\">drawn curves and executed tool path, {w:.0} x {h:.0} mm plate</text>\n",
-            title = escaped(self.title)
+            title = escaped(&shortened(self.title, room))
         );
         let _ = writeln!(out, "<g transform=\"translate({EDGE} {top})\">", top = HEADING + EDGE);
         self.plate_view(&mut out);
@@ -136,9 +141,9 @@ impl PathsSvg<'_> {
             out,
             "<svg y=\"{TOP}\" width=\"{SIDE}\" height=\"{SIDE}\" viewBox=\"0 0 {SIDE} {SIDE}\"><rect width=\"{SIDE}\" height=\"{SIDE}\" fill=\"#fbfaf7\"/>"
         );
-        let stroke = self.drawing.strokes.get(worst.stroke);
+        let fine = (window / 2000.0).max(1e-5);
         let drawn: Vec<Vec<Vec2>> =
-            stroke.map(|s| near(&s.flattened((window / 2000.0).max(1e-5)))).unwrap_or_default();
+            self.drawing.strokes.iter().flat_map(|s| near(&s.flattened(fine))).collect();
         path(out, &drawn, DRAWN, 1.6, "", page);
         let executed: Vec<Vec<Vec2>> = self
             .executed
@@ -266,6 +271,14 @@ fn within(line: &[Vec2], centre: Vec2, window: f64) -> Vec<Vec<Vec2>> {
         open = inside;
     }
     parts
+}
+
+/// A text of at most `room` characters; what does not fit becomes an ellipsis.
+fn shortened(text: &str, room: usize) -> String {
+    if text.chars().count() <= room {
+        return text.to_owned();
+    }
+    text.chars().take(room.saturating_sub(1)).chain(['…']).collect()
 }
 
 fn escaped(text: &str) -> String {

@@ -100,12 +100,6 @@ impl HeightMap {
         self.heights.iter().fold(0.0, |a, b| a.min(*b))
     }
 
-    /// The share of cells that were cut, 0..=1.
-    #[must_use]
-    pub fn carved_share(&self) -> f64 {
-        self.heights.iter().filter(|h| **h < 0.0).count() as f64 / self.heights.len() as f64
-    }
-
     /// The tool's tip has moved here in a straight line from where it was.
     pub fn move_to(&mut self, tip: Tip) {
         let (Some(anchor), Some(latest)) = (self.anchor, self.latest) else {

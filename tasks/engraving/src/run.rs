@@ -28,7 +28,7 @@ const TRACE_TOLERANCE: f64 = 0.002;
 /// What may be chosen for a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// The step \[s\], a multiple of the arm's servo period of 2 ms.
+    /// The step \[s\], a multiple of the arm's servo period of 2 ms or an even part of it.
     pub step: f64,
     /// Feed along the strokes [mm/s], > 0.
     pub feed: f64,

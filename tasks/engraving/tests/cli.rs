@@ -66,17 +66,56 @@ fn the_same_job_gives_the_same_figures_to_the_bit() {
 }
 
 #[test]
-fn a_feed_that_the_arm_cannot_follow_misses_a_bound_and_says_so() {
-    let folder = folder("fast");
-    let output = engraving(&folder, &["--text", "w", "--size", "10x10", "--feed", "400", "--quiet"]);
-    let (figures, errors) = (figures(&folder), String::from_utf8_lossy(&output.stderr).into_owned());
-    // Short strokes never reach the feed: the acceleration limits hold, and with them most of the bounds.
-    if figures["passed"] == true {
-        assert!(output.status.success());
-    } else {
-        assert_eq!(output.status.code(), Some(1));
-        assert!(errors.contains("bound missed"), "{errors}");
+fn every_sample_drawing_is_engraved_within_the_bounds() {
+    let folder = folder("samples");
+    let samples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/drawings");
+    let mut engraved = 0;
+    for entry in std::fs::read_dir(samples).expect("the samples are there") {
+        let path = entry.expect("the samples can be listed").path();
+        let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        if !["svg", "dxf", "gcode"].contains(&ending.as_str()) {
+            continue;
+        }
+        let output = engraving(&folder, &[&path.to_string_lossy(), "--fit", "--quiet"]);
+        assert!(output.status.success(), "{}: {}", path.display(), String::from_utf8_lossy(&output.stderr));
+        engraved += 1;
     }
+    assert!(engraved >= 5, "{engraved}");
+}
+
+#[test]
+fn a_step_that_is_too_long_to_stop_at_the_plate_misses_a_bound_and_says_so() {
+    let folder = folder("slow");
+    let output = engraving(&folder, &["--text", "w", "--size", "10x10", "--step-ms", "100", "--quiet"]);
+    let (figures, errors) = (figures(&folder), String::from_utf8_lossy(&output.stderr).into_owned());
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert_eq!(figures["passed"], false);
+    // At 1 mm/s the probe is read every 0.1 mm: the height cannot be found to 0.02 mm but by chance.
+    assert!((number(&figures, "/plate_height/found_mm") + 1.7).abs() > 0.02);
+    assert!(errors.contains("bound missed: plate found at"), "{errors}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn outputs_that_cannot_be_written_are_reported_and_a_closed_pipe_is_not() {
+    let folder = folder("full");
+    let to = |stdout: std::process::Stdio| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_engraving"));
+        let child =
+            command.current_dir(&folder).arg("--help").stdout(stdout).stderr(std::process::Stdio::piped());
+        child.spawn().and_then(std::process::Child::wait_with_output).expect("the program starts")
+    };
+    let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");
+    let output = to(full.into());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("standard output cannot be written"));
+    let (reader, writer) = std::io::pipe().expect("a pipe can be made");
+    drop(reader);
+    assert!(to(writer.into()).status.success());
+    std::fs::create_dir_all(folder.join("engraving/plate.png")).expect("the folder can be written");
+    let output = engraving(&folder, &["--text", "o", "--size", "5x5", "--quiet"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("engraving/plate.png: cannot be written"));
 }
 
 #[test]

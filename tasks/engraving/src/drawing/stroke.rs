@@ -160,16 +160,6 @@ impl Stroke {
             closure: self.closure,
         }
     }
-
-    /// A closed stroke that starts at another of its joins; an open stroke as it is.
-    #[must_use]
-    pub fn rotated_to(mut self, join: usize) -> Self {
-        if self.closure == Closure::Closed {
-            let joins = self.pieces.len();
-            self.pieces.rotate_left(join % joins);
-        }
-        self
-    }
 }
 
 /// What is to be engraved, in millimetres with y up.
