@@ -117,11 +117,11 @@ Plate and tool:
   --step-ms MS        step of the controller: 1 or a multiple of 2 [default: 2]
 
 Results:
-  --out DIR           folder for plate.png, paths.svg and summary.json
+  -o, --out DIR       folder for plate.png, paths.svg and summary.json
                       [default: engraving/]
-  --quiet             print errors only
-  --help              print this text
-  --version           print the version
+  -q, --quiet         print errors only
+  -h, --help          print this text
+  -V, --version       print the version
 
 Exit status: 0 if all bounds were kept, 1 if not, 2 if the drawing or the
 command line was refused; then nothing has moved.
@@ -207,11 +207,18 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, O
     Ok(Request::Engrave(Box::new(options)))
 }
 
+/// The longest text: it fills the largest plate that the arm reaches.
+const MOST_CHARACTERS: usize = 2000;
+
 fn source(file: Option<PathBuf>, text: Option<String>, font: Option<String>) -> Result<Source, OptionsError> {
     match (file, text, font) {
         (Some(file), Some(_), _) => Err(refuse(
             format!("{} and --text: both say what to engrave", file.display()),
             "give one of them",
+        )),
+        (None, Some(text), _) if text.chars().count() > MOST_CHARACTERS => Err(refuse(
+            format!("--text has {} characters, more than {MOST_CHARACTERS}", text.chars().count()),
+            "engrave it in parts: no plate has room for more",
         )),
         (None, Some(text), font) => {
             Ok(Source::Text { text, font: font.unwrap_or_else(|| "futural".to_owned()) })
@@ -324,6 +331,13 @@ mod tests {
             Request::Engrave(options) => *options,
             other => panic!("{other:?}"),
         }
+    }
+
+    #[test]
+    fn a_text_longer_than_any_plate_is_refused() {
+        let long = "a".repeat(MOST_CHARACTERS + 1);
+        let error = parse(["--text".into(), long.into()]).expect_err("too long");
+        assert!(error.to_string().contains("2001 characters"), "{error}");
     }
 
     #[test]
