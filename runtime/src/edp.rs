@@ -9,13 +9,13 @@ use core::time::Duration;
 use crate::braking::Braking;
 use crate::demand::Demand;
 use crate::driver::{Driver, Measured};
-use crate::fault::{Fault, FaultKind, FaultWords, ProcessId};
+use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, RobotState};
 use crate::interpolation::Interpolation;
 use crate::joints::JointVector;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
-use crate::message::{Kind, Message, flag};
+use crate::message::{Kind, Message, RequestKind, flag};
 use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::wire::Wire;
@@ -107,8 +107,8 @@ impl<R: Robot> Edp<R> {
             measured,
             stopped: false,
             fault: None,
-            request: Message::new(Kind::Query),
-            reply: Message::new(Kind::Reply),
+            request: Message::empty(),
+            reply: Message::empty(),
             config,
         };
         // Where encoders give no numbers, there is nothing to hold: the drives get no demand at all.
@@ -153,20 +153,23 @@ impl<R: Robot> Edp<R> {
     }
 
     fn act(&mut self) -> Result<(), Fault> {
-        match self.request.header.kind {
-            Kind::Query => self.check_standing_start(),
-            Kind::Demand => self.demand(),
-            Kind::Brake => {
+        let request = match self.request.header.kind {
+            Kind::Request(request) => request,
+            Kind::Order(_) | Kind::Read | Kind::Reply | Kind::Fault => {
+                return Err(Fault::new(FaultKind::Message));
+            }
+        };
+        match request {
+            RequestKind::Query => self.check_standing_start(),
+            RequestKind::Demand => self.demand(),
+            RequestKind::Brake => {
                 self.brake();
                 Ok(())
             }
-            Kind::Stop => {
+            RequestKind::Stop => {
                 self.stopped = true;
                 self.brake();
                 Ok(())
-            }
-            Kind::Start | Kind::Step | Kind::End | Kind::Abort | Kind::Read | Kind::Reply | Kind::Fault => {
-                Err(Fault::new(FaultKind::Message))
             }
         }
     }
@@ -240,9 +243,7 @@ impl<R: Robot> Edp<R> {
             reply.header.flags |= flag::STANDSTILL;
         }
         if let Some(fault) = &self.fault {
-            reply.header.kind = Kind::Fault;
-            reply.header.len = FaultWords::LEN as u32;
-            FaultWords::from(fault).put(&mut reply.body);
+            reply.set_fault(fault);
         } else {
             reply.header.kind = Kind::Reply;
             reply.header.headroom = self.acceptor.headroom();

@@ -3,14 +3,13 @@
 use core::any::TypeId;
 use std::rc::Rc;
 
-use crate::fault::{Fault, FaultKind, FaultWords, ProcessId, Role};
+use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::image::{Reading, Sensor, SensorImage};
 use crate::link::{Board, Client, Nanos, Waiter};
 use crate::list::{SensorHandle, SensorList, SensorsOf};
 use crate::message::{Kind, Message};
 use crate::name::Name;
 use crate::vsp::{CONFIGURATION_WORDS, MAX_AGE};
-use crate::wire::Wire;
 
 /// How a virtual sensor is asked.
 pub(crate) enum Source {
@@ -41,7 +40,7 @@ pub(crate) struct SensorPort {
 
 impl SensorPort {
     pub fn new(name: Name, kind: TypeId, robot: Option<usize>, source: Source) -> SensorPort {
-        let (order, reply) = (Message::new(Kind::Read), Message::new(Kind::Reply));
+        let (order, reply) = (Message::new(Kind::Read), Message::empty());
         SensorPort {
             name,
             kind,
@@ -118,8 +117,7 @@ impl SensorPort {
             }
         }
         if self.read && self.reply.header.kind == Kind::Fault {
-            let fault = FaultWords::get(self.reply.words()).map_err(|_| self.fault(FaultKind::Message))?;
-            return Err(Fault::from(fault).in_process(ProcessId::new(Role::Vsp, self.name)));
+            return Err(self.reply.fault().in_process(ProcessId::new(Role::Vsp, self.name)));
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::fault::{Fault, FaultWords, ProcessId};
+use crate::fault::{Fault, ProcessId};
 use crate::image::Sensor;
 use crate::joints::MAX_JOINTS;
 use crate::link::{Board, Closed, Nanos, Server, Waiter};
@@ -111,7 +111,7 @@ impl<V: VirtualSensor> Vsp<V> {
     /// Serves until the cell closes.
     pub fn run(mut self) {
         let mut request = Message::new(Kind::Read);
-        let mut reply = Message::new(Kind::Reply);
+        let mut reply = Message::empty();
         // Closing is the only way out.
         let Err(Closed) = self.serve(&mut request, &mut reply);
     }
@@ -186,9 +186,7 @@ impl<V: VirtualSensor> Vsp<V> {
             }
             Err(fault) => {
                 let fault = fault.in_process(self.process).at_step(request.header.step);
-                reply.header.kind = Kind::Fault;
-                reply.header.len = FaultWords::LEN as u32;
-                FaultWords::from(&fault).put(&mut reply.body);
+                reply.set_fault(&fault);
             }
         }
     }

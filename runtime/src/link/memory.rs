@@ -10,7 +10,7 @@ use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
 use super::{Board, Client, Closed, Nanos, Server, Waiter};
-use crate::message::{Kind, Message};
+use crate::message::Message;
 
 /// The most processes that one cell can have on this link.
 pub const MAX_PROCESSES: usize = 64;
@@ -219,7 +219,7 @@ struct Slot {
 
 impl Slot {
     fn new(reader: usize) -> Slot {
-        Slot { message: RefCell::new(Message::new(Kind::Query)), full: Cell::new(false), reader }
+        Slot { message: RefCell::new(Message::empty()), full: Cell::new(false), reader }
     }
 
     fn put(&self, message: &Message, shared: &Shared) {
