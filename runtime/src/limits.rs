@@ -83,6 +83,8 @@ pub(crate) struct Acceptor<R: Robot> {
     /// Joint positions at the start of the motion, and the flange's pose there once a displacement asks for it.
     origin: R::Joints,
     start: Option<Pose>,
+    /// Whether the motion's first demand is still to be accepted.
+    starting: bool,
     /// Rate and duration \[s\] of the step accepted last.
     rate: f64,
     period: f64,
@@ -107,6 +109,7 @@ impl<R: Robot> Acceptor<R> {
             missing: 0.0,
             origin: position,
             start: None,
+            starting: false,
             rate: 1.0,
             period: 0.0,
             path_speed: zeros,
@@ -147,7 +150,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
-        (self.origin, self.start) = (self.position, None);
+        (self.origin, self.start, self.starting) = (self.position, None, true);
         if self.is_at_rest() {
             self.path_speed = R::Joints::zeros();
         }
@@ -235,7 +238,7 @@ impl<R: Robot> Acceptor<R> {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
             fault.exceeds(limit.actual, limit.limit, limit.unit)
         })?;
-        (self.rate, self.period) = (dt / duration, duration);
+        (self.rate, self.period, self.starting) = (dt / duration, duration, false);
         // Near rate 0 the quotient is round-off.
         if self.rate > 1e-3 {
             self.path_speed = R::Joints::from_joints(|i| velocity[i].abs() / self.rate);
@@ -272,7 +275,7 @@ impl<R: Robot> Acceptor<R> {
         let limits: &Limits<R::Joints> = self.robot.limits();
         let per_second = duration.recip();
         let slack = |limit: f64, round_off: f64| limit * (1.0 + RELATIVE) + round_off;
-        let standing = self.is_at_rest();
+        let starting = self.starting && self.is_at_rest();
         // Without a jerk limit all joints brake in the time that the slowest to stop needs.
         let faster = |i: usize| v[i].abs().max(held[i].abs());
         let stop_time = (0..R::Joints::LEN).map(|i| faster(i) / limits.acceleration[i]).fold(0.0, f64::max);
@@ -284,7 +287,7 @@ impl<R: Robot> Acceptor<R> {
             let speed_limit = limits.velocity[i];
             if v[i].abs() > slack(speed_limit, round_off * per_second) {
                 // A first demand a whole jump away is not a fast motion but a wrong start.
-                let kind = if standing { FaultKind::StartPoseMismatch } else { FaultKind::DemandedVelocity };
+                let kind = if starting { FaultKind::StartPoseMismatch } else { FaultKind::DemandedVelocity };
                 return Err(excess(kind, v[i].abs(), speed_limit, R::joint(i).unit(1)));
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
