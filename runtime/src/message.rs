@@ -67,6 +67,8 @@ pub mod flag {
     pub const STANDSTILL: u32 = 1 << 5;
     /// The instruction ended while moving: the next one takes over in this very step.
     pub const BLEND: u32 = 1 << 6;
+    /// The operator has suspended the cell: a Wait waits on without looking.
+    pub const SUSPENDED: u32 = 1 << 7;
 }
 
 /// The head of a message.

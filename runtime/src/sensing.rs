@@ -100,7 +100,7 @@ impl SensorPort {
             Source::Interactive(client) => {
                 // An answer to an order that was given up is none to this one.
                 while !(client.receive(&mut self.reply) && self.reply.header.step == self.order.header.step) {
-                    waiter.wait(Some(deadline)).map_err(|_| Fault::new(FaultKind::CellClosed))?;
+                    waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
                     if waiter.now() >= deadline {
                         return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
                     }

@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::fault::{Fault, ProcessId};
+use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::Sensor;
 use crate::joints::MAX_JOINTS;
 use crate::link::{Board, Closed, Nanos, Server, Waiter};
@@ -168,16 +168,29 @@ impl<V: VirtualSensor> Vsp<V> {
         Ok(())
     }
 
-    fn aggregate(&mut self, request: &Message, reply: &mut Message) {
+    /// What an order says: a configuration that cannot be read is a fault, never the default one.
+    fn read(request: &Message) -> Result<ReadingOrder<<V::Kind as Sensor>::Configuration>, Fault> {
         let words = request.words();
-        let order = ReadingOrder {
-            configuration: Wire::get(words).unwrap_or(self.configuration),
-            robot: words.get(CONFIGURATION_WORDS..).and_then(|words| EffectorState::get(words).ok()),
-            step: request.header.step,
+        let unreadable = |what| move |_| Fault::new(FaultKind::Message).text(what);
+        let configuration = Wire::get(words).map_err(unreadable("the sensor's configuration"))?;
+        let robot = match words.get(CONFIGURATION_WORDS..) {
+            Some(state) if !state.is_empty() => {
+                Some(EffectorState::get(state).map_err(unreadable("the state of the sensor's robot"))?)
+            }
+            Some(_) | None => None,
         };
+        Ok(ReadingOrder { configuration, robot, step: request.header.step })
+    }
+
+    fn aggregate(&mut self, request: &Message, reply: &mut Message) {
         reply.header.step = request.header.step;
-        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order)))
-            .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)));
+        let result = Self::read(request).and_then(|order| {
+            let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));
+            let aggregated = std::panic::catch_unwind(aggregate);
+            aggregated
+                .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)))
+                .map_err(Fault::from_program)
+        });
         match result {
             Ok(reading) => {
                 reply.header.kind = Kind::Reply;

@@ -76,7 +76,7 @@ impl<R: Robot> DriverPort<R> {
         self.port.send(&self.request);
         let deadline = waiter.now() + self.patience;
         while !self.port.receive(&mut self.reply) {
-            waiter.wait(Some(deadline)).map_err(|_| Fault::new(FaultKind::CellClosed))?;
+            waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
             if waiter.now() >= deadline {
                 return Err(Fault::new(FaultKind::PeerLost).text("no answer from the EDP"));
             }

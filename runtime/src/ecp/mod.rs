@@ -10,7 +10,7 @@ mod motion;
 mod orders;
 mod waiting;
 
-use crate::fault::{Fault, FaultKind, ProcessId};
+use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, Sensor};
 use crate::link::{Client, Nanos, Server, Waiter};
 use crate::list::{PayloadType, SensorHandle};
@@ -146,13 +146,13 @@ impl<R: Robot> Ecp<R> {
         let settled = self.settle_unless_blending();
         match outcome.and(settled) {
             Ok(()) => {}
-            Err(fault) if fault.kind() == FaultKind::InstructionEnded => {}
-            Err(fault) if fault.kind() == FaultKind::Aborted => {
-                self.orders.phase = Phase::Idle;
-                self.hold(flag::ENDED | flag::FINISHED)?;
-                return Err(fault);
-            }
-            Err(fault) => return Err(self.fail(fault)),
+            // What the MP's open order says counts, not what the program returns.
+            Err(fault) if fault.is_orderly() && fault.kind() == FaultKind::CellClosed => return Err(fault),
+            Err(fault) => match self.orders.ended_by() {
+                Some(OrderKind::End) if fault.is_orderly() => {}
+                Some(OrderKind::Abort) if fault.is_orderly() => {}
+                Some(_) | None => return Err(self.fail(fault.from_program())),
+            },
         }
         self.orders.phase = Phase::Finished;
         loop {
@@ -165,7 +165,7 @@ impl<R: Robot> Ecp<R> {
                 Duty::Abort => {
                     self.orders.phase = Phase::Idle;
                     self.hold(flag::ENDED | flag::FINISHED)?;
-                    return Err(Fault::new(FaultKind::Aborted).in_process(self.process));
+                    return Err(Fault::orderly(FaultKind::Aborted).in_process(self.process));
                 }
                 duty @ (Duty::Open
                 | Duty::Work
@@ -192,7 +192,7 @@ impl<R: Robot> Ecp<R> {
         loop {
             let Ok(order) = self.orders.receive(&*self.waiter) else {
                 self.refuse();
-                return Err(Fault::new(FaultKind::CellClosed).in_process(self.process));
+                return Err(Fault::orderly(FaultKind::CellClosed).in_process(self.process));
             };
             match self.orders.duty(order) {
                 Duty::Report => self.hold(0)?,
@@ -313,7 +313,7 @@ impl<R: Robot> Ecp<R> {
     /// How an instruction that the MP has ended ends the Move or Wait at work in it.
     fn instruction_over(&self, aborted: bool) -> Fault {
         let kind = if aborted { FaultKind::Aborted } else { FaultKind::InstructionEnded };
-        Fault::new(kind).in_process(self.process)
+        Fault::orderly(kind).in_process(self.process)
     }
 
     fn check_latch(&mut self) -> Result<(), Fault> {
@@ -333,7 +333,9 @@ impl<R: Robot> Ecp<R> {
         if self.refusals > MAX_REFUSALS {
             // The program is over: what the process does after it counts anew.
             self.refusals = 0;
-            std::panic::resume_unwind(Box::new("the program ignores a fault or the end of its instruction"));
+            std::panic::resume_unwind(Box::new(Ended(
+                "ended by the runtime: it ignores a latched fault, the end of its instruction or of the cell",
+            )));
         }
     }
 
@@ -343,7 +345,7 @@ impl<R: Robot> Ecp<R> {
             return latched.clone();
         }
         let fault = fault.in_process(self.process).at_step(self.orders.header().step);
-        if fault.kind() == FaultKind::CellClosed {
+        if fault.is_orderly() && fault.kind() == FaultKind::CellClosed {
             return fault;
         }
         self.orders.phase = Phase::Latched(fault.clone());
@@ -376,9 +378,7 @@ impl<R: Robot> Ecp<R> {
         let outcome =
             std::panic::catch_unwind(run).unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)));
         match outcome {
-            Err(fault) if fault.kind() != FaultKind::CellClosed && fault.kind() != FaultKind::Aborted => {
-                Err(self.fail(fault))
-            }
+            Err(fault) if !is_over(&fault) => Err(self.fail(fault.from_program())),
             // A program that swallows a latched fault does not undo it.
             Ok(()) | Err(_) => match &self.orders.phase {
                 Phase::Latched(fault) => Err(fault.clone()),
@@ -419,6 +419,11 @@ impl<R: Robot> Ecp<R> {
             }
         }
     }
+}
+
+/// Whether a program may end with a fault without anything being wrong with its robot.
+fn is_over(fault: &Fault) -> bool {
+    fault.is_orderly() && matches!(fault.kind(), FaultKind::CellClosed | FaultKind::Aborted)
 }
 
 const EMPTY: [u64; crate::wire::WORDS] = [0; crate::wire::WORDS];

@@ -133,7 +133,10 @@ impl<R: Robot> Ecp<R> {
                     self.execute(sensors, v, RequestKind::Demand, 0, uses.robots)?;
                     *e = self.driver.image;
                     let t = Tick { step, dt, duration };
-                    match generator.next_step(&order, &e, v, t).map_err(|fault| self.fail(fault))? {
+                    match generator
+                        .next_step(&order, &e, v, t)
+                        .map_err(|fault| self.fail(fault.from_program()))?
+                    {
                         Step::Done => break,
                         Step::Next(_) => {}
                     }
@@ -165,7 +168,7 @@ impl<R: Robot> Ecp<R> {
             let demand = match next {
                 Ok(Step::Next(demand)) => demand,
                 Ok(Step::Done) => break,
-                Err(fault) => return Err(self.fail(fault)),
+                Err(fault) => return Err(self.fail(fault.from_program())),
             };
             self.driver.set_demand(&demand, dt / duration * self.orders.header().duration);
             self.driver.moving = true;

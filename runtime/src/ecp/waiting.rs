@@ -90,18 +90,19 @@ impl<R: Robot> Ecp<R> {
             self.refresh(&sensors, &mut v, uses.robots)?;
             let header = *self.orders.header();
             // Suspended, a Wait waits on.
-            if header.dt > 0.0 || header.duration == 0.0 {
+            if !self.orders.is(flag::SUSPENDED) {
                 let order = self.read_order(uses.order)?;
                 let e = State::new(C::Robots::look(&self.driver.image));
                 let t = Tick { step, dt: header.dt, duration: header.duration };
                 match condition.is_met(&order, &e, &v, t) {
                     Ok(true) => break Ok(condition),
                     Ok(false) => {}
-                    Err(fault) => return Err(self.fail(fault)),
+                    Err(fault) => return Err(self.fail(fault.from_program())),
                 }
                 step += 1;
                 if limit.is_some_and(|limit| step > limit) {
-                    let fault = Fault::new(FaultKind::TimedOut).in_process(self.process).at_step(header.step);
+                    let fault =
+                        Fault::orderly(FaultKind::TimedOut).in_process(self.process).at_step(header.step);
                     break Err(fault.exceeds(step as f64, limit.unwrap_or(0) as f64, "step"));
                 }
             }

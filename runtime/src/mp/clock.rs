@@ -19,6 +19,8 @@ pub(super) struct StepClock {
     /// Real time and path time of the step \[s\].
     duration: f64,
     dt: f64,
+    /// Whether the operator had suspended the cell when the step began.
+    suspended: bool,
     /// The rate at which path time passes.
     pub feed: Feed,
 }
@@ -26,7 +28,7 @@ pub(super) struct StepClock {
 impl StepClock {
     pub fn new(period: Nanos, grace: Nanos, feed: Feed) -> Self {
         let duration = period as f64 * 1e-9;
-        StepClock { period, grace, step: 0, used: true, duration, dt: duration, feed }
+        StepClock { period, grace, step: 0, used: true, duration, dt: duration, suspended: false, feed }
     }
 
     /// Index of the step that has begun.
@@ -42,6 +44,11 @@ impl StepClock {
     /// Path time of the step \[s\].
     pub const fn dt(&self) -> f64 {
         self.dt
+    }
+
+    /// Whether the cell is suspended in this step: speed 0 is no suspension.
+    pub const fn is_suspended(&self) -> bool {
+        self.suspended
     }
 
     /// Whether path time stands still.
@@ -91,8 +98,9 @@ impl StepClock {
         Ok(true)
     }
 
-    /// The step's path time, on the way to the wanted rate.
-    pub fn advance(&mut self, wanted_rate: f64) {
+    /// The step's path time, on the way to the rate that the operator wants.
+    pub fn advance(&mut self, wanted_rate: f64, suspended: bool) {
+        self.suspended = suspended;
         self.dt = self.feed.advance(wanted_rate, self.duration) * self.duration;
     }
 

@@ -43,6 +43,7 @@ impl Mp {
     /// Scatter and gather: sends every robot its order, then collects every reply.
     pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
         self.clock.spend();
+        let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
         for &index in indices {
             let robot = &mut self.robots[index];
             let header = &mut robot.order.header;
@@ -60,7 +61,7 @@ impl Mp {
             let robot = &mut self.robots[index];
             let mut lost = None;
             while !robot.client.receive(&mut robot.reply) {
-                self.waiter.wait(Some(deadline)).map_err(|_| Fault::new(FaultKind::CellClosed))?;
+                self.waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
                 if self.waiter.now() >= deadline {
                     let text = "no answer from the ECP: its program computes or waits elsewhere";
                     lost = Some(

@@ -88,8 +88,7 @@ impl Mp {
 
     /// The operator's abort, at standstill on the path.
     pub(super) fn abort(&mut self, indices: &[usize]) -> Result<(), Fault> {
-        self.operator.aborted();
-        let fault = Fault::new(FaultKind::Aborted).at_step(self.clock.step());
+        let fault = self.aborted();
         self.end(indices, OrderKind::Abort, 0)?;
         Err(fault)
     }
@@ -120,7 +119,7 @@ impl Mp {
             }
             // Every reply is a fault now; what counts is that the robots stand.
             let answered = self.exchange(&all, OrderKind::Stop, 0);
-            if answered.is_err_and(|error| error.kind() == FaultKind::CellClosed) {
+            if answered.is_err_and(|error| error.is_orderly()) {
                 return fault;
             }
             if all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL)) {

@@ -15,7 +15,7 @@ use core::any::TypeId;
 use core::time::Duration;
 
 use crate::ecp::MAX_REFUSALS;
-use crate::fault::{Fault, FaultKind, ProcessId};
+use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::feed::Feed;
 use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, Waiter};
@@ -99,14 +99,14 @@ impl Mp {
 
     /// Begins a step, unless one has begun that no exchange has used.
     fn begin_step(&mut self) -> Result<(), Fault> {
-        let begins = self.clock.begin(&*self.waiter).map_err(|_| Fault::new(FaultKind::CellClosed))?;
+        let begins = self.clock.begin(&*self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
             // A hook that panics is not called again by the stop that follows.
             if let Some(mut hook) = self.hook.take() {
                 hook(self.clock.step(), &self.operator);
                 self.hook = Some(hook);
             }
-            self.clock.advance(self.operator.wanted_rate());
+            self.clock.advance(self.operator.wanted_rate(), self.operator.is_suspended());
         }
         Ok(())
     }
@@ -114,13 +114,29 @@ impl Mp {
     /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
-        match fault.kind() {
-            FaultKind::CellClosed | FaultKind::Aborted => return fault,
-            // A Wait that was too long: nothing moves and nothing is wrong with the cell.
-            FaultKind::TimedOut if fault.process() == Some(ProcessId::MP) => return fault,
-            _ => {}
+        // An abort, a Wait that was too long: nothing moves and nothing is wrong with the cell.
+        if fault.is_orderly() { fault } else { self.stop(fault) }
+    }
+
+    /// One Move or Wait, from the operator's point of view: what can be aborted. Robots that it hands over moving
+    /// are the next one's, and so is an abort that came too late for it.
+    fn instruction<T>(&mut self, work: impl FnOnce(&mut Mp) -> Result<T, Fault>) -> Result<T, Fault> {
+        self.check_latch()?;
+        self.operator.begin();
+        let outcome = work(self).map_err(|fault| self.conclude(fault));
+        if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {
+            return outcome;
         }
-        self.stop(fault)
+        if self.operator.end() && outcome.is_ok() {
+            // An abort that the instruction's own end forestalled is an abort: the program must not go on.
+            return Err(self.aborted());
+        }
+        outcome
+    }
+
+    /// What an instruction ends with that the operator aborts.
+    fn aborted(&self) -> Fault {
+        Fault::orderly(FaultKind::Aborted).in_process(ProcessId::MP).at_step(self.clock.step())
     }
 
     fn check_latch(&mut self) -> Result<(), Fault> {
@@ -130,7 +146,7 @@ impl Mp {
         if self.refusals > MAX_REFUSALS {
             // Ends a program that loops over refused instructions, through the process's own boundary.
             self.refusals = 0;
-            std::panic::resume_unwind(Box::new("the program ignores a latched fault"));
+            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
         }
         // A refused call takes a step: a program that ignores the fault cannot stop the cell's time.
         self.clock.spend();
@@ -144,7 +160,7 @@ impl Mp {
         program: impl FnOnce(&mut Mp) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| program(self));
-        match std::panic::catch_unwind(run) {
+        let outcome = match std::panic::catch_unwind(run) {
             Ok(outcome) => {
                 let settled = self.settle().map_err(|fault| self.stop(fault));
                 // A program that swallows a latched fault does not undo it.
@@ -156,7 +172,9 @@ impl Mp {
                     crate::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.clock.step());
                 Err(self.stop(fault))
             }
-        }
+        };
+        self.operator.end();
+        outcome
     }
 }
 

@@ -51,14 +51,14 @@ impl Mp {
         mut generator: G,
         ending: u32,
     ) -> Result<G, Fault> {
-        self.check_latch()?;
         let indices = robots.indices();
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
-        let moved = self.generate(indices, &sensors, &mut generator, &mut e, &mut v);
-        let ended = moved.and_then(|()| self.end(indices, OrderKind::End, ending));
-        let outcome = ended.map_err(|fault| self.conclude(fault));
+        let outcome = self.instruction(|mp| {
+            mp.generate(indices, &sensors, &mut generator, &mut e, &mut v)?;
+            mp.end(indices, OrderKind::End, ending)
+        });
         self.each_image(indices, |i, words| robots.refresh(i, words))?;
         sensors.store(&v);
         outcome.map(|()| generator)
@@ -103,9 +103,9 @@ impl Mp {
             let next = if suspended && (step == 0 || !next_uses.tick) {
                 None
             } else if step == 0 {
-                Some(generator.first_step(&order, e, v, t)?)
+                Some(generator.first_step(&order, e, v, t).map_err(Fault::from_program)?)
             } else {
-                Some(generator.next_step(&order, e, v, t)?)
+                Some(generator.next_step(&order, e, v, t).map_err(Fault::from_program)?)
             };
             let demands = match next {
                 // An abort that the motion's own end forestalled is an abort: the program must not go on.
@@ -165,8 +165,10 @@ impl Mp {
     /// The nudging MP: one instruction of a constant order to all robots, until every ECP has finished.
     pub(crate) fn nudge(&mut self) -> Result<(), Fault> {
         let indices: Vec<_> = (0..self.robots.len()).collect();
-        let nudged = self.nudge_all(&indices).and_then(|()| self.end(&indices, OrderKind::End, 0));
-        nudged.map_err(|fault| self.conclude(fault))
+        self.instruction(|mp| {
+            mp.nudge_all(&indices)?;
+            mp.end(&indices, OrderKind::End, 0)
+        })
     }
 
     fn nudge_all(&mut self, indices: &[usize]) -> Result<(), Fault> {

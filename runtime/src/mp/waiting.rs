@@ -46,13 +46,12 @@ impl Mp {
         mut condition: C,
         limit: Option<u64>,
     ) -> Result<C, Fault> {
-        self.check_latch()?;
         let indices = robots.indices();
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
-        let waited = self.wait_step(indices, &sensors, &mut condition, &mut e, &mut v, limit);
-        let outcome = waited.map_err(|fault| self.conclude(fault));
+        let outcome =
+            self.instruction(|mp| mp.wait_step(indices, &sensors, &mut condition, &mut e, &mut v, limit));
         self.each_image(indices, |i, words| robots.refresh(i, words))?;
         sensors.store(&v);
         outcome.map(|()| condition)
@@ -73,24 +72,24 @@ impl Mp {
         loop {
             self.begin_step()?;
             if self.operator.is_aborting() {
-                self.operator.aborted();
-                return Err(Fault::new(FaultKind::Aborted).at_step(self.clock.step()));
+                return Err(self.aborted());
             }
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
             self.sensing.collect(sensors, v, &*self.waiter, self.clock.step())?;
             self.read_images::<C::Robots>(indices, e)?;
-            if self.operator.is_suspended() {
+            if self.clock.is_suspended() {
+                // Suspended, a Wait waits on.
                 continue;
             }
             let t = self.clock.tick(step);
             let order = Order::new(C::Order::get(&EMPTY).map_err(|_| Fault::new(FaultKind::Message))?);
-            if condition.is_met(&order, e, v, t)? {
+            if condition.is_met(&order, e, v, t).map_err(Fault::from_program)? {
                 return Ok(());
             }
             step += 1;
             if let Some(limit) = limit.filter(|&limit| step > limit) {
-                let fault = Fault::new(FaultKind::TimedOut).at_step(self.clock.step());
+                let fault = Fault::orderly(FaultKind::TimedOut).at_step(self.clock.step());
                 return Err(fault.exceeds(step as f64, limit as f64, "step"));
             }
         }
