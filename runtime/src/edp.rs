@@ -18,13 +18,8 @@ use crate::link::{Closed, Nanos, Server, Waiter};
 use crate::message::{Kind, Message, RequestKind, flag};
 use crate::pose::Pose;
 use crate::robot::Robot;
+use crate::stopping::{detection_time, missed_step_budget};
 use crate::wire::Wire;
-
-/// Missed steps that an EDP bridges before it brakes: 20 ms of steps (`L` of SAFETY.md).
-pub(crate) fn missed_step_budget(step: Duration) -> u32 {
-    let step = step.as_nanos().max(1);
-    u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
-}
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
@@ -92,7 +87,7 @@ impl<R: Robot> Edp<R> {
         let measured = config.driver.measured();
         let servo = config.driver.period();
         let ticks_per_step = (config.step.as_nanos() / servo.as_nanos().max(1)).max(1) as u32;
-        let reaction = config.step.as_secs_f64() * f64::from(missed_step_budget(config.step) + 1);
+        let reaction = detection_time(config.step);
         let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
         let mut edp = Edp {
             waiter,

@@ -80,6 +80,7 @@ mod robot;
 mod sensing;
 mod step;
 mod step_fn;
+mod stopping;
 mod transparent;
 mod vsp;
 mod wire;

@@ -2,7 +2,8 @@
 //!
 //! In: what a step function returned, decoded. Out: an [`AcceptedDemand`], the only thing that a drive is
 //! given. Checked in this order: numbers finite, rotation valid, inverse kinematics, position (with the
-//! distance that braking needs), velocity, acceleration, jerk, limits that joints share.
+//! distance that braking needs), velocity, acceleration, jerk, limits that joints share (here and where the robot would
+//! stand if its demands were lost now).
 
 use core::marker::PhantomData;
 
@@ -13,7 +14,7 @@ use crate::demand::{Coordinates, Demand};
 use crate::fault::{Fault, FaultKind};
 use crate::joints::JointVector;
 use crate::pose::Pose;
-use crate::robot::{Limits, NoInverse, Robot};
+use crate::robot::{CoupledLimit, Limits, NoInverse, Robot};
 
 /// Deviation of a quaternion's norm from 1 below which a rotation is taken, normalised.
 const FRAME_TOLERANCE: f64 = 1e-6;
@@ -39,6 +40,14 @@ impl<R: Robot> AcceptedDemand<R> {
     pub const fn joints(&self) -> &R::Joints {
         &self.joints
     }
+}
+
+/// Where a robot would stand if its demands were lost now.
+#[derive(Clone, Copy, Debug)]
+struct Standstill<J> {
+    position: J,
+    /// A time for the way there in which no joint is faster than at its beginning \[s\].
+    time: f64,
 }
 
 /// How fast the rate may change without breaking a limit.
@@ -228,16 +237,20 @@ impl<R: Robot> Acceptor<R> {
         let acceleration = (velocity - self.velocity) * per_second;
         let path_velocity = (position - self.demanded) * (self.missing + duration).recip();
         let checked = self.check(&position, &velocity, &path_velocity, &acceleration, duration);
-        checked.map_err(|fault| {
+        let stop = checked.map_err(|fault| {
             match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
                 (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => fault.text(name),
                 _ => fault,
             }
         })?;
-        self.robot.check_coupled(&self.position, &position, duration).map_err(|limit| {
+        let coupled = |limit: CoupledLimit| {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
             fault.exceeds(limit.actual, limit.limit, limit.unit)
-        })?;
+        };
+        self.robot.check_coupled(&self.position, &position, duration).map_err(coupled)?;
+        if stop.time > 0.0 {
+            self.robot.check_coupled(&position, &stop.position, stop.time).map_err(coupled)?;
+        }
         (self.rate, self.period, self.starting) = (dt / duration, duration, false);
         // Near rate 0 the quotient is round-off.
         if self.rate > 1e-3 {
@@ -271,7 +284,8 @@ impl<R: Robot> Acceptor<R> {
         held: &R::Joints,
         a: &R::Joints,
         duration: f64,
-    ) -> Result<(), Fault> {
+    ) -> Result<Standstill<R::Joints>, Fault> {
+        let mut stop = Standstill { position: *q, time: 0.0 };
         let limits: &Limits<R::Joints> = self.robot.limits();
         let per_second = duration.recip();
         let slack = |limit: f64, round_off: f64| limit * (1.0 + RELATIVE) + round_off;
@@ -299,6 +313,10 @@ impl<R: Robot> Acceptor<R> {
             let distance = braking + lost * self.reaction;
             let (lower, upper) = (limits.lower[i] - round_off, limits.upper[i] + round_off);
             let reach = q[i] + distance.copysign(v[i]);
+            stop.position[i] = reach;
+            if lost > 0.0 {
+                stop.time = stop.time.max(distance / lost);
+            }
             if q[i] > upper || (v[i] > 0.0 && reach > upper) {
                 return Err(excess(
                     FaultKind::DemandOutOfRange,
@@ -326,7 +344,7 @@ impl<R: Robot> Acceptor<R> {
                 }
             }
         }
-        Ok(())
+        Ok(stop)
     }
 
     /// How fast the rate may change now: what the acceleration limits leave beside a path that uses

@@ -29,10 +29,19 @@ pub struct Ecp<R: Robot> {
     orders: Orders,
     driver: DriverPort<R>,
     sensing: Sensing,
-    /// The cell's step, and the time into it after which a demand would come too late for the EDP's ticks \[ns\].
-    period: Nanos,
-    grace: Nanos,
+    pace: Pace,
     refusals: u32,
+}
+
+/// The times that an ECP goes by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pace {
+    /// The cell's step \[ns\].
+    pub period: Nanos,
+    /// The time into a step after which its demand would come too late for the EDP's ticks \[ns\].
+    pub grace: Nanos,
+    /// Steps after which a robot that was told to stop must stand.
+    pub stop_steps: u64,
 }
 
 /// Refused calls after which a program that ignores a latched fault, or the end of the cell, is ended.
@@ -45,7 +54,7 @@ impl<R: Robot> Ecp<R> {
         mp: Box<dyn Server>,
         edp: Box<dyn Client>,
         sensing: Sensing,
-        (period, grace): (Nanos, Nanos),
+        pace: Pace,
     ) -> Self {
         Ecp {
             process,
@@ -53,8 +62,7 @@ impl<R: Robot> Ecp<R> {
             orders: Orders::new(mp),
             driver: DriverPort::new(edp, sensing.patience),
             sensing,
-            period,
-            grace,
+            pace,
             refusals: 0,
         }
     }
@@ -280,7 +288,7 @@ impl<R: Robot> Ecp<R> {
 
     /// Whether a demand of the open order's step would miss the EDP's ticks.
     fn is_late(&self) -> bool {
-        self.waiter.now() >= self.orders.header().step * self.period + self.grace
+        self.waiter.now() >= self.orders.header().step * self.pace.period + self.pace.grace
     }
 
     /// The open order's value for a step function that reads it; for one that does not, a value of zeros.
@@ -339,7 +347,8 @@ impl<R: Robot> Ecp<R> {
         }
     }
 
-    /// A fault of this process: latches it, stops the robot, tells the MP; returns at standstill.
+    /// A fault of this process: latches it, stops the robot, tells the MP; returns at standstill, or when
+    /// it should stand.
     fn fail(&mut self, fault: Fault) -> Fault {
         if let Phase::Latched(latched) = &self.orders.phase {
             return latched.clone();
@@ -349,12 +358,15 @@ impl<R: Robot> Ecp<R> {
             return fault;
         }
         self.orders.phase = Phase::Latched(fault.clone());
+        let began = self.orders.header().step;
         loop {
             let standstill = self.stop_driver();
             if self.orders.open().is_some() {
                 self.orders.reply_fault(&fault, self.driver.reply());
             }
-            if standstill || self.orders.receive(&*self.waiter).is_err() {
+            // A robot that does not stand when it must is left to its EDP: nobody waits for it for ever.
+            let overdue = self.orders.header().step > began + self.pace.stop_steps;
+            if standstill || overdue || self.orders.receive(&*self.waiter).is_err() {
                 self.driver.moving = false;
                 return fault;
             }

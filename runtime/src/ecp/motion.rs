@@ -110,7 +110,7 @@ impl<R: Robot> Ecp<R> {
             let (mut dt, mut duration) = (self.orders.header().dt, self.orders.header().duration);
             if step == 0 && !self.driver.moving && duration > 0.0 {
                 // No period of this motion can have been skipped.
-                let period = self.period as f64 * 1e-9;
+                let period = self.pace.period as f64 * 1e-9;
                 (dt, duration) = (dt / duration * period, period);
             }
             if ending_now {

@@ -22,6 +22,8 @@ pub(crate) struct RobotPort {
     pub kind: TypeId,
     pub client: Box<dyn Client>,
     pub taken: bool,
+    /// Steps after which the robot must stand when it was told to stop.
+    pub(super) stop_steps: u64,
     /// Whether the last instruction handed it over moving.
     pub(super) handed_over: bool,
     pub(super) order: Message,
@@ -29,9 +31,9 @@ pub(crate) struct RobotPort {
 }
 
 impl RobotPort {
-    pub fn new(name: Name, kind: TypeId, client: Box<dyn Client>) -> RobotPort {
+    pub fn new(name: Name, kind: TypeId, client: Box<dyn Client>, stop_steps: u64) -> RobotPort {
         let (order, reply) = (Message::empty(), Message::empty());
-        RobotPort { name, kind, client, taken: false, handed_over: false, order, reply }
+        RobotPort { name, kind, client, taken: false, stop_steps, handed_over: false, order, reply }
     }
 
     pub(super) fn process(&self) -> ProcessId {

@@ -113,6 +113,9 @@ impl Mp {
         let fault = self.latched.get_or_insert(fault).clone();
         self.take_handed_over();
         let all: Vec<_> = (0..self.robots.len()).collect();
+        // One step for the order to arrive, one for the answer.
+        let limit = self.robots.iter().map(|robot| robot.stop_steps).max().unwrap_or(0) + 2;
+        let began = self.clock.step();
         loop {
             if self.begin_step().is_err() {
                 return fault;
@@ -122,7 +125,9 @@ impl Mp {
             if answered.is_err_and(|error| error.is_orderly()) {
                 return fault;
             }
-            if all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL)) {
+            let standing = all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL));
+            // A robot that does not stand when it must is left to its EDP: nobody waits for it for ever.
+            if standing || self.clock.step() > began + limit {
                 return fault;
             }
         }
