@@ -83,7 +83,8 @@ pub enum VspMode {
     Interactive,
     /// The order is taken at once and its reading collected in a later step; unanswered means the older reading.
     WithDelay,
-    /// The sensor runs freely with this period; requesters take the latest reading.
+    /// The sensor runs freely with this period; each requester takes the latest reading of its own configuration,
+    /// and until it has ordered one, of the default configuration.
     NonInteractive(Duration),
 }
 
@@ -91,8 +92,15 @@ pub enum VspMode {
 pub(crate) enum Orders {
     /// From these ports.
     Ports(Vec<Box<dyn Server>>),
-    /// From a board, at its own period; readings go to another one.
-    Free { orders: Rc<dyn Board>, readings: Rc<dyn Board>, period: Nanos },
+    /// From boards, at its own period: each requester has its own two.
+    Free { boards: Vec<Boards>, period: Nanos },
+}
+
+/// Where a requester of a free-running sensor leaves its orders and finds its readings.
+#[derive(Clone)]
+pub(crate) struct Boards {
+    pub orders: Rc<dyn Board>,
+    pub readings: Rc<dyn Board>,
 }
 
 /// The process.
@@ -141,20 +149,53 @@ impl<V: VirtualSensor> Vsp<V> {
                     self.waiter.wait(None)?;
                 }
             }
-            Orders::Free { orders, readings, period } => loop {
-                let began = self.waiter.now();
-                let ordered = orders.read(request);
-                self.work()?;
-                if !ordered {
-                    self.configuration.put(&mut request.body);
-                    request.header.len = CONFIGURATION_WORDS as u32;
+            Orders::Free { boards, period } => {
+                let mut requests = vec![*request; boards.len()];
+                loop {
+                    let began = self.waiter.now();
+                    self.read_orders(&boards, &mut requests, began / self.step.max(1));
+                    for (i, request) in requests.iter().enumerate() {
+                        let like = |other: &Message| {
+                            other.body[..CONFIGURATION_WORDS] == request.body[..CONFIGURATION_WORDS]
+                        };
+                        // Requesters that ask for the same share one aggregation.
+                        if requests[..i].iter().any(like) {
+                            continue;
+                        }
+                        self.work()?;
+                        self.aggregate(request, reply);
+                        for (board, _) in boards.iter().zip(&requests).filter(|(_, other)| like(other)) {
+                            board.readings.write(reply);
+                        }
+                    }
+                    self.sleep(began + period)?;
                 }
-                request.header.step = began / self.step.max(1);
-                self.aggregate(request, reply);
-                readings.write(reply);
-                self.sleep(began + period)?;
-            },
+            }
         }
+    }
+
+    /// What each requester of a free-running sensor ordered last, or the default configuration, with the newest
+    /// state of the sensor's robot.
+    fn read_orders(&self, boards: &[Boards], requests: &mut [Message], step: u64) {
+        let mut newest = None;
+        for (i, (board, request)) in boards.iter().zip(requests.iter_mut()).enumerate() {
+            if !board.orders.read(request) {
+                *request = Message::new(Kind::Read);
+                self.configuration.put(&mut request.body);
+                request.header.len = CONFIGURATION_WORDS as u32;
+            } else if request.words().len() > CONFIGURATION_WORDS {
+                let ordered = (request.header.step, i);
+                newest = Some(newest.map_or(ordered, |newest| ordered.max(newest)));
+            }
+        }
+        if let Some((_, from)) = newest {
+            let (len, state) = (requests[from].header.len, requests[from].body);
+            for request in requests.iter_mut() {
+                request.body[CONFIGURATION_WORDS..].copy_from_slice(&state[CONFIGURATION_WORDS..]);
+                request.header.len = len;
+            }
+        }
+        requests.iter_mut().for_each(|request| request.header.step = step);
     }
 
     fn work(&self) -> Result<(), Closed> {

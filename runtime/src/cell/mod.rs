@@ -25,7 +25,7 @@ use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::sensing::{Sensing, SensorPort, Source};
 use crate::stopping::{STOP_TIME, missed_step_budget, stop_steps};
-use crate::vsp::{CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
 use crate::wire::{WORDS, Wire};
 
 pub use error::CellError;
@@ -489,7 +489,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         let clients = [Some(mp), robot.map(|robot| ecps[robot])];
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
         let mut sources = Vec::new();
-        let mut orders = None;
+        let mut boards = Vec::new();
         for client in clients.into_iter().flatten() {
             let mut ask = |wrap: fn(Box<dyn Client>) -> Source| {
                 let (client, server) = scheduler.port(client, place);
@@ -499,20 +499,10 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             sources.push(match self.mode {
                 VspMode::Interactive => ask(Source::Interactive),
                 VspMode::WithDelay => ask(Source::WithDelay),
-                VspMode::NonInteractive(period) => {
-                    let (board, readings) = match &orders {
-                        Some(Orders::Free { orders, readings, .. }) => {
-                            (Rc::clone(orders), Rc::clone(readings))
-                        }
-                        _ => (Scheduler::board(), Scheduler::board()),
-                    };
-                    let period = period.as_nanos() as Nanos;
-                    orders = Some(Orders::Free {
-                        orders: Rc::clone(&board),
-                        readings: Rc::clone(&readings),
-                        period,
-                    });
-                    Source::NonInteractive { readings, orders: board }
+                VspMode::NonInteractive(_) => {
+                    let board = Boards { orders: Scheduler::board(), readings: Scheduler::board() };
+                    boards.push(board.clone());
+                    Source::NonInteractive(board)
                 }
             });
         }
@@ -525,7 +515,10 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         }
         let (sensor, configuration, latency) =
             (self.sensor, self.configuration, self.latency.as_nanos() as Nanos);
-        let orders = orders.unwrap_or(Orders::Ports(servers));
+        let orders = match self.mode {
+            VspMode::Interactive | VspMode::WithDelay => Orders::Ports(servers),
+            VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
+        };
         let process = ProcessId::new(Role::Vsp, name);
         let step = step.as_nanos() as Nanos;
         scheduler.body(
