@@ -237,15 +237,10 @@ impl<R: Robot> Acceptor<R> {
         let acceleration = (velocity - self.velocity) * per_second;
         let path_velocity = (position - self.demanded) * (self.missing + duration).recip();
         let checked = self.check(&position, &velocity, &path_velocity, &acceleration, duration);
-        let stop = checked.map_err(|fault| {
-            match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
-                (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => fault.text(name),
-                _ => fault,
-            }
-        })?;
+        let stop = checked.map_err(|fault| self.beside_singularity(demand, fault))?;
         let coupled = |limit: CoupledLimit| {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
-            fault.exceeds(limit.actual, limit.limit, limit.unit)
+            self.beside_singularity(demand, fault.exceeds(limit.actual, limit.limit, limit.unit))
         };
         self.robot.check_coupled(&self.position, &position, duration).map_err(coupled)?;
         if stop.time > 0.0 {
@@ -260,6 +255,22 @@ impl<R: Robot> Acceptor<R> {
             (position, velocity, acceleration, tool);
         (self.demanded, self.path_velocity, self.missing) = (position, path_velocity, 0.0);
         Ok(AcceptedDemand::new(position))
+    }
+
+    /// Names the singularity beside which a demanded pose asks too much of the joints.
+    fn beside_singularity(&self, demand: &Demand<R>, fault: Fault) -> Fault {
+        match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
+            (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name))
+                if fault.message().is_empty() =>
+            {
+                fault.text(name)
+            }
+            (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => {
+                let text = format!("{}, {name}", fault.message());
+                fault.text(&text)
+            }
+            (Coordinates::Hold | Coordinates::Joints(_), _) | (_, None) => fault,
+        }
     }
 
     fn joints_at(&self, pose: &Pose, tool: &Pose) -> Result<R::Joints, Fault> {
