@@ -248,7 +248,7 @@ impl Fault {
     }
 
     /// The fault that user code threw: a kind that only the runtime can know of is the program's own then.
-    pub(crate) fn from_program(mut self) -> Fault {
+    pub(crate) fn thrown_by_program(mut self) -> Fault {
         self.0.orderly = false;
         if self.kind().is_the_runtimes() {
             self.0.text = Text::new(&format!("the program threw `{:?}`: {}", self.kind(), self.message()));

@@ -230,7 +230,7 @@ impl<V: VirtualSensor> Vsp<V> {
             let aggregated = std::panic::catch_unwind(aggregate);
             aggregated
                 .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)))
-                .map_err(Fault::from_program)
+                .map_err(Fault::thrown_by_program)
         });
         match result {
             Ok(reading) => {

@@ -126,14 +126,16 @@ fn all_that_is_wrong_with_a_cell_is_told_at_once() {
         .robot(setup("a", wrong))
         .robot(setup("b", Bench::with(|limits| limits.acceleration[2] = 1.0)))
         .robot(setup("b", Bench::new()))
-        .program(|_| Ok(()));
+        .sensor(mrroc::SensorSetup::new("counter", crate::kit::Counting::default()).of("c"));
     let Err(CellError::Several(errors)) = cell.run() else { panic!("refused") };
     let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
-    assert_eq!(texts.len(), 4, "{texts:?}");
+    assert_eq!(texts.len(), 6, "{texts:?}");
     assert!(texts[0].contains("`a` joint 1: acceleration limit -1 m/s²"), "{}", texts[0]);
     assert!(texts[1].contains("`a` joint 2: lower position limit -1 m must be below"), "{}", texts[1]);
     assert!(texts[2].contains("`b` joint 3: a stop may take 1.021 s, limit 0.600 s"), "{}", texts[2]);
     assert_eq!(errors[3], CellError::Twice(mrroc::Name::new("b").expect("a name")));
+    assert!(matches!(&errors[4], CellError::NoSuchRobot(_, robot) if robot == "c"), "{}", texts[4]);
+    assert_eq!(errors[5], CellError::NoProgram);
 }
 
 #[test]

@@ -226,11 +226,7 @@ impl Cell {
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up, before anything moves; or the first cause of a stop.
     pub fn run(self) -> Result<RunReport, CellError> {
-        let names = self.names()?;
-        let has_program = self.program.is_some() || self.robots.iter().any(|robot| robot.has_program());
-        if !has_program {
-            return Err(CellError::NoProgram);
-        }
+        let names = self.check()?;
         let nudged = self.program.is_none();
         let patience = (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos;
         let mut scheduler = Scheduler::new();
@@ -285,7 +281,8 @@ impl Cell {
         Ok(RunReport { steps: steps.get(), time: Duration::from_nanos(time) })
     }
 
-    fn names(&self) -> Result<Vec<Name>, CellError> {
+    /// The robots' names, when nothing is wrong with the set-up.
+    fn check(&self) -> Result<Vec<Name>, CellError> {
         if self.step.is_zero() {
             return Err(CellError::Step);
         }
@@ -312,10 +309,18 @@ impl Cell {
         let mut sensors = Vec::new();
         for sensor in &self.sensors {
             match Name::new(sensor.name()) {
-                Ok(name) if sensors.contains(&name) => errors.push(CellError::Twice(name)),
-                Ok(name) => sensors.push(name),
+                Ok(name) => {
+                    if sensors.contains(&name) {
+                        errors.push(CellError::Twice(name));
+                    }
+                    errors.extend(sensor.check(name, &names));
+                    sensors.push(name);
+                }
                 Err(bad) => errors.push(bad.into()),
             }
+        }
+        if self.program.is_none() && !self.robots.iter().any(|robot| robot.has_program()) {
+            errors.push(CellError::NoProgram);
         }
         CellError::all(errors).map(|()| names)
     }
@@ -327,13 +332,11 @@ fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault>
     let others = outcomes.iter().filter(|(process, _)| process.role != Role::Mp);
     for (process, outcome) in mp.chain(others) {
         if let Err(fault) = outcome {
-            return Err(match fault.kind() {
-                FaultKind::CellClosed => {
-                    let text = "the ECP waits for an instruction, but the MP's program is over";
-                    Fault::thrown(text).in_process(*process)
-                }
-                _ => fault.clone(),
-            });
+            if fault.kind() == FaultKind::CellClosed {
+                let text = "the ECP waits for an instruction, but the MP's program is over";
+                return Err(Fault::thrown(text).in_process(*process));
+            }
+            return Err(fault.clone());
         }
     }
     Ok(())
@@ -438,6 +441,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 /// A virtual sensor of any kind.
 trait AnySensor {
     fn name(&self) -> &str;
+    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
     #[allow(clippy::too_many_arguments)]
     fn spawn(
         self: Box<Self>,
@@ -456,6 +460,24 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         &self.name
     }
 
+    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError> {
+        let mut errors = Vec::new();
+        if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
+            || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
+        {
+            errors.push(CellError::TooLong(name));
+        }
+        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
+            errors.push(CellError::NoPeriod(name));
+        }
+        if let Some(robot) =
+            self.robot.as_ref().filter(|robot| robots.iter().all(|name| name.as_str() != *robot))
+        {
+            errors.push(CellError::NoSuchRobot(name, robot.clone()));
+        }
+        errors
+    }
+
     fn spawn(
         self: Box<Self>,
         scheduler: &mut Scheduler,
@@ -467,23 +489,11 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         ecp_sensing: &mut [Sensing],
     ) -> Result<(), CellError> {
         let name = Name::new(&self.name)?;
-        if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
-            || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
-        {
-            return Err(CellError::TooLong(name));
-        }
-        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
-            return Err(CellError::NoPeriod(name));
-        }
-        let robot = match &self.robot {
-            Some(robot) => Some(
-                robots
-                    .iter()
-                    .position(|name| name.as_str() == robot)
-                    .ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))?,
-            ),
-            None => None,
+        let belongs = |robot: &String| {
+            let place = robots.iter().position(|name| name.as_str() == robot);
+            place.ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))
         };
+        let robot = self.robot.as_ref().map(belongs).transpose()?;
         let place = scheduler.place(format!("vsp {name}"));
         let kind = TypeId::of::<V::Kind>();
         let clients = [Some(mp), robot.map(|robot| ecps[robot])];

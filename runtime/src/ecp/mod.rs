@@ -159,7 +159,7 @@ impl<R: Robot> Ecp<R> {
             Err(fault) => match self.orders.ended_by() {
                 Some(OrderKind::End) if fault.is_orderly() => {}
                 Some(OrderKind::Abort) if fault.is_orderly() => {}
-                Some(_) | None => return Err(self.fail(fault.from_program())),
+                Some(_) | None => return Err(self.fail(fault.thrown_by_program())),
             },
         }
         self.orders.phase = Phase::Finished;
@@ -390,7 +390,7 @@ impl<R: Robot> Ecp<R> {
         let outcome =
             std::panic::catch_unwind(run).unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)));
         match outcome {
-            Err(fault) if !is_over(&fault) => Err(self.fail(fault.from_program())),
+            Err(fault) if !is_over(&fault) => Err(self.fail(fault.thrown_by_program())),
             // A program that swallows a latched fault does not undo it.
             Ok(()) | Err(_) => match &self.orders.phase {
                 Phase::Latched(fault) => Err(fault.clone()),

@@ -135,7 +135,7 @@ impl<R: Robot> Ecp<R> {
                     let t = Tick { step, dt, duration };
                     match generator
                         .next_step(&order, &e, v, t)
-                        .map_err(|fault| self.fail(fault.from_program()))?
+                        .map_err(|fault| self.fail(fault.thrown_by_program()))?
                     {
                         Step::Done => break,
                         Step::Next(_) => {}
@@ -168,7 +168,7 @@ impl<R: Robot> Ecp<R> {
             let demand = match next {
                 Ok(Step::Next(demand)) => demand,
                 Ok(Step::Done) => break,
-                Err(fault) => return Err(self.fail(fault.from_program())),
+                Err(fault) => return Err(self.fail(fault.thrown_by_program())),
             };
             self.driver.set_demand(&demand, dt / duration * self.orders.header().duration);
             self.driver.moving = true;

@@ -97,7 +97,7 @@ impl<R: Robot> Ecp<R> {
                 match condition.is_met(&order, &e, &v, t) {
                     Ok(true) => break Ok(condition),
                     Ok(false) => {}
-                    Err(fault) => return Err(self.fail(fault.from_program())),
+                    Err(fault) => return Err(self.fail(fault.thrown_by_program())),
                 }
                 step += 1;
                 if limit.is_some_and(|limit| step > limit) {

@@ -37,13 +37,11 @@ impl Mp {
                 .iter()
                 .enumerate()
                 .find(|(_, index)| fault.robot() == Some(self.robots[**index].name));
-            match ordered {
-                Some((i, _)) if fault.kind() == FaultKind::PayloadMismatch => {
-                    let text = format!("{}, the MP orders `{}`", fault.message(), payload(i).name);
-                    fault.text(&text)
-                }
-                _ => fault,
+            if let Some((i, _)) = ordered.filter(|_| fault.kind() == FaultKind::PayloadMismatch) {
+                let text = format!("{}, the MP orders `{}`", fault.message(), payload(i).name);
+                return fault.text(&text);
             }
+            fault
         });
         // The first orders go out in the same step.
         self.clock.keep();

@@ -103,9 +103,9 @@ impl Mp {
             let next = if suspended && (step == 0 || !next_uses.tick) {
                 None
             } else if step == 0 {
-                Some(generator.first_step(&order, e, v, t).map_err(Fault::from_program)?)
+                Some(generator.first_step(&order, e, v, t).map_err(Fault::thrown_by_program)?)
             } else {
-                Some(generator.next_step(&order, e, v, t).map_err(Fault::from_program)?)
+                Some(generator.next_step(&order, e, v, t).map_err(Fault::thrown_by_program)?)
             };
             let demands = match next {
                 // An abort that the motion's own end forestalled is an abort: the program must not go on.

@@ -84,7 +84,7 @@ impl Mp {
             }
             let t = self.clock.tick(step);
             let order = Order::new(C::Order::get(&EMPTY).map_err(|_| Fault::new(FaultKind::Message))?);
-            if condition.is_met(&order, e, v, t).map_err(Fault::from_program)? {
+            if condition.is_met(&order, e, v, t).map_err(Fault::thrown_by_program)? {
                 return Ok(());
             }
             step += 1;
