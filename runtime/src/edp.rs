@@ -61,9 +61,9 @@ enum Mode<J> {
 }
 
 /// The process.
-pub(crate) struct Edp<R: Robot> {
+pub(crate) struct Edp<'w, R: Robot> {
     config: EdpConfig<R>,
-    waiter: Box<dyn Waiter>,
+    waiter: &'w dyn Waiter,
     port: Box<dyn Server>,
     acceptor: Acceptor<R>,
     mode: Mode<R::Joints>,
@@ -82,8 +82,8 @@ pub(crate) struct Edp<R: Robot> {
     reply: Message,
 }
 
-impl<R: Robot> Edp<R> {
-    pub fn new(config: EdpConfig<R>, waiter: Box<dyn Waiter>, port: Box<dyn Server>) -> Self {
+impl<'w, R: Robot> Edp<'w, R> {
+    pub fn new(config: EdpConfig<R>, waiter: &'w dyn Waiter, port: Box<dyn Server>) -> Self {
         let measured = config.driver.measured();
         let servo = config.driver.period();
         let ticks_per_step = (config.step.as_nanos() / servo.as_nanos().max(1)).max(1) as u32;
@@ -426,7 +426,7 @@ mod tests {
         }
     }
 
-    fn edp(servo: Duration) -> (Edp<Slide>, Rc<RefCell<Vec<Message>>>) {
+    fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
         let zero = Vector1::zeros();
         let limits = Limits {
             lower: Vector1::new(-1.0),
@@ -445,7 +445,7 @@ mod tests {
             observers: Vec::new(),
         };
         let replies = Rc::default();
-        (Edp::new(config, Box::new(Still), Box::new(Replies(Rc::clone(&replies)))), replies)
+        (Edp::new(config, &Still, Box::new(Replies(Rc::clone(&replies)))), replies)
     }
 
     #[test]
@@ -457,7 +457,7 @@ mod tests {
             edp.request.header.len = <Demand<Slide> as Wire>::LEN as u32;
             Demand::<Slide>::joints(Vector1::new(1e-6)).put(&mut edp.request.body);
             edp.serve();
-            let tick = |edp: &mut Edp<Slide>, k: u64| edp.tick((2 * k + 1) * millis * 500_000);
+            let tick = |edp: &mut Edp<'_, Slide>, k: u64| edp.tick((2 * k + 1) * millis * 500_000);
             // The demand itself, and then nothing.
             tick(&mut edp, 0);
             let mut bridged = 0;

@@ -104,18 +104,18 @@ pub(crate) struct Boards {
 }
 
 /// The process.
-pub(crate) struct Vsp<V: VirtualSensor> {
+pub(crate) struct Vsp<'w, V: VirtualSensor> {
     pub process: ProcessId,
     pub sensor: V,
     pub configuration: <V::Kind as Sensor>::Configuration,
-    pub waiter: Box<dyn Waiter>,
+    pub waiter: &'w dyn Waiter,
     pub orders: Orders,
     /// Time that one aggregation takes \[ns\].
     pub latency: Nanos,
     pub step: Nanos,
 }
 
-impl<V: VirtualSensor> Vsp<V> {
+impl<V: VirtualSensor> Vsp<'_, V> {
     /// Serves until the cell closes.
     pub fn run(mut self) {
         let mut request = Message::new(Kind::Read);

@@ -421,7 +421,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         scheduler.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<R>::new(process, waiter, mp, client, sensing, pace);
+                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
                 let has_own = program.is_some();
                 let outcome = ecp.run_program(|ecp| match program {
                     Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

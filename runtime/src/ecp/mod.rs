@@ -23,9 +23,9 @@ use driver::DriverPort;
 use orders::{Duty, Orders, Phase};
 
 /// An effector control process: what a robot's program is given.
-pub struct Ecp<R: Robot> {
+pub struct Ecp<'w, R: Robot> {
     process: ProcessId,
-    waiter: Box<dyn Waiter>,
+    waiter: &'w dyn Waiter,
     orders: Orders,
     driver: DriverPort<R>,
     sensing: Sensing,
@@ -47,10 +47,10 @@ pub(crate) struct Pace {
 /// Refused calls after which a program that ignores a latched fault, or the end of the cell, is ended.
 pub(crate) const MAX_REFUSALS: u32 = 10_000;
 
-impl<R: Robot> Ecp<R> {
+impl<'w, R: Robot> Ecp<'w, R> {
     pub(crate) fn new(
         process: ProcessId,
-        waiter: Box<dyn Waiter>,
+        waiter: &'w dyn Waiter,
         mp: Box<dyn Server>,
         edp: Box<dyn Client>,
         sensing: Sensing,
@@ -198,7 +198,7 @@ impl<R: Robot> Ecp<R> {
     /// What the next order, or the one that is still open, asks for. What any phase does alike is done on the way.
     fn next_duty(&mut self) -> Result<Duty, Fault> {
         loop {
-            let Ok(order) = self.orders.receive(&*self.waiter) else {
+            let Ok(order) = self.orders.receive(self.waiter) else {
                 self.refuse();
                 return Err(Fault::orderly(FaultKind::CellClosed).in_process(self.process));
             };
@@ -245,7 +245,7 @@ impl<R: Robot> Ecp<R> {
 
     /// One exchange with the EDP.
     fn ask(&mut self, kind: RequestKind, flags: u32) -> Result<(), Fault> {
-        let asked = self.driver.ask(kind, flags, self.orders.header(), &*self.waiter);
+        let asked = self.driver.ask(kind, flags, self.orders.header(), self.waiter);
         asked.map_err(|fault| self.fail(fault))
     }
 
@@ -366,7 +366,7 @@ impl<R: Robot> Ecp<R> {
             }
             // A robot that does not stand when it must is left to its EDP: nobody waits for it for ever.
             let overdue = self.orders.header().step > began + self.pace.stop_steps;
-            if standstill || overdue || self.orders.receive(&*self.waiter).is_err() {
+            if standstill || overdue || self.orders.receive(self.waiter).is_err() {
                 self.driver.moving = false;
                 return fault;
             }
@@ -375,7 +375,7 @@ impl<R: Robot> Ecp<R> {
 
     /// Tells the EDP to stop; whether the robot stands, or its EDP is lost.
     fn stop_driver(&mut self) -> bool {
-        let asked = self.driver.ask(RequestKind::Stop, 0, self.orders.header(), &*self.waiter);
+        let asked = self.driver.ask(RequestKind::Stop, 0, self.orders.header(), self.waiter);
         // A faulty EDP answers with its fault, and its standstill is in the flags all the same.
         let lost = asked.is_err() && !self.driver.has_fault();
         lost || self.driver.is_at_standstill()
@@ -401,7 +401,7 @@ impl<R: Robot> Ecp<R> {
 
     /// Answers for a program that is over.
     pub(crate) fn serve(&mut self, outcome: &Result<(), Fault>) {
-        while let Ok(order) = self.orders.receive(&*self.waiter) {
+        while let Ok(order) = self.orders.receive(self.waiter) {
             // A fault on the way is latched, and the answer to the next order.
             let _ = self.serve_one(order, outcome);
         }

@@ -26,7 +26,7 @@ enum Ending {
     Blend,
 }
 
-impl<R: Robot> Ecp<R> {
+impl<R: Robot> Ecp<'_, R> {
     /// **Move**: generates the robot's next states, one per step, until the generator is done; returns it.
     ///
     /// A generator that ends while moving gets the braking tail: the Move returns at standstill.

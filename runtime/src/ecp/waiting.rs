@@ -28,7 +28,7 @@ impl<R: Robot> LooksAt<R> for AnyRobots {
     fn look(_: &RobotImage<R>) {}
 }
 
-impl<R: Robot> Ecp<R> {
+impl<R: Robot> Ecp<'_, R> {
     /// **Wait**: holds until the condition is met; returns it.
     ///
     /// # Errors
@@ -138,7 +138,7 @@ impl<R: Robot> Ecp<R> {
         sensors: &impl SensorsOf<S>,
         v: &mut Reading<S>,
     ) -> Result<(), Fault> {
-        let collected = self.sensing.collect(sensors, v, &*self.waiter, self.orders.header().step);
+        let collected = self.sensing.collect(sensors, v, self.waiter, self.orders.header().step);
         collected.map_err(|fault| self.fail(fault))
     }
 }

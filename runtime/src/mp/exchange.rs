@@ -41,7 +41,7 @@ impl RobotPort {
     }
 }
 
-impl Mp {
+impl Mp<'_> {
     /// Scatter and gather: sends every robot its order, then collects every reply.
     pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
         self.clock.spend();

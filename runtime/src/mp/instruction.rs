@@ -9,7 +9,7 @@ use crate::message::{OrderKind, flag};
 use super::Mp;
 use super::exchange::RobotPort;
 
-impl Mp {
+impl Mp<'_> {
     /// Opens an instruction: every robot acknowledges the type of its orders and reports a fresh state, or
     /// none moves.
     pub(super) fn start(

@@ -31,8 +31,8 @@ pub(crate) use exchange::RobotPort;
 pub(crate) type StepHook = Box<dyn FnMut(u64, &Operator)>;
 
 /// The master process: what the coordinating program is given.
-pub struct Mp {
-    waiter: Box<dyn Waiter>,
+pub struct Mp<'w> {
+    waiter: &'w dyn Waiter,
     robots: Vec<RobotPort>,
     sensing: Sensing,
     operator: Operator,
@@ -44,16 +44,16 @@ pub struct Mp {
     refusals: u32,
 }
 
-impl Mp {
+impl<'w> Mp<'w> {
     pub(crate) fn new(
-        waiter: Box<dyn Waiter>,
+        waiter: &'w dyn Waiter,
         robots: Vec<RobotPort>,
         sensing: Sensing,
         operator: Operator,
         hook: Option<StepHook>,
         (step, grace): (Duration, Nanos),
         rate_change: f64,
-    ) -> Mp {
+    ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         Mp { waiter, robots, sensing, operator, hook, clock, ordinal: 0, latched: None, refusals: 0 }
     }
@@ -99,7 +99,7 @@ impl Mp {
 
     /// Begins a step, unless one has begun that no exchange has used.
     fn begin_step(&mut self) -> Result<(), Fault> {
-        let begins = self.clock.begin(&*self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
+        let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
             // A hook that panics is not called again by the stop that follows.
             if let Some(mut hook) = self.hook.take() {
@@ -120,7 +120,7 @@ impl Mp {
 
     /// One Move or Wait, from the operator's point of view: what can be aborted. Robots that it hands over moving
     /// are the next one's, and so is an abort that came too late for it.
-    fn instruction<T>(&mut self, work: impl FnOnce(&mut Mp) -> Result<T, Fault>) -> Result<T, Fault> {
+    fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.check_latch()?;
         self.operator.begin();
         let outcome = work(self).map_err(|fault| self.conclude(fault));
@@ -157,7 +157,7 @@ impl Mp {
     /// Runs the coordinating program. A panic in it stops the robots as any fault does.
     pub(crate) fn run_program(
         &mut self,
-        program: impl FnOnce(&mut Mp) -> Result<(), Fault>,
+        program: impl FnOnce(&mut Self) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| program(self));
         let outcome = match std::panic::catch_unwind(run) {

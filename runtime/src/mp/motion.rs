@@ -13,7 +13,7 @@ use crate::wire::Wire;
 
 use super::{EMPTY, Mp};
 
-impl Mp {
+impl Mp<'_> {
     /// **Move**: generates the next states of the robots, step by step, until the generator is done (a motion
     /// without an end of its own: until every ECP has finished); returns the generator.
     ///
@@ -81,8 +81,8 @@ impl Mp {
         self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
         if first_uses.sensors {
             self.order_readings(sensors);
-            self.sensing.collect(sensors, v, &*self.waiter, self.clock.step())?;
-            self.clock.keep_unless_late(&*self.waiter);
+            self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
+            self.clock.keep_unless_late(self.waiter);
         }
         let mut step = 0;
         loop {
@@ -129,13 +129,13 @@ impl Mp {
                 self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
                 if first_uses.sensors {
                     self.order_readings(sensors);
-                    self.sensing.collect(sensors, v, &*self.waiter, self.clock.step())?;
+                    self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
                 }
                 continue;
             }
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Step, state_flag)?;
-            self.sensing.collect(sensors, v, &*self.waiter, self.clock.step())?;
+            self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
             if self.finished(indices, const { G::ENDS }, <G::Robots as Robots<G::Language>>::payload)? {
                 return Ok(());
             }

@@ -11,7 +11,7 @@ use crate::wire::Wire;
 
 use super::{EMPTY, Mp};
 
-impl Mp {
+impl Mp<'_> {
     /// **Wait**: holds until the condition is met; returns it. The robots' images are refreshed in every step.
     ///
     /// # Errors
@@ -76,7 +76,7 @@ impl Mp {
             }
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
-            self.sensing.collect(sensors, v, &*self.waiter, self.clock.step())?;
+            self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
             self.read_images::<C::Robots>(indices, e)?;
             if self.clock.is_suspended() {
                 // Suspended, a Wait waits on.
