@@ -9,22 +9,17 @@ use core::time::Duration;
 use crate::braking::Braking;
 use crate::demand::Demand;
 use crate::driver::{Driver, Measured};
-use crate::fault::{Fault, FaultKind, FaultWords, ProcessId};
+use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, RobotState};
 use crate::interpolation::Interpolation;
 use crate::joints::JointVector;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
-use crate::message::{Kind, Message, flag};
+use crate::message::{Kind, Message, RequestKind, flag};
 use crate::pose::Pose;
 use crate::robot::Robot;
+use crate::stopping::{detection_time, missed_step_budget};
 use crate::wire::Wire;
-
-/// Missed steps that an EDP bridges before it brakes: 20 ms of steps (`L` of SAFETY.md).
-pub(crate) fn missed_step_budget(step: Duration) -> u32 {
-    let step = step.as_nanos().max(1);
-    u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
-}
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
@@ -57,7 +52,7 @@ pub(crate) struct EdpConfig<R: Robot> {
 enum Mode<J> {
     /// No demand is due.
     Holding,
-    /// A demand is due in every step; so many are missing.
+    /// A demand is due in every step; those of so many steps are missing.
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
@@ -66,9 +61,9 @@ enum Mode<J> {
 }
 
 /// The process.
-pub(crate) struct Edp<R: Robot> {
+pub(crate) struct Edp<'w, R: Robot> {
     config: EdpConfig<R>,
-    waiter: Box<dyn Waiter>,
+    waiter: &'w dyn Waiter,
     port: Box<dyn Server>,
     acceptor: Acceptor<R>,
     mode: Mode<R::Joints>,
@@ -87,12 +82,12 @@ pub(crate) struct Edp<R: Robot> {
     reply: Message,
 }
 
-impl<R: Robot> Edp<R> {
-    pub fn new(config: EdpConfig<R>, waiter: Box<dyn Waiter>, port: Box<dyn Server>) -> Self {
+impl<'w, R: Robot> Edp<'w, R> {
+    pub fn new(config: EdpConfig<R>, waiter: &'w dyn Waiter, port: Box<dyn Server>) -> Self {
         let measured = config.driver.measured();
         let servo = config.driver.period();
         let ticks_per_step = (config.step.as_nanos() / servo.as_nanos().max(1)).max(1) as u32;
-        let reaction = config.step.as_secs_f64() * f64::from(missed_step_budget(config.step) + 1);
+        let reaction = detection_time(config.step);
         let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
         let mut edp = Edp {
             waiter,
@@ -107,8 +102,8 @@ impl<R: Robot> Edp<R> {
             measured,
             stopped: false,
             fault: None,
-            request: Message::new(Kind::Query),
-            reply: Message::new(Kind::Reply),
+            request: Message::empty(),
+            reply: Message::empty(),
             config,
         };
         // Where encoders give no numbers, there is nothing to hold: the drives get no demand at all.
@@ -153,20 +148,23 @@ impl<R: Robot> Edp<R> {
     }
 
     fn act(&mut self) -> Result<(), Fault> {
-        match self.request.header.kind {
-            Kind::Query => self.check_standing_start(),
-            Kind::Demand => self.demand(),
-            Kind::Brake => {
+        let request = match self.request.header.kind {
+            Kind::Request(request) => request,
+            Kind::Order(_) | Kind::Read | Kind::Reply | Kind::Fault => {
+                return Err(Fault::new(FaultKind::Message));
+            }
+        };
+        match request {
+            RequestKind::Query => self.check_standing_start(),
+            RequestKind::Demand => self.demand(),
+            RequestKind::Brake => {
                 self.brake();
                 Ok(())
             }
-            Kind::Stop => {
+            RequestKind::Stop => {
                 self.stopped = true;
                 self.brake();
                 Ok(())
-            }
-            Kind::Start | Kind::Step | Kind::End | Kind::Abort | Kind::Read | Kind::Reply | Kind::Fault => {
-                Err(Fault::new(FaultKind::Message))
             }
         }
     }
@@ -231,6 +229,12 @@ impl<R: Robot> Edp<R> {
         self.servo as f64 * 1e-9 * f64::from(self.interpolation.ticks_per_step())
     }
 
+    /// Steps between two demands that the ticks follow: more than one where a servo period is longer.
+    fn steps_per_demand(&self) -> u32 {
+        let steps = self.config.driver.period().as_nanos() / self.config.step.as_nanos().max(1);
+        u32::try_from(steps.max(1)).unwrap_or(u32::MAX)
+    }
+
     fn answer(&mut self) {
         let reply = &mut self.reply;
         reply.header.step = self.request.header.step;
@@ -240,9 +244,7 @@ impl<R: Robot> Edp<R> {
             reply.header.flags |= flag::STANDSTILL;
         }
         if let Some(fault) = &self.fault {
-            reply.header.kind = Kind::Fault;
-            reply.header.len = FaultWords::LEN as u32;
-            FaultWords::from(fault).put(&mut reply.body);
+            reply.set_fault(fault);
         } else {
             reply.header.kind = Kind::Reply;
             reply.header.headroom = self.acceptor.headroom();
@@ -326,11 +328,11 @@ impl<R: Robot> Edp<R> {
             return next;
         }
         self.attained = step_index;
-        let step = self.demand_period();
+        let (step, missing) = (self.demand_period(), self.steps_per_demand());
         match &mut self.mode {
             Mode::Holding | Mode::Off => self.acceptor.hold(step),
             Mode::Moving { missed } => {
-                *missed += 1;
+                *missed = missed.saturating_add(missing);
                 if *missed <= missed_step_budget(self.config.step) {
                     return self.acceptor.extrapolate(step);
                 }
@@ -352,4 +354,133 @@ impl<R: Robot> Edp<R> {
 fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Fault> {
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
     caught.map_err(|panic| crate::fault::panicked(&*panic))
+}
+
+#[cfg(test)]
+mod tests {
+    use core::cell::RefCell;
+    use std::rc::Rc;
+
+    use nalgebra::Vector1;
+
+    use super::*;
+    use crate::driver::DriveFault;
+    use crate::fault::Role;
+    use crate::message::OrderKind;
+    use crate::name::Name;
+    use crate::robot::{Limits, NoInverse};
+
+    #[derive(Clone)]
+    struct Slide(Limits<Vector1<f64>>);
+
+    impl Robot for Slide {
+        const KIND: &'static str = "slide";
+        type Joints = Vector1<f64>;
+        fn limits(&self) -> &Limits<Vector1<f64>> {
+            &self.0
+        }
+        fn forward(&self, q: &Vector1<f64>) -> Pose {
+            Pose::translation(q[0], 0.0, 0.0)
+        }
+        #[allow(non_snake_case)]
+        fn inverse(&self, X_WF: &Pose, _: &Vector1<f64>) -> Result<Vector1<f64>, NoInverse> {
+            Ok(Vector1::new(X_WF.translation.x))
+        }
+    }
+
+    struct Exact(Duration, Measured<Vector1<f64>>);
+
+    impl Driver<Slide> for Exact {
+        fn period(&self) -> Duration {
+            self.0
+        }
+        fn measured(&self) -> Measured<Vector1<f64>> {
+            self.1
+        }
+        fn tick(&mut self, demanded: &Vector1<f64>) -> Result<Measured<Vector1<f64>>, DriveFault> {
+            self.1.position = *demanded;
+            Ok(self.1)
+        }
+    }
+
+    struct Still;
+
+    impl Waiter for Still {
+        fn now(&self) -> Nanos {
+            0
+        }
+        fn wait(&self, _: Option<Nanos>) -> Result<(), Closed> {
+            Err(Closed)
+        }
+    }
+
+    /// Keeps the replies.
+    struct Replies(Rc<RefCell<Vec<Message>>>);
+
+    impl Server for Replies {
+        fn receive(&self, _: &mut Message) -> bool {
+            false
+        }
+        fn reply(&self, reply: &Message) {
+            self.0.borrow_mut().push(*reply);
+        }
+    }
+
+    fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
+        let zero = Vector1::zeros();
+        let limits = Limits {
+            lower: Vector1::new(-1.0),
+            upper: Vector1::new(1.0),
+            velocity: Vector1::new(1.0),
+            acceleration: Vector1::new(10.0),
+            jerk: None,
+        };
+        let config = EdpConfig {
+            process: ProcessId::new(Role::Edp, Name::new("g").expect("a name")),
+            robot: Slide(limits),
+            driver: Box::new(Exact(servo, Measured { position: zero, velocity: zero })),
+            tool: Pose::identity(),
+            step: Duration::from_millis(1),
+            following_error: Vector1::new(1.0),
+            observers: Vec::new(),
+        };
+        let replies = Rc::default();
+        (Edp::new(config, &Still, Box::new(Replies(Rc::clone(&replies)))), replies)
+    }
+
+    #[test]
+    fn fault_14_an_edp_bridges_twenty_steps_however_long_its_servo_period_is() {
+        for millis in [1, 2, 4, 5, 8, 20] {
+            let (mut edp, _) = edp(Duration::from_millis(millis));
+            edp.request = Message::new(Kind::Request(RequestKind::Demand));
+            (edp.request.header.dt, edp.request.header.duration) = (1e-3, 1e-3);
+            edp.request.header.len = <Demand<Slide> as Wire>::LEN as u32;
+            Demand::<Slide>::joints(Vector1::new(1e-6)).put(&mut edp.request.body);
+            edp.serve();
+            let tick = |edp: &mut Edp<'_, Slide>, k: u64| edp.tick((2 * k + 1) * millis * 500_000);
+            // The demand itself, and then nothing.
+            tick(&mut edp, 0);
+            let mut bridged = 0;
+            while matches!(edp.mode, Mode::Moving { .. }) {
+                bridged += 1;
+                assert!(bridged < 1000, "never brakes");
+                tick(&mut edp, bridged);
+            }
+            // The last of them is the one that no longer bridges.
+            assert_eq!(bridged - 1, 20 / millis, "servo period {millis} ms");
+            assert_eq!(edp.fault.as_ref().map(Fault::kind), Some(FaultKind::PeerLost));
+        }
+    }
+
+    #[test]
+    fn what_is_no_request_is_a_fault_and_moves_nothing() {
+        for kind in [Kind::Order(OrderKind::Step), Kind::Read, Kind::Reply, Kind::Fault] {
+            let (mut edp, replies) = edp(Duration::from_millis(1));
+            edp.request = Message::new(kind);
+            edp.serve();
+            let reply = *replies.borrow().last().expect("answered");
+            assert_eq!((reply.header.kind, reply.fault().kind()), (Kind::Fault, FaultKind::Message));
+            assert!(reply.is(flag::STANDSTILL));
+        }
+    }
 }

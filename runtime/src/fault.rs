@@ -102,6 +102,19 @@ fault_kinds! {
     Message = 23: Stopped, "a message could not be read";
 }
 
+impl FaultKind {
+    /// Whether it says how the runtime ended an instruction or the cell: thrown by a program it means nothing.
+    const fn is_the_runtimes(self) -> bool {
+        matches!(
+            self,
+            FaultKind::Aborted
+                | FaultKind::InstructionEnded
+                | FaultKind::StoppedByCell
+                | FaultKind::CellClosed
+        )
+    }
+}
+
 /// A short text that travels with a fault: what the program or a panic said, cut at 120 bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Text {
@@ -196,6 +209,9 @@ struct Report {
     step: Option<u64>,
     excess: Option<Excess>,
     text: Text,
+    /// Made by the runtime as the end of an instruction at standstill: nothing is to be stopped for it. It never
+    /// travels, and is lost where a program's own function throws the fault.
+    orderly: bool,
 }
 
 /// Why a Move or a Wait ended without its condition. One fault is one cause; the first cause of a stop is kept.
@@ -215,7 +231,30 @@ impl Fault {
             step: None,
             excess: None,
             text: Text::new(""),
+            orderly: false,
         }))
+    }
+
+    /// A fault that ends an instruction, or the cell, in order: no robot moves, and none has to be stopped.
+    pub(crate) fn orderly(kind: FaultKind) -> Fault {
+        let mut fault = Fault::new(kind);
+        fault.0.orderly = true;
+        fault
+    }
+
+    /// Whether the runtime ended an instruction by it at standstill.
+    pub(crate) fn is_orderly(&self) -> bool {
+        self.0.orderly
+    }
+
+    /// The fault that user code threw: a kind that only the runtime can know of is the program's own then.
+    pub(crate) fn thrown_by_program(mut self) -> Fault {
+        self.0.orderly = false;
+        if self.kind().is_the_runtimes() {
+            self.0.text = Text::new(&format!("the program threw `{:?}`: {}", self.kind(), self.message()));
+            self.0.kind = FaultKind::Program;
+        }
+        self
     }
 
     /// A fault that a program throws: lower case, what is wrong, what to do (cut at 120 bytes).
@@ -418,14 +457,21 @@ impl Wire for FaultWords {
             step: some(words[3]),
             excess,
             text: Text { bytes, len: u8::try_from(words[7]).ok().filter(|&len| len <= 120).ok_or(BadWords)? },
+            orderly: false,
         }))
     }
 }
 
 const _: () = assert!(FaultWords::LEN <= WORDS, "a fault fits into a message");
 
+/// What unwinds a program that will not end otherwise: no panic of its own.
+pub(crate) struct Ended(pub &'static str);
+
 /// The fault that a panic of a program or a sensor becomes.
 pub(crate) fn panicked(panic: &(dyn core::any::Any + Send)) -> Fault {
+    if let Some(Ended(text)) = panic.downcast_ref() {
+        return Fault::thrown(text);
+    }
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     Fault::new(FaultKind::GeneratorPanicked).text(text.unwrap_or("no message"))

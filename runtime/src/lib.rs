@@ -51,6 +51,8 @@
 //!
 //! ARCHITECTURE.md shows how a [`Cell`] of processes runs it; SAFETY.md says what happens when something is wrong.
 
+#![forbid(unsafe_code)]
+
 // The macros write absolute paths, here as in a user's crate.
 extern crate self as mrroc;
 
@@ -80,6 +82,7 @@ mod robot;
 mod sensing;
 mod step;
 mod step_fn;
+mod stopping;
 mod transparent;
 mod vsp;
 mod wire;

@@ -2,7 +2,8 @@
 //!
 //! In: what a step function returned, decoded. Out: an [`AcceptedDemand`], the only thing that a drive is
 //! given. Checked in this order: numbers finite, rotation valid, inverse kinematics, position (with the
-//! distance that braking needs), velocity, acceleration, jerk, limits that joints share.
+//! distance that braking needs), velocity, acceleration, jerk, limits that joints share (here and where the robot would
+//! stand if its demands were lost now).
 
 use core::marker::PhantomData;
 
@@ -13,7 +14,7 @@ use crate::demand::{Coordinates, Demand};
 use crate::fault::{Fault, FaultKind};
 use crate::joints::JointVector;
 use crate::pose::Pose;
-use crate::robot::{Limits, NoInverse, Robot};
+use crate::robot::{CoupledLimit, Limits, NoInverse, Robot};
 
 /// Deviation of a quaternion's norm from 1 below which a rotation is taken, normalised.
 const FRAME_TOLERANCE: f64 = 1e-6;
@@ -39,6 +40,14 @@ impl<R: Robot> AcceptedDemand<R> {
     pub const fn joints(&self) -> &R::Joints {
         &self.joints
     }
+}
+
+/// Where a robot would stand if its demands were lost now.
+#[derive(Clone, Copy, Debug)]
+struct Standstill<J> {
+    position: J,
+    /// A time for the way there in which no joint is faster than at its beginning \[s\].
+    time: f64,
 }
 
 /// How fast the rate may change without breaking a limit.
@@ -83,6 +92,8 @@ pub(crate) struct Acceptor<R: Robot> {
     /// Joint positions at the start of the motion, and the flange's pose there once a displacement asks for it.
     origin: R::Joints,
     start: Option<Pose>,
+    /// Whether the motion's first demand is still to be accepted.
+    starting: bool,
     /// Rate and duration \[s\] of the step accepted last.
     rate: f64,
     period: f64,
@@ -107,6 +118,7 @@ impl<R: Robot> Acceptor<R> {
             missing: 0.0,
             origin: position,
             start: None,
+            starting: false,
             rate: 1.0,
             period: 0.0,
             path_speed: zeros,
@@ -147,7 +159,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
-        (self.origin, self.start) = (self.position, None);
+        (self.origin, self.start, self.starting) = (self.position, None, true);
         if self.is_at_rest() {
             self.path_speed = R::Joints::zeros();
         }
@@ -225,17 +237,16 @@ impl<R: Robot> Acceptor<R> {
         let acceleration = (velocity - self.velocity) * per_second;
         let path_velocity = (position - self.demanded) * (self.missing + duration).recip();
         let checked = self.check(&position, &velocity, &path_velocity, &acceleration, duration);
-        checked.map_err(|fault| {
-            match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
-                (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => fault.text(name),
-                _ => fault,
-            }
-        })?;
-        self.robot.check_coupled(&self.position, &position, duration).map_err(|limit| {
+        let stop = checked.map_err(|fault| self.beside_singularity(demand, fault))?;
+        let coupled = |limit: CoupledLimit| {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
-            fault.exceeds(limit.actual, limit.limit, limit.unit)
-        })?;
-        (self.rate, self.period) = (dt / duration, duration);
+            self.beside_singularity(demand, fault.exceeds(limit.actual, limit.limit, limit.unit))
+        };
+        self.robot.check_coupled(&self.position, &position, duration).map_err(coupled)?;
+        if stop.time > 0.0 {
+            self.robot.check_coupled(&position, &stop.position, stop.time).map_err(coupled)?;
+        }
+        (self.rate, self.period, self.starting) = (dt / duration, duration, false);
         // Near rate 0 the quotient is round-off.
         if self.rate > 1e-3 {
             self.path_speed = R::Joints::from_joints(|i| velocity[i].abs() / self.rate);
@@ -244,6 +255,22 @@ impl<R: Robot> Acceptor<R> {
             (position, velocity, acceleration, tool);
         (self.demanded, self.path_velocity, self.missing) = (position, path_velocity, 0.0);
         Ok(AcceptedDemand::new(position))
+    }
+
+    /// Names the singularity beside which a demanded pose asks too much of the joints.
+    fn beside_singularity(&self, demand: &Demand<R>, fault: Fault) -> Fault {
+        match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
+            (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name))
+                if fault.message().is_empty() =>
+            {
+                fault.text(name)
+            }
+            (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => {
+                let text = format!("{}, {name}", fault.message());
+                fault.text(&text)
+            }
+            (Coordinates::Hold | Coordinates::Joints(_), _) | (_, None) => fault,
+        }
     }
 
     fn joints_at(&self, pose: &Pose, tool: &Pose) -> Result<R::Joints, Fault> {
@@ -268,11 +295,12 @@ impl<R: Robot> Acceptor<R> {
         held: &R::Joints,
         a: &R::Joints,
         duration: f64,
-    ) -> Result<(), Fault> {
+    ) -> Result<Standstill<R::Joints>, Fault> {
+        let mut stop = Standstill { position: *q, time: 0.0 };
         let limits: &Limits<R::Joints> = self.robot.limits();
         let per_second = duration.recip();
         let slack = |limit: f64, round_off: f64| limit * (1.0 + RELATIVE) + round_off;
-        let standing = self.is_at_rest();
+        let starting = self.starting && self.is_at_rest();
         // Without a jerk limit all joints brake in the time that the slowest to stop needs.
         let faster = |i: usize| v[i].abs().max(held[i].abs());
         let stop_time = (0..R::Joints::LEN).map(|i| faster(i) / limits.acceleration[i]).fold(0.0, f64::max);
@@ -284,7 +312,7 @@ impl<R: Robot> Acceptor<R> {
             let speed_limit = limits.velocity[i];
             if v[i].abs() > slack(speed_limit, round_off * per_second) {
                 // A first demand a whole jump away is not a fast motion but a wrong start.
-                let kind = if standing { FaultKind::StartPoseMismatch } else { FaultKind::DemandedVelocity };
+                let kind = if starting { FaultKind::StartPoseMismatch } else { FaultKind::DemandedVelocity };
                 return Err(excess(kind, v[i].abs(), speed_limit, R::joint(i).unit(1)));
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
@@ -296,6 +324,10 @@ impl<R: Robot> Acceptor<R> {
             let distance = braking + lost * self.reaction;
             let (lower, upper) = (limits.lower[i] - round_off, limits.upper[i] + round_off);
             let reach = q[i] + distance.copysign(v[i]);
+            stop.position[i] = reach;
+            if lost > 0.0 {
+                stop.time = stop.time.max(distance / lost);
+            }
             if q[i] > upper || (v[i] > 0.0 && reach > upper) {
                 return Err(excess(
                     FaultKind::DemandOutOfRange,
@@ -323,7 +355,7 @@ impl<R: Robot> Acceptor<R> {
                 }
             }
         }
-        Ok(())
+        Ok(stop)
     }
 
     /// How fast the rate may change now: what the acceleration limits leave beside a path that uses

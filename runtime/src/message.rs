@@ -1,33 +1,54 @@
 //! The messages between processes: one plain envelope for every link.
 
+use crate::fault::{Fault, FaultKind, FaultWords};
 use crate::limits::RateHeadroom;
-use crate::wire::WORDS;
+use crate::wire::{WORDS, Wire};
 
-/// What a message is about.
+/// What a message is about, and with it who may send it to whom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Tell me your state; nothing moves. To an ECP and to an EDP.
-    Query,
-    /// Opens an instruction. Body: nothing; `payload` names the type of its orders. MP to ECP.
-    Start,
-    /// One step of the open instruction. Body: the order. MP to ECP.
-    Step,
-    /// Ends the open instruction. MP to ECP.
-    End,
-    /// Ends the open instruction at standstill with `Aborted`. MP to ECP.
-    Abort,
-    /// Stop and latch. To an ECP and to an EDP.
-    Stop,
-    /// The demand of one step. Body: the demand. ECP to EDP.
-    Demand,
-    /// Come to a standstill from the last demand and hold. ECP to EDP.
-    Brake,
-    /// Take a reading. Body: configuration, then the associated robot's state. To a VSP.
+    /// MP to ECP.
+    Order(OrderKind),
+    /// ECP to EDP.
+    Request(RequestKind),
+    /// To a VSP: take a reading. Body: configuration, then the associated robot's state.
     Read,
     /// The answer to any of these. Body: the image of the robot, or the reading.
     Reply,
     /// The answer when something is wrong. Body: the fault.
     Fault,
+}
+
+/// What an MP tells an ECP.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrderKind {
+    /// Tell me your state; nothing moves.
+    Query,
+    /// Opens an instruction. Body: nothing; `payload` names the type of its orders.
+    Start,
+    /// One step of the open instruction. Body: the order.
+    Step,
+    /// Ends the open instruction.
+    End,
+    /// Ends the open instruction at standstill with `Aborted`.
+    Abort,
+    /// Come to a standstill: no instruction takes the moving robot over.
+    Brake,
+    /// Stop and latch.
+    Stop,
+}
+
+/// What an ECP tells its EDP.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RequestKind {
+    /// Tell me your state; nothing moves.
+    Query,
+    /// The demand of one step. Body: the demand.
+    Demand,
+    /// Come to a standstill from the last demand and hold.
+    Brake,
+    /// Stop and latch.
+    Stop,
 }
 
 /// Facts that a message states by a bit.
@@ -46,6 +67,8 @@ pub mod flag {
     pub const STANDSTILL: u32 = 1 << 5;
     /// The instruction ended while moving: the next one takes over in this very step.
     pub const BLEND: u32 = 1 << 6;
+    /// The operator has suspended the cell: a Wait waits on without looking.
+    pub const SUSPENDED: u32 = 1 << 7;
 }
 
 /// The head of a message.
@@ -81,6 +104,11 @@ pub struct Message {
 }
 
 impl Message {
+    /// A place for a message to come.
+    pub const fn empty() -> Message {
+        Message::new(Kind::Reply)
+    }
+
     /// A message without a body.
     pub const fn new(kind: Kind) -> Message {
         let header = Header {
@@ -105,6 +133,18 @@ impl Message {
     /// The words that count.
     pub fn words(&self) -> &[u64] {
         &self.body[..(self.header.len as usize).min(WORDS)]
+    }
+
+    /// Makes it the report of a fault.
+    pub fn set_fault(&mut self, fault: &Fault) {
+        self.header.kind = Kind::Fault;
+        self.header.len = FaultWords::LEN as u32;
+        FaultWords::from(fault).put(&mut self.body);
+    }
+
+    /// The fault that it reports, or that it cannot be read as one.
+    pub fn fault(&self) -> Fault {
+        FaultWords::get(self.words()).map_or_else(|_| Fault::new(FaultKind::Message), Fault::from)
     }
 
     /// Copies head and the words that count.

@@ -1,7 +1,7 @@
 //! The operator: start, suspend, resume, abort, speed.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 
 /// The operator's handle of a cell. It may be cloned and used from any thread.
 ///
@@ -17,8 +17,16 @@ struct Panel {
     /// Bits of the speed, counted from those of full speed, which is the default.
     speed: AtomicU64,
     suspended: AtomicBool,
-    abort: AtomicBool,
+    /// One of the stages below.
+    stage: AtomicU8,
 }
+
+/// No Move or Wait of the MP is at work.
+const IDLE: u8 = 0;
+/// One is.
+const RUNNING: u8 = 1;
+/// The operator aborts it.
+const ABORTING: u8 = 2;
 
 /// The bits of full speed.
 const FULL: u64 = 1.0_f64.to_bits();
@@ -62,8 +70,18 @@ impl Operator {
     }
 
     /// Stops all robots on their paths and ends the present instruction with a fault of kind `Aborted`.
+    ///
+    /// Refused while nothing [runs](Operator::is_running): there is nothing to abort, and the next instruction is
+    /// not aborted for it. Pressed again while it is being carried out, it changes nothing.
     pub fn abort(&self) {
-        self.panel.abort.store(true, Ordering::Release);
+        let _ = self.panel.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
+    /// be aborted.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.panel.stage.load(Ordering::Acquire) != IDLE
     }
 
     /// Whether the cell is suspended.
@@ -73,12 +91,17 @@ impl Operator {
     }
 
     pub(crate) fn is_aborting(&self) -> bool {
-        self.panel.abort.load(Ordering::Acquire)
+        self.panel.stage.load(Ordering::Acquire) == ABORTING
     }
 
-    /// The abort has been carried out.
-    pub(crate) fn aborted(&self) {
-        self.panel.abort.store(false, Ordering::Release);
+    /// An instruction begins, or takes over from the one before it with its abort.
+    pub(crate) fn begin(&self) {
+        let _ = self.panel.stage.compare_exchange(IDLE, RUNNING, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    /// The instruction is over, at standstill; whether it was being aborted.
+    pub(crate) fn end(&self) -> bool {
+        self.panel.stage.swap(IDLE, Ordering::AcqRel) == ABORTING
     }
 
     /// The rate that the operator wants now.

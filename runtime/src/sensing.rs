@@ -1,16 +1,14 @@
 //! The asking side of virtual sensors, the same in an MP and in an ECP.
 
 use core::any::TypeId;
-use std::rc::Rc;
 
-use crate::fault::{Fault, FaultKind, FaultWords, ProcessId, Role};
+use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::image::{Reading, Sensor, SensorImage};
-use crate::link::{Board, Client, Nanos, Waiter};
+use crate::link::{Client, Nanos, Waiter};
 use crate::list::{SensorHandle, SensorList, SensorsOf};
 use crate::message::{Kind, Message};
 use crate::name::Name;
-use crate::vsp::{CONFIGURATION_WORDS, MAX_AGE};
-use crate::wire::Wire;
+use crate::vsp::{Boards, CONFIGURATION_WORDS, MAX_AGE};
 
 /// How a virtual sensor is asked.
 pub(crate) enum Source {
@@ -19,7 +17,7 @@ pub(crate) enum Source {
     /// Ordered in one step, collected when it is there.
     WithDelay(Box<dyn Client>),
     /// Free-running: the latest reading, and where it looks for orders.
-    NonInteractive { readings: Rc<dyn Board>, orders: Rc<dyn Board> },
+    NonInteractive(Boards),
 }
 
 /// One virtual sensor as a process sees it.
@@ -41,7 +39,7 @@ pub(crate) struct SensorPort {
 
 impl SensorPort {
     pub fn new(name: Name, kind: TypeId, robot: Option<usize>, source: Source) -> SensorPort {
-        let (order, reply) = (Message::new(Kind::Read), Message::new(Kind::Reply));
+        let (order, reply) = (Message::new(Kind::Read), Message::empty());
         SensorPort {
             name,
             kind,
@@ -80,7 +78,7 @@ impl SensorPort {
                     self.awaiting = true;
                 }
             }
-            Source::NonInteractive { orders, .. } => orders.write(&self.order),
+            Source::NonInteractive(boards) => boards.orders.write(&self.order),
         }
         self.asked = Some(step);
     }
@@ -91,7 +89,7 @@ impl SensorPort {
         let read = self.read.then_some(self.reply.header.step);
         match &self.source {
             Source::WithDelay(_) => Some(read.map_or(self.since, |read| read.max(self.since))),
-            Source::Interactive(_) | Source::NonInteractive { .. } => read,
+            Source::Interactive(_) | Source::NonInteractive(_) => read,
         }
     }
 
@@ -101,7 +99,7 @@ impl SensorPort {
             Source::Interactive(client) => {
                 // An answer to an order that was given up is none to this one.
                 while !(client.receive(&mut self.reply) && self.reply.header.step == self.order.header.step) {
-                    waiter.wait(Some(deadline)).map_err(|_| Fault::new(FaultKind::CellClosed))?;
+                    waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
                     if waiter.now() >= deadline {
                         return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
                     }
@@ -113,13 +111,12 @@ impl SensorPort {
                     (self.awaiting, self.read) = (false, true);
                 }
             }
-            Source::NonInteractive { readings, .. } => {
-                self.read = readings.read(&mut self.reply) || self.read
+            Source::NonInteractive(boards) => {
+                self.read = boards.readings.read(&mut self.reply) || self.read;
             }
         }
         if self.read && self.reply.header.kind == Kind::Fault {
-            let fault = FaultWords::get(self.reply.words()).map_err(|_| self.fault(FaultKind::Message))?;
-            return Err(Fault::from(fault).in_process(ProcessId::new(Role::Vsp, self.name)));
+            return Err(self.reply.fault().in_process(ProcessId::new(Role::Vsp, self.name)));
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::fault::{Fault, FaultWords, ProcessId};
+use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::Sensor;
 use crate::joints::MAX_JOINTS;
 use crate::link::{Board, Closed, Nanos, Server, Waiter};
@@ -83,7 +83,8 @@ pub enum VspMode {
     Interactive,
     /// The order is taken at once and its reading collected in a later step; unanswered means the older reading.
     WithDelay,
-    /// The sensor runs freely with this period; requesters take the latest reading.
+    /// The sensor runs freely with this period; each requester takes the latest reading of its own configuration,
+    /// and until it has ordered one, of the default configuration.
     NonInteractive(Duration),
 }
 
@@ -91,27 +92,34 @@ pub enum VspMode {
 pub(crate) enum Orders {
     /// From these ports.
     Ports(Vec<Box<dyn Server>>),
-    /// From a board, at its own period; readings go to another one.
-    Free { orders: Rc<dyn Board>, readings: Rc<dyn Board>, period: Nanos },
+    /// From boards, at its own period: each requester has its own two.
+    Free { boards: Vec<Boards>, period: Nanos },
+}
+
+/// Where a requester of a free-running sensor leaves its orders and finds its readings.
+#[derive(Clone)]
+pub(crate) struct Boards {
+    pub orders: Rc<dyn Board>,
+    pub readings: Rc<dyn Board>,
 }
 
 /// The process.
-pub(crate) struct Vsp<V: VirtualSensor> {
+pub(crate) struct Vsp<'w, V: VirtualSensor> {
     pub process: ProcessId,
     pub sensor: V,
     pub configuration: <V::Kind as Sensor>::Configuration,
-    pub waiter: Box<dyn Waiter>,
+    pub waiter: &'w dyn Waiter,
     pub orders: Orders,
     /// Time that one aggregation takes \[ns\].
     pub latency: Nanos,
     pub step: Nanos,
 }
 
-impl<V: VirtualSensor> Vsp<V> {
+impl<V: VirtualSensor> Vsp<'_, V> {
     /// Serves until the cell closes.
     pub fn run(mut self) {
         let mut request = Message::new(Kind::Read);
-        let mut reply = Message::new(Kind::Reply);
+        let mut reply = Message::empty();
         // Closing is the only way out.
         let Err(Closed) = self.serve(&mut request, &mut reply);
     }
@@ -141,20 +149,53 @@ impl<V: VirtualSensor> Vsp<V> {
                     self.waiter.wait(None)?;
                 }
             }
-            Orders::Free { orders, readings, period } => loop {
-                let began = self.waiter.now();
-                let ordered = orders.read(request);
-                self.work()?;
-                if !ordered {
-                    self.configuration.put(&mut request.body);
-                    request.header.len = CONFIGURATION_WORDS as u32;
+            Orders::Free { boards, period } => {
+                let mut requests = vec![*request; boards.len()];
+                loop {
+                    let began = self.waiter.now();
+                    self.read_orders(&boards, &mut requests, began / self.step.max(1));
+                    for (i, request) in requests.iter().enumerate() {
+                        let like = |other: &Message| {
+                            other.body[..CONFIGURATION_WORDS] == request.body[..CONFIGURATION_WORDS]
+                        };
+                        // Requesters that ask for the same share one aggregation.
+                        if requests[..i].iter().any(like) {
+                            continue;
+                        }
+                        self.work()?;
+                        self.aggregate(request, reply);
+                        for (board, _) in boards.iter().zip(&requests).filter(|(_, other)| like(other)) {
+                            board.readings.write(reply);
+                        }
+                    }
+                    self.sleep(began + period)?;
                 }
-                request.header.step = began / self.step.max(1);
-                self.aggregate(request, reply);
-                readings.write(reply);
-                self.sleep(began + period)?;
-            },
+            }
         }
+    }
+
+    /// What each requester of a free-running sensor ordered last, or the default configuration, with the newest
+    /// state of the sensor's robot.
+    fn read_orders(&self, boards: &[Boards], requests: &mut [Message], step: u64) {
+        let mut newest = None;
+        for (i, (board, request)) in boards.iter().zip(requests.iter_mut()).enumerate() {
+            if !board.orders.read(request) {
+                *request = Message::new(Kind::Read);
+                self.configuration.put(&mut request.body);
+                request.header.len = CONFIGURATION_WORDS as u32;
+            } else if request.words().len() > CONFIGURATION_WORDS {
+                let ordered = (request.header.step, i);
+                newest = Some(newest.map_or(ordered, |newest| ordered.max(newest)));
+            }
+        }
+        if let Some((_, from)) = newest {
+            let (len, state) = (requests[from].header.len, requests[from].body);
+            for request in requests.iter_mut() {
+                request.body[CONFIGURATION_WORDS..].copy_from_slice(&state[CONFIGURATION_WORDS..]);
+                request.header.len = len;
+            }
+        }
+        requests.iter_mut().for_each(|request| request.header.step = step);
     }
 
     fn work(&self) -> Result<(), Closed> {
@@ -168,16 +209,29 @@ impl<V: VirtualSensor> Vsp<V> {
         Ok(())
     }
 
-    fn aggregate(&mut self, request: &Message, reply: &mut Message) {
+    /// What an order says: a configuration that cannot be read is a fault, never the default one.
+    fn read(request: &Message) -> Result<ReadingOrder<<V::Kind as Sensor>::Configuration>, Fault> {
         let words = request.words();
-        let order = ReadingOrder {
-            configuration: Wire::get(words).unwrap_or(self.configuration),
-            robot: words.get(CONFIGURATION_WORDS..).and_then(|words| EffectorState::get(words).ok()),
-            step: request.header.step,
+        let unreadable = |what| move |_| Fault::new(FaultKind::Message).text(what);
+        let configuration = Wire::get(words).map_err(unreadable("the sensor's configuration"))?;
+        let robot = match words.get(CONFIGURATION_WORDS..) {
+            Some(state) if !state.is_empty() => {
+                Some(EffectorState::get(state).map_err(unreadable("the state of the sensor's robot"))?)
+            }
+            Some(_) | None => None,
         };
+        Ok(ReadingOrder { configuration, robot, step: request.header.step })
+    }
+
+    fn aggregate(&mut self, request: &Message, reply: &mut Message) {
         reply.header.step = request.header.step;
-        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order)))
-            .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)));
+        let result = Self::read(request).and_then(|order| {
+            let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));
+            let aggregated = std::panic::catch_unwind(aggregate);
+            aggregated
+                .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)))
+                .map_err(Fault::thrown_by_program)
+        });
         match result {
             Ok(reading) => {
                 reply.header.kind = Kind::Reply;
@@ -186,9 +240,7 @@ impl<V: VirtualSensor> Vsp<V> {
             }
             Err(fault) => {
                 let fault = fault.in_process(self.process).at_step(request.header.step);
-                reply.header.kind = Kind::Fault;
-                reply.header.len = FaultWords::LEN as u32;
-                FaultWords::from(&fault).put(&mut reply.body);
+                reply.set_fault(&fault);
             }
         }
     }

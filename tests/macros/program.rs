@@ -5,12 +5,12 @@ use mrroc::{Ecp, Mp, RobotHandle, SensorHandle};
 use crate::cell::{Camera, Polycrank, Rnt, WristForce};
 
 /// The coordinator.
-pub fn mp() -> Mp {
+pub fn mp() -> Mp<'static> {
     unimplemented!("stand-in")
 }
 
 /// The controller of the Rnt.
-pub fn ecp() -> Ecp<Rnt> {
+pub fn ecp() -> Ecp<'static, Rnt> {
     unimplemented!("stand-in")
 }
 

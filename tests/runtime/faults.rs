@@ -144,6 +144,16 @@ fn fault_22_a_first_demand_far_from_the_robot_moves_nothing() {
 }
 
 #[test]
+fn fault_22_a_jump_of_a_robot_that_has_come_to_rest_within_a_motion_is_too_fast_and_no_wrong_start() {
+    // The smoothstep of 0.5 s is over, its generator not: the robot stands in its motion.
+    let (fault, trace) = refused(600, x(0.5));
+    assert_eq!(fault.kind(), FaultKind::DemandedVelocity, "{fault}");
+    // From 0.3 m to 0.5 m in 1 ms.
+    assert!((fault.excess().expect("says how much").actual - 200.0).abs() < 1e-6, "{fault}");
+    assert!(trace.iter().all(|q| q[0] <= 0.3));
+}
+
+#[test]
 fn fault_23_a_pose_without_joint_positions_is_named() {
     let (fault, trace) = refused(200, Demand::pose(Pose::translation(9.0, 0.0, 0.0)));
     assert_eq!(fault.kind(), FaultKind::NoInverseKinematics);

@@ -172,6 +172,35 @@ fn an_mp_and_an_ecp_that_configure_one_sensor_differently_each_get_their_own_rea
 }
 
 #[test]
+fn a_free_running_sensor_that_an_mp_and_an_ecp_configure_differently_gives_each_its_own_reading() {
+    let (robot, _) = gantry("g");
+    let robot = robot.program(|ecp| {
+        let mut echo = ecp.sensor::<Echo>("echo")?;
+        echo.configure(Told { value: 2 });
+        ecp.obey(|ecp, _: crate::kit::Phase| {
+            let heard = ecp.move_robot((&mut echo,), HeardByEcp { values: Vec::new() })?.values;
+            // Of the default configuration until the first order has come, and then of its own.
+            let own = heard.iter().position(|value| *value == 2).expect("its own");
+            assert!(own <= 2 && heard[..own].iter().all(|value| *value == 0), "{heard:?}");
+            assert!(heard.len() > 5 && heard[own..].iter().all(|value| *value == 2), "{heard:?}");
+            Ok(())
+        })
+    });
+    let free = VspMode::NonInteractive(Duration::from_millis(1));
+    let cell = Cell::new(MS).robot(robot).sensor(SensorSetup::new("echo", Echoing).of("g").mode(free));
+    let cell = cell.program(|mp| {
+        let (mut g, mut echo) = (mp.robot::<Gantry>("g")?, mp.sensor::<Echo>("echo")?);
+        echo.configure(Told { value: 1 });
+        let heard = mp.move_robots((&mut g,), (&mut echo,), Heard { values: Vec::new() })?.values;
+        let own = heard.iter().position(|value| *value == 1).expect("its own");
+        assert!(own <= 2 && heard[..own].iter().all(|value| *value == 0), "{heard:?}");
+        assert!(heard[own..].iter().all(|value| *value == 1), "{heard:?}");
+        Ok(())
+    });
+    cell.run().expect("nothing is wrong");
+}
+
+#[test]
 fn a_sensor_with_delay_may_be_read_again_after_a_pause() {
     let (robot, _) = gantry("g");
     let robot = robot.program(|ecp| {

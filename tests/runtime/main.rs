@@ -10,6 +10,7 @@ mod handover;
 mod jerk;
 mod kit;
 mod lateness;
+mod limits;
 mod moves;
 mod pairing;
 mod panics;

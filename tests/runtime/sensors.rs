@@ -66,6 +66,76 @@ fn a_sensor_is_told_its_configuration_and_the_state_of_its_robot() {
     Cell::new(MS).robot(robot).sensor(sensor).run().expect("nothing is wrong");
 }
 
+/// A sensor whose configuration may be one that no process can read.
+struct Fussy;
+
+impl mrroc::Sensor for Fussy {
+    const KIND: &'static str = "fussy";
+    type Reading = Offset;
+    type Configuration = Odd;
+}
+
+/// Reads odd words only, and writes what it is told.
+#[derive(Clone, Copy, Debug)]
+struct Odd(u64);
+
+impl Default for Odd {
+    fn default() -> Self {
+        Odd(1)
+    }
+}
+
+impl mrroc::Wire for Odd {
+    const LEN: usize = 1;
+    const LAYOUT: u64 = 1;
+    fn put(&self, words: &mut [u64]) {
+        words[0] = self.0;
+    }
+    fn get(words: &[u64]) -> Result<Self, mrroc::BadWords> {
+        words.first().copied().filter(|word| word % 2 == 1).map(Odd).ok_or(mrroc::BadWords)
+    }
+}
+
+impl mrroc::Payload for Odd {
+    const NAME: &'static str = "Odd";
+    const TIGHT: bool = true;
+}
+
+struct Answers;
+
+impl mrroc::VirtualSensor for Answers {
+    type Kind = Fussy;
+    fn aggregate(&mut self, order: &mrroc::ReadingOrder<Odd>) -> Result<Offset, mrroc::Fault> {
+        Ok(Offset { offset: order.configuration.0 })
+    }
+}
+
+#[condition(mp)]
+fn answered(v: &Reading<(Fussy,)>) -> bool {
+    v.0.reading().is_some()
+}
+
+#[test]
+fn fault_16_a_configuration_that_cannot_be_read_is_a_fault_and_never_the_default_one() {
+    for (configuration, readable) in [(3, true), (4, false)] {
+        let (robot, _) = gantry("g");
+        let cell = Cell::new(MS).robot(robot).sensor(SensorSetup::new("fussy", Answers)).program(move |mp| {
+            let mut fussy = mp.sensor::<Fussy>("fussy")?;
+            fussy.configure(Odd(configuration));
+            mp.wait_until((), (&mut fussy,), answered {}).map(drop)
+        });
+        match cell.run() {
+            Ok(_) => assert!(readable),
+            Err(mrroc::CellError::Fault(fault)) => {
+                assert!(!readable);
+                assert_eq!(fault.kind(), FaultKind::Message, "{fault}");
+                assert_eq!(fault.process().expect("named").to_string(), "vsp fussy", "{fault}");
+            }
+            Err(error) => panic!("{error}"),
+        }
+    }
+}
+
 struct Both(u64);
 
 #[condition(mp)]

@@ -144,3 +144,36 @@ fn a_condition_of_an_ecp_reads_the_order() {
     });
     cell.run().expect("the condition holds at once");
 }
+
+struct Look(u64);
+
+#[condition(ecp)]
+fn look(c: &mut Look) -> bool {
+    c.0 -= 1;
+    c.0 == 0
+}
+
+#[test]
+fn at_speed_zero_a_wait_goes_on_in_the_mp_and_in_an_ecp_and_only_suspend_pauses_it() {
+    // 50 looks from step 2 on; suspended for 100 steps, 50 looks take 150.
+    for (suspends, steps) in [(false, 45..60), (true, 145..160)] {
+        let operate = move |step: u64, operator: &mrroc::Operator| match step {
+            1 => operator.set_speed(0.0).expect("a share"),
+            20 if suspends => operator.suspend(),
+            120 if suspends => operator.resume(),
+            _ => {}
+        };
+        let (robot, _) = gantry("g");
+        let by_mp = Cell::new(MS)
+            .robot(robot)
+            .on_step(operate)
+            .program(|mp| mp.wait_until((), (), Soon(50)).map(drop))
+            .run()
+            .expect("waits");
+        assert!(steps.contains(&by_mp.steps), "mp, suspended {suspends}: {} steps", by_mp.steps);
+        let (robot, _) = gantry("g");
+        let robot = robot.program(|ecp| ecp.wait_until((), Look(50)).map(drop));
+        let by_ecp = Cell::new(MS).robot(robot).on_step(operate).run().expect("waits");
+        assert!(steps.contains(&by_ecp.steps), "ecp, suspended {suspends}: {} steps", by_ecp.steps);
+    }
+}

@@ -10,7 +10,7 @@ use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
 use super::{Board, Client, Closed, Nanos, Server, Waiter};
-use crate::message::{Kind, Message};
+use crate::message::Message;
 
 /// The most processes that one cell can have on this link.
 pub const MAX_PROCESSES: usize = 64;
@@ -38,8 +38,8 @@ impl Shared {
     }
 }
 
-/// A process's body. It runs once the scheduler runs.
-pub type Body = Box<dyn FnOnce(Box<dyn Waiter>)>;
+/// A process's body. It runs once the scheduler runs, and cannot keep the waiter: it waits in its own coroutine.
+pub type Body = Box<dyn for<'w> FnOnce(&'w dyn Waiter)>;
 
 type Process = Coroutine<(), (), (), DefaultStack>;
 
@@ -88,7 +88,7 @@ impl Scheduler {
             DefaultStack::new(STACK).map_err(|error| Stuck::Stack(name.clone(), error.to_string()))?;
         let shared = Rc::clone(&self.shared);
         let process = Coroutine::with_stack(stack, move |yielder: &Yielder<(), ()>, ()| {
-            body(Box::new(MemoryWaiter { shared, place, yielder: core::ptr::from_ref(yielder) }));
+            body(&MemoryWaiter { shared, place, yielder });
         });
         self.processes[place].1 = Some(process);
         self.shared.wake(place);
@@ -186,13 +186,13 @@ impl Scheduler {
     }
 }
 
-struct MemoryWaiter {
+struct MemoryWaiter<'y> {
     shared: Rc<Shared>,
     place: usize,
-    yielder: *const Yielder<(), ()>,
+    yielder: &'y Yielder<(), ()>,
 }
 
-impl Waiter for MemoryWaiter {
+impl Waiter for MemoryWaiter<'_> {
     fn now(&self) -> Nanos {
         self.shared.now.get()
     }
@@ -201,9 +201,7 @@ impl Waiter for MemoryWaiter {
         let deadline = deadline.unwrap_or(NEVER);
         if deadline > self.now() && !self.shared.closing.get() {
             self.shared.deadlines.borrow_mut()[self.place] = deadline;
-            // SAFETY: the waiter is handed to the body of the coroutine that owns this yielder and, not being
-            // `Send` nor `Clone`, is used and dropped there; the yielder outlives the body.
-            unsafe { &*self.yielder }.suspend(());
+            self.yielder.suspend(());
             self.shared.deadlines.borrow_mut()[self.place] = NEVER;
         }
         if self.shared.closing.get() { Err(Closed) } else { Ok(()) }
@@ -219,7 +217,7 @@ struct Slot {
 
 impl Slot {
     fn new(reader: usize) -> Slot {
-        Slot { message: RefCell::new(Message::new(Kind::Query)), full: Cell::new(false), reader }
+        Slot { message: RefCell::new(Message::empty()), full: Cell::new(false), reader }
     }
 
     fn put(&self, message: &Message, shared: &Shared) {

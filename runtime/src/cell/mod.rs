@@ -1,4 +1,9 @@
 //! A cell: robots, virtual sensors and programs, put together and run.
+//!
+//! In: set-ups. Out: a run, or everything that is wrong with them before anything moves.
+
+mod error;
+mod limits;
 
 use core::any::TypeId;
 use core::time::Duration;
@@ -6,65 +11,24 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use crate::driver::Driver;
-use crate::ecp::Ecp;
-use crate::edp::{Edp, EdpConfig, Observer, ServoRecord, missed_step_budget};
+use crate::ecp::{Ecp, Pace};
+use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::image::Sensor;
 use crate::link::memory::{Scheduler, Stuck};
 use crate::link::{Client, Nanos, Server};
 use crate::mp::{Mp, RobotPort, StepHook};
-use crate::name::{BadName, Name};
+use crate::name::Name;
 use crate::operator::Operator;
 use crate::payload::Nudge;
 use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::sensing::{Sensing, SensorPort, Source};
-use crate::vsp::{CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::stopping::{STOP_TIME, missed_step_budget, stop_steps};
+use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
 use crate::wire::{WORDS, Wire};
 
-/// Why a cell did not run, or did not run to its end.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CellError {
-    /// A name that is none.
-    #[error(transparent)]
-    Name(#[from] BadName),
-    /// Two robots, or two sensors, of one name.
-    #[error("the cell has two of the name `{0}`")]
-    Twice(Name),
-    /// A sensor of a robot that the cell does not have.
-    #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
-    NoSuchRobot(Name, String),
-    /// A step that takes no time.
-    #[error("the step of the cell takes no time: give it 1 ms or more")]
-    Step,
-    /// Neither an MP program nor an ECP program.
-    #[error(
-        "the cell has no program: give one to the MP with `Cell::program`, to an ECP with `RobotSetup::program`"
-    )]
-    NoProgram,
-    /// A servo period that does not fit the step.
-    #[error("robot `{robot}`: its servo period {servo:?} does not divide the step {step:?}, nor the step it")]
-    Period {
-        /// The robot.
-        robot: Name,
-        /// Its servo period.
-        servo: Duration,
-        /// The cell's step.
-        step: Duration,
-    },
-    /// A free-running sensor whose period takes no time.
-    #[error("sensor `{0}` runs freely with a period of no time: give it 1 ms or more")]
-    NoPeriod(Name),
-    /// A configuration or a reading that is too long for a message.
-    #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]
-    TooLong(Name),
-    /// The processes wait for each other.
-    #[error(transparent)]
-    Stuck(#[from] Stuck),
-    /// The program ended with a fault: the first cause.
-    #[error(transparent)]
-    Fault(#[from] Fault),
-}
+pub use error::CellError;
 
 /// What a run took.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -188,6 +152,7 @@ impl<V: VirtualSensor> SensorSetup<V> {
 /// A set-up cell.
 pub struct Cell {
     step: Duration,
+    stop_time: Duration,
     rate_change: f64,
     robots: Vec<Box<dyn AnyRobot>>,
     sensors: Vec<Box<dyn AnySensor>>,
@@ -202,6 +167,7 @@ impl Cell {
     pub fn new(step: Duration) -> Cell {
         Cell {
             step,
+            stop_time: STOP_TIME,
             rate_change: crate::feed::DEFAULT_CHANGE,
             robots: Vec::new(),
             sensors: Vec::new(),
@@ -209,6 +175,15 @@ impl Cell {
             operator: Operator::new(),
             hook: None,
         }
+    }
+
+    /// The longest time from the cause of a stop to a standstill that the cell allows any joint, 600 ms unless it says
+    /// otherwise: time to notice a lost peer and to brake from the velocity limit, `v / a + 2.5 a / j`. A cell with
+    /// a joint that would take longer does not run.
+    #[must_use]
+    pub fn stop_time(mut self, limit: Duration) -> Cell {
+        self.stop_time = limit;
+        self
     }
 
     /// Adds a robot.
@@ -251,11 +226,7 @@ impl Cell {
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up, before anything moves; or the first cause of a stop.
     pub fn run(self) -> Result<RunReport, CellError> {
-        let names = self.names()?;
-        let has_program = self.program.is_some() || self.robots.iter().any(|robot| robot.has_program());
-        if !has_program {
-            return Err(CellError::NoProgram);
-        }
+        let names = self.check()?;
         let nudged = self.program.is_none();
         let patience = (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos;
         let mut scheduler = Scheduler::new();
@@ -279,8 +250,11 @@ impl Cell {
             self.robots.into_iter().zip(&names).zip(ecps.iter().zip(ecp_sensing))
         {
             let (client, server) = scheduler.port(mp, ecp);
-            ports.push(RobotPort::new(*name, robot.kind(), client));
-            let place = Place { name: *name, ecp, step: self.step, grace, nudged };
+            let steps = robot.stop_steps(self.step);
+            ports.push(RobotPort::new(*name, robot.kind(), client, steps));
+            let period = self.step.as_nanos() as Nanos;
+            let pace = Pace { period, grace, stop_steps: steps };
+            let place = Place { name: *name, ecp, step: self.step, pace, nudged };
             robot.spawn(&mut scheduler, place, server, sensing, Rc::clone(&outcomes))?;
         }
 
@@ -307,32 +281,48 @@ impl Cell {
         Ok(RunReport { steps: steps.get(), time: Duration::from_nanos(time) })
     }
 
-    fn names(&self) -> Result<Vec<Name>, CellError> {
+    /// The robots' names, when nothing is wrong with the set-up.
+    fn check(&self) -> Result<Vec<Name>, CellError> {
         if self.step.is_zero() {
             return Err(CellError::Step);
         }
-        let mut all = Vec::new();
+        let (mut names, mut errors) = (Vec::new(), Vec::new());
         for robot in &self.robots {
-            let name = Name::new(robot.name())?;
-            if all.contains(&name) {
-                return Err(CellError::Twice(name));
+            let name = match Name::new(robot.name()) {
+                Ok(name) => name,
+                Err(bad) => {
+                    errors.push(bad.into());
+                    continue;
+                }
+            };
+            if names.contains(&name) {
+                errors.push(CellError::Twice(name));
             }
             let (servo, step) = (robot.servo_period(), self.step);
             let divides = |a: Duration, b: Duration| b.as_nanos().is_multiple_of(a.as_nanos());
             if servo.is_zero() || !divides(servo, step) && !divides(step, servo) {
-                return Err(CellError::Period { robot: name, servo, step });
+                errors.push(CellError::Period { robot: name, servo, step });
             }
-            all.push(name);
+            errors.extend(robot.check_limits(name, step, self.stop_time));
+            names.push(name);
         }
         let mut sensors = Vec::new();
         for sensor in &self.sensors {
-            let name = Name::new(sensor.name())?;
-            if sensors.contains(&name) {
-                return Err(CellError::Twice(name));
+            match Name::new(sensor.name()) {
+                Ok(name) => {
+                    if sensors.contains(&name) {
+                        errors.push(CellError::Twice(name));
+                    }
+                    errors.extend(sensor.check(name, &names));
+                    sensors.push(name);
+                }
+                Err(bad) => errors.push(bad.into()),
             }
-            sensors.push(name);
         }
-        Ok(all)
+        if self.program.is_none() && !self.robots.iter().any(|robot| robot.has_program()) {
+            errors.push(CellError::NoProgram);
+        }
+        CellError::all(errors).map(|()| names)
     }
 }
 
@@ -342,13 +332,11 @@ fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault>
     let others = outcomes.iter().filter(|(process, _)| process.role != Role::Mp);
     for (process, outcome) in mp.chain(others) {
         if let Err(fault) = outcome {
-            return Err(match fault.kind() {
-                FaultKind::CellClosed => {
-                    let text = "the ECP waits for an instruction, but the MP's program is over";
-                    Fault::thrown(text).in_process(*process)
-                }
-                _ => fault.clone(),
-            });
+            if fault.kind() == FaultKind::CellClosed {
+                let text = "the ECP waits for an instruction, but the MP's program is over";
+                return Err(Fault::thrown(text).in_process(*process));
+            }
+            return Err(fault.clone());
         }
     }
     Ok(())
@@ -359,7 +347,7 @@ struct Place {
     name: Name,
     ecp: usize,
     step: Duration,
-    grace: Nanos,
+    pace: Pace,
     nudged: bool,
 }
 
@@ -369,6 +357,8 @@ trait AnyRobot {
     fn kind(&self) -> TypeId;
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
+    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
+    fn stop_steps(&self, step: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
         scheduler: &mut Scheduler,
@@ -396,6 +386,14 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.driver.period()
     }
 
+    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
+        limits::check(name, R::joint, self.robot.limits(), &self.following_error, (step, stop_time))
+    }
+
+    fn stop_steps(&self, step: Duration) -> u64 {
+        stop_steps(self.robot.limits(), step, self.driver.period())
+    }
+
     fn spawn(
         self: Box<Self>,
         scheduler: &mut Scheduler,
@@ -419,11 +417,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         scheduler.body(edp, Box::new(move |waiter| Edp::new(config, waiter, server).run()))?;
         let (program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
-        let timing = (place.step.as_nanos() as Nanos, place.grace);
+        let pace = place.pace;
         scheduler.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<R>::new(process, waiter, mp, client, sensing, timing);
+                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
                 let has_own = program.is_some();
                 let outcome = ecp.run_program(|ecp| match program {
                     Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
@@ -443,6 +441,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 /// A virtual sensor of any kind.
 trait AnySensor {
     fn name(&self) -> &str;
+    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
     #[allow(clippy::too_many_arguments)]
     fn spawn(
         self: Box<Self>,
@@ -461,6 +460,24 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         &self.name
     }
 
+    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError> {
+        let mut errors = Vec::new();
+        if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
+            || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
+        {
+            errors.push(CellError::TooLong(name));
+        }
+        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
+            errors.push(CellError::NoPeriod(name));
+        }
+        if let Some(robot) =
+            self.robot.as_ref().filter(|robot| robots.iter().all(|name| name.as_str() != *robot))
+        {
+            errors.push(CellError::NoSuchRobot(name, robot.clone()));
+        }
+        errors
+    }
+
     fn spawn(
         self: Box<Self>,
         scheduler: &mut Scheduler,
@@ -472,29 +489,17 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         ecp_sensing: &mut [Sensing],
     ) -> Result<(), CellError> {
         let name = Name::new(&self.name)?;
-        if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
-            || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
-        {
-            return Err(CellError::TooLong(name));
-        }
-        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
-            return Err(CellError::NoPeriod(name));
-        }
-        let robot = match &self.robot {
-            Some(robot) => Some(
-                robots
-                    .iter()
-                    .position(|name| name.as_str() == robot)
-                    .ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))?,
-            ),
-            None => None,
+        let belongs = |robot: &String| {
+            let place = robots.iter().position(|name| name.as_str() == robot);
+            place.ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))
         };
+        let robot = self.robot.as_ref().map(belongs).transpose()?;
         let place = scheduler.place(format!("vsp {name}"));
         let kind = TypeId::of::<V::Kind>();
         let clients = [Some(mp), robot.map(|robot| ecps[robot])];
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
         let mut sources = Vec::new();
-        let mut orders = None;
+        let mut boards = Vec::new();
         for client in clients.into_iter().flatten() {
             let mut ask = |wrap: fn(Box<dyn Client>) -> Source| {
                 let (client, server) = scheduler.port(client, place);
@@ -504,20 +509,10 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             sources.push(match self.mode {
                 VspMode::Interactive => ask(Source::Interactive),
                 VspMode::WithDelay => ask(Source::WithDelay),
-                VspMode::NonInteractive(period) => {
-                    let (board, readings) = match &orders {
-                        Some(Orders::Free { orders, readings, .. }) => {
-                            (Rc::clone(orders), Rc::clone(readings))
-                        }
-                        _ => (Scheduler::board(), Scheduler::board()),
-                    };
-                    let period = period.as_nanos() as Nanos;
-                    orders = Some(Orders::Free {
-                        orders: Rc::clone(&board),
-                        readings: Rc::clone(&readings),
-                        period,
-                    });
-                    Source::NonInteractive { readings, orders: board }
+                VspMode::NonInteractive(_) => {
+                    let board = Boards { orders: Scheduler::board(), readings: Scheduler::board() };
+                    boards.push(board.clone());
+                    Source::NonInteractive(board)
                 }
             });
         }
@@ -530,7 +525,10 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         }
         let (sensor, configuration, latency) =
             (self.sensor, self.configuration, self.latency.as_nanos() as Nanos);
-        let orders = orders.unwrap_or(Orders::Ports(servers));
+        let orders = match self.mode {
+            VspMode::Interactive | VspMode::WithDelay => Orders::Ports(servers),
+            VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
+        };
         let process = ProcessId::new(Role::Vsp, name);
         let step = step.as_nanos() as Nanos;
         scheduler.body(

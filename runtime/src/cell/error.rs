@@ -1,0 +1,99 @@
+//! Why a cell did not run.
+
+use core::time::Duration;
+
+use crate::fault::Fault;
+use crate::link::memory::Stuck;
+use crate::name::{BadName, Name};
+
+/// Why a cell did not run, or did not run to its end.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CellError {
+    /// A name that is none.
+    #[error(transparent)]
+    Name(#[from] BadName),
+    /// Two robots, or two sensors, of one name.
+    #[error("the cell has two of the name `{0}`")]
+    Twice(Name),
+    /// A sensor of a robot that the cell does not have.
+    #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
+    NoSuchRobot(Name, String),
+    /// A step that takes no time.
+    #[error("the step of the cell takes no time: give it 1 ms or more")]
+    Step,
+    /// Neither an MP program nor an ECP program.
+    #[error(
+        "the cell has no program: give one to the MP with `Cell::program`, to an ECP with `RobotSetup::program`"
+    )]
+    NoProgram,
+    /// A servo period that does not fit the step.
+    #[error("robot `{robot}`: its servo period {servo:?} does not divide the step {step:?}, nor the step it")]
+    Period {
+        /// The robot.
+        robot: Name,
+        /// Its servo period.
+        servo: Duration,
+        /// The cell's step.
+        step: Duration,
+    },
+    /// A value of a robot's set-up that no demand could be checked against.
+    #[error("robot `{robot}` joint {}: {what} {value} {unit} {rule}", joint + 1)]
+    Limit {
+        /// The robot.
+        robot: Name,
+        /// The joint, counted from 0.
+        joint: usize,
+        /// Which value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What must hold of it.
+        rule: &'static str,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A joint that could not stop in the time that the cell allows, [`Cell::stop_time`](crate::Cell::stop_time).
+    #[error(
+        "robot `{robot}` joint {}: a stop may take {time:.3} s, limit {limit:.3} s: lower its velocity limit or allow longer stops",
+        joint + 1
+    )]
+    StopTime {
+        /// The robot.
+        robot: Name,
+        /// The joint, counted from 0.
+        joint: usize,
+        /// The longest time that a stop may take \[s\].
+        time: f64,
+        /// The time allowed \[s\].
+        limit: f64,
+    },
+    /// More than one thing is wrong with the set-up.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Several(Vec<CellError>),
+    /// A free-running sensor whose period takes no time.
+    #[error("sensor `{0}` runs freely with a period of no time: give it 1 ms or more")]
+    NoPeriod(Name),
+    /// A configuration or a reading that is too long for a message.
+    #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]
+    TooLong(Name),
+    /// The processes wait for each other.
+    #[error(transparent)]
+    Stuck(#[from] Stuck),
+    /// The program ended with a fault: the first cause.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+impl CellError {
+    /// All that is wrong with a set-up as one error.
+    pub(super) fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
+        match errors.pop() {
+            None => Ok(()),
+            Some(only) if errors.is_empty() => Err(only),
+            Some(last) => {
+                errors.push(last);
+                Err(CellError::Several(errors))
+            }
+        }
+    }
+}

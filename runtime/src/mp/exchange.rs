@@ -1,0 +1,132 @@
+//! One exchange of the MP with the robots of an instruction: scatter, then gather.
+//!
+//! In: one order per robot. Out: one reply per robot, with its image and the headroom of its rate; or the first
+//! cause of what is wrong.
+
+use core::any::TypeId;
+
+use crate::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::image::State;
+use crate::link::Client;
+use crate::list::{RobotList, SensorList, SensorsOf};
+use crate::message::{Kind, Message, OrderKind, flag};
+use crate::name::Name;
+use crate::vsp::EffectorState;
+use crate::wire::{BadWords, Wire};
+
+use super::Mp;
+
+/// One robot as the MP sees it.
+pub(crate) struct RobotPort {
+    pub name: Name,
+    pub kind: TypeId,
+    pub client: Box<dyn Client>,
+    pub taken: bool,
+    /// Steps after which the robot must stand when it was told to stop.
+    pub(super) stop_steps: u64,
+    /// Whether the last instruction handed it over moving.
+    pub(super) handed_over: bool,
+    pub(super) order: Message,
+    pub(super) reply: Message,
+}
+
+impl RobotPort {
+    pub fn new(name: Name, kind: TypeId, client: Box<dyn Client>, stop_steps: u64) -> RobotPort {
+        let (order, reply) = (Message::empty(), Message::empty());
+        RobotPort { name, kind, client, taken: false, stop_steps, handed_over: false, order, reply }
+    }
+
+    pub(super) fn process(&self) -> ProcessId {
+        ProcessId::new(Role::Ecp, self.name)
+    }
+}
+
+impl Mp<'_> {
+    /// Scatter and gather: sends every robot its order, then collects every reply.
+    pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
+        self.clock.spend();
+        let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
+        for &index in indices {
+            let robot = &mut self.robots[index];
+            let header = &mut robot.order.header;
+            (header.kind, header.flags, header.step, header.instruction) =
+                (Kind::Order(kind), flags, self.clock.step(), self.ordinal);
+            (header.dt, header.duration) = (self.clock.dt(), self.clock.duration());
+            if kind != OrderKind::Step {
+                header.len = 0;
+            }
+            robot.client.send(&robot.order);
+        }
+        let deadline = self.waiter.now() + self.sensing.patience;
+        let mut first: Option<Fault> = None;
+        for &index in indices {
+            let robot = &mut self.robots[index];
+            let mut lost = None;
+            while !robot.client.receive(&mut robot.reply) {
+                self.waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
+                if self.waiter.now() >= deadline {
+                    let text = "no answer from the ECP: its program computes or waits elsewhere";
+                    lost = Some(
+                        Fault::new(FaultKind::PeerLost)
+                            .in_process(robot.process())
+                            .text(text)
+                            .at_step(self.clock.step()),
+                    );
+                    robot.reply.header.flags = flag::STANDSTILL;
+                    break;
+                }
+            }
+            let fault = match lost {
+                Some(lost) => Some(lost),
+                None if robot.reply.header.kind == Kind::Fault => Some(robot.reply.fault()),
+                None => {
+                    self.clock.feed.limit(robot.reply.header.headroom);
+                    None
+                }
+            };
+            if let Some(fault) = fault {
+                let earlier = first.as_ref().is_none_or(|first| precedes(&fault, first));
+                if earlier {
+                    first = Some(fault);
+                }
+            }
+        }
+        match first {
+            Some(fault) => Err(fault),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn order_readings<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) {
+        let robots = &self.robots;
+        self.sensing.order(sensors, self.clock.step(), |robot| {
+            let reply = robot.map(|robot| &robots[robot].reply).filter(|reply| reply.is(flag::STATE))?;
+            Some(&reply.body[..EffectorState::LEN])
+        });
+    }
+
+    pub(super) fn read_images<L: RobotList>(&self, indices: &[usize], e: &mut State<L>) -> Result<(), Fault> {
+        self.each_image(indices, |i, words| L::read(e, i, words))
+    }
+
+    /// The image in the last reply of each robot of a list, where there is one.
+    pub(super) fn each_image(
+        &self,
+        indices: &[usize],
+        mut read: impl FnMut(usize, &[u64]) -> Result<(), BadWords>,
+    ) -> Result<(), Fault> {
+        for (i, robot) in indices.iter().map(|&index| &self.robots[index]).enumerate() {
+            if robot.reply.is(flag::STATE) {
+                let bad = |_| Fault::new(FaultKind::Message).in_process(robot.process());
+                read(i, robot.reply.words()).map_err(bad)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// First cause: the lowest step, then the more severe; equals keep the place in the list.
+fn precedes(fault: &Fault, other: &Fault) -> bool {
+    let key = |fault: &Fault| (fault.step().unwrap_or(u64::MAX), core::cmp::Reverse(fault.class()));
+    key(fault) < key(other)
+}

@@ -1,0 +1,181 @@
+//! MP: the master process, the coordinator of all robots.
+//!
+//! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. The
+//! MP alone paces the cell: [`clock`] says when a step begins and how much path time it has, [`exchange`] is one
+//! scatter and gather, [`instruction`] opens, ends and stops instructions by it, [`motion`] is Move and [`waiting`]
+//! Wait.
+
+mod clock;
+mod exchange;
+mod instruction;
+mod motion;
+mod waiting;
+
+use core::any::TypeId;
+use core::time::Duration;
+
+use crate::ecp::MAX_REFUSALS;
+use crate::fault::{Ended, Fault, FaultKind, ProcessId};
+use crate::feed::Feed;
+use crate::image::{RobotImage, Sensor};
+use crate::link::{Nanos, Waiter};
+use crate::list::{RobotHandle, SensorHandle};
+use crate::operator::Operator;
+use crate::robot::Robot;
+use crate::sensing::Sensing;
+
+use clock::StepClock;
+pub(crate) use exchange::RobotPort;
+
+/// What is called at the start of every step: the cell's index of the step and its operator.
+pub(crate) type StepHook = Box<dyn FnMut(u64, &Operator)>;
+
+/// The master process: what the coordinating program is given.
+pub struct Mp<'w> {
+    waiter: &'w dyn Waiter,
+    robots: Vec<RobotPort>,
+    sensing: Sensing,
+    operator: Operator,
+    hook: Option<StepHook>,
+    clock: StepClock,
+    /// Ordinal of the instruction opened last.
+    ordinal: u32,
+    latched: Option<Fault>,
+    refusals: u32,
+}
+
+impl<'w> Mp<'w> {
+    pub(crate) fn new(
+        waiter: &'w dyn Waiter,
+        robots: Vec<RobotPort>,
+        sensing: Sensing,
+        operator: Operator,
+        hook: Option<StepHook>,
+        (step, grace): (Duration, Nanos),
+        rate_change: f64,
+    ) -> Mp<'w> {
+        let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
+        Mp { waiter, robots, sensing, operator, hook, clock, ordinal: 0, latched: None, refusals: 0 }
+    }
+
+    /// The handle of a robot. Each robot has one: pass it on.
+    ///
+    /// # Errors
+    /// `Config` when the cell has no robot of that name and kind, or when its handle is taken.
+    pub fn robot<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
+        let config = |text: &str| Fault::new(FaultKind::Config).in_process(ProcessId::MP).text(text);
+        let names: Vec<_> = self.robots.iter().map(|robot| robot.name.to_string()).collect();
+        let Some(index) = self.robots.iter().position(|robot| robot.name.as_str() == name) else {
+            return Err(config(&format!("the cell has no robot `{name}`; it has: {}", names.join(", "))));
+        };
+        let port = &mut self.robots[index];
+        if port.kind != TypeId::of::<R>() {
+            return Err(config(&format!("robot `{name}` is of another kind than {}", R::KIND)));
+        }
+        if core::mem::replace(&mut port.taken, true) {
+            return Err(config(&format!("robot `{name}` has a handle already: pass that one on")));
+        }
+        Ok(RobotHandle { index, name: port.name, image: RobotImage::unknown() })
+    }
+
+    /// The handle of a virtual sensor of the MP, in its default configuration.
+    ///
+    /// # Errors
+    /// `Config` when the cell gives the MP no sensor of that name and kind, or when its handle is taken.
+    pub fn sensor<S: Sensor>(&mut self, name: &str) -> Result<SensorHandle<S>, Fault>
+    where
+        S::Configuration: Default,
+    {
+        self.sensing
+            .handle(name, S::Configuration::default())
+            .map_err(|fault| fault.in_process(ProcessId::MP))
+    }
+
+    /// Index of the step that has begun, counted since the cell started.
+    #[must_use]
+    pub const fn step(&self) -> u64 {
+        self.clock.step()
+    }
+
+    /// Begins a step, unless one has begun that no exchange has used.
+    fn begin_step(&mut self) -> Result<(), Fault> {
+        let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
+        if begins {
+            // A hook that panics is not called again by the stop that follows.
+            if let Some(mut hook) = self.hook.take() {
+                hook(self.clock.step(), &self.operator);
+                self.hook = Some(hook);
+            }
+            self.clock.advance(self.operator.wanted_rate(), self.operator.is_suspended());
+        }
+        Ok(())
+    }
+
+    /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
+    fn conclude(&mut self, fault: Fault) -> Fault {
+        let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        // An abort, a Wait that was too long: nothing moves and nothing is wrong with the cell.
+        if fault.is_orderly() { fault } else { self.stop(fault) }
+    }
+
+    /// One Move or Wait, from the operator's point of view: what can be aborted. Robots that it hands over moving
+    /// are the next one's, and so is an abort that came too late for it.
+    fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
+        self.check_latch()?;
+        self.operator.begin();
+        let outcome = work(self).map_err(|fault| self.conclude(fault));
+        if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {
+            return outcome;
+        }
+        if self.operator.end() && outcome.is_ok() {
+            // An abort that the instruction's own end forestalled is an abort: the program must not go on.
+            return Err(self.aborted());
+        }
+        outcome
+    }
+
+    /// What an instruction ends with that the operator aborts.
+    fn aborted(&self) -> Fault {
+        Fault::orderly(FaultKind::Aborted).in_process(ProcessId::MP).at_step(self.clock.step())
+    }
+
+    fn check_latch(&mut self) -> Result<(), Fault> {
+        let Some(fault) = &self.latched else { return Ok(()) };
+        let fault = fault.clone();
+        self.refusals += 1;
+        if self.refusals > MAX_REFUSALS {
+            // Ends a program that loops over refused instructions, through the process's own boundary.
+            self.refusals = 0;
+            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
+        }
+        // A refused call takes a step: a program that ignores the fault cannot stop the cell's time.
+        self.clock.spend();
+        self.begin_step()?;
+        Err(fault)
+    }
+
+    /// Runs the coordinating program. A panic in it stops the robots as any fault does.
+    pub(crate) fn run_program(
+        &mut self,
+        program: impl FnOnce(&mut Self) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        let run = std::panic::AssertUnwindSafe(|| program(self));
+        let outcome = match std::panic::catch_unwind(run) {
+            Ok(outcome) => {
+                let settled = self.settle().map_err(|fault| self.stop(fault));
+                // A program that swallows a latched fault does not undo it.
+                let latched = self.latched.clone().map_or(Ok(()), Err);
+                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
+            }
+            Err(panic) => {
+                let fault =
+                    crate::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.clock.step());
+                Err(self.stop(fault))
+            }
+        };
+        self.operator.end();
+        outcome
+    }
+}
+
+const EMPTY: [u64; crate::wire::WORDS] = [0; crate::wire::WORDS];

@@ -1,0 +1,78 @@
+//! How long a stop takes: noticing that one is due, then braking.
+//!
+//! In: limits, the cell's step. Out: times and steps. Braking from the velocity limit, accelerating at the limit when
+//! the stop arrives, takes `T_brake = v / a + 2.5 a / j`: 2 a / j to swing the acceleration round, v / a - a / 2 j at
+//! the limit, a / j to let it go; without a jerk limit `v / a`. `T_stop = T_detect + T_brake`; the longest detection
+//! is that of a lost peer, the missed-step budget and the step after it.
+
+use core::time::Duration;
+
+use crate::joints::JointVector;
+use crate::robot::Limits;
+
+/// The longest stop that a cell takes unless it says otherwise.
+pub(crate) const STOP_TIME: Duration = Duration::from_millis(600);
+
+/// Missed steps that an EDP bridges before it brakes: 20 ms of steps (`L` of SAFETY.md).
+pub(crate) fn missed_step_budget(step: Duration) -> u32 {
+    let step = step.as_nanos().max(1);
+    u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
+}
+
+/// Time between a lost peer and the start of braking \[s\].
+pub(crate) fn detection_time(step: Duration) -> f64 {
+    step.as_secs_f64() * (f64::from(missed_step_budget(step)) + 1.0)
+}
+
+/// The longest time that a joint brakes for \[s\].
+pub(crate) fn braking_time<J: JointVector>(limits: &Limits<J>, joint: usize) -> f64 {
+    let (v, a) = (limits.velocity[joint], limits.acceleration[joint]);
+    v / a + limits.jerk.map_or(0.0, |jerk| 2.5 * a / jerk[joint])
+}
+
+/// Steps within which every joint of a robot must stand after a stop began: detection, braking, and twice the time
+/// between two demands that its drives follow.
+pub(crate) fn stop_steps<J: JointVector>(limits: &Limits<J>, step: Duration, servo: Duration) -> u64 {
+    let braking = (0..J::LEN).map(|i| braking_time(limits, i)).fold(0.0, f64::max);
+    let seconds = detection_time(step) + braking + 2.0 * servo.max(step).as_secs_f64();
+    // A float becomes the nearest integer that there is.
+    (seconds / step.as_secs_f64()).ceil() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector1;
+
+    fn limits(v: f64, a: f64, jerk: Option<f64>) -> Limits<Vector1<f64>> {
+        Limits {
+            lower: Vector1::new(-1.0),
+            upper: Vector1::new(1.0),
+            velocity: Vector1::new(v),
+            acceleration: Vector1::new(a),
+            jerk: jerk.map(Vector1::new),
+        }
+    }
+
+    #[test]
+    fn the_braking_times_are_those_of_real_arms() {
+        // safety.md: FR3 0.267 s and 0.531 s, Panda's second joint 0.295 s; the IRp-6 1.5/7 s.
+        for (v, a, jerk, seconds) in [
+            (2.62, 10.0, Some(5000.0), 0.267),
+            (5.26, 10.0, Some(5000.0), 0.531),
+            (2.175, 7.5, Some(3750.0), 0.295),
+            (1.5, 7.0, None, 1.5 / 7.0),
+        ] {
+            assert!((braking_time(&limits(v, a, jerk), 0) - seconds).abs() < 1e-12, "{v}, {a}, {jerk:?}");
+        }
+    }
+
+    #[test]
+    fn a_lost_peer_is_noticed_after_the_budget_and_one_step() {
+        assert!((detection_time(Duration::from_millis(1)) - 0.021).abs() < 1e-12);
+        assert!((detection_time(Duration::from_millis(2)) - 0.022).abs() < 1e-12);
+        // 1.0 / 10 s of braking, 21 ms, two servo periods of 4 ms.
+        let steps = stop_steps(&limits(1.0, 10.0, None), Duration::from_millis(1), Duration::from_millis(4));
+        assert!((129..=130).contains(&steps), "{steps}");
+    }
+}
