@@ -173,6 +173,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     fn check_standing_start(&self) -> Result<(), Fault> {
         if self.request.is(flag::FIRST) && matches!(self.mode, Mode::Holding) {
             self.check_following(self.interpolation.goal(), FaultKind::StartPoseMismatch)
+                .map_err(|fault| fault.text("the robot is not where its last demand put it"))
         } else {
             Ok(())
         }
@@ -218,10 +219,18 @@ impl<'w, R: Robot> Edp<'w, R> {
 
     fn brake(&mut self) {
         match self.mode {
-            Mode::Moving { .. } if self.acceptor.can_hold(self.demand_period()) => self.mode = Mode::Holding,
+            Mode::Moving { .. } if self.acceptor.can_hold(self.shortest_period()) => {
+                self.mode = Mode::Holding
+            }
             Mode::Moving { .. } => self.mode = Mode::Braking(self.acceptor.braking()),
             Mode::Holding | Mode::Braking(_) | Mode::Off => {}
         }
+    }
+
+    /// Time within which the velocity may have to go: the next motion's first demand may come after a step, a hold
+    /// after a servo period \[s\].
+    fn shortest_period(&self) -> f64 {
+        self.demand_period().min(self.config.step.as_secs_f64())
     }
 
     /// Time between two demands that the ticks follow \[s\].

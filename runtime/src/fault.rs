@@ -83,7 +83,7 @@ fault_kinds! {
     /// The demanded jerk exceeds the limit.
     DemandedJerk = 15: Stopped, "demanded jerk exceeds the limit";
     /// At the start of a motion the robot is not where it was demanded to be.
-    StartPoseMismatch = 16: Refused, "the robot is not where its last demand put it";
+    StartPoseMismatch = 16: Refused, "wrong start";
     /// A demanded pose has no joint positions.
     NoInverseKinematics = 17: Stopped, "no inverse kinematics";
     /// A sensor's reading is older than the program allows.
@@ -366,9 +366,10 @@ impl fmt::Display for Fault {
             write!(f, ": {}", report.text.as_str())?;
         }
         if let Some(Excess { actual, limit, unit }) = report.excess {
-            write!(f, ": {actual:.6} {unit}, limit {limit:.6} {unit}")?;
+            let digits = if unit == "step" { 0 } else { 6 };
+            write!(f, ": {actual:.digits$} {unit}, limit {limit:.digits$} {unit}")?;
         }
-        match report.step {
+        match report.step.filter(|&step| step > 0) {
             Some(step) => write!(f, " at step {step}"),
             None => Ok(()),
         }

@@ -311,9 +311,20 @@ impl<R: Robot> Acceptor<R> {
             };
             let speed_limit = limits.velocity[i];
             if v[i].abs() > slack(speed_limit, round_off * per_second) {
-                // A first demand a whole jump away is not a fast motion but a wrong start.
-                let kind = if starting { FaultKind::StartPoseMismatch } else { FaultKind::DemandedVelocity };
-                return Err(excess(kind, v[i].abs(), speed_limit, R::joint(i).unit(1)));
+                if starting {
+                    // A first demand a whole jump away is not a fast motion but a wrong start.
+                    let (jump, way) = (v[i].abs() * duration, speed_limit * duration);
+                    let fault = excess(FaultKind::StartPoseMismatch, jump, way, R::joint(i).unit(0));
+                    return Err(
+                        fault.text("the first demand jumps; begin at `e.demanded()`, as in `first = ..`")
+                    );
+                }
+                return Err(excess(
+                    FaultKind::DemandedVelocity,
+                    v[i].abs(),
+                    speed_limit,
+                    R::joint(i).unit(1),
+                ));
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
             let lost = jerk_limit.map_or(faster(i), |jerk| speed_when_lost(v[i], a[i], jerk));

@@ -143,10 +143,11 @@ impl Sensing {
         let config = |text: &str| Fault::new(FaultKind::Config).text(text);
         let names: Vec<_> = self.ports.iter().map(|port| port.name.to_string()).collect();
         let Some(index) = self.ports.iter().position(|port| port.name.as_str() == name) else {
-            return Err(config(&format!(
-                "this process has no sensor `{name}`; it has: {}",
-                names.join(", ")
-            )));
+            let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+            let text = format!(
+                "no sensor `{name}` here, but: {names}; an ECP has those set up `.of(\"its robot\")`"
+            );
+            return Err(config(&text));
         };
         let port = &mut self.ports[index];
         if port.kind != TypeId::of::<S>() {

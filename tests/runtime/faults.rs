@@ -140,6 +140,10 @@ fn fault_21_velocity_acceleration_and_jerk_beyond_a_limit_are_refused_and_nothin
 fn fault_22_a_first_demand_far_from_the_robot_moves_nothing() {
     let (fault, trace) = refused(0, x(0.5));
     assert_eq!(fault.kind(), FaultKind::StartPoseMismatch);
+    // Half a metre where 1 m/s leaves 1 mm in a step, and what to write instead.
+    let excess = fault.excess().expect("says how far");
+    assert!((excess.actual - 0.5).abs() < 1e-12 && (excess.limit - 1e-3).abs() < 1e-12, "{fault}");
+    assert!(fault.to_string().contains("first = .."), "{fault}");
     assert!(trace.iter().all(|q| q.norm() == 0.0));
 }
 

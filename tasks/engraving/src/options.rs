@@ -114,7 +114,8 @@ Plate and tool:
   --tool ball:MM      a ball of this diameter
   --depth MM          depth of the groove [default: 0.3]
   --feed MM/S         speed along the path [default: 20]
-  --step-ms MS        step of the controller: 1 or a multiple of 2 [default: 2]
+  --step-ms MS        step of the controller: 0.5, 1 or a multiple of 2
+                      [default: 2]
 
 Results:
   -o, --out DIR       folder for plate.png, paths.svg and summary.json
@@ -181,7 +182,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, O
             "tool" => options.cutter = tool(&value(&mut parser, "--tool")?)?,
             "depth" => options.depth = number(&mut parser, "--depth", 0.001, 20.0)?,
             "feed" => options.feed = number(&mut parser, "--feed", 0.01, 1000.0)?,
-            "step-ms" => options.step = step(number(&mut parser, "--step-ms", 0.1, 100.0)?)?,
+            "step-ms" => options.step = step(number(&mut parser, "--step-ms", 0.5, 100.0)?)?,
             other => return Err(unknown(&format!("--{other}"), other)),
         }
         if let Some(new) = new_sizing
