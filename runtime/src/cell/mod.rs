@@ -4,31 +4,31 @@
 
 mod error;
 mod limits;
+mod robot;
+mod sensor;
 
-use core::any::TypeId;
 use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::driver::Driver;
-use crate::ecp::{Ecp, Pace};
-use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
+use crate::ecp::Pace;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
-use crate::image::Sensor;
-use crate::link::memory::{Scheduler, Stuck};
-use crate::link::{Client, Nanos, Server};
+use crate::link::Nanos;
+use crate::link::memory::Scheduler;
 use crate::mp::{Mp, RobotPort, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
-use crate::payload::Nudge;
-use crate::pose::Pose;
 use crate::robot::Robot;
-use crate::sensing::{Sensing, SensorPort, Source};
-use crate::stopping::{STOP_TIME, missed_step_budget, stop_steps};
-use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
-use crate::wire::{WORDS, Wire};
+use crate::sensing::Sensing;
+use crate::stopping::{STOP_TIME, missed_step_budget};
+use crate::vsp::VirtualSensor;
+
+use robot::{AnyRobot, Place};
+use sensor::AnySensor;
 
 pub use error::CellError;
+pub use robot::RobotSetup;
+pub use sensor::SensorSetup;
 
 /// What a run took.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,115 +39,8 @@ pub struct RunReport {
     pub time: Duration,
 }
 
-type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
 type MpProgram = Box<dyn FnOnce(&mut Mp) -> Result<(), Fault>>;
 type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
-
-/// A robot of a cell: its model, its drives and its program.
-pub struct RobotSetup<R: Robot> {
-    name: String,
-    robot: R,
-    driver: Box<dyn Driver<R>>,
-    tool: Pose,
-    following_error: R::Joints,
-    program: Option<EcpProgram<R>>,
-    observers: Vec<Observer<R>>,
-}
-
-impl<R: Robot> RobotSetup<R> {
-    /// A robot `name` with its drives. Its following error may be what its velocity limit covers in 50 ms.
-    pub fn new(name: &str, robot: R, driver: impl Driver<R> + 'static) -> Self {
-        let following_error = robot.limits().velocity * 0.05;
-        RobotSetup {
-            name: name.to_owned(),
-            driver: Box::new(driver),
-            tool: Pose::identity(),
-            following_error,
-            program: None,
-            observers: Vec::new(),
-            robot,
-        }
-    }
-
-    /// The tool at the start: `X_FE`, the tool frame in the flange frame.
-    #[must_use]
-    #[allow(non_snake_case)]
-    pub fn tool(mut self, X_FE: Pose) -> Self {
-        self.tool = X_FE;
-        self
-    }
-
-    /// The largest difference between demanded and measured joint positions [rad or m], each > 0.
-    #[must_use]
-    pub fn following_error(mut self, limit: R::Joints) -> Self {
-        self.following_error = limit;
-        self
-    }
-
-    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on.
-    #[must_use]
-    pub fn program(mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
-        self.program = Some(Box::new(program));
-        self
-    }
-
-    /// Calls `observer` after every servo period.
-    #[must_use]
-    pub fn observe(mut self, observer: impl FnMut(&ServoRecord<R>) + 'static) -> Self {
-        self.observers.push(Box::new(observer));
-        self
-    }
-}
-
-/// A virtual sensor of a cell.
-pub struct SensorSetup<V: VirtualSensor> {
-    name: String,
-    sensor: V,
-    configuration: <V::Kind as Sensor>::Configuration,
-    robot: Option<String>,
-    mode: VspMode,
-    latency: Duration,
-}
-
-impl<V: VirtualSensor> SensorSetup<V>
-where
-    <V::Kind as Sensor>::Configuration: Default,
-{
-    /// A sensor `name`, interactive, of no robot. The MP can read it.
-    pub fn new(name: &str, sensor: V) -> Self {
-        SensorSetup {
-            name: name.to_owned(),
-            sensor,
-            configuration: Default::default(),
-            robot: None,
-            mode: VspMode::Interactive,
-            latency: Duration::ZERO,
-        }
-    }
-}
-
-impl<V: VirtualSensor> SensorSetup<V> {
-    /// The sensor belongs to a robot: the robot's ECP can read it too, and its state goes with every order.
-    #[must_use]
-    pub fn of(mut self, robot: &str) -> Self {
-        self.robot = Some(robot.to_owned());
-        self
-    }
-
-    /// How the sensor and its requesters keep step.
-    #[must_use]
-    pub fn mode(mut self, mode: VspMode) -> Self {
-        self.mode = mode;
-        self
-    }
-
-    /// Time that one aggregation takes, under the virtual clock.
-    #[must_use]
-    pub fn latency(mut self, latency: Duration) -> Self {
-        self.latency = latency;
-        self
-    }
-}
 
 /// A set-up cell.
 pub struct Cell {
@@ -340,203 +233,4 @@ fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault>
         }
     }
     Ok(())
-}
-
-/// Where a robot's processes are.
-struct Place {
-    name: Name,
-    ecp: usize,
-    step: Duration,
-    pace: Pace,
-    nudged: bool,
-}
-
-/// A robot of any kind.
-trait AnyRobot {
-    fn name(&self) -> &str;
-    fn kind(&self) -> TypeId;
-    fn has_program(&self) -> bool;
-    fn servo_period(&self) -> Duration;
-    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
-    fn stop_steps(&self, step: Duration) -> u64;
-    fn spawn(
-        self: Box<Self>,
-        scheduler: &mut Scheduler,
-        place: Place,
-        mp: Box<dyn Server>,
-        sensing: Sensing,
-        outcomes: Outcomes,
-    ) -> Result<(), Stuck>;
-}
-
-impl<R: Robot> AnyRobot for RobotSetup<R> {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn kind(&self) -> TypeId {
-        TypeId::of::<R>()
-    }
-
-    fn has_program(&self) -> bool {
-        self.program.is_some()
-    }
-
-    fn servo_period(&self) -> Duration {
-        self.driver.period()
-    }
-
-    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
-        limits::check(name, R::joint, self.robot.limits(), &self.following_error, (step, stop_time))
-    }
-
-    fn stop_steps(&self, step: Duration) -> u64 {
-        stop_steps(self.robot.limits(), step, self.driver.period())
-    }
-
-    fn spawn(
-        self: Box<Self>,
-        scheduler: &mut Scheduler,
-        place: Place,
-        mp: Box<dyn Server>,
-        sensing: Sensing,
-        outcomes: Outcomes,
-    ) -> Result<(), Stuck> {
-        let name = place.name;
-        let edp = scheduler.place(format!("edp {name}"));
-        let (client, server) = scheduler.port(place.ecp, edp);
-        let config = EdpConfig {
-            process: ProcessId::new(Role::Edp, name),
-            robot: self.robot,
-            driver: self.driver,
-            tool: self.tool,
-            step: place.step,
-            following_error: self.following_error,
-            observers: self.observers,
-        };
-        scheduler.body(edp, Box::new(move |waiter| Edp::new(config, waiter, server).run()))?;
-        let (program, nudged) = (self.program, place.nudged);
-        let process = ProcessId::new(Role::Ecp, name);
-        let pace = place.pace;
-        scheduler.body(
-            place.ecp,
-            Box::new(move |waiter| {
-                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
-                let has_own = program.is_some();
-                let outcome = ecp.run_program(|ecp| match program {
-                    Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
-                    Some(program) => program(ecp),
-                    None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
-                    None => crate::transparent::program(ecp),
-                });
-                ecp.serve(&outcome);
-                if has_own {
-                    outcomes.borrow_mut().push((process, outcome));
-                }
-            }),
-        )
-    }
-}
-
-/// A virtual sensor of any kind.
-trait AnySensor {
-    fn name(&self) -> &str;
-    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
-    #[allow(clippy::too_many_arguments)]
-    fn spawn(
-        self: Box<Self>,
-        scheduler: &mut Scheduler,
-        step: Duration,
-        mp: usize,
-        robots: &[Name],
-        ecps: &[usize],
-        mp_sensing: &mut Sensing,
-        ecp_sensing: &mut [Sensing],
-    ) -> Result<(), CellError>;
-}
-
-impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError> {
-        let mut errors = Vec::new();
-        if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
-            || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
-        {
-            errors.push(CellError::TooLong(name));
-        }
-        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
-            errors.push(CellError::NoPeriod(name));
-        }
-        if let Some(robot) =
-            self.robot.as_ref().filter(|robot| robots.iter().all(|name| name.as_str() != *robot))
-        {
-            errors.push(CellError::NoSuchRobot(name, robot.clone()));
-        }
-        errors
-    }
-
-    fn spawn(
-        self: Box<Self>,
-        scheduler: &mut Scheduler,
-        step: Duration,
-        mp: usize,
-        robots: &[Name],
-        ecps: &[usize],
-        mp_sensing: &mut Sensing,
-        ecp_sensing: &mut [Sensing],
-    ) -> Result<(), CellError> {
-        let name = Name::new(&self.name)?;
-        let belongs = |robot: &String| {
-            let place = robots.iter().position(|name| name.as_str() == robot);
-            place.ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))
-        };
-        let robot = self.robot.as_ref().map(belongs).transpose()?;
-        let place = scheduler.place(format!("vsp {name}"));
-        let kind = TypeId::of::<V::Kind>();
-        let clients = [Some(mp), robot.map(|robot| ecps[robot])];
-        let mut servers: Vec<Box<dyn Server>> = Vec::new();
-        let mut sources = Vec::new();
-        let mut boards = Vec::new();
-        for client in clients.into_iter().flatten() {
-            let mut ask = |wrap: fn(Box<dyn Client>) -> Source| {
-                let (client, server) = scheduler.port(client, place);
-                servers.push(server);
-                wrap(client)
-            };
-            sources.push(match self.mode {
-                VspMode::Interactive => ask(Source::Interactive),
-                VspMode::WithDelay => ask(Source::WithDelay),
-                VspMode::NonInteractive(_) => {
-                    let board = Boards { orders: Scheduler::board(), readings: Scheduler::board() };
-                    boards.push(board.clone());
-                    Source::NonInteractive(board)
-                }
-            });
-        }
-        let mut sources = sources.into_iter();
-        if let Some(source) = sources.next() {
-            mp_sensing.ports.push(SensorPort::new(name, kind, robot, source));
-        }
-        if let (Some(robot), Some(source)) = (robot, sources.next()) {
-            ecp_sensing[robot].ports.push(SensorPort::new(name, kind, Some(robot), source));
-        }
-        let (sensor, configuration, latency) =
-            (self.sensor, self.configuration, self.latency.as_nanos() as Nanos);
-        let orders = match self.mode {
-            VspMode::Interactive | VspMode::WithDelay => Orders::Ports(servers),
-            VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
-        };
-        let process = ProcessId::new(Role::Vsp, name);
-        let step = step.as_nanos() as Nanos;
-        scheduler.body(
-            place,
-            Box::new(move |waiter| {
-                Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();
-            }),
-        )?;
-        Ok(())
-    }
 }

@@ -1,0 +1,172 @@
+//! A robot of a cell, and how its ECP and EDP come to life.
+
+use core::any::TypeId;
+use core::time::Duration;
+
+use super::{CellError, Outcomes, limits};
+use crate::driver::Driver;
+use crate::ecp::{Ecp, Pace};
+use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
+use crate::fault::{Fault, ProcessId, Role};
+use crate::link::Server;
+use crate::link::memory::{Scheduler, Stuck};
+use crate::name::Name;
+use crate::payload::Nudge;
+use crate::pose::Pose;
+use crate::robot::Robot;
+use crate::sensing::Sensing;
+use crate::stopping::stop_steps;
+
+type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
+
+/// A robot of a cell: its model, its drives and its program.
+pub struct RobotSetup<R: Robot> {
+    name: String,
+    robot: R,
+    driver: Box<dyn Driver<R>>,
+    tool: Pose,
+    following_error: R::Joints,
+    program: Option<EcpProgram<R>>,
+    observers: Vec<Observer<R>>,
+}
+
+impl<R: Robot> RobotSetup<R> {
+    /// A robot `name` with its drives. Its following error may be what its velocity limit covers in 50 ms.
+    pub fn new(name: &str, robot: R, driver: impl Driver<R> + 'static) -> Self {
+        let following_error = robot.limits().velocity * 0.05;
+        RobotSetup {
+            name: name.to_owned(),
+            driver: Box::new(driver),
+            tool: Pose::identity(),
+            following_error,
+            program: None,
+            observers: Vec::new(),
+            robot,
+        }
+    }
+
+    /// The tool at the start: `X_FE`, the tool frame in the flange frame.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn tool(mut self, X_FE: Pose) -> Self {
+        self.tool = X_FE;
+        self
+    }
+
+    /// The largest difference between demanded and measured joint positions [rad or m], each > 0.
+    #[must_use]
+    pub fn following_error(mut self, limit: R::Joints) -> Self {
+        self.following_error = limit;
+        self
+    }
+
+    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on.
+    #[must_use]
+    pub fn program(mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
+        self.program = Some(Box::new(program));
+        self
+    }
+
+    /// Calls `observer` after every servo period.
+    #[must_use]
+    pub fn observe(mut self, observer: impl FnMut(&ServoRecord<R>) + 'static) -> Self {
+        self.observers.push(Box::new(observer));
+        self
+    }
+}
+
+/// Where a robot's processes are.
+pub(super) struct Place {
+    pub name: Name,
+    pub ecp: usize,
+    pub step: Duration,
+    pub pace: Pace,
+    pub nudged: bool,
+}
+
+/// A robot of any kind.
+pub(super) trait AnyRobot {
+    fn name(&self) -> &str;
+    fn kind(&self) -> TypeId;
+    fn has_program(&self) -> bool;
+    fn servo_period(&self) -> Duration;
+    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
+    fn stop_steps(&self, step: Duration) -> u64;
+    fn spawn(
+        self: Box<Self>,
+        scheduler: &mut Scheduler,
+        place: Place,
+        mp: Box<dyn Server>,
+        sensing: Sensing,
+        outcomes: Outcomes,
+    ) -> Result<(), Stuck>;
+}
+
+impl<R: Robot> AnyRobot for RobotSetup<R> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn kind(&self) -> TypeId {
+        TypeId::of::<R>()
+    }
+
+    fn has_program(&self) -> bool {
+        self.program.is_some()
+    }
+
+    fn servo_period(&self) -> Duration {
+        self.driver.period()
+    }
+
+    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
+        limits::check(name, R::joint, self.robot.limits(), &self.following_error, (step, stop_time))
+    }
+
+    fn stop_steps(&self, step: Duration) -> u64 {
+        stop_steps(self.robot.limits(), step, self.driver.period())
+    }
+
+    fn spawn(
+        self: Box<Self>,
+        scheduler: &mut Scheduler,
+        place: Place,
+        mp: Box<dyn Server>,
+        sensing: Sensing,
+        outcomes: Outcomes,
+    ) -> Result<(), Stuck> {
+        let name = place.name;
+        let edp = scheduler.place(format!("edp {name}"));
+        let (client, server) = scheduler.port(place.ecp, edp);
+        let config = EdpConfig {
+            process: ProcessId::new(Role::Edp, name),
+            robot: self.robot,
+            driver: self.driver,
+            tool: self.tool,
+            step: place.step,
+            following_error: self.following_error,
+            observers: self.observers,
+        };
+        scheduler.body(edp, Box::new(move |waiter| Edp::new(config, waiter, server).run()))?;
+        let (program, nudged) = (self.program, place.nudged);
+        let process = ProcessId::new(Role::Ecp, name);
+        let pace = place.pace;
+        scheduler.body(
+            place.ecp,
+            Box::new(move |waiter| {
+                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
+                let has_own = program.is_some();
+                let outcome = ecp.run_program(|ecp| match program {
+                    Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
+                    Some(program) => program(ecp),
+                    None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
+                    None => crate::transparent::program(ecp),
+                });
+                ecp.serve(&outcome);
+                if has_own {
+                    outcomes.borrow_mut().push((process, outcome));
+                }
+            }),
+        )
+    }
+}

@@ -1,0 +1,167 @@
+//! A virtual sensor of a cell, and how its VSP comes to life.
+
+use core::any::TypeId;
+use core::time::Duration;
+
+use super::CellError;
+use crate::fault::{ProcessId, Role};
+use crate::image::Sensor;
+use crate::link::memory::Scheduler;
+use crate::link::{Client, Nanos, Server};
+use crate::name::Name;
+use crate::sensing::{Sensing, SensorPort, Source};
+use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::wire::{WORDS, Wire};
+
+/// A virtual sensor of a cell.
+pub struct SensorSetup<V: VirtualSensor> {
+    name: String,
+    sensor: V,
+    configuration: <V::Kind as Sensor>::Configuration,
+    robot: Option<String>,
+    mode: VspMode,
+    latency: Duration,
+}
+
+impl<V: VirtualSensor> SensorSetup<V>
+where
+    <V::Kind as Sensor>::Configuration: Default,
+{
+    /// A sensor `name`, interactive, of no robot. The MP can read it.
+    pub fn new(name: &str, sensor: V) -> Self {
+        SensorSetup {
+            name: name.to_owned(),
+            sensor,
+            configuration: Default::default(),
+            robot: None,
+            mode: VspMode::Interactive,
+            latency: Duration::ZERO,
+        }
+    }
+}
+
+impl<V: VirtualSensor> SensorSetup<V> {
+    /// The sensor belongs to a robot: the robot's ECP can read it too, and its state goes with every order.
+    #[must_use]
+    pub fn of(mut self, robot: &str) -> Self {
+        self.robot = Some(robot.to_owned());
+        self
+    }
+
+    /// How the sensor and its requesters keep step.
+    #[must_use]
+    pub fn mode(mut self, mode: VspMode) -> Self {
+        self.mode = mode;
+        self
+    }
+
+    /// Time that one aggregation takes, under the virtual clock.
+    #[must_use]
+    pub fn latency(mut self, latency: Duration) -> Self {
+        self.latency = latency;
+        self
+    }
+}
+
+/// A virtual sensor of any kind.
+pub(super) trait AnySensor {
+    fn name(&self) -> &str;
+    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
+    #[allow(clippy::too_many_arguments)]
+    fn spawn(
+        self: Box<Self>,
+        scheduler: &mut Scheduler,
+        step: Duration,
+        mp: usize,
+        robots: &[Name],
+        ecps: &[usize],
+        mp_sensing: &mut Sensing,
+        ecp_sensing: &mut [Sensing],
+    ) -> Result<(), CellError>;
+}
+
+impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError> {
+        let mut errors = Vec::new();
+        if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
+            || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
+        {
+            errors.push(CellError::TooLong(name));
+        }
+        if self.mode == VspMode::NonInteractive(Duration::ZERO) {
+            errors.push(CellError::NoPeriod(name));
+        }
+        if let Some(robot) =
+            self.robot.as_ref().filter(|robot| robots.iter().all(|name| name.as_str() != *robot))
+        {
+            errors.push(CellError::NoSuchRobot(name, robot.clone()));
+        }
+        errors
+    }
+
+    fn spawn(
+        self: Box<Self>,
+        scheduler: &mut Scheduler,
+        step: Duration,
+        mp: usize,
+        robots: &[Name],
+        ecps: &[usize],
+        mp_sensing: &mut Sensing,
+        ecp_sensing: &mut [Sensing],
+    ) -> Result<(), CellError> {
+        let name = Name::new(&self.name)?;
+        let belongs = |robot: &String| {
+            let place = robots.iter().position(|name| name.as_str() == robot);
+            place.ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))
+        };
+        let robot = self.robot.as_ref().map(belongs).transpose()?;
+        let place = scheduler.place(format!("vsp {name}"));
+        let kind = TypeId::of::<V::Kind>();
+        let clients = [Some(mp), robot.map(|robot| ecps[robot])];
+        let mut servers: Vec<Box<dyn Server>> = Vec::new();
+        let mut sources = Vec::new();
+        let mut boards = Vec::new();
+        for client in clients.into_iter().flatten() {
+            let mut ask = |wrap: fn(Box<dyn Client>) -> Source| {
+                let (client, server) = scheduler.port(client, place);
+                servers.push(server);
+                wrap(client)
+            };
+            sources.push(match self.mode {
+                VspMode::Interactive => ask(Source::Interactive),
+                VspMode::WithDelay => ask(Source::WithDelay),
+                VspMode::NonInteractive(_) => {
+                    let board = Boards { orders: Scheduler::board(), readings: Scheduler::board() };
+                    boards.push(board.clone());
+                    Source::NonInteractive(board)
+                }
+            });
+        }
+        let mut sources = sources.into_iter();
+        if let Some(source) = sources.next() {
+            mp_sensing.ports.push(SensorPort::new(name, kind, robot, source));
+        }
+        if let (Some(robot), Some(source)) = (robot, sources.next()) {
+            ecp_sensing[robot].ports.push(SensorPort::new(name, kind, Some(robot), source));
+        }
+        let (sensor, configuration, latency) =
+            (self.sensor, self.configuration, self.latency.as_nanos() as Nanos);
+        let orders = match self.mode {
+            VspMode::Interactive | VspMode::WithDelay => Orders::Ports(servers),
+            VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
+        };
+        let process = ProcessId::new(Role::Vsp, name);
+        let step = step.as_nanos() as Nanos;
+        scheduler.body(
+            place,
+            Box::new(move |waiter| {
+                Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();
+            }),
+        )?;
+        Ok(())
+    }
+}
