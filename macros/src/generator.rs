@@ -9,24 +9,14 @@ use crate::class::{Level, Role, Uses};
 use crate::emit::{self, Call, GeneratorImpl, Source, Target};
 use crate::errors::Errors;
 use crate::fallback;
-use crate::item::{self, Block, Function, Item};
+use crate::item::{self, Block, Function};
 use crate::parameters;
 use crate::signature::{Expected, Roles, analyse};
 use crate::types::text;
 
 /// Expands the attribute.
 pub fn expand(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    let mut errors = Errors::default();
-    let arguments = Arguments::parse(Kind::Generator, attribute, &mut errors);
-    match syn::parse2(item.clone()) {
-        Ok(Item::Function(function)) => of_function(&arguments, &function, errors, &item),
-        Ok(Item::Block(block)) => of_block(&arguments, &block, errors, &item),
-        Err(error) => {
-            errors.add(error);
-            let errors = errors.into_tokens();
-            quote!(#item #errors)
-        }
-    }
+    item::expand(Kind::Generator, attribute, item, of_function, of_block)
 }
 
 /// The front end for functions.

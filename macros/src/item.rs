@@ -5,6 +5,9 @@ use quote::{ToTokens, TokenStreamExt, quote};
 use syn::parse::{Parse, ParseStream};
 use syn::{Attribute, Generics, Signature, Token, Type, Visibility, braced, token};
 
+use crate::attribute::{Arguments, Kind};
+use crate::errors::Errors;
+
 /// A function: all but its body.
 pub struct Function {
     pub attributes: Vec<Attribute>,
@@ -130,5 +133,30 @@ impl Parse for Item {
             ));
         }
         input.parse().map(Item::Function)
+    }
+}
+
+/// A front end for items of the form `T`: expands one of them, with the mistakes found so far.
+type FrontEnd<T> = fn(&Arguments, &T, Errors, &TokenStream) -> TokenStream;
+
+/// Reads attribute and item and hands them to the front end of the item's form. An item that is neither a function
+/// nor a block is given back with the error.
+pub fn expand(
+    kind: Kind,
+    attribute: TokenStream,
+    item: TokenStream,
+    of_function: FrontEnd<Function>,
+    of_block: FrontEnd<Block>,
+) -> TokenStream {
+    let mut errors = Errors::default();
+    let arguments = Arguments::parse(kind, attribute, &mut errors);
+    match syn::parse2(item.clone()) {
+        Ok(Item::Function(function)) => of_function(&arguments, &function, errors, &item),
+        Ok(Item::Block(block)) => of_block(&arguments, &block, errors, &item),
+        Err(error) => {
+            errors.add(error);
+            let errors = errors.into_tokens();
+            quote!(#item #errors)
+        }
     }
 }
