@@ -160,11 +160,4 @@ impl SpanGeometry {
         let p3 = (self.third - p1 * ddw - p2 * (3.0 * w * dw)) / (w * w * w);
         [p1, p2, p3]
     }
-
-    /// `dk/ds` [1/m^2]; zero where the curve is straight.
-    #[must_use]
-    pub fn curvature_rate(&self) -> f64 {
-        let [_, p2, p3] = self.by_length();
-        p2.try_normalize(0.0).map_or(0.0, |n| p3.dot(&n))
-    }
 }
