@@ -151,15 +151,15 @@ impl<'a> Machine<'a> {
                 }
             }
         };
-        let target = Vec2::new(to('x', self.tool.x)?, to('y', self.tool.y)?);
+        let end = Vec2::new(to('x', self.tool.x)?, to('y', self.tool.y)?);
         let z = to('z', self.z)?;
-        let pieces = self.pieces(block, target, first.byte)?;
+        let pieces = self.pieces(block, end, first.byte)?;
         if let Motion::Nurbs = self.modes.motion {
-            self.tool = target;
+            self.tool = end;
             return Ok(());
         }
         self.push(pieces, z)?;
-        self.tool = target;
+        self.tool = end;
         self.z = z;
         Ok(())
     }
