@@ -24,7 +24,7 @@ use crate::stopping::{STOP_TIME, missed_step_budget};
 use crate::vsp::VirtualSensor;
 
 use robot::{AnyRobot, Place};
-use sensor::AnySensor;
+use sensor::{AnySensor, Requesters};
 
 pub use error::CellError;
 pub use robot::RobotSetup;
@@ -135,8 +135,17 @@ impl Cell {
         // EDPs tick first half a servo period after a step's beginning.
         let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
         let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
+        let mut requesters = Requesters {
+            scheduler: &mut scheduler,
+            step: self.step,
+            mp,
+            robots: &names,
+            ecps: &ecps,
+            mp_sensing: &mut mp_sensing,
+            ecp_sensing: &mut ecp_sensing,
+        };
         for sensor in self.sensors {
-            sensor.spawn(&mut scheduler, self.step, mp, &names, &ecps, &mut mp_sensing, &mut ecp_sensing)?;
+            sensor.spawn(&mut requesters)?;
         }
         let mut ports = Vec::new();
         for ((robot, name), (&ecp, sensing)) in

@@ -67,17 +67,18 @@ impl<V: VirtualSensor> SensorSetup<V> {
 pub(super) trait AnySensor {
     fn name(&self) -> &str;
     fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
-    #[allow(clippy::too_many_arguments)]
-    fn spawn(
-        self: Box<Self>,
-        scheduler: &mut Scheduler,
-        step: Duration,
-        mp: usize,
-        robots: &[Name],
-        ecps: &[usize],
-        mp_sensing: &mut Sensing,
-        ecp_sensing: &mut [Sensing],
-    ) -> Result<(), CellError>;
+    fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError>;
+}
+
+/// Who may read a sensor, and where: the MP, and the ECP of the robot that it belongs to.
+pub(super) struct Requesters<'a> {
+    pub scheduler: &'a mut Scheduler,
+    pub step: Duration,
+    pub mp: usize,
+    pub robots: &'a [Name],
+    pub ecps: &'a [usize],
+    pub mp_sensing: &'a mut Sensing,
+    pub ecp_sensing: &'a mut [Sensing],
 }
 
 impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
@@ -103,16 +104,8 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         errors
     }
 
-    fn spawn(
-        self: Box<Self>,
-        scheduler: &mut Scheduler,
-        step: Duration,
-        mp: usize,
-        robots: &[Name],
-        ecps: &[usize],
-        mp_sensing: &mut Sensing,
-        ecp_sensing: &mut [Sensing],
-    ) -> Result<(), CellError> {
+    fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError> {
+        let Requesters { scheduler, step, mp, robots, ecps, mp_sensing, ecp_sensing } = among;
         let name = Name::new(&self.name)?;
         let belongs = |robot: &String| {
             let place = robots.iter().position(|name| name.as_str() == robot);
@@ -121,7 +114,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         let robot = self.robot.as_ref().map(belongs).transpose()?;
         let place = scheduler.place(format!("vsp {name}"));
         let kind = TypeId::of::<V::Kind>();
-        let clients = [Some(mp), robot.map(|robot| ecps[robot])];
+        let clients = [Some(*mp), robot.map(|robot| ecps[robot])];
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
         let mut sources = Vec::new();
         let mut boards = Vec::new();
