@@ -1,6 +1,6 @@
 //! The typed payloads of orders, readings and sensor configurations.
 
-use crate::wire::Wire;
+use crate::wire::{BadWords, WORDS, Wire};
 
 /// What travels between processes as one value: an MP's order, a sensor's reading or its configuration.
 ///
@@ -59,6 +59,11 @@ impl<P: Payload> Order<P> {
     #[must_use]
     pub const fn new(value: P) -> Self {
         Order { value }
+    }
+
+    /// The order of a step function that reads none: its words are zeros.
+    pub(crate) fn unread() -> Result<Self, BadWords> {
+        P::get(&[0; WORDS]).map(Order::new)
     }
 
     /// What the MP ordered in this step.

@@ -293,8 +293,8 @@ impl<'w, R: Robot> Ecp<'w, R> {
 
     /// The open order's value for a step function that reads it; for one that does not, a value of zeros.
     fn read_order<P: Payload>(&mut self, reads: bool) -> Result<Order<P>, Fault> {
-        let words = if reads { self.orders.words() } else { &EMPTY };
-        P::get(words).map(Order::new).map_err(|_| self.fail(Fault::new(FaultKind::Message)))
+        let order = if reads { P::get(self.orders.words()).map(Order::new) } else { Order::unread() };
+        order.map_err(|_| self.fail(Fault::new(FaultKind::Message)))
     }
 
     fn check_payload<P: Payload>(&mut self, reads: bool) -> Result<(), Fault> {
@@ -437,5 +437,3 @@ impl<'w, R: Robot> Ecp<'w, R> {
 fn is_over(fault: &Fault) -> bool {
     fault.is_orderly() && matches!(fault.kind(), FaultKind::CellClosed | FaultKind::Aborted)
 }
-
-const EMPTY: [u64; crate::wire::WORDS] = [0; crate::wire::WORDS];

@@ -177,5 +177,3 @@ impl<'w> Mp<'w> {
         outcome
     }
 }
-
-const EMPTY: [u64; crate::wire::WORDS] = [0; crate::wire::WORDS];

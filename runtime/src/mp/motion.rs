@@ -9,9 +9,8 @@ use crate::list::{PayloadType, Robots, RobotsOf, SensorList, SensorsOf};
 use crate::message::{OrderKind, flag};
 use crate::payload::{Nudge, Order};
 use crate::step::Step;
-use crate::wire::Wire;
 
-use super::{EMPTY, Mp};
+use super::Mp;
 
 impl Mp<'_> {
     /// **Move**: generates the next states of the robots, step by step, until the generator is done (a motion
@@ -75,6 +74,7 @@ impl Mp<'_> {
     ) -> Result<(), Fault> {
         let (first_uses, next_uses) = (const { G::CLASS.first_uses() }, const { G::CLASS.next_uses() });
         let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
+        let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         self.begin_step()?;
         let handed_over = self.robots.iter().any(|robot| robot.handed_over);
@@ -99,7 +99,6 @@ impl Mp<'_> {
             if uses.robots {
                 self.read_images::<G::Robots>(indices, e)?;
             }
-            let order = Order::new(G::Order::get(&EMPTY).map_err(|_| Fault::new(FaultKind::Message))?);
             let next = if suspended && (step == 0 || !next_uses.tick) {
                 None
             } else if step == 0 {

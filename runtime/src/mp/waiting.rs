@@ -7,9 +7,8 @@ use crate::image::{Reading, State};
 use crate::list::{RobotsOf, SensorsOf};
 use crate::message::{OrderKind, flag};
 use crate::payload::Order;
-use crate::wire::Wire;
 
-use super::{EMPTY, Mp};
+use super::Mp;
 
 impl Mp<'_> {
     /// **Wait**: holds until the condition is met; returns it. The robots' images are refreshed in every step.
@@ -67,6 +66,7 @@ impl Mp<'_> {
         v: &mut Reading<C::Sensors>,
         limit: Option<u64>,
     ) -> Result<(), Fault> {
+        let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
         self.settle()?;
         let mut step = 0;
         loop {
@@ -83,7 +83,6 @@ impl Mp<'_> {
                 continue;
             }
             let t = self.clock.tick(step);
-            let order = Order::new(C::Order::get(&EMPTY).map_err(|_| Fault::new(FaultKind::Message))?);
             if condition.is_met(&order, e, v, t).map_err(Fault::thrown_by_program)? {
                 return Ok(());
             }
