@@ -360,6 +360,20 @@ impl Robot for Irp6 {
         self.X_WB * Pose::from_parts(position, rotation)
     }
 
+    /// The frames of the column, the upper arm, the forearm (each at its joint, x along the link) and the flange.
+    fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
+        let Geometry { a2, a3, .. } = self.geometry;
+        let theta3 = q[1] + q[2] + FRAC_PI_2;
+        let column = self.X_WB * Pose::rotation(Vector3::z() * q[0]);
+        let upper_arm = column * Pose::rotation(Vector3::y() * q[1]);
+        let elbow = upper_arm * Translation3::new(a2, 0.0, 0.0);
+        let forearm = elbow * Pose::rotation(Vector3::y() * (theta3 - q[1]));
+        let wrist = forearm * Translation3::new(a3, 0.0, 0.0);
+        for frame in [column, upper_arm, forearm, wrist, self.forward(q)] {
+            visit(&frame);
+        }
+    }
+
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Six) -> Result<Six, NoInverse> {
         let wrist = Wrist::of(&(self.X_BW * X_WF), near)?;

@@ -12,6 +12,7 @@
 //! for figures that are not public; the others are public facts of MRROC++.
 
 mod irp6;
+mod kinds;
 mod plant;
 mod regulator;
 mod simulated;
@@ -19,6 +20,7 @@ mod transmission;
 mod wrist;
 
 pub use irp6::{Irp6, MotorData, Six};
+pub use kinds::simulated;
 pub use plant::{Encoder, Plant};
 pub use regulator::{Gains, Regulator};
 pub use simulated::{Shaft, SimulatedIrp6};

@@ -58,6 +58,7 @@ extern crate self as mrroc;
 
 mod braking;
 mod cell;
+mod cell_file;
 mod class;
 mod demand;
 mod driver;
@@ -69,6 +70,7 @@ mod generator;
 mod image;
 mod interpolation;
 mod joints;
+mod launch;
 mod limits;
 mod link;
 mod list;
@@ -87,7 +89,8 @@ mod transparent;
 mod vsp;
 mod wire;
 
-pub use cell::{Cell, CellError, RobotSetup, RunReport, SensorSetup};
+pub use cell::{Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
+pub use cell_file::{CellFile, CellFileError, Kinds, RobotEntry};
 pub use class::{Class, Level, Uses};
 pub use demand::Demand;
 pub use driver::{DriveFault, Driver, Measured};
@@ -97,6 +100,7 @@ pub use fault::{Excess, Fault, FaultClass, FaultKind, ProcessId, Role};
 pub use generator::{Condition, Generator};
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use joints::{JointVector, MAX_JOINTS};
+pub use launch::{Recorder, launch};
 pub use list::{
     AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList,
     SensorsOf,

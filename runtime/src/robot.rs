@@ -44,6 +44,12 @@ pub trait Robot: Clone + 'static {
     /// Direct kinematics: `X_WF`, the pose of the flange in the world, for joint positions `q` [rad, m].
     fn forward(&self, q: &Self::Joints) -> Pose;
 
+    /// Visits the frames of the links at `q`, `X_WL`, from the base to the flange: for pictures. The flange's alone unless a
+    /// robot says more.
+    fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
+        visit(&self.forward(q));
+    }
+
     /// Inverse kinematics: the joint positions that put the flange at `X_WF`, on the branch nearest to `near`.
     ///
     /// Positions may lie outside the joint limits: those are checked where the demand is accepted.

@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use crate::cell_file::CellFileError;
 use crate::fault::Fault;
 use crate::link::memory::Stuck;
 use crate::name::{BadName, Name};
@@ -18,6 +19,20 @@ pub enum CellError {
     /// A sensor of a robot that the cell does not have.
     #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
     NoSuchRobot(Name, String),
+    /// A program for the ECP of a robot that the cell does not have.
+    #[error("a program is given to the ECP of robot `{0}`, which the cell does not have; it has: {1}")]
+    NoRobot(String, String),
+    /// A program for the ECP of a robot of another kind.
+    #[error("robot `{0}` is of another kind than the {1} that the program of its ECP is written for")]
+    OtherKind(String, &'static str),
+    /// A sensor of the cell's file that no virtual sensor computes.
+    #[error(
+        "sensor `{0}` of the cell's file has no VSP: add `.sensor(file.sensor(\"{0}\", ..)?)` to the cell, with the virtual sensor that computes it"
+    )]
+    NoVsp(String),
+    /// What is wrong with the cell's file.
+    #[error(transparent)]
+    File(#[from] CellFileError),
     /// A step that takes no time.
     #[error("the step of the cell takes no time: give it 1 ms or more")]
     Step,
@@ -86,7 +101,7 @@ pub enum CellError {
 
 impl CellError {
     /// All that is wrong with a set-up as one error.
-    pub(super) fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
+    pub(crate) fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
         match errors.pop() {
             None => Ok(()),
             Some(only) if errors.is_empty() => Err(only),

@@ -11,7 +11,7 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::ecp::Pace;
+use crate::ecp::{Ecp, Pace};
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::link::Nanos;
 use crate::link::memory::Scheduler;
@@ -23,11 +23,13 @@ use crate::sensing::Sensing;
 use crate::stopping::{STOP_TIME, missed_step_budget};
 use crate::vsp::VirtualSensor;
 
-use robot::{AnyRobot, Place};
+use robot::{Place, SharedObserver};
 use sensor::{AnySensor, Requesters};
 
+pub(crate) use robot::AnyRobot;
+
 pub use error::CellError;
-pub use robot::RobotSetup;
+pub use robot::{Observation, RobotSetup};
 pub use sensor::SensorSetup;
 
 /// What a run took.
@@ -52,6 +54,10 @@ pub struct Cell {
     program: Option<MpProgram>,
     operator: Operator,
     hook: Option<StepHook>,
+    /// Sensors that the cell's file names.
+    expected_sensors: Vec<String>,
+    /// What was found wrong while the cell was put together.
+    errors: Vec<CellError>,
 }
 
 impl Cell {
@@ -67,6 +73,8 @@ impl Cell {
             program: None,
             operator: Operator::new(),
             hook: None,
+            expected_sensors: Vec::new(),
+            errors: Vec::new(),
         }
     }
 
@@ -83,6 +91,47 @@ impl Cell {
     #[must_use]
     pub fn robot<R: Robot>(mut self, setup: RobotSetup<R>) -> Cell {
         self.robots.push(Box::new(setup));
+        self
+    }
+
+    /// Gives the ECP of a robot that was added before its program. Without one an ECP is transparent: it passes the MP's
+    /// demands on.
+    #[must_use]
+    pub fn ecp<R: Robot>(
+        mut self,
+        robot: &str,
+        program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static,
+    ) -> Cell {
+        let found = self.robots.iter_mut().find(|known| known.name() == robot);
+        match found.map(|found| found.as_any().downcast_mut::<RobotSetup<R>>()) {
+            Some(Some(setup)) => setup.give_program(program),
+            Some(None) => self.errors.push(CellError::OtherKind(robot.to_owned(), R::KIND)),
+            None => {
+                let names = self.robots.iter().map(|robot| robot.name()).collect::<Vec<_>>().join(", ");
+                self.errors.push(CellError::NoRobot(robot.to_owned(), names));
+            }
+        }
+        self
+    }
+
+    /// Shows every servo period of every robot that was added before to `observer`.
+    #[must_use]
+    pub fn watch(mut self, observer: impl FnMut(&Observation<'_>) + 'static) -> Cell {
+        let observer: SharedObserver = Rc::new(RefCell::new(observer));
+        for robot in &mut self.robots {
+            robot.watch(Rc::clone(&observer));
+        }
+        self
+    }
+
+    /// Adds a robot of any kind.
+    pub(crate) fn push_robot(&mut self, robot: Box<dyn AnyRobot>) {
+        self.robots.push(robot);
+    }
+
+    /// The cell does not run without these sensors.
+    pub(crate) fn expect_sensors<'a>(mut self, names: impl Iterator<Item = &'a str>) -> Cell {
+        self.expected_sensors.extend(names.map(str::to_owned));
         self
     }
 
@@ -118,7 +167,7 @@ impl Cell {
     ///
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up, before anything moves; or the first cause of a stop.
-    pub fn run(self) -> Result<RunReport, CellError> {
+    pub fn run(mut self) -> Result<RunReport, CellError> {
         let names = self.check()?;
         let nudged = self.program.is_none();
         let patience = (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos;
@@ -184,11 +233,11 @@ impl Cell {
     }
 
     /// The robots' names, when nothing is wrong with the set-up.
-    fn check(&self) -> Result<Vec<Name>, CellError> {
+    pub(crate) fn check(&mut self) -> Result<Vec<Name>, CellError> {
         if self.step.is_zero() {
             return Err(CellError::Step);
         }
-        let (mut names, mut errors) = (Vec::new(), Vec::new());
+        let (mut names, mut errors) = (Vec::new(), core::mem::take(&mut self.errors));
         for robot in &self.robots {
             let name = match Name::new(robot.name()) {
                 Ok(name) => name,
@@ -221,6 +270,8 @@ impl Cell {
                 Err(bad) => errors.push(bad.into()),
             }
         }
+        let without = |name: &&String| self.sensors.iter().all(|sensor| sensor.name() != name.as_str());
+        errors.extend(self.expected_sensors.iter().filter(without).cloned().map(CellError::NoVsp));
         if self.program.is_none() && !self.robots.iter().any(|robot| robot.has_program()) {
             errors.push(CellError::NoProgram);
         }

@@ -1,19 +1,22 @@
 //! A robot of a cell, and how its ECP and EDP come to life.
 
-use core::any::TypeId;
+use core::any::{Any, TypeId};
 use core::time::Duration;
+use std::cell::RefCell;
+use std::rc::Rc;
 
 use super::{CellError, Outcomes, limits};
 use crate::driver::Driver;
 use crate::ecp::{Ecp, Pace};
 use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
 use crate::fault::{Fault, ProcessId, Role};
+use crate::joints::JointVector;
 use crate::link::Server;
 use crate::link::memory::{Scheduler, Stuck};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
 
@@ -63,8 +66,12 @@ impl<R: Robot> RobotSetup<R> {
     /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on.
     #[must_use]
     pub fn program(mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
-        self.program = Some(Box::new(program));
+        self.give_program(program);
         self
+    }
+
+    pub(super) fn give_program(&mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
+        self.program = Some(Box::new(program));
     }
 
     /// Calls `observer` after every servo period.
@@ -76,7 +83,7 @@ impl<R: Robot> RobotSetup<R> {
 }
 
 /// Where a robot's processes are.
-pub(super) struct Place {
+pub(crate) struct Place {
     pub name: Name,
     pub ecp: usize,
     pub step: Duration,
@@ -84,8 +91,44 @@ pub(super) struct Place {
     pub nudged: bool,
 }
 
+/// A robot of any kind at the end of a servo period, as a recorder sees it.
+pub struct Observation<'a> {
+    /// The robot's name.
+    pub robot: &'a str,
+    /// Its kind.
+    pub kind: &'static str,
+    /// Time since the cell started \[s\].
+    pub time: f64,
+    /// Joint positions that the drives got [rad or m].
+    pub demanded: &'a [f64],
+    /// Joint positions that the encoders read [rad or m].
+    pub measured: &'a [f64],
+    /// What kind each joint is.
+    pub joints: &'a [JointKind],
+    frames: &'a dyn Fn(&mut dyn FnMut(&Pose)),
+    tool: &'a Pose,
+}
+
+impl Observation<'_> {
+    /// Visits the frames of the links at the measured joints, `X_WL`, from the base to the flange, and the tool's, `X_WE`,
+    /// last.
+    pub fn frames(&self, visit: &mut dyn FnMut(&Pose)) {
+        let mut flange = Pose::identity();
+        (self.frames)(&mut |frame| {
+            flange = *frame;
+            visit(frame);
+        });
+        visit(&(flange * self.tool));
+    }
+}
+
+/// An observer of several robots.
+pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
+
 /// A robot of any kind.
-pub(super) trait AnyRobot {
+pub(crate) trait AnyRobot {
+    fn as_any(&mut self) -> &mut dyn Any;
+    fn watch(&mut self, observer: SharedObserver);
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn has_program(&self) -> bool;
@@ -103,6 +146,29 @@ pub(super) trait AnyRobot {
 }
 
 impl<R: Robot> AnyRobot for RobotSetup<R> {
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+
+    fn watch(&mut self, observer: SharedObserver) {
+        let (name, robot) = (self.name.clone(), self.robot.clone());
+        let joints: Vec<_> = (0..R::Joints::LEN).map(R::joint).collect();
+        self.observers.push(Box::new(move |record| {
+            let measured = &record.measured.position;
+            let observation = Observation {
+                robot: &name,
+                kind: R::KIND,
+                time: record.time,
+                demanded: record.demanded.as_slice(),
+                measured: measured.as_slice(),
+                joints: &joints,
+                frames: &|visit| robot.frames(measured, visit),
+                tool: &record.tool,
+            };
+            (observer.borrow_mut())(&observation);
+        }));
+    }
+
     fn name(&self) -> &str {
         &self.name
     }

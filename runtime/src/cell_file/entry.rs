@@ -1,0 +1,88 @@
+//! A robot and a sensor as the cell file describes them.
+
+use core::ops::Range;
+use core::time::Duration;
+use std::rc::Rc;
+
+use crate::cell::CellError;
+use crate::joints::JointVector;
+use crate::pose::Pose;
+use crate::robot::Robot;
+use crate::vsp::VspMode;
+
+use super::error::Source;
+
+/// A value and where it stands in the text.
+#[derive(Clone, Debug)]
+pub(super) struct At<T> {
+    pub value: T,
+    pub span: Range<usize>,
+}
+
+/// A robot of a cell file: what the set-up of its kind is made from.
+#[derive(Clone, Debug)]
+pub struct RobotEntry {
+    pub(super) source: Rc<Source>,
+    pub(super) name: At<String>,
+    pub(super) kind: At<String>,
+    pub(super) start: Option<At<Vec<At<f64>>>>,
+    pub(super) tool: Option<Pose>,
+}
+
+impl RobotEntry {
+    /// The robot's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name.value
+    }
+
+    /// The kind that the file gives it.
+    #[must_use]
+    pub fn kind(&self) -> &str {
+        &self.kind.value
+    }
+
+    /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].
+    ///
+    /// # Errors
+    /// There is none, it has another number of joints, or one of them is outside the robot's position limits.
+    pub fn start<R: Robot>(&self, robot: &R) -> Result<R::Joints, CellError> {
+        let joints = R::Joints::LEN;
+        let Some(start) = &self.start else {
+            let what = format!("robot `{}` has no `start`", self.name());
+            let help = format!("write start = [..], {joints} joint positions [{}]", R::joint(0).unit(0));
+            return Err(self.source.complain(&self.name.span, what, help).into());
+        };
+        if start.value.len() != joints {
+            let what = format!("`start` has {} numbers, {} has {joints} joints", start.value.len(), R::KIND);
+            let help = format!("write one joint position for each: {joints} numbers");
+            return Err(self.source.complain(&start.span, what, help).into());
+        }
+        let limits = robot.limits();
+        for (i, At { value, span }) in start.value.iter().enumerate() {
+            let (lower, upper) = (limits.lower[i], limits.upper[i]);
+            if !(lower..=upper).contains(value) {
+                let unit = R::joint(i).unit(0);
+                let what = format!("`start` of joint {} is {value} {unit}, outside its limits", i + 1);
+                let help = format!("write a number from {lower:.4} to {upper:.4} {unit}");
+                return Err(self.source.complain(span, what, help).into());
+            }
+        }
+        Ok(R::Joints::from_joints(|i| start.value[i].value))
+    }
+
+    pub(super) fn unknown_kind(&self, known: &[&str]) -> CellError {
+        let what = format!("no kind of robot `{}`", self.kind());
+        let help = super::error::suggestion(self.kind(), known, "the program knows");
+        self.source.complain(&self.kind.span, what, help).into()
+    }
+}
+
+/// A sensor of a cell file.
+#[derive(Clone, Debug)]
+pub(super) struct SensorEntry {
+    pub name: String,
+    pub of: Option<String>,
+    pub mode: VspMode,
+    pub latency: Duration,
+}

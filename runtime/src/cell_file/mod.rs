@@ -1,0 +1,122 @@
+//! `cell.toml`: what a cell is made of, apart from what its programs do.
+//!
+//! In: the text of the file. Out: a [`CellFile`], from which [`CellFile::cell`] makes a [`Cell`] of the kinds of robots
+//! that the program knows; or everything that is wrong with the file, each with its line and a caret.
+//!
+//! ```toml
+//! step_ms = 2        # Ts, the step of the cell [ms]
+//! stop_ms = 600      # the longest stop that it allows any joint [ms]; 600 unless it is said
+//!
+//! [robots.arm]       # a robot of this name
+//! kind = "irp6"      # one of the program's kinds
+//! start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]   # where a simulated arm starts [rad or m]
+//! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
+//!
+//! [sensors.touch]    # a virtual sensor of this name
+//! of = "arm"         # the robot whose ECP may read it, and whose state goes with every order
+//! mode = "interactive"   # or "with delay", "free running"; interactive unless it is said
+//! period_ms = 5      # of a free-running sensor
+//! ```
+
+mod entry;
+mod error;
+mod kinds;
+mod reader;
+
+use core::time::Duration;
+use std::path::Path;
+use std::rc::Rc;
+
+use crate::cell::{Cell, CellError, SensorSetup};
+use crate::image::Sensor;
+use crate::vsp::VirtualSensor;
+
+pub use entry::RobotEntry;
+pub use error::CellFileError;
+pub(crate) use error::suggestion;
+pub use kinds::Kinds;
+
+use entry::SensorEntry;
+use error::Source;
+
+/// A cell as its file describes it: names, kinds, places and periods; no programs.
+#[derive(Clone, Debug)]
+pub struct CellFile {
+    source: Rc<Source>,
+    step: Duration,
+    stop_time: Option<Duration>,
+    robots: Vec<RobotEntry>,
+    sensors: Vec<SensorEntry>,
+}
+
+impl CellFile {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// [`CellFileError`]: the file cannot be read, or everything that is wrong with it.
+    pub fn read(path: impl AsRef<Path>) -> Result<CellFile, CellFileError> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        match std::fs::read_to_string(path) {
+            Ok(text) => CellFile::parse(&name, &text),
+            Err(error) => Err(CellFileError::unreadable(&name, &error)),
+        }
+    }
+
+    /// Reads the text of a file that messages call `name`.
+    ///
+    /// # Errors
+    /// [`CellFileError`] with everything that is wrong with it.
+    pub fn parse(name: &str, text: &str) -> Result<CellFile, CellFileError> {
+        reader::read(name, text)
+    }
+
+    /// The step of the cell.
+    #[must_use]
+    pub fn step(&self) -> Duration {
+        self.step
+    }
+
+    /// The robots, in the order of the file.
+    #[must_use]
+    pub fn robots(&self) -> &[RobotEntry] {
+        &self.robots
+    }
+
+    /// A cell with the robots of the file, each set up by its kind. Programs and sensors are added to it.
+    ///
+    /// # Errors
+    /// What the file asks of the kinds and they cannot give, for all robots at once.
+    pub fn cell(&self, kinds: &Kinds) -> Result<Cell, CellError> {
+        let mut cell = Cell::new(self.step).expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name));
+        if let Some(limit) = self.stop_time {
+            cell = cell.stop_time(limit);
+        }
+        let mut errors = Vec::new();
+        for entry in &self.robots {
+            match kinds.set_up(entry) {
+                Ok(robot) => cell.push_robot(robot),
+                Err(error) => errors.push(error),
+            }
+        }
+        CellError::all(errors).map(|()| cell)
+    }
+
+    /// The set-up of the virtual sensor that the file calls `name`, computed by `sensor`.
+    ///
+    /// # Errors
+    /// The file has no sensor of that name.
+    pub fn sensor<V: VirtualSensor>(&self, name: &str, sensor: V) -> Result<SensorSetup<V>, CellError>
+    where
+        <V::Kind as Sensor>::Configuration: Default,
+    {
+        let Some(entry) = self.sensors.iter().find(|entry| entry.name == name) else {
+            return Err(self.source.missing("sensors", name, self.sensors.iter().map(|s| &*s.name)).into());
+        };
+        let setup = SensorSetup::new(name, sensor).mode(entry.mode).latency(entry.latency);
+        Ok(match &entry.of {
+            Some(robot) => setup.of(robot),
+            None => setup,
+        })
+    }
+}

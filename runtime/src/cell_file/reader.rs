@@ -1,0 +1,260 @@
+//! From text to a [`CellFile`]: every key is known, every value has its type and range, all errors are told at once.
+
+use core::ops::Range;
+use core::time::Duration;
+use std::rc::Rc;
+
+use nalgebra::Translation3;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use crate::name::Name;
+use crate::pose::{Pose, Zyz};
+use crate::vsp::VspMode;
+
+use super::CellFile;
+use super::entry::{At, RobotEntry, SensorEntry};
+use super::error::{CellFileError, Source, suggestion};
+
+type Value<'t> = Spanned<DeValue<'t>>;
+
+const CELL_KEYS: [&str; 4] = ["step_ms", "stop_ms", "robots", "sensors"];
+const ROBOT_KEYS: [&str; 3] = ["kind", "start", "tool"];
+const TOOL_KEYS: [&str; 2] = ["position", "zyz"];
+const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
+const MODES: [&str; 3] = ["interactive", "with delay", "free running"];
+
+/// Reads the whole file.
+pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
+    let source = Rc::new(Source { file: name.to_owned(), text: text.to_owned() });
+    let (document, syntax) = DeTable::parse_recoverable(text);
+    let mut reader = Reader { source: Rc::clone(&source), errors: Vec::new() };
+    for error in syntax {
+        let what = error.message().to_owned();
+        reader.complain(&error.span().unwrap_or(0..0), what, "write it as TOML has it".to_owned());
+    }
+    // What follows from a broken line would only confuse.
+    CellFileError::all(core::mem::take(&mut reader.errors))?;
+
+    let table = document.get_ref();
+    reader.known(table, &CELL_KEYS, "a cell has");
+    let step = reader.step(table);
+    let stop_time = table.get("stop_ms").and_then(|value| reader.duration(value));
+    let robots: Vec<_> =
+        reader.entries(table, "robots").into_iter().filter_map(|entry| reader.robot(entry)).collect();
+    if robots.is_empty() && reader.errors.is_empty() {
+        let help = "write a table [robots.arm] with the kind of a robot that you will call arm";
+        reader.complain(&(0..0), "the cell has no robot".to_owned(), help.to_owned());
+    }
+    let names: Vec<_> = robots.iter().map(|robot| robot.name.value.clone()).collect();
+    let sensors = reader
+        .entries(table, "sensors")
+        .into_iter()
+        .filter_map(|entry| reader.sensor(entry, &names))
+        .collect();
+    CellFileError::all(reader.errors)?;
+    Ok(CellFile { source, step, stop_time, robots, sensors })
+}
+
+struct Reader {
+    source: Rc<Source>,
+    errors: Vec<CellFileError>,
+}
+
+/// A named table: `[robots.NAME]`.
+struct Entry<'t> {
+    name: At<String>,
+    table: &'t DeTable<'t>,
+}
+
+impl Reader {
+    fn complain(&mut self, at: &Range<usize>, what: String, help: String) {
+        self.errors.push(self.source.complain(at, what, help));
+    }
+
+    /// Complains of the keys that are not known.
+    fn known(&mut self, table: &DeTable<'_>, keys: &[&str], owner_has: &str) {
+        for key in table.keys() {
+            if !keys.contains(&key.get_ref().as_ref()) {
+                let what = format!("unknown key `{}`", key.get_ref());
+                self.complain(&key.span(), what, suggestion(key.get_ref(), keys, owner_has));
+            }
+        }
+    }
+
+    fn wrong_type(&mut self, value: &Value<'_>, expected: &str) {
+        let what = format!("a {} where {expected} is due", value.get_ref().type_str());
+        self.complain(&value.span(), what, format!("write {expected}"));
+    }
+
+    fn number(&mut self, value: &Value<'_>, expected: &str) -> Option<At<f64>> {
+        let parsed = match value.get_ref() {
+            DeValue::Integer(integer) => {
+                i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|integer| integer as f64)
+            }
+            DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
+            DeValue::String(_)
+            | DeValue::Boolean(_)
+            | DeValue::Datetime(_)
+            | DeValue::Array(_)
+            | DeValue::Table(_) => {
+                self.wrong_type(value, expected);
+                return None;
+            }
+        };
+        let finite = parsed.filter(|number| number.is_finite());
+        if finite.is_none() {
+            let help = format!("write {expected}");
+            self.complain(&value.span(), "not a finite number".to_owned(), help);
+        }
+        finite.map(|number| At { value: number, span: value.span() })
+    }
+
+    fn numbers(&mut self, value: &Value<'_>, expected: &str) -> Option<At<Vec<At<f64>>>> {
+        let DeValue::Array(array) = value.get_ref() else {
+            self.wrong_type(value, expected);
+            return None;
+        };
+        let numbers: Vec<_> = array.iter().map(|number| self.number(number, "a number")).collect();
+        let numbers: Option<Vec<_>> = numbers.into_iter().collect();
+        numbers.map(|numbers| At { value: numbers, span: value.span() })
+    }
+
+    fn text<'t>(&mut self, value: &'t Value<'_>, expected: &str) -> Option<&'t str> {
+        let text = value.get_ref().as_str();
+        if text.is_none() {
+            self.wrong_type(value, expected);
+        }
+        text
+    }
+
+    /// A time in milliseconds, above 0 and at most a minute.
+    fn duration(&mut self, value: &Value<'_>) -> Option<Duration> {
+        const RANGE: &str = "a number of milliseconds, above 0 and at most 60000";
+        let ms = self.number(value, RANGE)?;
+        if ms.value > 0.0 && ms.value <= 60e3 {
+            // To the nanosecond, of which the cell's clock has whole ones.
+            return Some(Duration::from_nanos((ms.value * 1e6).round().max(1.0) as u64));
+        }
+        self.complain(&ms.span, format!("{} ms", ms.value), format!("write {RANGE}"));
+        None
+    }
+
+    fn step(&mut self, table: &DeTable<'_>) -> Duration {
+        match table.get("step_ms") {
+            Some(value) => self.duration(value).unwrap_or_default(),
+            None => {
+                let help = "write step_ms = 2 as the first line, or another step that fits the robots' servo periods";
+                self.complain(&(0..0), "the cell has no `step_ms`".to_owned(), help.to_owned());
+                Duration::ZERO
+            }
+        }
+    }
+
+    /// The named tables below a key.
+    fn entries<'t>(&mut self, table: &'t DeTable<'t>, key: &str) -> Vec<Entry<'t>> {
+        let Some(value) = table.get(key) else { return Vec::new() };
+        let DeValue::Table(named) = value.get_ref() else {
+            self.wrong_type(value, &format!("tables [{key}.NAME]"));
+            return Vec::new();
+        };
+        let mut entries = Vec::new();
+        for (name, value) in named {
+            let span = name.span();
+            if let Err(bad) = Name::new(name.get_ref()) {
+                self.complain(&span, bad.to_string(), format!("write [{key}.NAME] with such a name"));
+            } else if let DeValue::Table(table) = value.get_ref() {
+                entries.push(Entry { name: At { value: name.get_ref().to_string(), span }, table });
+            } else {
+                let expected = format!("a table [{key}.NAME]");
+                self.wrong_type(value, &expected);
+            }
+        }
+        // In the order of the file, where a map has the order of names.
+        entries.sort_by_key(|entry| entry.name.span.start);
+        entries
+    }
+
+    fn robot(&mut self, Entry { name, table }: Entry<'_>) -> Option<RobotEntry> {
+        self.known(table, &ROBOT_KEYS, "a robot has");
+        let start =
+            table.get("start").and_then(|value| self.numbers(value, "a list of joint positions [rad or m]"));
+        let tool = table.get("tool").and_then(|value| self.tool(value));
+        let Some(kind) = table.get("kind") else {
+            let what = format!("robot `{}` has no `kind`", name.value);
+            self.complain(&name.span, what, "write kind = \"irp6\" or another kind".to_owned());
+            return None;
+        };
+        let text = self.text(kind, "the name of a kind of robot, in quotes")?.to_owned();
+        let kind = At { value: text, span: kind.span() };
+        Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, tool })
+    }
+
+    /// `X_FE` of `{ position = [x, y, z], zyz = [a, b, c] }`.
+    fn tool(&mut self, value: &Value<'_>) -> Option<Pose> {
+        const FORM: &str = "{ position = [x, y, z], zyz = [a, b, c] } [m, rad]";
+        let DeValue::Table(table) = value.get_ref() else {
+            self.wrong_type(value, FORM);
+            return None;
+        };
+        self.known(table, &TOOL_KEYS, "a tool has");
+        let mut three = |key: &str| {
+            let Some(value) = table.get(key) else { return Some([0.0; 3]) };
+            let numbers = self.numbers(value, "three numbers")?;
+            if let [x, y, z] = numbers.value.as_slice() {
+                return Some([x.value, y.value, z.value]);
+            }
+            let what = format!("`{key}` has {} numbers", numbers.value.len());
+            self.complain(&numbers.span, what, format!("write three: {FORM}"));
+            None
+        };
+        let ([x, y, z], [alpha, beta, gamma]) = (three("position")?, three("zyz")?);
+        Some(Pose::from_parts(Translation3::new(x, y, z), Zyz { alpha, beta, gamma }.rotation()))
+    }
+
+    fn sensor(&mut self, Entry { name, table }: Entry<'_>, robots: &[String]) -> Option<SensorEntry> {
+        self.known(table, &SENSOR_KEYS, "a sensor has");
+        let of = table.get("of").and_then(|value| {
+            let robot = self.text(value, "the name of a robot, in quotes")?.to_owned();
+            if !robots.contains(&robot) {
+                let known: Vec<_> = robots.iter().map(String::as_str).collect();
+                let what = format!("sensor `{}` belongs to robot `{robot}`, which is not there", name.value);
+                self.complain(&value.span(), what, suggestion(&robot, &known, "the robots are"));
+            }
+            Some(robot)
+        });
+        let latency = table.get("latency_ms").and_then(|value| self.duration(value));
+        let period = table.get("period_ms").map(|value| (value, self.duration(value)));
+        let mode = match table.get("mode") {
+            None => Some("interactive"),
+            Some(value) => self.text(value, "the name of a mode, in quotes").filter(|mode| {
+                let known = MODES.contains(mode);
+                if !known {
+                    let what = format!("no mode `{mode}`");
+                    self.complain(&value.span(), what, suggestion(mode, &MODES, "a sensor's modes are"));
+                }
+                known
+            }),
+        };
+        let mode = match (mode?, period) {
+            ("free running", Some((_, period))) => VspMode::NonInteractive(period?),
+            ("free running", None) => {
+                let what = format!("sensor `{}` runs freely and has no `period_ms`", name.value);
+                self.complain(&name.span, what, "write period_ms = 5 or another period".to_owned());
+                return None;
+            }
+            (_, Some((value, _))) => {
+                let what = "only a free-running sensor has a period".to_owned();
+                self.complain(
+                    &value.span(),
+                    what,
+                    "leave it out, or write mode = \"free running\"".to_owned(),
+                );
+                return None;
+            }
+            ("with delay", None) => VspMode::WithDelay,
+            (_, None) => VspMode::Interactive,
+        };
+        Some(SensorEntry { name: name.value, of, mode, latency: latency.unwrap_or_default() })
+    }
+}

@@ -1,0 +1,196 @@
+//! The command line of a task program: finds `cell.toml`, runs the cell, says how it ended.
+//!
+//! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
+
+use std::ffi::OsString;
+use std::fmt::Display;
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use lexopt::prelude::*;
+
+use crate::cell::{Cell, CellError};
+use crate::cell_file::{CellFile, suggestion};
+
+/// What watches the robots of a run and keeps something of it, such as a picture.
+pub trait Recorder {
+    /// Begins to watch every robot of the cell.
+    fn watch(&mut self, cell: Cell) -> Cell;
+
+    /// Writes what was seen to a file; after a fault, too.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn save(&mut self, file: &Path) -> io::Result<()>;
+}
+
+const HELP: &str = "\
+Runs the cell of cell.toml with simulated robots and draws what moved.
+
+Options:
+  --cell FILE      the cell [default: the nearest cell.toml, here or upwards]
+  --picture FILE   the picture [default: picture.svg]
+  --no-picture     draw nothing
+  --check          put the cell together, but run nothing
+  -q, --quiet      print errors only
+  -h, --help       print this text
+
+Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
+the command line was refused; then nothing has moved.
+";
+
+const NAMES: [&str; 6] = ["cell", "picture", "no-picture", "check", "quiet", "help"];
+
+/// What the command line asks for.
+struct Options {
+    cell: Option<PathBuf>,
+    picture: Option<PathBuf>,
+    check: bool,
+    quiet: bool,
+}
+
+/// A command line that cannot be followed.
+#[derive(Debug, thiserror::Error)]
+#[error("{what}\n help: {help}")]
+struct BadOption {
+    what: String,
+    help: String,
+}
+
+/// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
+///
+/// ```no_run
+/// # use mrroc::{Cell, CellError, CellFile, Recorder};
+/// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
+/// # fn film() -> impl Recorder { struct R; impl Recorder for R {
+/// #     fn watch(&mut self, cell: Cell) -> Cell { cell }
+/// #     fn save(&mut self, _: &std::path::Path) -> std::io::Result<()> { Ok(()) }
+/// # } R }
+/// # #[allow(unused)]
+/// fn main() -> std::process::ExitCode {
+///     mrroc::launch(cell, film())
+/// }
+/// ```
+pub fn launch(
+    cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>,
+    mut recorder: impl Recorder,
+) -> ExitCode {
+    let options = match parse(std::env::args_os().skip(1)) {
+        Ok(Some(options)) => options,
+        Ok(None) => return say(HELP),
+        Err(error) => return refused(&error),
+    };
+    let path = options.cell.unwrap_or_else(nearest_cell);
+    let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
+    let mut cell = match assembled {
+        Ok(cell) => cell,
+        Err(error) => return refused(&error),
+    };
+    if options.check {
+        return match cell.check() {
+            Ok(_) => say(&format!("{}: nothing is wrong with the cell\n", path.display())),
+            Err(error) => refused(&error),
+        };
+    }
+    if options.picture.is_some() {
+        cell = recorder.watch(cell);
+    }
+    let outcome = cell.run();
+    let drawn = match (&outcome, &options.picture) {
+        (Ok(_) | Err(CellError::Fault(_)), Some(picture)) => recorder.save(picture).map_err(|error| {
+            let picture = picture.display();
+            format!("{picture}: cannot be written: {error}\n help: give another file by --picture, or --no-picture")
+        }),
+        (Ok(_) | Err(_), _) => Ok(()),
+    };
+    let ended = match outcome {
+        Ok(report) if options.quiet => {
+            let _ = report;
+            ExitCode::SUCCESS
+        }
+        Ok(report) => {
+            let seconds = report.time.as_secs_f64();
+            say(&match &options.picture {
+                Some(picture) if drawn.is_ok() => {
+                    format!("ran {seconds:.3} s in {} steps: see {}\n", report.steps, picture.display())
+                }
+                Some(_) | None => format!("ran {seconds:.3} s in {} steps\n", report.steps),
+            })
+        }
+        Err(error @ CellError::Fault(_)) => {
+            complain(&error);
+            ExitCode::FAILURE
+        }
+        Err(error) => return refused(&error),
+    };
+    match drawn {
+        Ok(()) => ended,
+        Err(error) => {
+            complain(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options>, BadOption> {
+    let bad = |what: String, help: &str| BadOption { what, help: help.to_owned() };
+    let mut parser = lexopt::Parser::from_args(arguments);
+    let mut options =
+        Options { cell: None, picture: Some(PathBuf::from("picture.svg")), check: false, quiet: false };
+    let next = |parser: &mut lexopt::Parser| {
+        parser.value().map(PathBuf::from).map_err(|error| bad(error.to_string(), "give a file"))
+    };
+    while let Some(argument) = parser.next().map_err(|error| bad(error.to_string(), "see --help"))? {
+        match argument {
+            Short('h') | Long("help") => return Ok(None),
+            Short('q') | Long("quiet") => options.quiet = true,
+            Long("check") => options.check = true,
+            Long("no-picture") => options.picture = None,
+            Long("cell") => options.cell = Some(next(&mut parser)?),
+            Long("picture") => options.picture = Some(next(&mut parser)?),
+            Long(name) => {
+                let help = suggestion(name, &NAMES, "the options are");
+                return Err(BadOption { what: format!("no option --{name}"), help });
+            }
+            Short(letter) => return Err(bad(format!("no option -{letter}"), "see --help")),
+            Value(value) => {
+                let what = format!("`{}` is not asked for", value.to_string_lossy());
+                return Err(bad(what, "see --help"));
+            }
+        }
+    }
+    Ok(Some(options))
+}
+
+/// `cell.toml` in this folder or in the nearest one upwards that has it, as with Cargo.toml.
+fn nearest_cell() -> PathBuf {
+    let here = PathBuf::from("cell.toml");
+    let upwards = std::env::current_dir().ok().and_then(|folder| {
+        let mut folders = folder.ancestors().skip(1).map(|folder| folder.join("cell.toml"));
+        folders.find(|file| file.is_file())
+    });
+    if here.is_file() { here } else { upwards.unwrap_or(here) }
+}
+
+/// Prints a text. A reader that has had enough and closed the pipe is no failure.
+fn say(text: &str) -> ExitCode {
+    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(&format!("the standard output cannot be written: {error}"));
+            ExitCode::FAILURE
+        }
+        Ok(()) | Err(_) => ExitCode::SUCCESS,
+    }
+}
+
+/// Nothing has moved.
+fn refused(error: &dyn Display) -> ExitCode {
+    complain(error);
+    ExitCode::from(2)
+}
+
+fn complain(error: &dyn Display) {
+    // Without a standard error the exit status alone must tell.
+    let _ = writeln!(io::stderr(), "error: {error}");
+}
