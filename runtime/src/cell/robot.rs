@@ -105,9 +105,12 @@ pub struct Observation<'a> {
     pub measured: &'a [f64],
     /// What kind each joint is.
     pub joints: &'a [JointKind],
-    frames: &'a dyn Fn(&mut dyn FnMut(&Pose)),
+    frames: &'a Frames<'a>,
     tool: &'a Pose,
 }
+
+/// Shows a visitor the frames of a robot's links.
+type Frames<'a> = dyn Fn(&mut dyn FnMut(&Pose)) + 'a;
 
 impl Observation<'_> {
     /// Visits the frames of the links at the measured joints, `X_WL`, from the base to the flange, and the tool's, `X_WE`,
