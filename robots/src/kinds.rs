@@ -15,7 +15,7 @@ use crate::simulated::SimulatedIrp6;
 #[must_use]
 pub fn simulated() -> Kinds {
     Kinds::new().with("irp6", |entry| {
-        let robot = Irp6::nominal();
+        let robot = Irp6::nominal().with_base(entry.base());
         let drives = SimulatedIrp6::new(robot.clone(), &entry.start(&robot)?);
         Ok(RobotSetup::new(entry.name(), robot, drives))
     })

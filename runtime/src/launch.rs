@@ -85,12 +85,12 @@ pub fn launch(
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
     let mut cell = match assembled {
         Ok(cell) => cell,
-        Err(error) => return refused(&error),
+        Err(error) => return cell_refused(&error),
     };
     if options.check {
         return match cell.check() {
             Ok(_) => say(&format!("{}: nothing is wrong with the cell\n", path.display())),
-            Err(error) => refused(&error),
+            Err(error) => cell_refused(&error),
         };
     }
     if options.picture.is_some() {
@@ -105,10 +105,7 @@ pub fn launch(
         (Ok(_) | Err(_), _) => Ok(()),
     };
     let ended = match outcome {
-        Ok(report) if options.quiet => {
-            let _ = report;
-            ExitCode::SUCCESS
-        }
+        Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(report) => {
             let seconds = report.time.as_secs_f64();
             say(&match &options.picture {
@@ -122,7 +119,7 @@ pub fn launch(
             complain(&error);
             ExitCode::FAILURE
         }
-        Err(error) => return refused(&error),
+        Err(error) => return cell_refused(&error),
     };
     match drawn {
         Ok(()) => ended,
@@ -187,6 +184,15 @@ fn say(text: &str) -> ExitCode {
 /// Nothing has moved.
 fn refused(error: &dyn Display) -> ExitCode {
     complain(error);
+    ExitCode::from(2)
+}
+
+/// The same, for all that is wrong with a cell.
+fn cell_refused(error: &CellError) -> ExitCode {
+    match error {
+        CellError::Several(errors) => errors.iter().for_each(|error| complain(error)),
+        one => complain(one),
+    }
     ExitCode::from(2)
 }
 

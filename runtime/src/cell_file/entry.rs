@@ -26,6 +26,7 @@ pub struct RobotEntry {
     pub(super) name: At<String>,
     pub(super) kind: At<String>,
     pub(super) start: Option<At<Vec<At<f64>>>>,
+    pub(super) base: Option<Pose>,
     pub(super) tool: Option<Pose>,
 }
 
@@ -40,6 +41,12 @@ impl RobotEntry {
     #[must_use]
     pub fn kind(&self) -> &str {
         &self.kind.value
+    }
+
+    /// `base`: where the robot's base stands, `X_WB`; the world's origin unless the file says so.
+    #[must_use]
+    pub fn base(&self) -> Pose {
+        self.base.unwrap_or_else(Pose::identity)
     }
 
     /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].

@@ -13,6 +13,8 @@ pub struct CellFileError {
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Complaint {
+    /// Where in the text, for the order of complaints.
+    offset: usize,
     /// File, and line and column where there are any.
     at: String,
     what: String,
@@ -32,12 +34,13 @@ impl CellFileError {
         let help = "a task project has its cell.toml beside its Cargo.toml: run it there, or give the file by --cell";
         let what = format!("cannot be read: {error}");
         let (at, help) = (name.to_owned(), help.to_owned());
-        CellFileError { complaints: vec![Complaint { at, what, excerpt: String::new(), help }] }
+        CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
     }
 
-    /// All complaints as one, if there are any.
+    /// All complaints as one, if there are any, from the file's top to its end.
     pub(super) fn all(errors: Vec<CellFileError>) -> Result<(), CellFileError> {
-        let complaints: Vec<_> = errors.into_iter().flat_map(|error| error.complaints).collect();
+        let mut complaints: Vec<_> = errors.into_iter().flat_map(|error| error.complaints).collect();
+        complaints.sort_by_key(|complaint| complaint.offset);
         if complaints.is_empty() { Ok(()) } else { Err(CellFileError { complaints }) }
     }
 }
@@ -67,7 +70,7 @@ impl Source {
         let gutter = " ".repeat(number.len());
         let excerpt = format!("\n {number} | {shown}\n {gutter} | {blank}{}", "^".repeat(width));
         let at = format!("{}:{line}:{column}", self.file);
-        CellFileError { complaints: vec![Complaint { at, what, excerpt, help }] }
+        CellFileError { complaints: vec![Complaint { offset: start, at, what, excerpt, help }] }
     }
 
     /// The file has no entry of this name in a table.
@@ -87,7 +90,7 @@ impl Source {
         };
         let what = format!("the program asks for [{table}.{name}], which is not there");
         let at = self.file.clone();
-        CellFileError { complaints: vec![Complaint { at, what, excerpt: String::new(), help }] }
+        CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
     }
 }
 

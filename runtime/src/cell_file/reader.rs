@@ -19,8 +19,8 @@ use super::error::{CellFileError, Source, suggestion};
 type Value<'t> = Spanned<DeValue<'t>>;
 
 const CELL_KEYS: [&str; 4] = ["step_ms", "stop_ms", "robots", "sensors"];
-const ROBOT_KEYS: [&str; 3] = ["kind", "start", "tool"];
-const TOOL_KEYS: [&str; 2] = ["position", "zyz"];
+const ROBOT_KEYS: [&str; 4] = ["kind", "start", "base", "tool"];
+const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
 const MODES: [&str; 3] = ["interactive", "with delay", "free running"];
 
@@ -40,13 +40,13 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     reader.known(table, &CELL_KEYS, "a cell has");
     let step = reader.step(table);
     let stop_time = table.get("stop_ms").and_then(|value| reader.duration(value));
-    let robots: Vec<_> =
-        reader.entries(table, "robots").into_iter().filter_map(|entry| reader.robot(entry)).collect();
+    let robots = reader.entries(table, "robots");
+    let names: Vec<_> = robots.iter().map(|entry| entry.name.value.clone()).collect();
+    let robots: Vec<_> = robots.into_iter().filter_map(|entry| reader.robot(entry)).collect();
     if robots.is_empty() && reader.errors.is_empty() {
         let help = "write a table [robots.arm] with the kind of a robot that you will call arm";
         reader.complain(&(0..0), "the cell has no robot".to_owned(), help.to_owned());
     }
-    let names: Vec<_> = robots.iter().map(|robot| robot.name.value.clone()).collect();
     let sensors = reader
         .entries(table, "sensors")
         .into_iter()
@@ -179,7 +179,8 @@ impl Reader {
         self.known(table, &ROBOT_KEYS, "a robot has");
         let start =
             table.get("start").and_then(|value| self.numbers(value, "a list of joint positions [rad or m]"));
-        let tool = table.get("tool").and_then(|value| self.tool(value));
+        let base = table.get("base").and_then(|value| self.pose(value));
+        let tool = table.get("tool").and_then(|value| self.pose(value));
         let Some(kind) = table.get("kind") else {
             let what = format!("robot `{}` has no `kind`", name.value);
             self.complain(&name.span, what, "write kind = \"irp6\" or another kind".to_owned());
@@ -187,17 +188,17 @@ impl Reader {
         };
         let text = self.text(kind, "the name of a kind of robot, in quotes")?.to_owned();
         let kind = At { value: text, span: kind.span() };
-        Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, tool })
+        Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, base, tool })
     }
 
-    /// `X_FE` of `{ position = [x, y, z], zyz = [a, b, c] }`.
-    fn tool(&mut self, value: &Value<'_>) -> Option<Pose> {
+    /// `{ position = [x, y, z], zyz = [a, b, c] }`, each zero unless it is said.
+    fn pose(&mut self, value: &Value<'_>) -> Option<Pose> {
         const FORM: &str = "{ position = [x, y, z], zyz = [a, b, c] } [m, rad]";
         let DeValue::Table(table) = value.get_ref() else {
             self.wrong_type(value, FORM);
             return None;
         };
-        self.known(table, &TOOL_KEYS, "a tool has");
+        self.known(table, &POSE_KEYS, "a pose has");
         let mut three = |key: &str| {
             let Some(value) = table.get(key) else { return Some([0.0; 3]) };
             let numbers = self.numbers(value, "three numbers")?;

@@ -1,0 +1,174 @@
+//! `cell.toml`: what it makes, and everything that is wrong with it at once, each with its line and what to write.
+
+use mrroc::{Cell, CellError, CellFile, Fault, Kinds, Mp, RobotSetup};
+use mrroc_robots::{Irp6, simulated};
+use mrroc_tests::{ExactDrive, Gantry, Q};
+
+const GOOD: &str = r#"
+step_ms = 2
+
+[robots.left]
+kind = "irp6"
+start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
+tool = { position = [0.0, 0.0, 0.1] }
+
+[robots.right]
+kind = "irp6"
+start = [0, -1.57, 0.16, -0.16, 4.71, 0]
+base = { position = [0.0, 1.5, 0.0], zyz = [3.14, 0.0, 0.0] }
+"#;
+
+fn hold(_: &mut Mp) -> Result<(), Fault> {
+    Ok(())
+}
+
+fn complaints(text: &str) -> String {
+    match CellFile::parse("cell.toml", text) {
+        Ok(_) => panic!("nothing is wrong with\n{text}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn refusal(text: &str) -> String {
+    let file = CellFile::parse("cell.toml", text).expect("well-formed");
+    match file.cell(&simulated()) {
+        Ok(_) => panic!("nothing is wrong with\n{text}"),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[test]
+fn a_cell_is_made_of_its_file() {
+    let file = CellFile::parse("cell.toml", GOOD).expect("nothing is wrong");
+    let names: Vec<_> = file.robots().iter().map(|robot| robot.name()).collect();
+    assert_eq!(names, ["left", "right"]);
+    let report = file.cell(&simulated()).expect("kinds are known").program(|mp| {
+        let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
+        mp.wait_at_most((&mut left, &mut right), (), never {}, 2).unwrap_err();
+        let (left, right) = (left.demanded().pose, right.demanded().pose);
+        // The same joints: the flange is 0.1 m behind the tool, along the tool's axis; the other base is 1.5 m
+        // away and turned by 3.14 rad.
+        let flange = left * nalgebra::Translation3::new(0.0, 0.0, -0.1);
+        let turned = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), 3.14);
+        let expected = turned * flange.translation.vector + nalgebra::Vector3::y() * 1.5;
+        assert!((right.translation.vector - expected).norm() < 1e-5, "{right} {expected}");
+        Ok(())
+    });
+    report.run().expect("runs");
+}
+
+#[mrroc::condition(mp)]
+fn never() -> bool {
+    false
+}
+
+#[test]
+fn everything_wrong_with_a_file_is_told_at_once() {
+    let text = r#"
+stepms = 2
+stop_ms = -1
+
+[robots.arm]
+kinde = "irp6"
+start = [0.0, "a", nan]
+
+[robots."my arm"]
+kind = "irp6"
+
+[sensors.touch]
+of = "army"
+mode = "interactiv"
+"#;
+    insta::assert_snapshot!(complaints(text));
+}
+
+#[test]
+fn broken_toml_is_shown_where_it_breaks() {
+    insta::assert_snapshot!(complaints("step_ms = 2\n[robots.arm\nkind = \"irp6\"\n"));
+}
+
+#[test]
+fn what_a_kind_cannot_take_is_told_for_all_robots_at_once() {
+    let text = r#"
+step_ms = 2
+[robots.a]
+kind = "irp7"
+[robots.b]
+kind = "irp6"
+[robots.c]
+kind = "irp6"
+start = [0.0, 0.0]
+[robots.d]
+kind = "irp6"
+start = [0.0, 0.5, 0.16, -0.16, 4.71, 0.0]
+"#;
+    insta::assert_snapshot!(refusal(text));
+}
+
+#[test]
+fn a_sensor_needs_a_robot_a_period_and_a_mode_that_there_are() {
+    let cell = |sensor: &str| format!("{GOOD}\n[sensors.s]\n{sensor}\n");
+    for (sensor, told) in [
+        ("mode = \"free running\"", "has no `period_ms`"),
+        ("period_ms = 3", "only a free-running sensor has a period"),
+        ("mode = 3", "write the name of a mode, in quotes"),
+        ("of = \"leftt\"", "did you mean `left`?"),
+        ("mode = \"free running\"\nperiod_ms = 0", "write a number of milliseconds, above 0"),
+    ] {
+        let complaints = complaints(&cell(sensor));
+        assert!(complaints.contains(told), "{complaints}");
+    }
+}
+
+#[test]
+fn a_sensor_of_the_file_without_a_vsp_is_refused_with_the_line_to_write() {
+    let text = format!("{GOOD}\n[sensors.touch]\nof = \"left\"\n");
+    let file = CellFile::parse("cell.toml", &text).expect("well-formed");
+    let error = file.cell(&simulated()).expect("kinds are known").program(hold).run().expect_err("no VSP");
+    assert_eq!(error, CellError::NoVsp("touch".to_owned()));
+    assert!(error.to_string().contains(".sensor(file.sensor(\"touch\", ..)?)"), "{error}");
+}
+
+#[test]
+fn a_program_for_a_robot_that_is_not_there_or_of_another_kind_is_refused() {
+    let cell = || CellFile::parse("cell.toml", GOOD).expect("well-formed").cell(&simulated()).expect("known");
+    let error = cell().ecp::<Irp6>("lft", |_| Ok(())).run().expect_err("no such robot");
+    assert!(error.to_string().contains("`lft`") && error.to_string().contains("left, right"), "{error}");
+    let error = cell().ecp::<Gantry>("left", |_| Ok(())).run().expect_err("another kind");
+    assert!(error.to_string().contains("another kind than the gantry"), "{error}");
+}
+
+#[test]
+fn a_kind_of_the_users_own_takes_the_place_of_a_simulated_one() {
+    let kinds = Kinds::new().with("slides", |entry| {
+        let robot = Gantry::default();
+        let drives = ExactDrive::new(entry.start(&robot)?, mrroc_tests::MS);
+        Ok(RobotSetup::new(entry.name(), robot, drives))
+    });
+    let text = "step_ms = 1\n[robots.g]\nkind = \"slides\"\nstart = [0.1, 0.2, 0.3]\n";
+    let file = CellFile::parse("cell.toml", text).expect("well-formed");
+    let seen = std::rc::Rc::new(std::cell::RefCell::new(Vec::new()));
+    let keep = std::rc::Rc::clone(&seen);
+    let cell: Cell = file.cell(&kinds).expect("known").watch(move |seen| {
+        let mut tool = None;
+        seen.frames(&mut |frame| tool = Some(frame.translation.vector));
+        keep.borrow_mut().push((seen.robot.to_owned(), seen.demanded.to_vec(), tool));
+    });
+    cell.program(|mp| {
+        let mut g = mp.robot::<Gantry>("g")?;
+        mp.wait_at_most((&mut g,), (), never {}, 2).map(drop).or(Ok(()))
+    })
+    .run()
+    .expect("runs");
+    let expected = Q::<3>::new(0.1, 0.2, 0.3);
+    assert!(seen.borrow().len() >= 2);
+    for (name, joints, tool) in seen.borrow().iter() {
+        assert_eq!((name.as_str(), joints.as_slice(), *tool), ("g", expected.as_slice(), Some(expected)));
+    }
+}
+
+#[test]
+fn a_file_that_is_not_there_is_named() {
+    let error = CellFile::read("no/such/cell.toml").expect_err("not there").to_string();
+    assert!(error.starts_with("no/such/cell.toml: cannot be read"), "{error}");
+}
