@@ -15,7 +15,7 @@ tool = { position = [0.0, 0.0, 0.1] }
 [robots.right]
 kind = "irp6"
 start = [0, -1.57, 0.16, -0.16, 4.71, 0]
-base = { position = [0.0, 1.5, 0.0], zyz = [3.14, 0.0, 0.0] }
+base = { position = [0.0, 1.5, 0.0], zyz = [2.5, 0.0, 0.0] }
 "#;
 
 fn hold(_: &mut Mp) -> Result<(), Fault> {
@@ -47,9 +47,9 @@ fn a_cell_is_made_of_its_file() {
         mp.wait_at_most((&mut left, &mut right), (), never {}, 2).unwrap_err();
         let (left, right) = (left.demanded().pose, right.demanded().pose);
         // The same joints: the flange is 0.1 m behind the tool, along the tool's axis; the other base is 1.5 m
-        // away and turned by 3.14 rad.
+        // away and turned by 2.5 rad.
         let flange = left * nalgebra::Translation3::new(0.0, 0.0, -0.1);
-        let turned = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), 3.14);
+        let turned = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), 2.5);
         let expected = turned * flange.translation.vector + nalgebra::Vector3::y() * 1.5;
         assert!((right.translation.vector - expected).norm() < 1e-5, "{right} {expected}");
         Ok(())

@@ -230,3 +230,54 @@ fn an_ecp_that_waits_for_an_instruction_that_never_comes_is_reported() {
     assert_eq!(fault.robot().expect("named").as_str(), "g");
     assert!(fault.message().contains("MP's program is over"), "{fault}");
 }
+
+#[test]
+fn an_ecp_obeys_all_instructions_until_the_mps_program_is_over() {
+    let (robot, trace) = gantry("g");
+    let obeyed = std::rc::Rc::new(std::cell::Cell::new(0));
+    let count = std::rc::Rc::clone(&obeyed);
+    let robot = robot.program(move |ecp| {
+        ecp.obey_all(|ecp, phase: Phase| {
+            count.set(count.get() + 1);
+            let goal = if phase == Phase::Approach { 0.1 } else { 0.0 };
+            ecp.move_robot((), Smooth::to(goal, 0.3)).map(drop)
+        })
+    });
+    let cell = Cell::new(MS).robot(robot).program(|mp| {
+        let mut g = mp.robot::<Gantry>("g")?;
+        for phase in [Phase::Approach, Phase::Retreat, Phase::Approach] {
+            mp.move_robots((&mut g,), (), Ask(phase))?;
+        }
+        Ok(())
+    });
+    cell.run().expect("the end of the MP's program is no fault");
+    assert_eq!(obeyed.get(), 3);
+    assert_eq!(trace.borrow().last().expect("recorded")[0], 0.1);
+}
+
+struct Ask(Phase);
+
+#[generator(mp)]
+fn ask(c: &mut Ask) -> Always<(Gantry,), Phase> {
+    Always((c.0,))
+}
+
+#[test]
+fn an_ecp_that_obeys_all_still_ends_with_the_fault_of_the_cell_or_its_own() {
+    for thrown_by_mp in [true, false] {
+        let (robot, _) = gantry("g");
+        let robot = robot.program(move |ecp| {
+            ecp.obey_all(|ecp, _: Phase| {
+                ecp.move_robot((), Smooth::to(0.1, 0.3))?;
+                if thrown_by_mp { Ok(()) } else { Err(mrroc::Fault::thrown("of the arm")) }
+            })
+        });
+        let cell = Cell::new(MS).robot(robot).program(|mp| {
+            let mut g = mp.robot::<Gantry>("g")?;
+            mp.move_robots((&mut g,), (), Ask(Phase::Approach))?;
+            Err(mrroc::Fault::thrown("of the coordinator"))
+        });
+        let told = fault(cell.run()).message().to_owned();
+        assert_eq!(told, if thrown_by_mp { "of the coordinator" } else { "of the arm" });
+    }
+}

@@ -107,6 +107,23 @@ impl<'w, R: Robot> Ecp<'w, R> {
         self.finish(outcome)
     }
 
+    /// Obeys one instruction after another, each as [`obey`](Self::obey) does, until the MP's program is over.
+    ///
+    /// # Errors
+    /// As [`obey`](Self::obey), except that the end of the MP's program is no fault here.
+    pub fn obey_all<P: Payload>(
+        &mut self,
+        mut program: impl FnMut(&mut Self, P) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        loop {
+            if let Err(fault) = self.obey(&mut program) {
+                let closed = fault.is_orderly() && fault.kind() == FaultKind::CellClosed;
+                // Between two instructions, not in one that was opened.
+                return if closed && self.orders.phase == Phase::Idle { Ok(()) } else { Err(fault) };
+            }
+        }
+    }
+
     /// Waits for START and the first order.
     fn await_start<P: Payload>(&mut self) -> Result<P, Fault> {
         loop {

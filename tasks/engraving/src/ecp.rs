@@ -82,14 +82,11 @@ impl Job {
     /// # Errors
     /// The fault that ended it.
     pub fn run(mut self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
-        for _ in 0..3 {
-            ecp.obey(|ecp, phase: Phase| match phase {
-                Phase::FindPlate => self.find_plate(ecp),
-                Phase::Engrave => self.engrave(ecp),
-                Phase::Park => self.go_and_park(ecp),
-            })?;
-        }
-        Ok(())
+        ecp.obey_all(|ecp, phase: Phase| match phase {
+            Phase::FindPlate => self.find_plate(ecp),
+            Phase::Engrave => self.engrave(ecp),
+            Phase::Park => self.go_and_park(ecp),
+        })
     }
 
     /// Goes down twice, fast and slowly; where the probe first touched is the height of the plate from then on.
