@@ -159,6 +159,11 @@ impl Sensing {
         Ok(SensorHandle { index, name: port.name, configuration, image: SensorImage::unknown() })
     }
 
+    /// The robot that the sensor at a place of a list belongs to.
+    pub fn robot_of<V: SensorList>(&self, sensors: &impl SensorsOf<V>, place: usize) -> Option<usize> {
+        sensors.indices().as_ref().get(place).and_then(|&index| self.ports[index].robot)
+    }
+
     /// Orders all readings of a list.
     pub fn order<'a, V: SensorList>(
         &mut self,

@@ -189,3 +189,33 @@ fn fault_25_a_reading_older_than_twenty_steps_is_not_moved_by() {
     assert_eq!(fault.kind(), FaultKind::SensorStale);
     assert_eq!(fault.excess().expect("says how old").actual, 21.0);
 }
+
+#[test]
+fn the_first_order_of_the_mp_has_the_state_of_the_sensors_robot_too() {
+    let (robot, _) = gantry("g");
+    let sensor = SensorSetup::new("state", OfRobot).of("g");
+    let cell = Cell::new(MS).robot(robot).sensor(sensor).program(|mp| {
+        let mut state = mp.sensor::<Counter>("state")?;
+        // In a Wait for no robot at all, as the first instruction.
+        mp.wait_at_most((), (&mut state,), known {}, 0).map(drop)
+    });
+    cell.run().expect("the sensor knows its robot");
+}
+
+/// Reads 1 when it was told the state of its robot, and fails otherwise.
+struct OfRobot;
+
+impl mrroc::VirtualSensor for OfRobot {
+    type Kind = Counter;
+    fn aggregate(&mut self, order: &mrroc::ReadingOrder<Offset>) -> Result<crate::kit::Count, mrroc::Fault> {
+        order
+            .robot
+            .map(|_| crate::kit::Count { count: 1, x: 0.0, step: order.step })
+            .ok_or_else(|| mrroc::Fault::thrown("no state"))
+    }
+}
+
+#[condition(mp)]
+fn known(v: &Reading<(Counter,)>) -> bool {
+    v.0.reading().is_some_and(|reading| reading.count == 1)
+}

@@ -79,6 +79,7 @@ impl Mp<'_> {
         self.begin_step()?;
         let handed_over = self.robots.iter().any(|robot| robot.handed_over);
         self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
+        self.learn_states(sensors)?;
         if first_uses.sensors {
             self.order_readings(sensors);
             self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;

@@ -74,6 +74,7 @@ impl Mp<'_> {
             if self.operator.is_aborting() {
                 return Err(self.aborted());
             }
+            self.learn_states(sensors)?;
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
             self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
