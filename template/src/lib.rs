@@ -1,5 +1,19 @@
-//! The task: which robots it is written for, and what the processes of the cell run.
+//! The task: what the processes of the cell run.
 
-pub mod generators; // {% if levels != "mp" %}
-pub mod ecp; // the program of each robot{% endif %}{% if levels != "ecp" %}
-pub mod mp; // the program of the coordinator{% endif %}
+pub mod arm; // the kind of robot that everything here is written for{% if levels != "mp" %}
+pub mod ecp; // what each robot does{% endif %}
+pub mod generators; // motions, a file each{% if levels != "ecp" %}
+pub mod mp; // what the coordinator does{% endif %}{% if levels == "both" %}
+pub mod orders; // what the coordinator tells the robots{% endif %}{% if sensor == "touch" %}
+pub mod touch; // a virtual sensor{% endif %}
+
+use mrroc::{Cell, CellError, CellFile};
+
+/// Puts the cell of `cell.toml` together.
+pub fn cell(file: &CellFile) -> Result<Cell, CellError> {
+    let cell = file.cell(&arm::kinds())?; // its robots{% if sensor == "touch" %}
+    let cell = cell.sensor(file.sensor("touch", touch::Table)?); // its sensors{% endif %}{% if levels != "mp" %}
+    let cell = ecp::programs(cell); // a program for each robot{% endif %}{% if levels != "ecp" %}
+    let cell = cell.program(mp::coordinate); // and one for the coordinator{% endif %}
+    Ok(cell)
+}

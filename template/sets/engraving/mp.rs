@@ -1,0 +1,26 @@
+//! The coordinator: the task as a sequence of instructions.
+
+use mrroc::{Always, Fault, Mp, generator};
+
+use crate::arm::Arm;
+use crate::orders::Phase;
+use crate::touch::{Touch, clear};
+
+/// FILL IN: the phases in the order in which the task needs them.
+pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
+    let mut arm = mp.robot::<Arm>("arm")?; // named as in cell.toml
+    let mut touch = mp.sensor::<Touch>("touch")?; // as well
+    mp.wait_until((&mut arm,), (&mut touch,), clear {})?; // Wait holds until a condition is met
+    for phase in [Phase::FindPlate, Phase::Engrave, Phase::Park] {
+        mp.move_robots((&mut arm,), (), Ask(phase))?; // until the robot has finished the phase
+    }
+    Ok(())
+}
+
+/// Orders one phase, in every step the same.
+struct Ask(Phase);
+
+#[generator(mp)]
+fn ask(c: &mut Ask) -> Always<(Arm,), Phase> {
+    Always((c.0,))
+}

@@ -1,0 +1,15 @@
+//! The set whose motions are the MP's, of one robot.
+
+#[path = "../../template/src/arm.rs"]
+pub mod arm;
+#[path = "../../template/src/touch.rs"]
+pub mod touch;
+#[path = "../../template/sets/mp_one/generators"]
+pub mod generators {
+    mod my_motion;
+    mod point_to_point;
+    pub use my_motion::MyMotion;
+    pub use point_to_point::PointToPoint;
+}
+#[path = "../../template/sets/mp_one/mp.rs"]
+pub mod mp;
