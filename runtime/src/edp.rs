@@ -211,7 +211,9 @@ impl<'w, R: Robot> Edp<'w, R> {
         let steps = if moving { header.step - self.attained } else { 1 };
         let rate = header.dt / header.duration;
         let duration = steps as f64 * self.config.step.as_secs_f64();
-        self.next = Some(self.acceptor.accept(&demand, rate * duration, duration)?);
+        let accepted = self.acceptor.accept(&demand, rate * duration, duration);
+        let first = self.request.is(flag::FIRST) && !moving;
+        self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         self.attained = header.step;
         self.mode = Mode::Moving { missed: 0 };
         Ok(())

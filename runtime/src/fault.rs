@@ -209,6 +209,8 @@ struct Report {
     step: Option<u64>,
     excess: Option<Excess>,
     text: Text,
+    /// Met by the first demand of a motion.
+    first: bool,
     /// Made by the runtime as the end of an instruction at standstill: nothing is to be stopped for it. It never
     /// travels, and is lost where a program's own function throws the fault.
     orderly: bool,
@@ -231,6 +233,7 @@ impl Fault {
             step: None,
             excess: None,
             text: Text::new(""),
+            first: false,
             orderly: false,
         }))
     }
@@ -268,6 +271,18 @@ impl Fault {
     pub fn text(mut self, text: &str) -> Fault {
         self.0.text = Text::new(text);
         self
+    }
+
+    /// Says that the first demand of a motion met it.
+    pub(crate) fn of_first_demand(mut self) -> Fault {
+        self.0.first = true;
+        self
+    }
+
+    /// Whether the first demand of a motion met it: the generator does not begin where the robot is.
+    #[must_use]
+    pub fn is_of_first_demand(&self) -> bool {
+        self.0.first
     }
 
     /// Names the process, unless one is named.
@@ -362,6 +377,9 @@ impl fmt::Display for Fault {
             f.write_str(": ")?;
         }
         f.write_str(report.kind.text())?;
+        if report.first {
+            f.write_str(", in the first step of a motion")?;
+        }
         if report.text.len > 0 {
             write!(f, ": {}", report.text.as_str())?;
         }
@@ -402,6 +420,9 @@ impl From<FaultWords> for Fault {
 
 const NONE: u64 = u64::MAX;
 
+/// The bit beside a text's length that says that the first demand of a motion met the fault.
+const FIRST_DEMAND: u64 = 1 << 32;
+
 impl Wire for FaultWords {
     const LEN: usize = 8 + 3 + 15;
     const LAYOUT: u64 = crate::wire::layout_hash(0, "fault");
@@ -417,7 +438,7 @@ impl Wire for FaultWords {
         words[4] = unit.unwrap_or(NONE);
         words[5] = report.excess.map_or(0, |excess| excess.actual.to_bits());
         words[6] = report.excess.map_or(0, |excess| excess.limit.to_bits());
-        words[7] = u64::from(report.text.len);
+        words[7] = u64::from(report.text.len) | if report.first { FIRST_DEMAND } else { 0 };
         match report.process.and_then(|process| process.name) {
             Some(name) => name.put(&mut words[8..11]),
             None => words[8..11].fill(0),
@@ -451,13 +472,15 @@ impl Wire for FaultWords {
         for (chunk, word) in bytes.chunks_exact_mut(8).zip(&words[11..]) {
             chunk.copy_from_slice(&word.to_le_bytes());
         }
+        let len = u8::try_from(words[7] & !FIRST_DEMAND).ok().filter(|&len| len <= 120).ok_or(BadWords)?;
         Ok(FaultWords(Report {
             kind: FaultKind::from_code(words[0]).ok_or(BadWords)?,
             process,
             joint: some(words[2]).map(|joint| joint as u32),
             step: some(words[3]),
             excess,
-            text: Text { bytes, len: u8::try_from(words[7]).ok().filter(|&len| len <= 120).ok_or(BadWords)? },
+            text: Text { bytes, len },
+            first: words[7] & FIRST_DEMAND != 0,
             orderly: false,
         }))
     }

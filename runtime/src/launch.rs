@@ -115,8 +115,11 @@ pub fn launch(
                 Some(_) | None => format!("ran {seconds:.3} s in {} steps\n", report.steps),
             })
         }
-        Err(error @ CellError::Fault(_)) => {
-            complain(&error);
+        Err(CellError::Fault(fault)) => {
+            match fault.help() {
+                Some(help) => complain(&format!("{fault}\n help: {help}")),
+                None => complain(&fault),
+            }
             ExitCode::FAILURE
         }
         Err(error) => return cell_refused(&error),

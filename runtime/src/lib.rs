@@ -56,6 +56,7 @@
 // The macros write absolute paths, here as in a user's crate.
 extern crate self as mrroc;
 
+mod advice;
 mod braking;
 mod cell;
 mod cell_file;

@@ -1,9 +1,9 @@
 //! The task: what the processes of the cell run.
 
 pub mod arm; // the kind of robot that everything here is written for{% if levels != "mp" %}
-pub mod ecp; // what each robot does{% endif %}
+pub mod ecp; // the programs of the robots{% endif %}
 pub mod generators; // motions, a file each{% if levels != "ecp" %}
-pub mod mp; // what the coordinator does{% endif %}{% if levels == "both" %}
+pub mod mp; // the program of the coordinator{% endif %}{% if levels == "both" %}
 pub mod orders; // what the coordinator tells the robots{% endif %}{% if sensor == "touch" %}
 pub mod touch; // a virtual sensor{% endif %}
 
@@ -13,7 +13,7 @@ use mrroc::{Cell, CellError, CellFile};
 pub fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let cell = file.cell(&arm::kinds())?; // its robots{% if sensor == "touch" %}
     let cell = cell.sensor(file.sensor("touch", touch::Table)?); // its sensors{% endif %}{% if levels != "mp" %}
-    let cell = ecp::programs(cell); // a program for each robot{% endif %}{% if levels != "ecp" %}
-    let cell = cell.program(mp::coordinate); // and one for the coordinator{% endif %}
+    let cell = ecp::programs(cell); // what each robot does{% endif %}{% if levels != "ecp" %}
+    let cell = cell.program(mp::coordinate); // what the coordinator does{% endif %}
     Ok(cell)
 }

@@ -71,3 +71,57 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
         self.advance(v, t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, Payload, ReadingOrder, RobotSetup, SensorSetup, VirtualSensor};
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use std::time::Duration;
+
+    struct Probe;
+
+    #[derive(Clone, Copy, Payload)]
+    struct Contact {
+        made: bool,
+    }
+
+    impl Sensor for Probe {
+        const KIND: &'static str = "probe";
+        type Reading = Contact;
+        type Configuration = ();
+    }
+
+    /// A surface at this height in the world \[m\].
+    struct Surface(f64);
+
+    impl VirtualSensor for Surface {
+        type Kind = Probe;
+        fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Contact, Fault> {
+            let tool = order.robot.ok_or_else(|| Fault::thrown("the probe is on no robot"))?;
+            Ok(Contact { made: tool.pose.translation.z <= self.0 })
+        }
+    }
+
+    #[test]
+    fn the_tool_stops_at_the_surface() {
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let arm = SimulatedIrp6::new(irp6.clone(), &start);
+        let shaft = arm.shaft();
+        let surface = irp6.forward(&start).translation.z - 0.01;
+        let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(|ecp| {
+            let mut probe = ecp.sensor::<Probe>("probe")?;
+            let approach =
+                GuardedApproach::along(-Vector3::z_axis(), 0.02, 0.2, 0.05, |contact: &Contact| contact.made);
+            ecp.move_robot((&mut probe,), approach).map(drop)
+        });
+        let probe = SensorSetup::new("probe", Surface(surface)).of("irp6");
+        let report =
+            Cell::new(Duration::from_millis(2)).robot(robot).sensor(probe).run().expect("there is contact");
+        // D / V + V / 2A to the surface, and a few steps to feel it, to end and to brake.
+        let duration = report.time.as_secs_f64();
+        assert!((0.55..0.60).contains(&duration), "{duration} s");
+        let below = surface - irp6.forward(&shaft.state().position).translation.z;
+        assert!((0.0..10.0 * 0.02 * 2e-3).contains(&below), "{below} m");
+    }
+}

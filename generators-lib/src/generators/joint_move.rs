@@ -46,3 +46,27 @@ impl<R: Robot> JointMove<R> {
         self.advance(t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use std::time::Duration;
+
+    #[test]
+    fn the_slowest_joint_sets_the_pace_and_all_arrive() {
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let goal = start + Six::new(0.5, 0.0, 0.0, 0.1, 0.0, -0.2);
+        let arm = SimulatedIrp6::new(Irp6::nominal(), &start);
+        let shaft = arm.shaft();
+        let robot = RobotSetup::new("irp6", Irp6::nominal(), arm).program(move |ecp| {
+            ecp.move_robot((), JointMove::to(goal, Six::repeat(0.4), Six::repeat(0.8))).map(drop)
+        });
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // T = D / V + V / A = 0.5 / 0.4 + 0.4 / 0.8 of joint 0.
+        let duration = report.time.as_secs_f64();
+        assert!((1.75..1.77).contains(&duration), "{duration} s");
+        assert!((shaft.state().position - goal).amax() < 1e-3);
+    }
+}

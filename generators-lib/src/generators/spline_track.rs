@@ -63,3 +63,55 @@ where
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
+    use std::{cell::RefCell, rc::Rc, time::Duration};
+
+    #[test]
+    fn a_circle_of_points_is_tracked_as_a_circle() {
+        const RADIUS: f64 = 0.02;
+        const SPAN: f64 = std::f64::consts::TAU / 48.0;
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let points = (0..=48)
+            .map(|i| f64::from(i) * SPAN)
+            .map(|angle| Vector3::new(angle.cos(), angle.sin(), 0.0) * RADIUS);
+        let feed = FeedLimits {
+            feed: 0.02,
+            tangential: 0.2,
+            normal: 0.2,
+            step: 2e-3,
+            chord_error: f64::INFINITY,
+            jerk: f64::INFINITY,
+        };
+        // The tool stands at the circle's first point.
+        let frame = irp6.forward(&start) * Pose::translation(-RADIUS, 0.0, 0.0);
+        let track = SplineTrack::through(
+            points.collect::<Vec<_>>(),
+            SplineSettings::default(),
+            feed,
+            frame,
+            UnitQuaternion::identity(),
+        );
+        let track = track.expect("settings in range");
+        let trace = Rc::new(RefCell::new(Vec::new()));
+        let recorder = Rc::clone(&trace);
+        let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))
+            .observe(move |record: &ServoRecord<Irp6>| recorder.borrow_mut().push(record.demanded))
+            .program(move |ecp| ecp.move_robot((), track).map(drop));
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // T = D / V + V / A = 2 pi r / V + V / A.
+        let least = std::f64::consts::TAU * RADIUS / 0.02 + 0.02 / 0.2;
+        let duration = report.time.as_secs_f64();
+        assert!((least - 0.01..least + 0.05).contains(&duration), "{duration} s, {least} s");
+        for q in trace.borrow().iter() {
+            let p = frame.inv_mul(&irp6.forward(q)).translation.vector;
+            // A natural end has no curvature where the circle has 1 / r: an error of at most 0.05 h^2 / r.
+            assert!((p.xy().norm() - RADIUS).abs() < 0.05 * SPAN * SPAN * RADIUS && p.z.abs() < 1e-5, "{p}");
+        }
+    }
+}

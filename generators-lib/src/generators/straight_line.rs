@@ -66,3 +66,42 @@ impl<R: Robot> StraightLine<R> {
         self.advance(t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc_generators::profile::ProfileLimits;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use std::{cell::RefCell, rc::Rc, time::Duration};
+
+    #[test]
+    fn the_tool_goes_straight_down_in_the_closed_form_time() {
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let trace = Rc::new(RefCell::new(Vec::new()));
+        let recorder = Rc::clone(&trace);
+        let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))
+            .observe(move |record: &ServoRecord<Irp6>| recorder.borrow_mut().push(record.demanded))
+            .program(|ecp| {
+                let (forward, turn) = (
+                    ProfileLimits { velocity: 0.1, acceleration: 0.5 },
+                    ProfileLimits { velocity: 0.5, acceleration: 2.0 },
+                );
+                let limits = ToolLimits { translation: forward, rotation: turn };
+                ecp.move_robot((), StraightLine::by(Pose::translation(0.0, 0.0, 0.05), limits)).map(drop)
+            });
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // T = D / V + V / A = 0.05 / 0.1 + 0.1 / 0.5.
+        let duration = report.time.as_secs_f64();
+        assert!((0.70..0.72).contains(&duration), "{duration} s");
+        // Seen from the tool of the start, it goes along z: to 10 um, as the encoders count the start.
+        for q in trace.borrow().iter() {
+            let way = irp6.forward(&start).inv_mul(&irp6.forward(q));
+            let aside = way.translation.vector.xy().norm();
+            assert!(aside < 1e-5 && way.rotation.angle() < 1e-4, "{way}");
+        }
+        let end = irp6.forward(trace.borrow().last().expect("recorded"));
+        let way = irp6.forward(&start).inv_mul(&end).translation.vector;
+        assert!((way.z - 0.05).abs() < 1e-5, "{way}");
+    }
+}

@@ -286,7 +286,7 @@ fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault>
     for (process, outcome) in mp.chain(others) {
         if let Err(fault) = outcome {
             if fault.kind() == FaultKind::CellClosed {
-                let text = "the ECP waits for an instruction, but the MP's program is over";
+                let text = "it waits for an instruction, but the MP's program is over: write `obey_all`, or let the MP order one more";
                 return Err(Fault::thrown(text).in_process(*process));
             }
             return Err(fault.clone());

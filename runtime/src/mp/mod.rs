@@ -14,6 +14,7 @@ mod waiting;
 use core::any::TypeId;
 use core::time::Duration;
 
+use crate::cell_file::suggestion;
 use crate::ecp::MAX_REFUSALS;
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::feed::Feed;
@@ -66,7 +67,9 @@ impl<'w> Mp<'w> {
         let config = |text: &str| Fault::new(FaultKind::Config).in_process(ProcessId::MP).text(text);
         let names: Vec<_> = self.robots.iter().map(|robot| robot.name.to_string()).collect();
         let Some(index) = self.robots.iter().position(|robot| robot.name.as_str() == name) else {
-            return Err(config(&format!("the cell has no robot `{name}`; it has: {}", names.join(", "))));
+            let names: Vec<_> = names.iter().map(String::as_str).collect();
+            let there = suggestion(name, &names, "the cell has");
+            return Err(config(&format!("there is no robot `{name}`: {there}")));
         };
         let port = &mut self.robots[index];
         if port.kind != TypeId::of::<R>() {
