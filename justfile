@@ -8,16 +8,21 @@ ci:
 test:
     cargo test
 
+# Every project that the template can make: its tests, clippy and formatting. Takes minutes.
+template-all:
+    cargo test -p mrroc-new --test generated -- --ignored --nocapture
+
 # What a step costs, in nanoseconds.
 bench:
     cargo bench -p mrroc-tests --bench steps
     cargo bench -p mrroc-generators --bench generators
     cargo bench -p mrroc-robots --bench kinematics
 
-# Accept changed snapshots of expansions and diagnostics.
+# Accept changed snapshots of expansions, diagnostics and the template's files.
 snapshots:
     INSTA_UPDATE=always cargo test -p mrroc-macros
     INSTA_UPDATE=always cargo test -p mrroc-tests --test macros_diagnostics
+    INSTA_UPDATE=always cargo test -p mrroc-new --test generated every_combination_has_its_files
 
 # Engrave the drawing that is shipped with the project.
 engrave *ARGS:

@@ -1,7 +1,5 @@
 //! The library's generators, run through whole cells.
 
-mod copied;
-
 use mrroc::{
     Cell, FaultKind, Generator, Pose, ReadingOrder, Robot, RobotSetup, Sensor, SensorSetup, VirtualSensor,
 };

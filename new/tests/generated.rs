@@ -1,0 +1,126 @@
+//! What the template becomes: every combination of its choices has its files, compiles and passes its own tests.
+
+mod support;
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use mrroc_new::choices::{Chosen, Given};
+use mrroc_new::template::Template;
+use support::{Cargo, combinations, covering, generated, label, said, this_checkout};
+
+fn all() -> Vec<Chosen> {
+    let template = Template::built_in().expect("the template's description");
+    combinations(&template, &this_checkout(&template))
+}
+
+fn check(combinations: &[Chosen]) {
+    for chosen in combinations {
+        println!("{}", label(chosen));
+        let folder = generated("my-task", chosen);
+        let tested = Cargo::new(&folder.path().join("my-task")).check();
+        assert!(!tested.contains("warning"), "{tested}");
+    }
+}
+
+#[test]
+fn projects_in_which_every_choice_occurs_pass_their_tests_and_are_tidy() {
+    check(&covering(&all()));
+}
+
+#[test]
+#[ignore = "takes minutes: `just template-all`"]
+fn projects_of_all_choices_pass_their_tests_and_are_tidy() {
+    check(&all());
+}
+
+#[test]
+fn every_combination_has_its_files() {
+    let projects: Vec<(String, BTreeSet<String>)> = all()
+        .iter()
+        .map(|chosen| (label(chosen), generated("my-task", chosen).files().into_iter().collect()))
+        .collect();
+    let in_all = projects.iter().map(|(_, files)| files.clone()).reduce(|a, b| &a & &b).expect("a project");
+    let mut text = String::from("in every project:\n");
+    for file in &in_all {
+        writeln!(text, "    {file}").expect("a text");
+    }
+    for (label, files) in &projects {
+        writeln!(text, "{label}:").expect("a text");
+        for file in files - &in_all {
+            writeln!(text, "    {file}").expect("a text");
+        }
+    }
+    insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+        insta::assert_snapshot!("files_of_all_combinations", text);
+    });
+}
+
+/// The lines by which a project depends on mrroc's crates.
+fn dependencies(given: &[&str]) -> Vec<toml::Value> {
+    let folder = support::Folder::new();
+    said(&folder.run(&[&["my-task", "--defaults"], given].concat()));
+    let manifest: toml::Table = folder.read("my-task/Cargo.toml").parse().expect("a manifest");
+    let section = manifest["dependencies"].as_table().expect("the dependencies");
+    let ours: Vec<_> = section.iter().filter(|(name, _)| name.starts_with("mrroc")).collect();
+    assert!(ours.iter().any(|(name, _)| *name == "mrroc"), "{section}");
+    ours.into_iter().map(|(_, value)| value.clone()).collect()
+}
+
+#[test]
+fn mrroc_from_the_registry_is_of_this_version() {
+    for line in dependencies(&["-d", "mrroc_source=registry"]) {
+        let version = line.as_str().or_else(|| line.get("version")?.as_str()).expect("a version");
+        assert!(env!("CARGO_PKG_VERSION").starts_with(version.trim_start_matches(['^', '='])), "{version}");
+        assert!(line.get("path").is_none() && line.get("git").is_none(), "{line}");
+    }
+}
+
+#[test]
+fn mrroc_from_git_has_the_address_that_was_given() {
+    for line in dependencies(&["-d", "mrroc_source=git", "-d", "mrroc_git=https://example.org/x.git"]) {
+        assert_eq!(line["git"].as_str(), Some("https://example.org/x.git"));
+        assert!(line.get("path").is_none() && line.get("version").is_none(), "{line}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn mrroc_in_a_folder_with_blanks_quotes_and_backslashes_is_found() {
+    let elsewhere = support::Folder::new();
+    let odd = elsewhere.path().join(r#"my "own" 'mrroc' \ ż #{{x}}"#);
+    std::os::unix::fs::symlink(support::checkout(), &odd).expect("a link");
+    for line in dependencies(&["-d", &format!("mrroc_path={}", odd.display())]) {
+        let path = std::path::Path::new(line["path"].as_str().expect("a path"));
+        assert_eq!(path.parent(), Some(odd.as_path()));
+        assert!(path.join("Cargo.toml").is_file(), "{}", path.display());
+    }
+}
+
+#[test]
+fn the_covering_set_holds_every_value_and_the_product_every_combination() {
+    let template = Template::read(
+        r#"
+        [placeholders.a]
+        prompt = "?"
+        choices = ["1", "2", "3"]
+        [placeholders.b]
+        type = "bool"
+        prompt = "?"
+        [conditional.'b'.placeholders.c]
+        type = "array"
+        prompt = "?"
+        choices = ["x", "y"]
+        "#,
+    )
+    .expect("a description");
+    let all = combinations(&template, &Given::new());
+    // 3 * (1 + 4)
+    assert_eq!(all.iter().map(label).collect::<BTreeSet<_>>().len(), 15);
+    let few = covering(&all);
+    let labels = few.iter().map(label).collect::<Vec<_>>().join(" ");
+    for pair in ["a=1", "a=2", "a=3", "b=true", "b=false", "c=x", "c=y", "c=x,y"] {
+        assert!(labels.split(' ').any(|found| found == pair), "{pair} is not in {labels}");
+    }
+    assert!(few.len() <= 5, "{labels}");
+}
