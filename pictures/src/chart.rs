@@ -1,12 +1,12 @@
 //! The charts of a robot: which quantities are drawn over time.
 //!
-//! In: a take and its tool's speeds. Out: curves by unit: positions as changes since the start, so that a small motion of
+//! In: a take. Out: curves by unit: positions as changes since the start, so that a small motion of
 //! one joint is seen beside the large angle of another; velocities; following errors; the speed of the tool.
 
 use mrroc::JointKind;
 
 use crate::palette::{self, INK};
-use crate::speed;
+use crate::speed::Rates;
 use crate::take::{Sample, Take};
 
 /// Room above a chart for its heading, and below the last one for times \[px\].
@@ -51,11 +51,13 @@ pub(crate) struct Chart {
     /// What the axis spans at least, in the unit.
     pub least: f64,
     pub ends: Ends,
+    /// When the curves have their values \[s\], increasing.
+    pub times: Vec<f64>,
     pub curves: Vec<Curve>,
 }
 
 /// The charts of a robot.
-pub(crate) fn charts(take: &Take, samples: &[&Sample], tool_speeds: &[f64]) -> Vec<Chart> {
+pub(crate) fn charts(take: &Take, samples: &[&Sample]) -> Vec<Chart> {
     let mut charts = Vec::new();
     for kind in [JointKind::Revolute, JointKind::Prismatic] {
         let joints: Vec<usize> = (0..take.joints.len()).filter(|i| take.joints[*i] == kind).collect();
@@ -66,9 +68,9 @@ pub(crate) fn charts(take: &Take, samples: &[&Sample], tool_speeds: &[f64]) -> V
     let tool = Curve {
         colour: INK,
         demanded: None,
-        measured: tool_speeds.to_vec(),
+        measured: rates(samples).map(|rates| rates.tool).collect(),
         label: "tool".to_owned(),
-        peak: None,
+        peak: Some(take.tool_speed),
     };
     charts.push(Chart {
         heading: "Tool speed",
@@ -76,6 +78,7 @@ pub(crate) fn charts(take: &Take, samples: &[&Sample], tool_speeds: &[f64]) -> V
         height: 60.0,
         least: if take.moved() { 0.0 } else { PLAY },
         ends: Ends::Largest,
+        times: rates(samples).map(|rates| rates.time).collect(),
         curves: vec![tool],
     });
     charts
@@ -83,7 +86,6 @@ pub(crate) fn charts(take: &Take, samples: &[&Sample], tool_speeds: &[f64]) -> V
 
 /// Positions, velocities and following errors of the joints of one kind.
 fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) -> [Chart; 3] {
-    let times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
     let curve = |joint: usize, demanded: Option<Vec<f64>>, measured: Vec<f64>, peak: Option<f64>| Curve {
         colour: palette::joint(joint),
         demanded,
@@ -100,11 +102,20 @@ fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) 
         let start = demanded.first().copied().unwrap_or(0.0);
         let since_start = |values: &[f64]| values.iter().map(|value| value - start).collect();
         positions.push(curve(joint, Some(since_start(&demanded)), since_start(&measured), None));
-        let rates = |values: &[f64]| speed::rates(&times, |from, to| values[to] - values[from]);
-        velocities.push(curve(joint, Some(rates(&demanded)), rates(&measured), None));
+        let rate = |of: fn(&Rates) -> &[f64]| {
+            rates(samples).filter_map(|rates| of(rates).get(joint)).copied().collect()
+        };
+        let range = take.ranges.get(joint);
+        let fastest = range.map(|range| range.speed);
+        velocities.push(curve(
+            joint,
+            Some(rate(|rates| &rates.demanded)),
+            rate(|rates| &rates.measured),
+            fastest,
+        ));
         let following =
             demanded.iter().zip(&measured).map(|(demanded, measured)| demanded - measured).collect();
-        let peak = take.ranges.get(joint).map(|range| range.following_error);
+        let peak = range.map(|range| range.following_error);
         errors.push(curve(joint, None, following, peak));
     }
     let headings = match kind {
@@ -117,14 +128,23 @@ fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) 
     let room = LABEL * joints.len() as f64;
     let chart = |heading, order, height: f64, least, ends, curves| {
         let unit = kind.unit(order);
-        Chart { heading, unit, height: height.max(room), least, ends, curves }
+        let times = match order {
+            0 => samples.iter().map(|sample| sample.time).collect(),
+            _ => rates(samples).map(|rates| rates.time).collect(),
+        };
+        Chart { heading, unit, height: height.max(room), least, ends, times, curves }
     };
     [
         chart(headings[0], 0, 150.0, least, Ends::Last, positions),
         chart(headings[1], 1, 84.0, least, Ends::Largest, velocities),
         // An error is worth seeing however small it is.
-        chart(headings[2], 0, 66.0, 1e-6, Ends::Largest, errors),
+        chart(headings[2], 0, 66.0, 2e-5, Ends::Largest, errors),
     ]
+}
+
+/// The speeds of the samples that have some.
+fn rates<'a>(samples: &'a [&Sample]) -> impl Iterator<Item = &'a Rates> {
+    samples.iter().filter_map(|sample| sample.rates.as_ref())
 }
 
 /// How high charts are, one above the other \[px\].

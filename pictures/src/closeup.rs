@@ -4,9 +4,10 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::marks::{arrow, ends};
 use crate::palette::{GREY, GRID, INK};
 use crate::projection::{Area, Extent, Projection, View};
-use crate::scene::{Actor, arrow, ends};
+use crate::scene::Actor;
 use crate::svg::{Anchor, Px, Svg, Weight, Words};
 use crate::ticks::step;
 use crate::wording::metres;
@@ -14,8 +15,8 @@ use crate::wording::metres;
 /// What spans less is a standstill \[m\].
 const STILL: f64 = 2e-4;
 
-/// Draws the way into an area.
-pub(crate) fn draw(svg: &mut Svg, area: Area, actor: &Actor<'_>) {
+/// Draws the way into an area, in about `most` points.
+pub(crate) fn draw(svg: &mut Svg, area: Area, actor: &Actor<'_>, most: usize) {
     let tool = &actor.motion.tool;
     let words = Words { size: 11.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
     let heading = Words { size: 12.0, colour: INK, weight: Weight::Bold, ..words };
@@ -45,8 +46,8 @@ pub(crate) fn draw(svg: &mut Svg, area: Area, actor: &Actor<'_>) {
     let room = area.inset(30.0, 34.0, 30.0, 48.0);
     let extent = extent.at_least(0.02 * extent.size().max());
     let on = Projection::new(view, &extent, room, extent.scale(room));
-    actor.path.draw(svg, &actor.motion, &on, 2.4, 2200);
-    actor.path.arrows(svg, &actor.motion, &on, 5.0, 64.0);
+    actor.path.draw(svg, &actor.motion, &on, 2.4, most);
+    actor.path.arrows(svg, &actor.motion, &on, 5.0, 14);
     if let (Some(first), Some(last)) = (tool.first(), tool.last()) {
         ends(svg, on.at(*first), on.at(*last), 3.8);
     }

@@ -1,6 +1,6 @@
 //! Curves over time, one chart above the other: measured thick, demanded thin, their names and figures at the right end.
 //!
-//! In: charts, and the times of their values. Out: lines with round ticks on a common time axis; where animations are
+//! In: charts. Out: lines with round ticks on a common time axis; where animations are
 //! shown, a line that moves along with the robots.
 
 use nalgebra::Vector2;
@@ -29,14 +29,13 @@ pub(crate) struct Timeline<'a> {
 }
 
 impl Timeline<'_> {
-    /// Draws charts of samples at `times` \[s\].
-    pub fn draw(&self, svg: &mut Svg, area: Area, times: &[f64], charts: &[Chart]) {
+    /// Draws charts.
+    pub fn draw(&self, svg: &mut Svg, area: Area, charts: &[Chart]) {
         let left = area.x + TICKS;
         let right = area.x + area.width - LABELS;
         let (unit, seconds) = time_unit(self.run.1 - self.run.0);
         let time = Axis::new((self.run.0 / seconds, self.run.1 / seconds), (left, right));
         let ticks = Ticks::inside(self.run.0 / seconds, self.run.1 / seconds, 8);
-        let xs: Vec<f64> = times.iter().map(|t| time.at(t / seconds)).collect();
         let mut top = area.y;
         for chart in charts {
             let frame = Area { x: left, y: top + HEADING, width: right - left, height: chart.height };
@@ -45,6 +44,7 @@ impl Timeline<'_> {
                 let (a, b) = (Vector2::new(x, frame.y), Vector2::new(x, frame.y + frame.height));
                 svg.line(a, b, format_args!("stroke=\"{GRID}\""));
             }
+            let xs: Vec<f64> = chart.times.iter().map(|t| time.at(t / seconds)).collect();
             chart.draw(svg, frame, &xs, self.most);
             top += HEADING + chart.height;
         }
@@ -53,7 +53,7 @@ impl Timeline<'_> {
             svg.words(Vector2::new(time.at(value), top + 16.0), words, &ticks.label(value));
         }
         let words = Words { colour: INK, anchor: Anchor::Start, ..words };
-        svg.words(Vector2::new(right + 20.0, top + 16.0), words, &format!("time [{unit}]"));
+        svg.words(Vector2::new(right + 32.0, top + 16.0), words, &format!("time [{unit}]"));
         if let Some(playback) = self.playback {
             let from = area.y + HEADING;
             svg.group("g", format_args!("class=\"moving\" display=\"none\""), |svg| {
@@ -153,7 +153,7 @@ impl Chart {
         svg.words(Vector2::new(right + 20.0, frame.y - 9.0), Words { size: 11.0, ..words }, caption);
         let last = |curve: &Curve| curve.measured.last().copied().unwrap_or(0.0);
         let wishes: Vec<f64> = match self.ends {
-            Ends::Last => self.curves.iter().map(|curve| axis.at(last(curve))).collect(),
+            Ends::Last => self.curves.iter().map(|curve| axis.at(last(curve)).round()).collect(),
             Ends::Largest => (0..self.curves.len()).map(|i| frame.y + 6.0 + LABEL * i as f64).collect(),
         };
         let heights = labels::spread(&wishes, LABEL, (frame.y + 4.0, frame.y + frame.height));
@@ -194,6 +194,7 @@ fn time_unit(duration: f64) -> (&'static str, f64) {
     match duration {
         d if d > 3.0 * 3600.0 => ("h", 3600.0),
         d if d > 300.0 => ("min", 60.0),
+        d if d < 0.5 => ("ms", 1e-3),
         _ => ("s", 1.0),
     }
 }

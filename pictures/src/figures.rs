@@ -1,4 +1,5 @@
-//! A table of a robot's joints: where each began and ended, how far it went, and how well it followed.
+//! A table of a robot's joints: where each began and ended, how far it went, and how well it followed; and where
+//! the tool was.
 //!
 //! In: a take. Out: words in columns.
 
@@ -15,14 +16,14 @@ const ROW: f64 = 17.0;
 
 /// How high the table of a robot with so many joints is \[px\].
 pub(crate) fn height(joints: usize) -> f64 {
-    ROW * (joints as f64 + 1.0) + 40.0
+    ROW * (joints as f64 + 5.0) + 24.0
 }
 
 /// Draws the table at the top of an area.
 pub(crate) fn draw(svg: &mut Svg, area: Area, take: &Take, samples: &[&Sample]) {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return };
     let words = Words { size: 11.0, colour: GREY, anchor: Anchor::End, weight: Weight::Normal };
-    let columns = [0.37, 0.57, 0.76, 1.0].map(|share| area.x + share * area.width);
+    let columns = [0.34, 0.53, 0.71, 1.0].map(|share| area.x + share * area.width);
     let mut y = area.y + 12.0;
     let left = Words { anchor: Anchor::Start, ..words };
     svg.words(Vector2::new(area.x, y), left, "joint");
@@ -53,6 +54,20 @@ pub(crate) fn draw(svg: &mut Svg, area: Area, take: &Take, samples: &[&Sample]) 
         ];
         for (x, text) in columns.iter().zip(row) {
             svg.words(Vector2::new(*x, y), Words { colour: INK, ..words }, &text);
+        }
+    }
+    y += 1.6 * ROW;
+    svg.words(Vector2::new(area.x, y), left, "tool [m]");
+    for (x, axis) in columns.iter().zip(["x", "y", "z"]) {
+        svg.words(Vector2::new(*x, y), words, axis);
+    }
+    let rule = Vector2::new(area.x, y + 5.0);
+    svg.line(rule, rule + Vector2::new(columns[2] - area.x, 0.0), format_args!("stroke=\"{GRID}\""));
+    for (name, sample) in [("start", first), ("end", last)] {
+        y += ROW;
+        svg.words(Vector2::new(area.x, y), left, name);
+        for (x, value) in columns.iter().zip(sample.tool.translation.vector.iter()) {
+            svg.words(Vector2::new(*x, y), Words { colour: INK, ..words }, &position(*value));
         }
     }
 }

@@ -13,6 +13,7 @@
 
 #![forbid(unsafe_code)]
 
+mod body;
 mod chart;
 mod closeup;
 mod curves;
@@ -20,6 +21,7 @@ mod figures;
 mod film;
 mod ghosts;
 mod labels;
+mod marks;
 mod page;
 mod palette;
 mod playback;

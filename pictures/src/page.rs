@@ -23,15 +23,16 @@ use crate::{closeup, figures};
 const WIDTH: f64 = 1200.0;
 const MARGIN: f64 = 24.0;
 const HEADING: f64 = 84.0;
-/// Height of the scene \[px\].
-const SCENE: f64 = 580.0;
 /// A robot's panel \[px\]: its heading, and the column with the tool's path.
 const ROBOT_HEADING: f64 = 62.0;
 const COLUMN: f64 = 292.0;
 const GAP: f64 = 16.0;
 
 /// Points of all curves together: about 10 bytes each.
-const MOST_POINTS: usize = 16_000;
+const MOST_POINTS: usize = 24_000;
+
+/// Points of all enlarged ways together.
+const MOST_WAY: usize = 6000;
 
 const STYLE: &str = "text{font-variant-numeric:tabular-nums}\
     @media (prefers-reduced-motion:reduce){.moving{display:none!important}.end{opacity:1!important}.start{opacity:.42!important}}";
@@ -52,31 +53,29 @@ pub(crate) fn svg(takes: &[Take]) -> String {
         takes.iter().any(|(take, _)| take.moved()).then(|| Playback::of(run.0, run.1, takes.len())).flatten();
 
     let (actors, fastest) = actors(&takes);
-    let charts: Vec<Vec<Chart>> = takes
-        .iter()
-        .zip(&actors)
-        .map(|((take, samples), actor)| chart::charts(take, samples, &actor.path.speeds))
-        .collect();
+    let charts: Vec<Vec<Chart>> = takes.iter().map(|(take, samples)| chart::charts(take, samples)).collect();
     let lines: usize = charts.iter().map(|charts| chart::lines(charts)).sum();
-    let most = (MOST_POINTS / lines.max(1)).clamp(60, 500);
+    let most = (MOST_POINTS / lines.max(1)).clamp(120, 600);
     let timeline = Timeline { run, playback: playback.as_ref(), most };
     let heights: Vec<f64> =
         takes.iter().zip(&charts).map(|((take, _), charts)| robot_height(take, charts)).collect();
 
-    let height = HEADING + SCENE + heights.iter().map(|height| height + GAP).sum::<f64>() + MARGIN;
+    let scene = Scene { actors: &actors, playback: playback.as_ref(), fastest };
+    let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
+    let area = Area { height: scene.height(area.width), ..area };
+    let height = HEADING + area.height + heights.iter().map(|height| height + GAP).sum::<f64>() + MARGIN;
     document(height, |svg| {
         let (title, subtitle) = titles(&takes, run, playback.as_ref());
         heading(svg, &title, &subtitle);
-        let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: SCENE };
-        Scene { actors: &actors, playback: playback.as_ref(), fastest }.draw(svg, area);
-        let mut y = HEADING + SCENE + GAP;
+        scene.draw(svg, area);
+        let mut y = HEADING + area.height + GAP;
         for ((take, samples), ((actor, charts), height)) in
             takes.iter().zip(actors.iter().zip(&charts).zip(&heights))
         {
             let area = Area { x: MARGIN, y, width: WIDTH - 2.0 * MARGIN, height: *height };
-            robot(svg, area, take, samples, actor);
+            robot(svg, area, take, samples, actor, (MOST_WAY / takes.len()).min(2500));
             let area = area.inset(COLUMN + 40.0, ROBOT_HEADING - 20.0, 8.0, 0.0);
-            timeline.draw(svg, area, &actor.motion.times, charts);
+            timeline.draw(svg, area, charts);
             y += height + GAP;
         }
     })
@@ -95,14 +94,13 @@ fn actors<'a>(takes: &[(&'a Take, Vec<&Sample>)]) -> (Vec<Actor<'a>>, f64) {
     let mut actors: Vec<Actor<'a>> = takes
         .iter()
         .enumerate()
-        .map(|(i, (take, _))| {
+        .map(|(i, (take, samples))| {
             let motion = Motion::of(take, gripper);
-            let path = ToolPath::of(&motion);
+            let path = ToolPath::of(take, samples);
             Actor { name: &take.name, colour: palette::robot(i), motion, path }
         })
         .collect();
-    let fastest =
-        actors.iter().flat_map(|actor| &actor.path.speeds).fold(0.0_f64, |most, speed| most.max(*speed));
+    let fastest = takes.iter().fold(0.0_f64, |most, (take, _)| most.max(take.tool_speed));
     // Slower than 1 mm/s is an encoder's play.
     let fastest = Ticks::around(0.0, fastest.max(1e-3), 5).high();
     for actor in &mut actors {
@@ -117,7 +115,7 @@ fn robot_height(take: &Take, charts: &[Chart]) -> f64 {
 }
 
 /// A robot's panel without its curves.
-fn robot(svg: &mut Svg, area: Area, take: &Take, samples: &[&Sample], actor: &Actor<'_>) {
+fn robot(svg: &mut Svg, area: Area, take: &Take, samples: &[&Sample], actor: &Actor<'_>, most: usize) {
     panel(svg, area, "");
     svg.element(
         "rect",
@@ -134,7 +132,7 @@ fn robot(svg: &mut Svg, area: Area, take: &Take, samples: &[&Sample], actor: &Ac
     let words = Words { size: 12.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
     svg.words(Vector2::new(area.x + COLUMN + 86.0, area.y + 28.0), words, &caption(take, samples));
     let column = Area { x: area.x + 20.0, y: area.y + ROBOT_HEADING, width: COLUMN, height: 250.0 };
-    closeup::draw(svg, column, actor);
+    closeup::draw(svg, column, actor, most);
     let table = Area { y: column.y + column.height + 8.0, ..column };
     figures::draw(svg, table, take, samples);
 }
@@ -151,7 +149,14 @@ fn caption(take: &Take, samples: &[&Sample]) -> String {
         .filter_map(|kind| take.worst_following(kind).map(|worst| (kind, worst)))
         .map(|(kind, (joint, error))| format!("{} {} (q{})", figure(error), kind.unit(0), joint + 1))
         .collect();
-    if !errors.is_empty() {
+    if take
+        .worst_following(JointKind::Revolute)
+        .into_iter()
+        .chain(take.worst_following(JointKind::Prismatic))
+        .all(|(_, error)| error < 1e-6)
+    {
+        parts.push("no following error".to_owned());
+    } else {
         parts.push(format!("largest following error {}", errors.join(" and ")));
     }
     if take.not_finite > 0 {

@@ -17,7 +17,7 @@ const PAUSE: f64 = 1.5;
 const RATE: f64 = 15.0;
 
 /// Frames of all robots of a picture together.
-const MOST_FRAMES: usize = 480;
+const MOST_FRAMES: usize = 360;
 
 /// When what is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,7 +23,7 @@ impl View {
 
     /// In space: x to the right, y away to the right, z up.
     pub fn space() -> View {
-        View::from(-58_f64.to_radians(), 24_f64.to_radians())
+        View::from(-58_f64.to_radians(), 28_f64.to_radians())
     }
 
     /// From above: x to the right, y up.

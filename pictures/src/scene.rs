@@ -5,7 +5,9 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::body::{self, Pen};
 use crate::ghosts::ghosts;
+use crate::marks::{arrow, dot, ends, ring};
 use crate::palette::{self, GREY, GRID, INK, LEVELS, PANEL, RULE};
 use crate::playback::Playback;
 use crate::projection::{Area, Extent, Projection, View};
@@ -33,19 +35,16 @@ pub(crate) struct Scene<'a> {
     pub fastest: f64,
 }
 
-/// How large a robot is drawn \[px\].
-#[derive(Clone, Copy, Debug)]
-struct Pen {
-    link: f64,
-    joint: f64,
-    way: f64,
-    arrow: f64,
-    /// Points of a way.
-    most: usize,
-}
+const LARGE: Pen = Pen { link: 7.0, joint: 4.6, way: 2.6, arrow: 5.5, arrows: 10, most: 2200 };
+const SMALL: Pen = Pen { link: 4.0, joint: 2.8, way: 1.8, arrow: 4.0, arrows: 5, most: 900 };
 
-const LARGE: Pen = Pen { link: 7.0, joint: 4.6, way: 2.6, arrow: 5.5, most: 2200 };
-const SMALL: Pen = Pen { link: 4.0, joint: 2.8, way: 1.8, arrow: 4.0, most: 900 };
+/// The share of the width that the view in space takes, and the room that it leaves left, above, right, below \[px\].
+const LARGE_SHARE: f64 = 0.625;
+const ROOM: [f64; 4] = [38.0, 40.0, 30.0, 76.0];
+
+/// Bounds of the scene's height \[px\].
+const LOWEST: f64 = 440.0;
+const HIGHEST: f64 = 600.0;
 
 /// Least extent of a view \[m\].
 const LEAST: f64 = 0.05;
@@ -71,7 +70,7 @@ impl Scene<'_> {
     /// Draws the three views.
     pub fn draw(&self, svg: &mut Svg, area: Area) {
         let gap = 16.0;
-        let large = Area { width: (0.625 * area.width).round(), ..area };
+        let large = Area { width: (LARGE_SHARE * area.width).round(), ..area };
         self.space(svg, large);
         let width = area.width - large.width - gap;
         let height = 0.5 * (area.height - gap);
@@ -96,13 +95,27 @@ impl Scene<'_> {
         Extent::of(self.points().map(|point| view.plane(point)))
     }
 
-    /// The view in space.
-    fn space(&self, svg: &mut Svg, area: Area) {
-        panel(svg, area, "In space");
+    /// The largest extent of all that moves along an axis of the world \[m\].
+    fn size(&self) -> f64 {
+        let [above, front] =
+            [View::above(), View::front()].map(|view| self.extent(view).at_least(LEAST).size().max());
+        above.max(front)
+    }
+
+    /// How high the scene would like to be at this width \[px\].
+    pub fn height(&self, width: f64) -> f64 {
+        let (_, _, extent) = self.floor();
+        let room = Area { x: 0.0, y: 0.0, width: LARGE_SHARE * width, height: HIGHEST }
+            .inset(ROOM[0], ROOM[1], ROOM[2], ROOM[3]);
+        (extent.size().y * room.width / extent.size().x + ROOM[1] + ROOM[3]).clamp(LOWEST, HIGHEST).round()
+    }
+
+    /// The corners of the floor, the length of a tile \[m\], and what it all spans in the view in space.
+    fn floor(&self) -> ([Vector3<f64>; 4], f64, Extent) {
         let ground = self.extent(View::above()).at_least(4.0 * LEAST);
         let heights = self.extent(View::front());
         let floor = heights.low.y.min(0.0);
-        let size = ground.size().max().max(heights.high.y - floor);
+        let size = self.size();
         let tile = step(size, 6);
         let [x, y] = [(ground.low.x, ground.high.x), (ground.low.y, ground.high.y)].map(|(low, high)| {
             // Tiles that lie under all that moves.
@@ -114,8 +127,17 @@ impl Scene<'_> {
         let view = View::space();
         let top = Vector3::new(x.0, y.0, floor + tile);
         let extent = Extent::of(self.points().chain(corners).chain([top]).map(|point| view.plane(point)));
-        let room = area.inset(38.0, 36.0, 30.0, 72.0);
-        let on = Projection::new(view, &extent, room, extent.scale(room));
+        (corners, tile, extent)
+    }
+
+    /// The view in space.
+    fn space(&self, svg: &mut Svg, area: Area) {
+        panel(svg, area, "In space");
+        let (corners, tile, extent) = self.floor();
+        let floor = corners[0].z;
+        let [x, y] = [(corners[0].x, corners[2].x), (corners[0].y, corners[2].y)];
+        let room = area.inset(ROOM[0], ROOM[1], ROOM[2], ROOM[3]);
+        let on = Projection::new(View::space(), &extent, room, extent.scale(room));
 
         let floor_corners = corners.map(|corner| on.at(corner));
         svg.element("polygon", format_args!("fill=\"#f6f8f9\" points=\"{}\"", Points(&floor_corners)));
@@ -130,7 +152,7 @@ impl Scene<'_> {
         });
         axes(svg, &on, corners[0], tile);
         self.shadows(svg, &on, floor);
-        self.feet(svg, &on, floor, size);
+        self.feet(svg, &on, floor);
         self.poses(svg, &on, LARGE);
         self.names(svg, &on, floor, area);
         self.legend(svg, area);
@@ -147,7 +169,7 @@ impl Scene<'_> {
         for value in right.values() {
             let x = on.on_page(Vector2::new(value, 0.0)).x;
             grid(svg, Vector2::new(x, frame.y), Vector2::new(x, bottom));
-            if x < left + frame.width - 34.0 {
+            if x < left + frame.width - 46.0 {
                 svg.words(Vector2::new(x, bottom + 15.0), words, &right.label(value));
             }
         }
@@ -188,12 +210,12 @@ impl Scene<'_> {
     }
 
     /// Where the robots stand: a plate on the floor, and a post when the first frame is above it.
-    fn feet(&self, svg: &mut Svg, on: &Projection, floor: f64, size: f64) {
+    fn feet(&self, svg: &mut Svg, on: &Projection, floor: f64) {
         for actor in self.actors {
             let Some(first) = actor.motion.sticks.first() else { continue };
             let Some(base) = first.links.first().filter(|_| first.links.len() > 2) else { continue };
             let foot = Vector3::new(base.x, base.y, floor);
-            let half = 0.035 * size;
+            let half = 0.035 * self.size();
             let ring: Vec<_> = (0..32)
                 .map(|i| std::f64::consts::TAU * f64::from(i) / 32.0)
                 .map(|angle| on.at(foot + Vector3::new(angle.cos(), angle.sin(), 0.0) * half))
@@ -219,11 +241,11 @@ impl Scene<'_> {
     /// Ghosts, the first and the last pose, the ways; and the robots on their way.
     fn poses(&self, svg: &mut Svg, on: &Projection, pen: Pen) {
         for actor in self.actors {
-            let found = ghosts(&actor.motion, on.scale);
-            let thin = Pen { link: 0.45 * pen.link, joint: 0.5 * pen.joint, ..pen };
+            let found = ghosts(&actor.motion, on.scale, self.actors.len());
+            let thin = Pen { link: 0.45 * pen.link, joint: 0.0, ..pen };
             for stick in found.into_iter().filter_map(|i| actor.motion.sticks.get(i)) {
                 svg.group("g", format_args!("class=\"ghost\" opacity=\".2\""), |svg| {
-                    figure(svg, on, stick, actor.colour, thin);
+                    body::still(svg, on, stick, actor.colour, thin);
                 });
             }
         }
@@ -235,7 +257,7 @@ impl Scene<'_> {
                     if self.playback.is_some() {
                         Playback::set(svg, "opacity", ".25");
                     }
-                    figure(svg, on, stick, actor.colour, pen);
+                    body::still(svg, on, stick, actor.colour, pen);
                 });
             }
         }
@@ -243,7 +265,13 @@ impl Scene<'_> {
             actor.path.draw(svg, &actor.motion, on, pen.way, pen.most / self.actors.len().max(1));
         }
         for actor in self.actors {
-            actor.path.arrows(svg, &actor.motion, on, pen.arrow, 14.0 * pen.arrow);
+            actor.path.arrows(
+                svg,
+                &actor.motion,
+                on,
+                pen.arrow,
+                (2 * pen.arrows / self.actors.len().max(1) as u32).clamp(2, pen.arrows),
+            );
             if let (Some(first), Some(last)) = (actor.motion.tool.first(), actor.motion.tool.last()) {
                 ends(svg, on.at(*first), on.at(*last), 0.8 * pen.joint);
             }
@@ -252,7 +280,7 @@ impl Scene<'_> {
             svg.group("g", format_args!("class=\"moving\" display=\"none\""), |svg| {
                 Playback::set(svg, "display", "inline");
                 for actor in self.actors {
-                    moving(svg, on, actor, playback, pen);
+                    body::moving(svg, on, actor, playback, pen);
                 }
             });
         }
@@ -342,116 +370,4 @@ fn axes(svg: &mut Svg, on: &Projection, corner: Vector3<f64>, length: f64) {
     let middle = 0.5 * (from + on.at(corner + Vector3::x() * length));
     let words = Words { size: 11.5, weight: Weight::Normal, ..words };
     svg.words_on_lines(middle + Vector2::new(-4.0, 18.0), words, PANEL, &metres(length));
-}
-
-/// An arrow in ink.
-pub(crate) fn arrow(svg: &mut Svg, from: Vector2<f64>, to: Vector2<f64>) {
-    svg.line(from, to, format_args!("stroke=\"{INK}\" stroke-width=\"1.4\""));
-    if let Some(direction) = (to - from).try_normalize(1e-9) {
-        let side = Vector2::new(-direction.y, direction.x) * 3.0;
-        let back = to - direction * 7.0;
-        svg.element(
-            "polygon",
-            format_args!("fill=\"{INK}\" points=\"{}\"", Points(&[to, back + side, back - side])),
-        );
-    }
-}
-
-/// The marks of a way's beginning and end.
-pub(crate) fn ends(svg: &mut Svg, first: Vector2<f64>, last: Vector2<f64>, radius: f64) {
-    dot(svg, last, radius);
-    ring(svg, first, if (first - last).norm() < radius { 1.9 * radius } else { radius });
-}
-
-fn ring(svg: &mut Svg, at: Vector2<f64>, radius: f64) {
-    circle(
-        svg,
-        at,
-        radius,
-        format_args!("class=\"first\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.6\""),
-    );
-}
-
-fn dot(svg: &mut Svg, at: Vector2<f64>, radius: f64) {
-    circle(
-        svg,
-        at,
-        radius,
-        format_args!("class=\"last\" fill=\"{INK}\" stroke=\"#fff\" stroke-width=\"1.2\""),
-    );
-}
-
-fn circle(svg: &mut Svg, at: Vector2<f64>, radius: f64, attributes: std::fmt::Arguments<'_>) {
-    svg.element(
-        "circle",
-        format_args!("cx=\"{}\" cy=\"{}\" r=\"{}\" {attributes}", Px(at.x), Px(at.y), Px(radius)),
-    );
-}
-
-/// A stick figure at rest.
-fn figure(svg: &mut Svg, on: &Projection, stick: &Stick, colour: &str, pen: Pen) {
-    let [links, gripper] = [&stick.links[..], &stick.gripper]
-        .map(|points| points.iter().map(|point| on.at(*point)).collect::<Vec<_>>());
-    svg.group(
-        "g",
-        format_args!("fill=\"none\" stroke=\"{colour}\" stroke-linecap=\"round\" stroke-linejoin=\"round\""),
-        |svg| {
-            svg.element(
-                "polyline",
-                format_args!(
-                    "class=\"links\" stroke-width=\"{}\" points=\"{}\"",
-                    Px(pen.link),
-                    Points(&links)
-                ),
-            );
-            svg.element(
-                "polyline",
-                format_args!("stroke-width=\"{}\" points=\"{}\"", Px(0.5 * pen.link), Points(&gripper)),
-            );
-            if let [joints @ .., _] = &links[..] {
-                for joint in joints {
-                    circle(
-                        svg,
-                        *joint,
-                        pen.joint,
-                        format_args!("fill=\"#fff\" stroke-width=\"{}\"", Px(0.3 * pen.link)),
-                    );
-                }
-            }
-        },
-    );
-}
-
-/// A stick figure on its way.
-fn moving(svg: &mut Svg, on: &Projection, actor: &Actor<'_>, playback: &Playback, pen: Pen) {
-    let sticks: Vec<Stick> = playback.times().filter_map(|time| actor.motion.at(time)).collect();
-    let Some(first) = sticks.first() else { return };
-    let points = |of: &dyn Fn(&Stick) -> &[Vector3<f64>], stick: &Stick| {
-        let points: Vec<_> = of(stick).iter().map(|point| on.at(*point)).collect();
-        Points(&points).to_string()
-    };
-    let still = sticks.iter().all(|stick| stick.distance(first) < 1e-5);
-    let colour = actor.colour;
-    let part =
-        |svg: &mut Svg, of: &dyn Fn(&Stick) -> &[Vector3<f64>], width: f64, colour: &str, joints: &str| {
-            svg.group(
-                "polyline",
-                format_args!(
-                    "stroke=\"{colour}\" stroke-width=\"{}\"{joints} points=\"{}\"",
-                    Px(width),
-                    points(of, first)
-                ),
-                |svg| {
-                    if !still {
-                        playback.animate(svg, "points", sticks.iter().map(|stick| points(of, stick)));
-                    }
-                },
-            );
-        };
-    svg.group("g", format_args!("fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\""), |svg| {
-        // Joints are markers, so that they move with the line; their size is in units of its width.
-        let joints = " marker-start=\"url(#joint)\" marker-mid=\"url(#joint)\"";
-        part(svg, &|stick| &stick.links, pen.link, colour, joints);
-        part(svg, &|stick| &stick.gripper, 0.5 * pen.link, colour, "");
-    });
 }

@@ -135,6 +135,17 @@ impl Display for Points<'_> {
     }
 }
 
+/// Lines of a `d` attribute.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Strokes<'a>(pub &'a [&'a [Vector2<f64>]]);
+
+impl Display for Strokes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // What follows the first point of an M is drawn to.
+        self.0.iter().try_for_each(|line| write!(f, "M{}", Points(line)))
+    }
+}
+
 /// Text without what XML would read as markup, or does not allow at all.
 struct Escaped<'a>(&'a str);
 

@@ -6,6 +6,8 @@
 use mrroc::{JointKind, Observation, Pose};
 use nalgebra::Vector3;
 
+use crate::speed::{Rates, Speeds};
+
 /// The most samples kept, besides the last.
 pub(crate) const CAPACITY: usize = 4000;
 
@@ -25,6 +27,8 @@ pub(crate) struct Sample {
     pub links: Vec<Vector3<f64>>,
     /// `X_WE`, the pose of the tool.
     pub tool: Pose,
+    /// How fast all that is; none at first.
+    pub rates: Option<Rates>,
 }
 
 impl Sample {
@@ -48,6 +52,8 @@ pub(crate) struct JointRange {
     pub demanded: (f64, f64),
     /// Largest difference of demanded and measured position [rad or m], at least 0.
     pub following_error: f64,
+    /// Largest speed measured [rad/s or m/s], at least 0.
+    pub speed: f64,
 }
 
 impl JointRange {
@@ -55,6 +61,7 @@ impl JointRange {
         measured: (f64::INFINITY, f64::NEG_INFINITY),
         demanded: (f64::INFINITY, f64::NEG_INFINITY),
         following_error: 0.0,
+        speed: 0.0,
     };
 
     fn see(&mut self, demanded: f64, measured: f64) {
@@ -75,6 +82,26 @@ impl JointRange {
     }
 }
 
+/// The length of a way, in steps that are longer than an encoder's play.
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
+    length: f64,
+    last: Option<Vector3<f64>>,
+}
+
+impl Way {
+    /// Shortest step \[m\].
+    const STEP: f64 = 1e-4;
+
+    fn see(&mut self, point: Vector3<f64>) {
+        let step = self.last.map_or(f64::INFINITY, |last| (point - last).norm());
+        if step >= Way::STEP {
+            self.length += if self.last.is_some() { step } else { 0.0 };
+            self.last = Some(point);
+        }
+    }
+}
+
 /// What is kept of one robot.
 #[derive(Clone, Debug)]
 pub(crate) struct Take {
@@ -88,6 +115,10 @@ pub(crate) struct Take {
     pub ranges: Vec<JointRange>,
     /// Servo periods left out because something in them was not a finite number.
     pub not_finite: u64,
+    /// The largest speed of the tool [m/s], at least 0.
+    pub tool_speed: f64,
+    speeds: Speeds,
+    way: Way,
     kept: Vec<Sample>,
     last: Option<Sample>,
     stride: u64,
@@ -102,6 +133,9 @@ impl Take {
             joints: joints.to_vec(),
             ranges: vec![JointRange::NONE; joints.len()],
             not_finite: 0,
+            tool_speed: 0.0,
+            speeds: Speeds::default(),
+            way: Way::default(),
             kept: Vec::new(),
             last: None,
             stride: 1,
@@ -124,10 +158,11 @@ impl Take {
             measured: observation.measured.to_vec(),
             links,
             tool,
+            rates: None,
         });
     }
 
-    pub(crate) fn keep(&mut self, sample: Sample) {
+    pub fn keep(&mut self, mut sample: Sample) {
         if !sample.is_finite() {
             self.not_finite += 1;
             return;
@@ -137,6 +172,14 @@ impl Take {
         {
             range.see(*demanded, *measured);
         }
+        sample.rates = self.speeds.see(&sample);
+        if let Some(rates) = &sample.rates {
+            for (range, speed) in self.ranges.iter_mut().zip(&rates.measured) {
+                range.speed = range.speed.max(speed.abs());
+            }
+            self.tool_speed = self.tool_speed.max(rates.tool);
+        }
+        self.way.see(sample.tool.translation.vector);
         let due = self.seen.is_multiple_of(self.stride);
         self.seen += 1;
         if !due {
@@ -167,6 +210,11 @@ impl Take {
         samples
     }
 
+    /// Length of the tool's way in all servo periods \[m\].
+    pub fn way(&self) -> f64 {
+        self.way.length
+    }
+
     /// Whether any joint moved, or should have.
     pub fn moved(&self) -> bool {
         self.ranges.iter().any(JointRange::moved)
@@ -191,6 +239,7 @@ pub(crate) mod tests {
             measured: vec![x],
             links: vec![Vector3::zeros(), Vector3::new(x, 0.0, 0.5)],
             tool: Pose::translation(x, 0.0, 0.5),
+            rates: None,
         }
     }
 
@@ -215,6 +264,9 @@ pub(crate) mod tests {
         assert_eq!(joint, 0);
         assert!((worst - 0.3).abs() < 1e-12);
         assert_eq!(take.worst_following(JointKind::Revolute), None);
+        // A sine of 1 m and 1 rad/s: 1 m/s at most, and 2 / pi m/s in the mean.
+        assert!((take.tool_speed - 1.0).abs() < 1e-4 && (take.ranges[0].speed - 1.0).abs() < 1e-4);
+        assert!((take.way() / (f64::from(periods) * 1e-3) - 2.0 / std::f64::consts::PI).abs() < 1e-3);
     }
 
     #[test]

@@ -29,7 +29,7 @@ pub(crate) fn within(points: &[Vector2<f64>], tolerance: f64) -> Vec<Vector2<f64
 
 /// At most about `most` points of a curve over time (x never decreases).
 pub(crate) fn curve(points: &[Vector2<f64>], most: usize) -> Vec<Vector2<f64>> {
-    for tolerance in [FINE, 2.0 * FINE, 4.0 * FINE] {
+    for tolerance in [FINE, 2.0 * FINE, 4.0 * FINE, 8.0 * FINE] {
         let line = within(points, tolerance);
         if line.len() <= most {
             return line;

@@ -52,7 +52,9 @@ impl Ticks {
     }
 
     fn with_digits(&self, value: f64, more: usize) -> String {
-        let digits = (-(self.step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize + more;
+        let digits = (-(self.step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize;
+        // More than a millionth nobody reads.
+        let digits = (digits + more).min(digits.max(6));
         let text = format!("{value:.digits$}");
         if text.bytes().all(|c| matches!(c, b'-' | b'0' | b'.')) {
             return text.replace('-', "");

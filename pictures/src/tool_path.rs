@@ -6,29 +6,28 @@ use nalgebra::Vector2;
 
 use crate::palette::{self, LEVELS};
 use crate::projection::Projection;
-use crate::speed;
 use crate::stick::Motion;
-use crate::svg::{Points, Svg};
+use crate::svg::{Points, Strokes, Svg};
+use crate::take::{Sample, Take};
 use crate::thinning;
 
 /// Where a tool was, and how fast.
 #[derive(Clone, Debug)]
 pub(crate) struct ToolPath {
     /// Speeds of the tool at each sample [m/s], at least 0.
-    pub speeds: Vec<f64>,
-    /// Length of the way along the samples \[m\].
+    speeds: Vec<f64>,
+    /// Length of the way in all servo periods \[m\].
     pub length: f64,
     /// Speed level of the way from each sample to the next.
     levels: Vec<usize>,
 }
 
 impl ToolPath {
-    /// Of a motion; levels come with [`coloured`](Self::coloured).
-    pub fn of(motion: &Motion) -> ToolPath {
-        let tool = &motion.tool;
-        let speeds = speed::rates(&motion.times, |from, to| (tool[to] - tool[from]).norm());
-        let length = tool.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
-        ToolPath { levels: vec![0; speeds.len()], speeds, length }
+    /// Of a take's samples; levels come with [`coloured`](Self::coloured).
+    pub fn of(take: &Take, samples: &[&Sample]) -> ToolPath {
+        let speed = |sample: &&Sample| sample.rates.as_ref().map_or(0.0, |rates| rates.tool);
+        let speeds: Vec<f64> = samples.iter().map(speed).collect();
+        ToolPath { levels: vec![0; speeds.len()], speeds, length: take.way() }
     }
 
     /// With speed levels up to `fastest` [m/s], > 0. A level is left only for a speed well beyond it.
@@ -73,24 +72,29 @@ impl ToolPath {
                 "class=\"way\" fill=\"none\" stroke-width=\"{width}\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
             ),
             |svg| {
-                for (level, line) in lines {
-                    svg.element(
-                        "polyline",
-                        format_args!("stroke=\"{}\" points=\"{}\"", palette::level(*level), Points(&line)),
-                    );
+                for level in 0..LEVELS {
+                    let same: Vec<_> =
+                        lines.iter().filter(|(l, _)| **l == level).map(|(_, line)| &line[..]).collect();
+                    if !same.is_empty() {
+                        svg.element(
+                            "path",
+                            format_args!("stroke=\"{}\" d=\"{}\"", palette::level(level), Strokes(&same)),
+                        );
+                    }
                 }
             },
         );
     }
 
-    /// Draws arrows along the way, about every `gap` \[px\]; one at least on a way that is seen.
-    pub fn arrows(&self, svg: &mut Svg, motion: &Motion, on: &Projection, size: f64, gap: f64) {
+    /// Draws arrows beside the way, at the right hand of who goes along it, so that there and back are told apart: at most
+    /// `most`, and one at least on a way that is seen.
+    pub fn arrows(&self, svg: &mut Svg, motion: &Motion, on: &Projection, size: f64, most: u32) {
         let points: Vec<Vector2<f64>> = motion.tool.iter().map(|point| on.at(*point)).collect();
         let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
         if length < 3.0 * size {
             return;
         }
-        let count = (length / gap).round().clamp(1.0, 40.0);
+        let count = (length / (14.0 * size)).round().clamp(1.0, f64::from(most));
         let mut next = 0.5 * length / count;
         let mut way = 0.0;
         for i in 1..points.len() {
@@ -104,8 +108,9 @@ impl ToolPath {
             let from = (0..i).rev().find(far).unwrap_or(0);
             let Some(direction) = (points[i] - points[from]).try_normalize(1e-3) else { continue };
             let side = Vector2::new(-direction.y, direction.x);
-            let tip = points[i] + direction * size;
-            let back = points[i] - direction * (0.6 * size);
+            // The page's y points down.
+            let beside = points[i] + side * (1.4 * size);
+            let (tip, back) = (beside + direction * size, beside - direction * (0.6 * size));
             let triangle = [tip, back + side * (0.75 * size), back - side * (0.75 * size)];
             svg.element(
                 "polygon",
