@@ -1,0 +1,158 @@
+//! The charts of a robot: which quantities are drawn over time.
+//!
+//! In: a take. Out: curves by unit: positions as changes since the start, so that a small motion of
+//! one joint is seen beside the large angle of another; velocities; following errors; the speed of the tool.
+
+use mrroc::JointKind;
+
+use crate::palette::{self, INK};
+use crate::speed::Rates;
+use crate::take::{Sample, Take};
+
+/// Room above a chart for its heading, and below the last one for times \[px\].
+pub(crate) const HEADING: f64 = 28.0;
+const TIMES: f64 = 34.0;
+
+/// Room for a label \[px\].
+pub(crate) const LABEL: f64 = 13.5;
+
+/// What an axis spans at least when nothing moved [rad, m, rad/s, m/s]: what is less is an encoder's play.
+const PLAY: f64 = 0.02;
+
+/// A quantity over time.
+#[derive(Clone, Debug)]
+pub(crate) struct Curve {
+    pub colour: &'static str,
+    /// Thin; none of what nobody demands.
+    pub demanded: Option<Vec<f64>>,
+    /// Thick.
+    pub measured: Vec<f64>,
+    pub label: String,
+    /// Largest absolute value in all servo periods, when it is known better than from the samples.
+    pub peak: Option<f64>,
+}
+
+/// What stands at the right end of a chart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ends {
+    /// Each curve's last value, beside it.
+    Last,
+    /// Each curve's largest absolute value, in order.
+    Largest,
+}
+
+/// Curves of one unit.
+#[derive(Clone, Debug)]
+pub(crate) struct Chart {
+    pub heading: &'static str,
+    pub unit: &'static str,
+    /// Of the curves \[px\].
+    pub height: f64,
+    /// What the axis spans at least, in the unit.
+    pub least: f64,
+    pub ends: Ends,
+    /// When the curves have their values \[s\], increasing.
+    pub times: Vec<f64>,
+    pub curves: Vec<Curve>,
+}
+
+/// The charts of a robot.
+pub(crate) fn charts(take: &Take, samples: &[&Sample]) -> Vec<Chart> {
+    let mut charts = Vec::new();
+    for kind in [JointKind::Revolute, JointKind::Prismatic] {
+        let joints: Vec<usize> = (0..take.joints.len()).filter(|i| take.joints[*i] == kind).collect();
+        if !joints.is_empty() {
+            charts.extend(of_kind(take, samples, kind, &joints));
+        }
+    }
+    let tool = Curve {
+        colour: INK,
+        demanded: None,
+        measured: rates(samples).map(|rates| rates.tool).collect(),
+        label: "tool".to_owned(),
+        peak: Some(take.tool_speed),
+    };
+    charts.push(Chart {
+        heading: "Tool speed",
+        unit: "m/s",
+        height: 60.0,
+        least: if take.moved() { 0.0 } else { PLAY },
+        ends: Ends::Largest,
+        times: rates(samples).map(|rates| rates.time).collect(),
+        curves: vec![tool],
+    });
+    charts
+}
+
+/// Positions, velocities and following errors of the joints of one kind.
+fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) -> [Chart; 3] {
+    let curve = |joint: usize, demanded: Option<Vec<f64>>, measured: Vec<f64>, peak: Option<f64>| Curve {
+        colour: palette::joint(joint),
+        demanded,
+        measured,
+        label: format!("q{}", joint + 1),
+        peak,
+    };
+    let (mut positions, mut velocities, mut errors) = (Vec::new(), Vec::new(), Vec::new());
+    for joint in joints.iter().copied() {
+        let demanded: Vec<f64> =
+            samples.iter().filter_map(|sample| sample.demanded.get(joint)).copied().collect();
+        let measured: Vec<f64> =
+            samples.iter().filter_map(|sample| sample.measured.get(joint)).copied().collect();
+        let start = demanded.first().copied().unwrap_or(0.0);
+        let since_start = |values: &[f64]| values.iter().map(|value| value - start).collect();
+        positions.push(curve(joint, Some(since_start(&demanded)), since_start(&measured), None));
+        let rate = |of: fn(&Rates) -> &[f64]| {
+            rates(samples).filter_map(|rates| of(rates).get(joint)).copied().collect()
+        };
+        let range = take.ranges.get(joint);
+        let fastest = range.map(|range| range.speed);
+        velocities.push(curve(
+            joint,
+            Some(rate(|rates| &rates.demanded)),
+            rate(|rates| &rates.measured),
+            fastest,
+        ));
+        let following =
+            demanded.iter().zip(&measured).map(|(demanded, measured)| demanded - measured).collect();
+        let peak = range.map(|range| range.following_error);
+        errors.push(curve(joint, None, following, peak));
+    }
+    let headings = match kind {
+        JointKind::Revolute => ["Joint angles since the start", "Joint velocities", "Following errors"],
+        JointKind::Prismatic => {
+            ["Slides since the start", "Velocities of slides", "Following errors of slides"]
+        }
+    };
+    let least = if joints.iter().any(|i| take.ranges[*i].moved()) { 0.0 } else { PLAY };
+    let room = LABEL * joints.len() as f64;
+    let chart = |heading, order, height: f64, least, ends, curves| {
+        let unit = kind.unit(order);
+        let times = match order {
+            0 => samples.iter().map(|sample| sample.time).collect(),
+            _ => rates(samples).map(|rates| rates.time).collect(),
+        };
+        Chart { heading, unit, height: height.max(room), least, ends, times, curves }
+    };
+    [
+        chart(headings[0], 0, 150.0, least, Ends::Last, positions),
+        chart(headings[1], 1, 84.0, least, Ends::Largest, velocities),
+        // An error is worth seeing however small it is.
+        chart(headings[2], 0, 66.0, 2e-5, Ends::Largest, errors),
+    ]
+}
+
+/// The speeds of the samples that have some.
+fn rates<'a>(samples: &'a [&Sample]) -> impl Iterator<Item = &'a Rates> {
+    samples.iter().filter_map(|sample| sample.rates.as_ref())
+}
+
+/// How high charts are, one above the other \[px\].
+pub(crate) fn height(charts: &[Chart]) -> f64 {
+    charts.iter().map(|chart| chart.height + HEADING).sum::<f64>() + TIMES
+}
+
+/// How many lines the charts draw.
+pub(crate) fn lines(charts: &[Chart]) -> usize {
+    charts.iter().flat_map(|chart| &chart.curves).map(|curve| 1 + usize::from(curve.demanded.is_some())).sum()
+}

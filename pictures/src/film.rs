@@ -1,0 +1,73 @@
+//! The film: watches a cell, then draws what it saw.
+
+use std::cell::RefCell;
+use std::io;
+use std::path::Path;
+use std::rc::Rc;
+
+use mrroc::{Cell, Observation, Recorder};
+
+use crate::page;
+use crate::take::Take;
+
+/// Watches every robot of a cell and draws one self-contained SVG of what moved.
+///
+/// Memory is bounded: at most 4000 samples of each robot are kept, evenly over the run, however long it is. Largest
+/// following errors and joint ranges are those of all servo periods.
+///
+/// ```no_run
+/// # fn cell() -> mrroc::Cell { mrroc::Cell::new(std::time::Duration::from_millis(2)) }
+/// use mrroc::Recorder;
+/// use mrroc_pictures::Film;
+///
+/// let mut film = Film::new();
+/// let outcome = film.watch(cell()).run();
+/// film.save("picture.svg".as_ref())?; // after a fault, too
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct Film {
+    takes: Rc<RefCell<Vec<Take>>>,
+}
+
+impl Film {
+    /// A film that has seen nothing yet.
+    #[must_use]
+    pub fn new() -> Film {
+        Film::default()
+    }
+
+    /// The picture of what was seen so far, an SVG document of 1200 px width.
+    ///
+    /// The same observations give the same text to the byte.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        match self.takes.try_borrow() {
+            Ok(takes) => page::svg(&takes),
+            // Only while a robot is being observed, that is, inside of an observer of the user's.
+            Err(_) => page::svg(&[]),
+        }
+    }
+}
+
+impl Recorder for Film {
+    fn watch(&mut self, cell: Cell) -> Cell {
+        let takes = Rc::clone(&self.takes);
+        cell.watch(move |observation| record(&takes, observation))
+    }
+
+    fn save(&mut self, file: &Path) -> io::Result<()> {
+        std::fs::write(file, self.svg())
+    }
+}
+
+fn record(takes: &RefCell<Vec<Take>>, observation: &Observation<'_>) {
+    let Ok(mut takes) = takes.try_borrow_mut() else { return };
+    if let Some(take) = takes.iter_mut().find(|take| take.name == observation.robot) {
+        take.see(observation);
+    } else {
+        let mut take = Take::new(observation.robot, observation.kind, observation.joints);
+        take.see(observation);
+        takes.push(take);
+    }
+}

@@ -1,0 +1,39 @@
+//! Pictures of what moved: a [`Film`] watches the robots of a cell and draws one SVG that any browser shows.
+//!
+//! In: an [`Observation`](mrroc::Observation) of every servo period of every robot. Out: a picture, in SI units:
+//!
+//! ```text
+//! Observation -> Take (bounded memory) -> scene:  stick figures in space, moving; tool paths coloured by speed
+//!                                      -> curves: positions, velocities, tool speed, following error over time
+//!                                      -> figures: where each joint went, its largest following error
+//! ```
+//!
+//! The picture needs no script and no network. Its animation is declared (SMIL); where it is ignored, the first and the
+//! last pose, poses between them and the whole path remain.
+
+#![forbid(unsafe_code)]
+
+mod body;
+mod chart;
+mod closeup;
+mod curves;
+mod figures;
+mod film;
+mod ghosts;
+mod labels;
+mod marks;
+mod page;
+mod palette;
+mod playback;
+mod projection;
+mod scene;
+mod speed;
+mod stick;
+mod svg;
+mod take;
+mod thinning;
+mod ticks;
+mod tool_path;
+mod wording;
+
+pub use film::Film;

@@ -1,0 +1,281 @@
+//! A take: what is kept of one robot's servo periods, in bounded memory.
+//!
+//! In: an observation per servo period. Out: at most [`CAPACITY`] samples, evenly spaced, and the last one; ranges and
+//! largest following errors of all periods. A full take drops every other sample and from then on keeps half as many.
+
+use mrroc::{JointKind, Observation, Pose};
+use nalgebra::Vector3;
+
+use crate::speed::{Rates, Speeds};
+
+/// The most samples kept, besides the last.
+pub(crate) const CAPACITY: usize = 4000;
+
+/// Travel of a measured joint [rad or m] up to which it stands still: a regulator plays about its encoder's pulses.
+const STILL: f64 = 2e-4;
+
+/// A robot at the end of a servo period.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sample {
+    /// Time since the cell started \[s\].
+    pub time: f64,
+    /// Joint positions demanded [rad or m].
+    pub demanded: Vec<f64>,
+    /// Joint positions measured [rad or m].
+    pub measured: Vec<f64>,
+    /// Where the links begin, from the base to the flange, in the world \[m\].
+    pub links: Vec<Vector3<f64>>,
+    /// `X_WE`, the pose of the tool.
+    pub tool: Pose,
+    /// How fast all that is; none at first.
+    pub rates: Option<Rates>,
+}
+
+impl Sample {
+    fn is_finite(&self) -> bool {
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        self.time.is_finite()
+            && finite(&self.demanded)
+            && finite(&self.measured)
+            && self.links.iter().all(|point| finite(point.as_slice()))
+            && finite(self.tool.translation.vector.as_slice())
+            && finite(self.tool.rotation.coords.as_slice())
+    }
+}
+
+/// What one joint did in all servo periods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct JointRange {
+    /// Least and largest position measured [rad or m].
+    pub measured: (f64, f64),
+    /// Least and largest position demanded [rad or m].
+    pub demanded: (f64, f64),
+    /// Largest difference of demanded and measured position [rad or m], at least 0.
+    pub following_error: f64,
+    /// Largest speed measured [rad/s or m/s], at least 0.
+    pub speed: f64,
+}
+
+impl JointRange {
+    const NONE: JointRange = JointRange {
+        measured: (f64::INFINITY, f64::NEG_INFINITY),
+        demanded: (f64::INFINITY, f64::NEG_INFINITY),
+        following_error: 0.0,
+        speed: 0.0,
+    };
+
+    fn see(&mut self, demanded: f64, measured: f64) {
+        let widened = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+        self.measured = widened(self.measured, measured);
+        self.demanded = widened(self.demanded, demanded);
+        self.following_error = self.following_error.max((demanded - measured).abs());
+    }
+
+    /// From the least to the largest position measured [rad or m].
+    pub fn travel(&self) -> f64 {
+        (self.measured.1 - self.measured.0).max(0.0)
+    }
+
+    /// Whether the joint moved, or should have.
+    pub fn moved(&self) -> bool {
+        self.travel() > STILL || self.demanded.1 - self.demanded.0 > 1e-6
+    }
+}
+
+/// The length of a way, in steps that are longer than an encoder's play.
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
+    length: f64,
+    last: Option<Vector3<f64>>,
+}
+
+impl Way {
+    /// Shortest step \[m\].
+    const STEP: f64 = 1e-4;
+
+    fn see(&mut self, point: Vector3<f64>) {
+        let step = self.last.map_or(f64::INFINITY, |last| (point - last).norm());
+        if step >= Way::STEP {
+            self.length += if self.last.is_some() { step } else { 0.0 };
+            self.last = Some(point);
+        }
+    }
+}
+
+/// What is kept of one robot.
+#[derive(Clone, Debug)]
+pub(crate) struct Take {
+    /// The robot's name.
+    pub name: String,
+    /// Its kind.
+    pub kind: &'static str,
+    /// What kind each joint is.
+    pub joints: Vec<JointKind>,
+    /// What each joint did in all periods.
+    pub ranges: Vec<JointRange>,
+    /// Servo periods left out because something in them was not a finite number.
+    pub not_finite: u64,
+    /// The largest speed of the tool [m/s], at least 0.
+    pub tool_speed: f64,
+    speeds: Speeds,
+    way: Way,
+    kept: Vec<Sample>,
+    last: Option<Sample>,
+    stride: u64,
+    seen: u64,
+}
+
+impl Take {
+    pub fn new(name: &str, kind: &'static str, joints: &[JointKind]) -> Take {
+        Take {
+            name: name.to_owned(),
+            kind,
+            joints: joints.to_vec(),
+            ranges: vec![JointRange::NONE; joints.len()],
+            not_finite: 0,
+            tool_speed: 0.0,
+            speeds: Speeds::default(),
+            way: Way::default(),
+            kept: Vec::new(),
+            last: None,
+            stride: 1,
+            seen: 0,
+        }
+    }
+
+    pub fn see(&mut self, observation: &Observation<'_>) {
+        let mut links = Vec::with_capacity(8);
+        let mut tool = Pose::identity();
+        observation.frames(&mut |frame| {
+            links.push(frame.translation.vector);
+            tool = *frame;
+        });
+        // The last frame is the tool's.
+        links.pop();
+        self.keep(Sample {
+            time: observation.time,
+            demanded: observation.demanded.to_vec(),
+            measured: observation.measured.to_vec(),
+            links,
+            tool,
+            rates: None,
+        });
+    }
+
+    pub fn keep(&mut self, mut sample: Sample) {
+        if !sample.is_finite() {
+            self.not_finite += 1;
+            return;
+        }
+        for (range, (demanded, measured)) in
+            self.ranges.iter_mut().zip(sample.demanded.iter().zip(&sample.measured))
+        {
+            range.see(*demanded, *measured);
+        }
+        sample.rates = self.speeds.see(&sample);
+        if let Some(rates) = &sample.rates {
+            for (range, speed) in self.ranges.iter_mut().zip(&rates.measured) {
+                range.speed = range.speed.max(speed.abs());
+            }
+            self.tool_speed = self.tool_speed.max(rates.tool);
+        }
+        self.way.see(sample.tool.translation.vector);
+        let due = self.seen.is_multiple_of(self.stride);
+        self.seen += 1;
+        if !due {
+            self.last = Some(sample);
+            return;
+        }
+        self.last = None;
+        self.kept.push(sample);
+        if self.kept.len() > CAPACITY {
+            let mut index = 0_usize;
+            self.kept.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            self.stride *= 2;
+        }
+    }
+
+    /// The samples kept, in order of time, to the last servo period; empty when there was none.
+    pub fn samples(&self) -> Vec<&Sample> {
+        let mut samples: Vec<&Sample> = Vec::with_capacity(self.kept.len() + 1);
+        for sample in self.kept.iter().chain(&self.last) {
+            // Time goes forwards; a clock that does not shows its later reading.
+            if samples.last().is_none_or(|before| before.time < sample.time) {
+                samples.push(sample);
+            }
+        }
+        samples
+    }
+
+    /// Length of the tool's way in all servo periods \[m\].
+    pub fn way(&self) -> f64 {
+        self.way.length
+    }
+
+    /// Whether any joint moved, or should have.
+    pub fn moved(&self) -> bool {
+        self.ranges.iter().any(JointRange::moved)
+    }
+
+    /// The largest following error of all joints of this kind [rad or m] with its joint, from 0.
+    pub fn worst_following(&self, kind: JointKind) -> Option<(usize, f64)> {
+        let errors = self.ranges.iter().map(|range| range.following_error).enumerate();
+        errors.filter(|(joint, _)| self.joints.get(*joint) == Some(&kind)).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A slide along x with its flange at `x` \[m\].
+    pub(crate) fn slide(time: f64, demanded: f64, x: f64) -> Sample {
+        Sample {
+            time,
+            demanded: vec![demanded],
+            measured: vec![x],
+            links: vec![Vector3::zeros(), Vector3::new(x, 0.0, 0.5)],
+            tool: Pose::translation(x, 0.0, 0.5),
+            rates: None,
+        }
+    }
+
+    #[test]
+    fn a_take_stays_bounded_and_keeps_the_first_the_last_and_every_peak() {
+        let mut take = Take::new("slide", "slide", &[JointKind::Prismatic]);
+        let periods = 1_000_003_u32;
+        for i in 0..periods {
+            let time = f64::from(i) * 1e-3;
+            // One period of all has a following error of 0.3 m.
+            let error = if i == 123_457 { 0.3 } else { 0.001 };
+            take.keep(slide(time, time.sin() + error, time.sin()));
+        }
+        let samples = take.samples();
+        assert!(samples.len() <= CAPACITY + 1 && samples.len() > CAPACITY / 2 - 1, "{}", samples.len());
+        assert!(samples[0].time.abs() < 1e-12);
+        assert!((samples[samples.len() - 1].time - f64::from(periods - 1) * 1e-3).abs() < 1e-9);
+        // Evenly spaced, but for the last.
+        let gap = samples[1].time - samples[0].time;
+        assert!(samples[..samples.len() - 1].windows(2).all(|w| (w[1].time - w[0].time - gap).abs() < 1e-9));
+        let (joint, worst) = take.worst_following(JointKind::Prismatic).unwrap();
+        assert_eq!(joint, 0);
+        assert!((worst - 0.3).abs() < 1e-12);
+        assert_eq!(take.worst_following(JointKind::Revolute), None);
+        // A sine of 1 m and 1 rad/s: 1 m/s at most, and 2 / pi m/s in the mean.
+        assert!((take.tool_speed - 1.0).abs() < 1e-4 && (take.ranges[0].speed - 1.0).abs() < 1e-4);
+        assert!((take.way() / (f64::from(periods) * 1e-3) - 2.0 / std::f64::consts::PI).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_left_out_and_counted() {
+        let mut take = Take::new("slide", "slide", &[JointKind::Prismatic]);
+        take.keep(slide(0.0, 0.0, 0.0));
+        take.keep(slide(0.001, f64::NAN, 0.0));
+        take.keep(slide(f64::INFINITY, 0.0, 0.0));
+        assert_eq!((take.samples().len(), take.not_finite), (1, 2));
+        assert!(!take.moved());
+    }
+}

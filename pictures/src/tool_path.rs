@@ -1,0 +1,125 @@
+//! The way of a tool, coloured by its speed, with arrows in its direction.
+//!
+//! In: a motion's tool positions and speeds, a projection. Out: lines of one colour each, as few points as look the same.
+
+use nalgebra::Vector2;
+
+use crate::palette::{self, LEVELS};
+use crate::projection::Projection;
+use crate::stick::Motion;
+use crate::svg::{Points, Strokes, Svg};
+use crate::take::{Sample, Take};
+use crate::thinning;
+
+/// Where a tool was, and how fast.
+#[derive(Clone, Debug)]
+pub(crate) struct ToolPath {
+    /// Speeds of the tool at each sample [m/s], at least 0.
+    speeds: Vec<f64>,
+    /// Length of the way in all servo periods \[m\].
+    pub length: f64,
+    /// Speed level of the way from each sample to the next.
+    levels: Vec<usize>,
+}
+
+impl ToolPath {
+    /// Of a take's samples; levels come with [`coloured`](Self::coloured).
+    pub fn of(take: &Take, samples: &[&Sample]) -> ToolPath {
+        let speed = |sample: &&Sample| sample.rates.as_ref().map_or(0.0, |rates| rates.tool);
+        let speeds: Vec<f64> = samples.iter().map(speed).collect();
+        ToolPath { levels: vec![0; speeds.len()], speeds, length: take.way() }
+    }
+
+    /// With speed levels up to `fastest` [m/s], > 0. A level is left only for a speed well beyond it.
+    #[must_use]
+    pub fn coloured(mut self, fastest: f64) -> ToolPath {
+        let mut level = 0_usize;
+        for (kept, speed) in self.levels.iter_mut().zip(&self.speeds) {
+            let place = (speed / fastest).clamp(0.0, 1.0) * (LEVELS - 1) as f64;
+            if (place - level as f64).abs() > 0.7 {
+                level = place.round() as usize;
+            }
+            *kept = level;
+        }
+        self
+    }
+
+    /// Draws the way, `width` \[px\] wide, in about `most` points.
+    pub fn draw(&self, svg: &mut Svg, motion: &Motion, on: &Projection, width: f64, most: usize) {
+        let points: Vec<Vector2<f64>> = motion.tool.iter().map(|point| on.at(*point)).collect();
+        if points.len() < 2 {
+            return;
+        }
+        let mut runs: Vec<(usize, Vec<Vector2<f64>>)> = Vec::new();
+        for (pair, level) in points.windows(2).zip(&self.levels) {
+            match runs.last_mut() {
+                Some((last, run)) if last == level => run.push(pair[1]),
+                Some(_) | None => runs.push((*level, pair.to_vec())),
+            }
+        }
+        let mut tolerance = thinning::FINE;
+        let lines = loop {
+            let lines: Vec<_> =
+                runs.iter().map(|(level, run)| (level, thinning::within(run, tolerance))).collect();
+            if lines.iter().map(|(_, line)| line.len()).sum::<usize>() <= most || tolerance > 3.0 {
+                break lines;
+            }
+            tolerance *= 2.0;
+        };
+        svg.group(
+            "g",
+            format_args!(
+                "class=\"way\" fill=\"none\" stroke-width=\"{width}\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
+            ),
+            |svg| {
+                for level in 0..LEVELS {
+                    let same: Vec<_> =
+                        lines.iter().filter(|(l, _)| **l == level).map(|(_, line)| &line[..]).collect();
+                    if !same.is_empty() {
+                        svg.element(
+                            "path",
+                            format_args!("stroke=\"{}\" d=\"{}\"", palette::level(level), Strokes(&same)),
+                        );
+                    }
+                }
+            },
+        );
+    }
+
+    /// Draws arrows beside the way, at the right hand of who goes along it, so that there and back are told apart: at most
+    /// `most`, and one at least on a way that is seen.
+    pub fn arrows(&self, svg: &mut Svg, motion: &Motion, on: &Projection, size: f64, most: u32) {
+        let points: Vec<Vector2<f64>> = motion.tool.iter().map(|point| on.at(*point)).collect();
+        let length: f64 = points.windows(2).map(|w| (w[1] - w[0]).norm()).sum();
+        if length < 3.0 * size {
+            return;
+        }
+        let count = (length / (14.0 * size)).round().clamp(1.0, f64::from(most));
+        let mut next = 0.5 * length / count;
+        let mut way = 0.0;
+        for i in 1..points.len() {
+            way += (points[i] - points[i - 1]).norm();
+            if way < next {
+                continue;
+            }
+            next += length / count;
+            // The direction over a few pixels: of one sample it would be noise.
+            let far = |j: &usize| (points[*j] - points[i]).norm() > size;
+            let from = (0..i).rev().find(far).unwrap_or(0);
+            let Some(direction) = (points[i] - points[from]).try_normalize(1e-3) else { continue };
+            let side = Vector2::new(-direction.y, direction.x);
+            // The page's y points down.
+            let beside = points[i] + side * (1.4 * size);
+            let (tip, back) = (beside + direction * size, beside - direction * (0.6 * size));
+            let triangle = [tip, back + side * (0.75 * size), back - side * (0.75 * size)];
+            svg.element(
+                "polygon",
+                format_args!(
+                    "fill=\"{}\" stroke=\"#fff\" stroke-width=\".8\" points=\"{}\"",
+                    palette::level(self.levels[i]),
+                    Points(&triangle)
+                ),
+            );
+        }
+    }
+}
