@@ -10,7 +10,7 @@ use crate::speed::Rates;
 use crate::take::{Sample, Take};
 
 /// Room above a chart for its heading, and below the last one for times \[px\].
-pub(crate) const HEADING: f64 = 28.0;
+pub(crate) const HEADING: f64 = 31.0;
 const TIMES: f64 = 34.0;
 
 /// Room for a label \[px\].

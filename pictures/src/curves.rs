@@ -96,6 +96,9 @@ impl Chart {
             let middle = 0.5 * (low + high);
             (low, high) = (middle - 0.5 * self.least, middle + 0.5 * self.least);
         }
+        // A bit of play beyond 0 is not worth a step of the axis.
+        low = if low > -0.02 * high { 0.0 } else { low };
+        high = if high < -0.02 * low { 0.0 } else { high };
         let ticks = Ticks::around(low, high, if self.height > 100.0 { 5 } else { 3 });
         let axis = Axis::new((ticks.low(), ticks.high()), (frame.y + frame.height, frame.y));
         let right = frame.x + frame.width;
@@ -153,7 +156,9 @@ impl Chart {
         svg.words(Vector2::new(right + 20.0, frame.y - 9.0), Words { size: 11.0, ..words }, caption);
         let last = |curve: &Curve| curve.measured.last().copied().unwrap_or(0.0);
         let wishes: Vec<f64> = match self.ends {
-            Ends::Last => self.curves.iter().map(|curve| axis.at(last(curve)).round()).collect(),
+            Ends::Last => {
+                self.curves.iter().map(|curve| 2.0 * (0.5 * axis.at(last(curve))).round()).collect()
+            }
             Ends::Largest => (0..self.curves.len()).map(|i| frame.y + 6.0 + LABEL * i as f64).collect(),
         };
         let heights = labels::spread(&wishes, LABEL, (frame.y + 4.0, frame.y + frame.height));

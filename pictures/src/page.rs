@@ -49,6 +49,8 @@ pub(crate) fn svg(takes: &[Take]) -> String {
     let ends = takes.iter().filter_map(|(_, samples)| Some((samples.first()?.time, samples.last()?.time)));
     let run =
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |run, ends| (run.0.min(ends.0), run.1.max(ends.1)));
+    // A cell starts at 0; its first servo period ends a little later.
+    let run = if run.0 < 0.02 * run.1 { (0.0, run.1) } else { run };
     let playback =
         takes.iter().any(|(take, _)| take.moved()).then(|| Playback::of(run.0, run.1, takes.len())).flatten();
 
@@ -172,12 +174,12 @@ fn titles(takes: &[(&Take, Vec<&Sample>)], run: (f64, f64), playback: Option<&Pl
     let lasted = duration(run.1 - run.0);
     let title = match (moved.as_slice(), takes.len()) {
         ([], _) => format!("Nothing moved in {lasted}"),
-        ([one], _) => format!("{} moved for {lasted}", shortened(one, 40)),
+        ([one], _) => format!("{} moved in {lasted}", shortened(one, 40)),
         ([one, other], 2) => {
-            format!("{} and {} moved for {lasted}", shortened(one, 24), shortened(other, 24))
+            format!("{} and {} moved in {lasted}", shortened(one, 24), shortened(other, 24))
         }
-        (some, all) if some.len() == all => format!("All {all} robots moved for {lasted}"),
-        (some, all) => format!("{} of {all} robots moved for {lasted}", some.len()),
+        (some, all) if some.len() == all => format!("All {all} robots moved in {lasted}"),
+        (some, all) => format!("{} of {all} robots moved in {lasted}", some.len()),
     };
     let mut subtitle = vec!["Joints: measured thick, demanded thin".to_owned()];
     match playback.map(Playback::faster) {
@@ -221,4 +223,42 @@ fn document(height: f64, content: impl FnOnce(&mut Svg)) -> String {
         },
     );
     svg.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::take::tests::slide;
+
+    fn take(name: &str, periods: u32) -> Take {
+        let mut take = Take::new(name, "<slide>", &[JointKind::Prismatic]);
+        for i in 0..periods {
+            let time = f64::from(i) * 2e-3;
+            take.keep(slide(time, time, time));
+        }
+        take
+    }
+
+    #[test]
+    fn names_of_any_text_come_back_from_a_parser() {
+        let name = "<a href='x'>&amp; \"ż\"</a>";
+        let svg = svg(&[take(name, 500)]);
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
+        assert!(texts.contains(&name));
+        assert!(texts.iter().any(|text| text.starts_with("<slide>")));
+    }
+
+    #[test]
+    fn a_robot_that_never_ticked_is_left_out() {
+        let svg = svg(&[take("first", 0), take("second", 500)]);
+        assert!(!svg.contains(">first<") && svg.contains("second moved in 1.00 s"));
+    }
+
+    #[test]
+    fn one_servo_period_is_a_picture_without_motion() {
+        let svg = svg(&[take("one", 1)]);
+        roxmltree::Document::parse(&svg).unwrap();
+        assert!(svg.contains("Nothing moved") && !svg.contains("<animate ") && !svg.contains("NaN"));
+    }
 }

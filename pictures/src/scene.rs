@@ -209,11 +209,22 @@ impl Scene<'_> {
         );
     }
 
-    /// Where the robots stand: a plate on the floor, and a post when the first frame is above it.
+    /// Where the robots stand: a plate on the floor, and a post when the first frame is above it. A robot that shows its
+    /// flange alone stands nowhere; a plumb line tells how high it is.
     fn feet(&self, svg: &mut Svg, on: &Projection, floor: f64) {
         for actor in self.actors {
-            let Some(first) = actor.motion.sticks.first() else { continue };
-            let Some(base) = first.links.first().filter(|_| first.links.len() > 2) else { continue };
+            let (Some(first), Some(tool)) = (actor.motion.sticks.first(), actor.motion.tool.last()) else {
+                continue;
+            };
+            let Some(base) = first.links.first().filter(|_| first.links.len() > 2) else {
+                let below = on.at(Vector3::new(tool.x, tool.y, floor));
+                svg.line(
+                    below,
+                    on.at(*tool),
+                    format_args!("stroke=\"{RULE}\" stroke-width=\"1.2\" stroke-dasharray=\"4 4\""),
+                );
+                continue;
+            };
             let foot = Vector3::new(base.x, base.y, floor);
             let half = 0.035 * self.size();
             let ring: Vec<_> = (0..32)
@@ -318,7 +329,7 @@ impl Scene<'_> {
         let colour = self.actors.first().map_or(INK, |actor| actor.colour);
         let mut x = area.x + 16.0;
         for (text, opacity, width, room) in
-            [("start", ".42", 6.0, 78.0), ("between", ".2", 3.0, 92.0), ("end", "1", 6.0, 76.0)]
+            [("start", ".42", 6.0, 78.0), ("between", ".3", 3.0, 92.0), ("end", "1", 6.0, 76.0)]
         {
             let (a, b) = (Vector2::new(x, y - 4.0), Vector2::new(x + 22.0, y - 4.0));
             svg.line(
@@ -335,6 +346,9 @@ impl Scene<'_> {
             }
             svg.words(Vector2::new(x + 31.0, y), words, text);
             x += room;
+        }
+        if self.playback.is_none() {
+            return;
         }
         let width = 150.0;
         let left = area.x + area.width - width - 86.0;
