@@ -1,7 +1,7 @@
 //! The charts of a robot: which quantities are drawn over time.
 //!
-//! In: a take. Out: curves by unit: positions as changes since the start, so that a small motion of
-//! one joint is seen beside the large angle of another; velocities; following errors; the speed of the tool.
+//! In: a take. Out: curves by unit: positions as changes since the start, so that a small motion of one joint is seen
+//! beside the large angle of another; velocities; following errors; the speed of the tool.
 
 use mrroc::JointKind;
 

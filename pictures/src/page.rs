@@ -10,14 +10,14 @@ use crate::curves::Timeline;
 use crate::palette::{self, GREY, INK, PAGE};
 use crate::playback::Playback;
 use crate::projection::Area;
-use crate::scene::{Actor, Scene, panel};
+use crate::scene::{Actor, Scene};
 use crate::stick::Motion;
 use crate::svg::{Anchor, Px, Svg, Weight, Words};
 use crate::take::{Sample, Take};
 use crate::ticks::Ticks;
 use crate::tool_path::ToolPath;
 use crate::wording::{duration, figure, shortened};
-use crate::{closeup, figures};
+use crate::{closeup, figures, panel};
 
 /// Width of the page \[px\], its margin, and the room for its heading.
 const WIDTH: f64 = 1200.0;
@@ -42,8 +42,9 @@ pub(crate) fn svg(takes: &[Take]) -> String {
     let takes: Vec<(&Take, Vec<&Sample>)> =
         takes.iter().map(|take| (take, take.samples())).filter(|(_, samples)| !samples.is_empty()).collect();
     if takes.is_empty() {
-        return document(HEADING + MARGIN, |svg| {
-            heading(svg, "Nothing was seen", "No robot had a servo period while the film was running.");
+        let title = "Nothing was seen";
+        return document(title, HEADING + MARGIN, |svg| {
+            heading(svg, title, "No robot had a servo period while the film was running.");
         });
     }
     let ends = takes.iter().filter_map(|(_, samples)| Some((samples.first()?.time, samples.last()?.time)));
@@ -66,8 +67,8 @@ pub(crate) fn svg(takes: &[Take]) -> String {
     let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
     let area = Area { height: scene.height(area.width), ..area };
     let height = HEADING + area.height + heights.iter().map(|height| height + GAP).sum::<f64>() + MARGIN;
-    document(height, |svg| {
-        let (title, subtitle) = titles(&takes, run, playback.as_ref());
+    let (title, subtitle) = titles(&takes, run, playback.as_ref());
+    document(&title, height, |svg| {
         heading(svg, &title, &subtitle);
         scene.draw(svg, area);
         let mut y = HEADING + area.height + GAP;
@@ -118,7 +119,7 @@ fn robot_height(take: &Take, charts: &[Chart]) -> f64 {
 
 /// A robot's panel without its curves.
 fn robot(svg: &mut Svg, area: Area, take: &Take, samples: &[&Sample], actor: &Actor<'_>, most: usize) {
-    panel(svg, area, "");
+    panel::ground(svg, area);
     svg.element(
         "rect",
         format_args!(
@@ -146,19 +147,17 @@ fn caption(take: &Take, samples: &[&Sample]) -> String {
     if !take.moved() {
         parts.push("did not move".to_owned());
     }
-    let errors: Vec<String> = [JointKind::Revolute, JointKind::Prismatic]
+    let errors: Vec<(JointKind, usize, f64)> = [JointKind::Revolute, JointKind::Prismatic]
         .into_iter()
-        .filter_map(|kind| take.worst_following(kind).map(|worst| (kind, worst)))
-        .map(|(kind, (joint, error))| format!("{} {} (q{})", figure(error), kind.unit(0), joint + 1))
+        .filter_map(|kind| take.worst_following(kind).map(|(joint, error)| (kind, joint, error)))
         .collect();
-    if take
-        .worst_following(JointKind::Revolute)
-        .into_iter()
-        .chain(take.worst_following(JointKind::Prismatic))
-        .all(|(_, error)| error < 1e-6)
-    {
+    if errors.iter().all(|(_, _, error)| *error < 1e-6) {
         parts.push("no following error".to_owned());
     } else {
+        let told = |(kind, joint, error): &(JointKind, usize, f64)| {
+            format!("{} {} (q{})", figure(*error), kind.unit(0), joint + 1)
+        };
+        let errors: Vec<String> = errors.iter().map(told).collect();
         parts.push(format!("largest following error {}", errors.join(" and ")));
     }
     if take.not_finite > 0 {
@@ -199,8 +198,8 @@ fn heading(svg: &mut Svg, title: &str, subtitle: &str) {
     svg.words(Vector2::new(MARGIN, 63.0), words, subtitle);
 }
 
-/// An SVG document of this height \[px\].
-fn document(height: f64, content: impl FnOnce(&mut Svg)) -> String {
+/// An SVG document of this title and height \[px\].
+fn document(title: &str, height: f64, content: impl FnOnce(&mut Svg)) -> String {
     let mut svg = Svg::default();
     let height = height.round();
     svg.group(
@@ -209,7 +208,7 @@ fn document(height: f64, content: impl FnOnce(&mut Svg)) -> String {
             "xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"Inter, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif\""
         ),
         |svg| {
-            svg.title("What moved");
+            svg.title(title);
             svg.style(STYLE);
             svg.group("defs", format_args!(""), |svg| {
                 svg.group(

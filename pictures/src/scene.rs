@@ -9,6 +9,7 @@ use crate::body::{self, Pen};
 use crate::ghosts::ghosts;
 use crate::marks::{arrow, dot, ends, ring};
 use crate::palette::{self, GREY, GRID, INK, LEVELS, PANEL, RULE};
+use crate::panel;
 use crate::playback::Playback;
 use crate::projection::{Area, Extent, Projection, View};
 use crate::stick::{Motion, Stick};
@@ -40,7 +41,7 @@ const SMALL: Pen = Pen { link: 4.0, joint: 2.8, way: 1.8, arrow: 4.0, arrows: 5,
 
 /// The share of the width that the view in space takes, and the room that it leaves left, above, right, below \[px\].
 const LARGE_SHARE: f64 = 0.625;
-const ROOM: [f64; 4] = [38.0, 40.0, 30.0, 76.0];
+const ROOM: [f64; 4] = [38.0, 40.0, 30.0, 66.0];
 
 /// Bounds of the scene's height \[px\].
 const LOWEST: f64 = 440.0;
@@ -48,23 +49,6 @@ const HIGHEST: f64 = 600.0;
 
 /// Least extent of a view \[m\].
 const LEAST: f64 = 0.05;
-
-/// A panel with its heading.
-pub(crate) fn panel(svg: &mut Svg, area: Area, heading: &str) {
-    let Area { x, y, width, height } = area;
-    svg.element(
-        "rect",
-        format_args!(
-            "x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"8\" fill=\"{PANEL}\" stroke=\"{GRID}\"",
-            Px(x),
-            Px(y),
-            Px(width),
-            Px(height)
-        ),
-    );
-    let words = Words { size: 13.0, colour: INK, anchor: Anchor::Start, weight: Weight::Bold };
-    svg.words(Vector2::new(x + 14.0, y + 22.0), words, heading);
-}
 
 impl Scene<'_> {
     /// Draws the three views.
@@ -81,9 +65,9 @@ impl Scene<'_> {
         // One scale for both: what is beside each other in one is so in the other.
         let room = frames.map(|frame| frame.inset(12.0, 8.0, 12.0, 8.0));
         let scale = extents[0].scale(room[0]).min(extents[1].scale(room[1]));
-        panel(svg, front, "From the front");
+        panel::headed(svg, front, "From the front");
         self.flat(svg, frames[0], &Projection::new(View::front(), &extents[0], frames[0], scale), ["x", "z"]);
-        panel(svg, above, "From above");
+        panel::headed(svg, above, "From above");
         self.flat(svg, frames[1], &Projection::new(View::above(), &extents[1], frames[1], scale), ["x", "y"]);
     }
 
@@ -132,7 +116,7 @@ impl Scene<'_> {
 
     /// The view in space.
     fn space(&self, svg: &mut Svg, area: Area) {
-        panel(svg, area, "In space");
+        panel::headed(svg, area, "In space");
         let (corners, tile, extent) = self.floor();
         let floor = corners[0].z;
         let [x, y] = [(corners[0].x, corners[2].x), (corners[0].y, corners[2].y)];
