@@ -86,6 +86,13 @@ impl Scene<'_> {
         above.max(front)
     }
 
+    /// The length of the longest robot along its links at the start \[m\].
+    fn reach(&self) -> f64 {
+        let first = self.actors.iter().filter_map(|actor| actor.motion.sticks.first());
+        let length = |stick: &Stick| stick.links.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>();
+        first.map(length).fold(0.0, f64::max)
+    }
+
     /// How high the scene would like to be at this width \[px\].
     pub fn height(&self, width: f64) -> f64 {
         let (_, _, extent) = self.floor();
@@ -137,7 +144,7 @@ impl Scene<'_> {
         axes(svg, &on, corners[0], tile);
         self.shadows(svg, &on, floor);
         self.feet(svg, &on, floor);
-        self.poses(svg, &on, LARGE);
+        self.poses(svg, &on, LARGE.fitting(self.reach() * on.scale, 160.0));
         self.names(svg, &on, floor, area);
         self.legend(svg, area);
     }
@@ -168,7 +175,7 @@ impl Scene<'_> {
         let words = Words { colour: INK, anchor: Anchor::End, ..words };
         svg.words(Vector2::new(left + frame.width, bottom + 15.0), words, &format!("{} [m]", names[0]));
         svg.words(Vector2::new(left - 6.0, frame.y + 8.0), words, &format!("{} [m]", names[1]));
-        self.poses(svg, on, SMALL);
+        self.poses(svg, on, SMALL.fitting(self.reach() * on.scale, 80.0));
     }
 
     /// The last pose and the way, straight below on the floor.
@@ -308,6 +315,9 @@ impl Scene<'_> {
     }
 
     fn legend(&self, svg: &mut Svg, area: Area) {
+        if self.playback.is_none() {
+            return;
+        }
         let y = area.y + area.height - 20.0;
         let words = Words { size: 11.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
         let colour = self.actors.first().map_or(INK, |actor| actor.colour);
@@ -330,9 +340,6 @@ impl Scene<'_> {
             }
             svg.words(Vector2::new(x + 31.0, y), words, text);
             x += room;
-        }
-        if self.playback.is_none() {
-            return;
         }
         let width = 150.0;
         let left = area.x + area.width - width - 86.0;

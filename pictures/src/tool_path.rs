@@ -7,7 +7,7 @@ use nalgebra::Vector2;
 use crate::palette::{self, LEVELS};
 use crate::projection::{Extent, Projection};
 use crate::stick::Motion;
-use crate::svg::{Points, Strokes, Svg};
+use crate::svg::{Points, Px, Strokes, Svg};
 use crate::take::{Sample, Take};
 use crate::thinning;
 
@@ -69,7 +69,8 @@ impl ToolPath {
         svg.group(
             "g",
             format_args!(
-                "class=\"way\" fill=\"none\" stroke-width=\"{width}\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
+                "class=\"way\" fill=\"none\" stroke-width=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\"",
+                Px(width)
             ),
             |svg| {
                 for level in 0..LEVELS {
