@@ -25,6 +25,16 @@ pub(crate) struct Pen {
     pub most: usize,
 }
 
+impl Pen {
+    /// Thinner, down to a half, for robots of `length` \[px\] that are smaller than `usual`.
+    pub fn fitting(self, length: f64, usual: f64) -> Pen {
+        let share = (length / usual).clamp(0.5, 1.0);
+        let [link, joint, way, arrow] =
+            [self.link, self.joint, self.way, self.arrow].map(|size| share * size);
+        Pen { link, joint, way, arrow, ..self }
+    }
+}
+
 /// A robot at rest.
 pub(crate) fn still(svg: &mut Svg, on: &Projection, stick: &Stick, colour: &str, pen: Pen) {
     let [links, gripper] = [&stick.links[..], &stick.gripper]

@@ -1,7 +1,7 @@
 //! The charts of a robot: which quantities are drawn over time.
 //!
-//! In: a take. Out: curves by unit: positions as changes since the start, so that a small motion of
-//! one joint is seen beside the large angle of another; velocities; following errors; the speed of the tool.
+//! In: a take. Out: curves by unit: positions as changes since the start, so that a small motion of one joint is seen
+//! beside the large angle of another; velocities; following errors; the speed of the tool.
 
 use mrroc::JointKind;
 
@@ -10,7 +10,7 @@ use crate::speed::Rates;
 use crate::take::{Sample, Take};
 
 /// Room above a chart for its heading, and below the last one for times \[px\].
-pub(crate) const HEADING: f64 = 28.0;
+pub(crate) const HEADING: f64 = 31.0;
 const TIMES: f64 = 34.0;
 
 /// Room for a label \[px\].

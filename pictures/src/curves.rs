@@ -1,7 +1,7 @@
 //! Curves over time, one chart above the other: measured thick, demanded thin, their names and figures at the right end.
 //!
-//! In: charts. Out: lines with round ticks on a common time axis; where animations are
-//! shown, a line that moves along with the robots.
+//! In: charts. Out: lines with round ticks on a common time axis; where animations are shown, a line that moves along
+//! with the robots.
 
 use nalgebra::Vector2;
 
@@ -96,6 +96,9 @@ impl Chart {
             let middle = 0.5 * (low + high);
             (low, high) = (middle - 0.5 * self.least, middle + 0.5 * self.least);
         }
+        // A bit of play beyond 0 is not worth a step of the axis.
+        low = if low > -0.02 * high { 0.0 } else { low };
+        high = if high < -0.02 * low { 0.0 } else { high };
         let ticks = Ticks::around(low, high, if self.height > 100.0 { 5 } else { 3 });
         let axis = Axis::new((ticks.low(), ticks.high()), (frame.y + frame.height, frame.y));
         let right = frame.x + frame.width;
@@ -152,8 +155,11 @@ impl Chart {
         };
         svg.words(Vector2::new(right + 20.0, frame.y - 9.0), Words { size: 11.0, ..words }, caption);
         let last = |curve: &Curve| curve.measured.last().copied().unwrap_or(0.0);
+        // Those that came back stand in their order, whatever their play.
+        let play = 0.01 * (ticks.high() - ticks.low());
+        let wish = |value: f64| axis.at(if value.abs() < play { 0.0 } else { value });
         let wishes: Vec<f64> = match self.ends {
-            Ends::Last => self.curves.iter().map(|curve| axis.at(last(curve)).round()).collect(),
+            Ends::Last => self.curves.iter().map(|curve| wish(last(curve))).collect(),
             Ends::Largest => (0..self.curves.len()).map(|i| frame.y + 6.0 + LABEL * i as f64).collect(),
         };
         let heights = labels::spread(&wishes, LABEL, (frame.y + 4.0, frame.y + frame.height));

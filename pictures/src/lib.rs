@@ -24,6 +24,7 @@ mod labels;
 mod marks;
 mod page;
 mod palette;
+mod panel;
 mod playback;
 mod projection;
 mod scene;

@@ -10,14 +10,14 @@ use crate::curves::Timeline;
 use crate::palette::{self, GREY, INK, PAGE};
 use crate::playback::Playback;
 use crate::projection::Area;
-use crate::scene::{Actor, Scene, panel};
+use crate::scene::{Actor, Scene};
 use crate::stick::Motion;
 use crate::svg::{Anchor, Px, Svg, Weight, Words};
 use crate::take::{Sample, Take};
 use crate::ticks::Ticks;
 use crate::tool_path::ToolPath;
 use crate::wording::{duration, figure, shortened};
-use crate::{closeup, figures};
+use crate::{closeup, figures, panel};
 
 /// Width of the page \[px\], its margin, and the room for its heading.
 const WIDTH: f64 = 1200.0;
@@ -42,13 +42,16 @@ pub(crate) fn svg(takes: &[Take]) -> String {
     let takes: Vec<(&Take, Vec<&Sample>)> =
         takes.iter().map(|take| (take, take.samples())).filter(|(_, samples)| !samples.is_empty()).collect();
     if takes.is_empty() {
-        return document(HEADING + MARGIN, |svg| {
-            heading(svg, "Nothing was seen", "No robot had a servo period while the film was running.");
+        let title = "Nothing was seen";
+        return document(title, HEADING + MARGIN, |svg| {
+            heading(svg, title, "No robot had a servo period while the film was running.");
         });
     }
     let ends = takes.iter().filter_map(|(_, samples)| Some((samples.first()?.time, samples.last()?.time)));
     let run =
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |run, ends| (run.0.min(ends.0), run.1.max(ends.1)));
+    // A cell starts at 0; its first servo period ends a little later.
+    let run = if run.0 < 0.02 * run.1 { (0.0, run.1) } else { run };
     let playback =
         takes.iter().any(|(take, _)| take.moved()).then(|| Playback::of(run.0, run.1, takes.len())).flatten();
 
@@ -64,8 +67,8 @@ pub(crate) fn svg(takes: &[Take]) -> String {
     let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
     let area = Area { height: scene.height(area.width), ..area };
     let height = HEADING + area.height + heights.iter().map(|height| height + GAP).sum::<f64>() + MARGIN;
-    document(height, |svg| {
-        let (title, subtitle) = titles(&takes, run, playback.as_ref());
+    let (title, subtitle) = titles(&takes, run, playback.as_ref());
+    document(&title, height, |svg| {
         heading(svg, &title, &subtitle);
         scene.draw(svg, area);
         let mut y = HEADING + area.height + GAP;
@@ -116,7 +119,7 @@ fn robot_height(take: &Take, charts: &[Chart]) -> f64 {
 
 /// A robot's panel without its curves.
 fn robot(svg: &mut Svg, area: Area, take: &Take, samples: &[&Sample], actor: &Actor<'_>, most: usize) {
-    panel(svg, area, "");
+    panel::ground(svg, area);
     svg.element(
         "rect",
         format_args!(
@@ -144,19 +147,17 @@ fn caption(take: &Take, samples: &[&Sample]) -> String {
     if !take.moved() {
         parts.push("did not move".to_owned());
     }
-    let errors: Vec<String> = [JointKind::Revolute, JointKind::Prismatic]
+    let errors: Vec<(JointKind, usize, f64)> = [JointKind::Revolute, JointKind::Prismatic]
         .into_iter()
-        .filter_map(|kind| take.worst_following(kind).map(|worst| (kind, worst)))
-        .map(|(kind, (joint, error))| format!("{} {} (q{})", figure(error), kind.unit(0), joint + 1))
+        .filter_map(|kind| take.worst_following(kind).map(|(joint, error)| (kind, joint, error)))
         .collect();
-    if take
-        .worst_following(JointKind::Revolute)
-        .into_iter()
-        .chain(take.worst_following(JointKind::Prismatic))
-        .all(|(_, error)| error < 1e-6)
-    {
+    if errors.iter().all(|(_, _, error)| *error < 1e-6) {
         parts.push("no following error".to_owned());
     } else {
+        let told = |(kind, joint, error): &(JointKind, usize, f64)| {
+            format!("{} {} (q{})", figure(*error), kind.unit(0), joint + 1)
+        };
+        let errors: Vec<String> = errors.iter().map(told).collect();
         parts.push(format!("largest following error {}", errors.join(" and ")));
     }
     if take.not_finite > 0 {
@@ -172,12 +173,12 @@ fn titles(takes: &[(&Take, Vec<&Sample>)], run: (f64, f64), playback: Option<&Pl
     let lasted = duration(run.1 - run.0);
     let title = match (moved.as_slice(), takes.len()) {
         ([], _) => format!("Nothing moved in {lasted}"),
-        ([one], _) => format!("{} moved for {lasted}", shortened(one, 40)),
+        ([one], _) => format!("{} moved in {lasted}", shortened(one, 40)),
         ([one, other], 2) => {
-            format!("{} and {} moved for {lasted}", shortened(one, 24), shortened(other, 24))
+            format!("{} and {} moved in {lasted}", shortened(one, 24), shortened(other, 24))
         }
-        (some, all) if some.len() == all => format!("All {all} robots moved for {lasted}"),
-        (some, all) => format!("{} of {all} robots moved for {lasted}", some.len()),
+        (some, all) if some.len() == all => format!("All {all} robots moved in {lasted}"),
+        (some, all) => format!("{} of {all} robots moved in {lasted}", some.len()),
     };
     let mut subtitle = vec!["Joints: measured thick, demanded thin".to_owned()];
     match playback.map(Playback::faster) {
@@ -197,8 +198,8 @@ fn heading(svg: &mut Svg, title: &str, subtitle: &str) {
     svg.words(Vector2::new(MARGIN, 63.0), words, subtitle);
 }
 
-/// An SVG document of this height \[px\].
-fn document(height: f64, content: impl FnOnce(&mut Svg)) -> String {
+/// An SVG document of this title and height \[px\].
+fn document(title: &str, height: f64, content: impl FnOnce(&mut Svg)) -> String {
     let mut svg = Svg::default();
     let height = height.round();
     svg.group(
@@ -207,7 +208,7 @@ fn document(height: f64, content: impl FnOnce(&mut Svg)) -> String {
             "xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"Inter, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif\""
         ),
         |svg| {
-            svg.title("What moved");
+            svg.title(title);
             svg.style(STYLE);
             svg.group("defs", format_args!(""), |svg| {
                 svg.group(
@@ -221,4 +222,42 @@ fn document(height: f64, content: impl FnOnce(&mut Svg)) -> String {
         },
     );
     svg.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::take::tests::slide;
+
+    fn take(name: &str, periods: u32) -> Take {
+        let mut take = Take::new(name, "<slide>", &[JointKind::Prismatic]);
+        for i in 0..periods {
+            let time = f64::from(i) * 2e-3;
+            take.keep(slide(time, time, time));
+        }
+        take
+    }
+
+    #[test]
+    fn names_of_any_text_come_back_from_a_parser() {
+        let name = "<a href='x'>&amp; \"ż\"</a>";
+        let svg = svg(&[take(name, 500)]);
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
+        assert!(texts.contains(&name));
+        assert!(texts.iter().any(|text| text.starts_with("<slide>")));
+    }
+
+    #[test]
+    fn a_robot_that_never_ticked_is_left_out() {
+        let svg = svg(&[take("first", 0), take("second", 500)]);
+        assert!(!svg.contains(">first<") && svg.contains("second moved in 1.00 s"));
+    }
+
+    #[test]
+    fn one_servo_period_is_a_picture_without_motion() {
+        let svg = svg(&[take("one", 1)]);
+        roxmltree::Document::parse(&svg).unwrap();
+        assert!(svg.contains("Nothing moved") && !svg.contains("<animate ") && !svg.contains("NaN"));
+    }
 }

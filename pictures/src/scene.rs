@@ -9,6 +9,7 @@ use crate::body::{self, Pen};
 use crate::ghosts::ghosts;
 use crate::marks::{arrow, dot, ends, ring};
 use crate::palette::{self, GREY, GRID, INK, LEVELS, PANEL, RULE};
+use crate::panel;
 use crate::playback::Playback;
 use crate::projection::{Area, Extent, Projection, View};
 use crate::stick::{Motion, Stick};
@@ -40,7 +41,7 @@ const SMALL: Pen = Pen { link: 4.0, joint: 2.8, way: 1.8, arrow: 4.0, arrows: 5,
 
 /// The share of the width that the view in space takes, and the room that it leaves left, above, right, below \[px\].
 const LARGE_SHARE: f64 = 0.625;
-const ROOM: [f64; 4] = [38.0, 40.0, 30.0, 76.0];
+const ROOM: [f64; 4] = [38.0, 40.0, 30.0, 66.0];
 
 /// Bounds of the scene's height \[px\].
 const LOWEST: f64 = 440.0;
@@ -48,23 +49,6 @@ const HIGHEST: f64 = 600.0;
 
 /// Least extent of a view \[m\].
 const LEAST: f64 = 0.05;
-
-/// A panel with its heading.
-pub(crate) fn panel(svg: &mut Svg, area: Area, heading: &str) {
-    let Area { x, y, width, height } = area;
-    svg.element(
-        "rect",
-        format_args!(
-            "x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"8\" fill=\"{PANEL}\" stroke=\"{GRID}\"",
-            Px(x),
-            Px(y),
-            Px(width),
-            Px(height)
-        ),
-    );
-    let words = Words { size: 13.0, colour: INK, anchor: Anchor::Start, weight: Weight::Bold };
-    svg.words(Vector2::new(x + 14.0, y + 22.0), words, heading);
-}
 
 impl Scene<'_> {
     /// Draws the three views.
@@ -81,9 +65,9 @@ impl Scene<'_> {
         // One scale for both: what is beside each other in one is so in the other.
         let room = frames.map(|frame| frame.inset(12.0, 8.0, 12.0, 8.0));
         let scale = extents[0].scale(room[0]).min(extents[1].scale(room[1]));
-        panel(svg, front, "From the front");
+        panel::headed(svg, front, "From the front");
         self.flat(svg, frames[0], &Projection::new(View::front(), &extents[0], frames[0], scale), ["x", "z"]);
-        panel(svg, above, "From above");
+        panel::headed(svg, above, "From above");
         self.flat(svg, frames[1], &Projection::new(View::above(), &extents[1], frames[1], scale), ["x", "y"]);
     }
 
@@ -100,6 +84,13 @@ impl Scene<'_> {
         let [above, front] =
             [View::above(), View::front()].map(|view| self.extent(view).at_least(LEAST).size().max());
         above.max(front)
+    }
+
+    /// The length of the longest robot along its links at the start \[m\].
+    fn reach(&self) -> f64 {
+        let first = self.actors.iter().filter_map(|actor| actor.motion.sticks.first());
+        let length = |stick: &Stick| stick.links.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>();
+        first.map(length).fold(0.0, f64::max)
     }
 
     /// How high the scene would like to be at this width \[px\].
@@ -132,7 +123,7 @@ impl Scene<'_> {
 
     /// The view in space.
     fn space(&self, svg: &mut Svg, area: Area) {
-        panel(svg, area, "In space");
+        panel::headed(svg, area, "In space");
         let (corners, tile, extent) = self.floor();
         let floor = corners[0].z;
         let [x, y] = [(corners[0].x, corners[2].x), (corners[0].y, corners[2].y)];
@@ -153,7 +144,7 @@ impl Scene<'_> {
         axes(svg, &on, corners[0], tile);
         self.shadows(svg, &on, floor);
         self.feet(svg, &on, floor);
-        self.poses(svg, &on, LARGE);
+        self.poses(svg, &on, LARGE.fitting(self.reach() * on.scale, 160.0));
         self.names(svg, &on, floor, area);
         self.legend(svg, area);
     }
@@ -184,7 +175,7 @@ impl Scene<'_> {
         let words = Words { colour: INK, anchor: Anchor::End, ..words };
         svg.words(Vector2::new(left + frame.width, bottom + 15.0), words, &format!("{} [m]", names[0]));
         svg.words(Vector2::new(left - 6.0, frame.y + 8.0), words, &format!("{} [m]", names[1]));
-        self.poses(svg, on, SMALL);
+        self.poses(svg, on, SMALL.fitting(self.reach() * on.scale, 80.0));
     }
 
     /// The last pose and the way, straight below on the floor.
@@ -209,11 +200,22 @@ impl Scene<'_> {
         );
     }
 
-    /// Where the robots stand: a plate on the floor, and a post when the first frame is above it.
+    /// Where the robots stand: a plate on the floor, and a post when the first frame is above it. A robot that shows its
+    /// flange alone stands nowhere; a plumb line tells how high it is.
     fn feet(&self, svg: &mut Svg, on: &Projection, floor: f64) {
         for actor in self.actors {
-            let Some(first) = actor.motion.sticks.first() else { continue };
-            let Some(base) = first.links.first().filter(|_| first.links.len() > 2) else { continue };
+            let (Some(first), Some(tool)) = (actor.motion.sticks.first(), actor.motion.tool.last()) else {
+                continue;
+            };
+            let Some(base) = first.links.first().filter(|_| first.links.len() > 2) else {
+                let below = on.at(Vector3::new(tool.x, tool.y, floor));
+                svg.line(
+                    below,
+                    on.at(*tool),
+                    format_args!("stroke=\"{RULE}\" stroke-width=\"1.2\" stroke-dasharray=\"4 4\""),
+                );
+                continue;
+            };
             let foot = Vector3::new(base.x, base.y, floor);
             let half = 0.035 * self.size();
             let ring: Vec<_> = (0..32)
@@ -313,12 +315,15 @@ impl Scene<'_> {
     }
 
     fn legend(&self, svg: &mut Svg, area: Area) {
+        if self.playback.is_none() {
+            return;
+        }
         let y = area.y + area.height - 20.0;
         let words = Words { size: 11.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
         let colour = self.actors.first().map_or(INK, |actor| actor.colour);
         let mut x = area.x + 16.0;
         for (text, opacity, width, room) in
-            [("start", ".42", 6.0, 78.0), ("between", ".2", 3.0, 92.0), ("end", "1", 6.0, 76.0)]
+            [("start", ".42", 6.0, 78.0), ("between", ".3", 3.0, 92.0), ("end", "1", 6.0, 76.0)]
         {
             let (a, b) = (Vector2::new(x, y - 4.0), Vector2::new(x + 22.0, y - 4.0));
             svg.line(

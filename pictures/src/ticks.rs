@@ -64,8 +64,9 @@ impl Ticks {
 }
 
 /// The smallest of 1, 2, 5 times a power of ten that covers `range` in at most `most` steps; ends may need one more each.
+/// 1 for a range of nothing.
 pub(crate) fn step(range: f64, most: u32) -> f64 {
-    let least = if range.is_finite() && range > 0.0 { range / f64::from(most.max(1)) } else { 1.0 };
+    let least = if range.is_finite() && range > 1e-12 { range / f64::from(most.max(1)) } else { 1.0 };
     let power = 10_f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= least * (1.0 - 1e-9));
     factor.unwrap_or(10.0) * power

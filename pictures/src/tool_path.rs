@@ -5,9 +5,9 @@
 use nalgebra::Vector2;
 
 use crate::palette::{self, LEVELS};
-use crate::projection::Projection;
+use crate::projection::{Extent, Projection};
 use crate::stick::Motion;
-use crate::svg::{Points, Strokes, Svg};
+use crate::svg::{Points, Px, Strokes, Svg};
 use crate::take::{Sample, Take};
 use crate::thinning;
 
@@ -69,7 +69,8 @@ impl ToolPath {
         svg.group(
             "g",
             format_args!(
-                "class=\"way\" fill=\"none\" stroke-width=\"{width}\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
+                "class=\"way\" fill=\"none\" stroke-width=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\"",
+                Px(width)
             ),
             |svg| {
                 for level in 0..LEVELS {
@@ -94,7 +95,10 @@ impl ToolPath {
         if length < 3.0 * size {
             return;
         }
-        let count = (length / (14.0 * size)).round().clamp(1.0, f64::from(most));
+        // What goes round and round in a small place has room for few.
+        let extent = Extent::of(points.iter().copied()).size().norm();
+        let room = (0.25 * extent / size).clamp(1.0, f64::from(most));
+        let count = (length / (14.0 * size)).round().clamp(1.0, room.floor());
         let mut next = 0.5 * length / count;
         let mut way = 0.0;
         for i in 1..points.len() {
@@ -121,5 +125,47 @@ impl ToolPath {
                 ),
             );
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::projection::{Area, View};
+    use mrroc::{JointKind, Robot};
+    use mrroc_robots::{Irp6, Six};
+
+    /// An arm whose column turns at a steady 1 rad/s: the way is an arc about the column, by the forward kinematics.
+    #[test]
+    fn a_way_runs_from_the_first_to_the_last_pose_and_is_as_long_as_its_arc() {
+        let arm = Irp6::nominal();
+        let at = |angle: f64| Six::new(angle, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let mut take = Take::new("arm", "irp6", &[JointKind::Revolute; 6]);
+        for i in 0..=500 {
+            let time = f64::from(i) * 2e-3;
+            let q = at(time);
+            let mut links = Vec::new();
+            arm.frames(&q, &mut |frame| links.push(frame.translation.vector));
+            let (demanded, measured) = (q.as_slice().to_vec(), q.as_slice().to_vec());
+            take.keep(Sample { time, demanded, measured, links, tool: arm.forward(&q), rates: None });
+        }
+        let [first, last] = [0.0, 1.0].map(|angle| arm.forward(&at(angle)).translation.vector);
+        let radius = first.xy().norm();
+        let samples = take.samples();
+        let path = ToolPath::of(&take, &samples).coloured(radius);
+        assert!((path.length - radius).abs() < 1e-3 && (take.tool_speed - radius).abs() < 1e-3);
+        let area = Area { x: 0.0, y: 0.0, width: 400.0, height: 400.0 };
+        let on =
+            Projection::new(View::above(), &Extent::of([first.xy(), last.xy()].into_iter()), area, 300.0);
+        let mut svg = Svg::default();
+        path.draw(&mut svg, &Motion::of(&take, 0.05), &on, 2.0, 1000);
+        let text = svg.finish();
+        let document = roxmltree::Document::parse(&text).unwrap();
+        let strokes: Vec<&str> = document.descendants().filter_map(|node| node.attribute("d")).collect();
+        // At rest the first sample has no speed: its colour, and then that of full speed.
+        assert_eq!(strokes.len(), 2);
+        let written = |point| format!("{}", Points(&[on.at(point)]));
+        assert!(strokes[0].starts_with(&format!("M{}", written(first))), "{strokes:?}");
+        assert!(strokes[1].ends_with(&written(last)), "{strokes:?}");
     }
 }
