@@ -203,3 +203,37 @@ fn complain(error: &dyn Display) {
     // Without a standard error the exit status alone must tell.
     let _ = writeln!(io::stderr(), "error: {error}");
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(arguments: &[&str]) -> Result<Option<Options>, String> {
+        parse(arguments.iter().map(OsString::from)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn options_say_which_cell_runs_and_where_the_picture_goes() {
+        let options =
+            parsed(&["--cell", "a/b.toml", "--picture=c.svg", "-q"]).expect("right").expect("no help");
+        assert_eq!(options.cell, Some(PathBuf::from("a/b.toml")));
+        assert_eq!(options.picture, Some(PathBuf::from("c.svg")));
+        assert!(options.quiet && !options.check);
+        let options = parsed(&["--no-picture", "--check"]).expect("right").expect("no help");
+        assert!(options.picture.is_none() && options.check);
+        assert!(parsed(&["-h"]).expect("right").is_none());
+    }
+
+    #[test]
+    fn an_option_that_there_is_not_is_refused_with_the_one_that_was_meant() {
+        for (arguments, told) in [
+            (&["--pictur", "x"][..], "did you mean `picture`?"),
+            (&["--cell"], "give a file"),
+            (&["run"], "`run` is not asked for"),
+            (&["-x"], "no option -x"),
+        ] {
+            let error = parsed(arguments).err().expect("refused");
+            assert!(error.contains(told) && error.contains("\n help: "), "{error}");
+        }
+    }
+}

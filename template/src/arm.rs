@@ -1,8 +1,4 @@
-//! The kind of robot, and what drives it.
+//! The kind of robot, and what drives it: simulated down to its motors.
+//! FILL IN: a function `kinds` of your own, which returns `simulated().with("irp6", ..)`, to drive a real one.
 
-pub use mrroc_robots::Irp6 as Arm;
-
-/// FILL IN: `.with("irp6", ..)` to drive a real arm where `cell.toml` says "irp6"; simulated down to its motors until then.
-pub fn kinds() -> mrroc::Kinds {
-    mrroc_robots::simulated()
-}
+pub use mrroc_robots::{Irp6 as Arm, simulated as kinds};
