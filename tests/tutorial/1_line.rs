@@ -10,7 +10,7 @@ mod circle;
 mod line;
 
 use arm::Arm;
-use support::{ONE, extent, file, matches, shows, watched};
+use support::{ONE, extent, file, matches, printed, shows, watched};
 
 #[test]
 fn a_line_goes_up_and_down_again() {
@@ -23,10 +23,7 @@ fn a_line_goes_up_and_down_again() {
     let report = cell.run().expect("within the limits");
     let (low, high) = extent(&paths, "arm", 2);
     assert!(low > -1e-3 && (high - 0.1).abs() < 1e-3, "{low} {high}");
-    shows(
-        "1-line.md",
-        &format!("ran {:.3} s in {} steps: see picture.svg", report.time.as_secs_f64(), report.steps),
-    );
+    shows("1-line.md", &printed(&report));
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod mp;
 #[path = "3_tight/orders.rs"]
 mod orders;
 
-use support::{TWO, extent, file, watched};
+use support::{TWO, extent, file, printed, shows, watched};
 
 #[test]
 fn both_tools_are_equally_high_in_every_servo_period() {
@@ -19,6 +19,7 @@ fn both_tools_are_equally_high_in_every_servo_period() {
     let (cell, paths) = watched(ecp::programs(cell).program(mp::coordinate));
     let report = cell.run().expect("within the limits");
     assert!((4.0..4.02).contains(&report.time.as_secs_f64()), "{report:?}");
+    shows("3-pair.md", &printed(&report));
     for robot in ["left", "right"] {
         let (low, high) = extent(&paths, robot, 2);
         assert!(low > -1e-3 && (high - 0.1).abs() < 1e-3, "{robot}: {low} {high}");

@@ -8,19 +8,20 @@ mod arm;
 mod line;
 
 use mrroc::{Cell, FaultKind, Kinds, RobotSetup};
-use support::{ONE, extent, file, shows, watched};
+use support::{ONE, extent, file, printed, shows, watched};
 
 fn cell(kinds: &Kinds) -> Cell {
     file(ONE).cell(kinds).expect("known").program(|mp| {
         let mut arm = mp.robot::<arm::Arm>("arm")?;
-        mp.move_robots((&mut arm,), (), line::PointToPoint::by(0.0, 0.0, 0.1)).map(drop)
+        mp.move_robots((&mut arm,), (), line::PointToPoint::by(0.0, 0.0, 0.1))?;
+        mp.move_robots((&mut arm,), (), line::PointToPoint::by(0.0, 0.0, -0.1)).map(drop)
     })
 }
 
 #[test]
 fn the_program_moves_the_other_drives() {
     let (cell, paths) = watched(cell(&arm::kinds()));
-    cell.run().expect("within the limits");
+    shows("5-driver.md", &printed(&cell.run().expect("within the limits")));
     let (low, high) = extent(&paths, "arm", 2);
     assert!(low > -1e-4 && (high - 0.1).abs() < 1e-4, "{low} {high}");
 }

@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
 
-use mrroc::{Cell, CellFile};
+use mrroc::{Cell, CellFile, RunReport};
 
 /// The cell of a project with one robot.
 pub const ONE: &str = "
@@ -54,6 +54,11 @@ pub fn extent(paths: &Paths, robot: &str, axis: usize) -> (f64, f64) {
     let mut along = paths.iter().filter(|(name, _)| name == robot).map(|(_, at)| at[axis]);
     let begin = along.next().expect("it was seen");
     along.fold((0.0_f64, 0.0_f64), |(low, high), at| (low.min(at - begin), high.max(at - begin)))
+}
+
+/// What a project prints at the end of such a run.
+pub fn printed(report: &RunReport) -> String {
+    format!("ran {:.3} s in {} steps: see picture.svg", report.time.as_secs_f64(), report.steps)
 }
 
 /// A page of the tutorial shows this text, line by line, with `..` where it leaves something out.
