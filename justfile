@@ -27,3 +27,7 @@ snapshots:
 # Engrave the drawing that is shipped with the project.
 engrave *ARGS:
     cargo run --release -- {{ARGS}}
+
+# The tutorial and the tables for those who come from elsewhere, as a book: target/book/index.html.
+book:
+    mdbook build docs

@@ -1,0 +1,73 @@
+//! A straight line of the tool frame, from rest to rest.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+
+use mrroc_generators::line::{LinePath, ToolLimits};
+use mrroc_generators::profile::ProfileCursor;
+
+/// Moves the tool straight to a pose while it turns the short way, by one trapezoidal profile.
+///
+/// Starts from the pose demanded last, at rest. No joint coordinates: it serves every robot.
+pub struct MyLine<R> {
+    goal: Goal,
+    limits: ToolLimits,
+    path: Option<(LinePath, ProfileCursor)>,
+    of: PhantomData<R>,
+}
+
+enum Goal {
+    /// `X_WE` of the end.
+    Pose(Pose),
+    /// The end in the tool frame of the start.
+    Displacement(Pose),
+}
+
+impl<R: Robot> MyLine<R> {
+    /// To the pose `X_WE` of the tool in the world.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn to(X_WE: Pose, limits: ToolLimits) -> Self {
+        MyLine { goal: Goal::Pose(X_WE), limits, path: None, of: PhantomData }
+    }
+
+    /// By `X_EsE`, in the tool's own axes at the start.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn by(X_EsE: Pose, limits: ToolLimits) -> Self {
+        MyLine { goal: Goal::Displacement(X_EsE), limits, path: None, of: PhantomData }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((line, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            // ANCHOR: bow
+            Some(point) => {
+                let bow = Pose::translation(0.08 * point.s * (1.0 - point.s), 0.0, 0.0);
+                Step::Next(Demand::pose(line.pose(point.s) * bow))
+            }
+            // ANCHOR_END: bow
+            None => Step::Done,
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> MyLine<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        let start = e.demanded().pose;
+        let goal = match self.goal {
+            Goal::Pose(pose) => pose,
+            Goal::Displacement(displacement) => start * displacement,
+        };
+        let line = LinePath::new(start, goal);
+        let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((line, profile.cursor()));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
