@@ -94,9 +94,9 @@ fn generate_apart(name: &str, parts: &Path, workshop: &Path) -> Result<(), Error
             command.env_remove(variable);
         }
     }
-    if env::var_os("CARGO_NAME").is_none() {
+    if env::var("CARGO_NAME").is_err() {
         // It looks no farther, and fails when it finds no name at all, as in a container without $USER.
-        command.env("CARGO_NAME", env::var_os("USER").unwrap_or_else(|| "nobody".into()));
+        command.env("CARGO_NAME", env::var("USER").unwrap_or_else(|_| "nobody".to_owned()));
     }
     let output = command.env_remove("CLICOLOR_FORCE").output().map_err(|error| fault(error.to_string()))?;
     if output.status.success() {

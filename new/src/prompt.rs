@@ -4,9 +4,13 @@
 //! question finds an empty folder.
 
 use std::io::{self, IsTerminal};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
+use dialoguer::console::Term;
 use dialoguer::theme::ColorfulTheme;
 use dialoguer::{Confirm, Input, MultiSelect, Select};
+use signal_hook::consts::SIGINT;
 
 use crate::error::Error;
 use crate::template::{Choice, Kind, Placeholder, Value};
@@ -22,7 +26,11 @@ pub fn somebody_is_there() -> bool {
 /// # Errors
 /// The terminal gives no answer.
 pub fn ask(placeholder: &Placeholder) -> Result<Value, Error> {
+    // Caught, so that who breaks off by Ctrl-C gets the cursor back, which a question hides. The flag is of no use: the
+    // question itself ends with an error.
+    let _ = signal_hook::flag::register(SIGINT, Arc::new(AtomicBool::new(false)));
     answer(placeholder).map_err(|dialoguer::Error::IO(error)| {
+        let _ = Term::stderr().show_cursor();
         let what = format!("{} was not chosen: {error}", placeholder.name);
         Error::failed(what, "take all defaults by `--defaults`, or choose by `--define name=value`")
     })
