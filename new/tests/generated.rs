@@ -124,3 +124,19 @@ fn the_covering_set_holds_every_value_and_the_product_every_combination() {
     }
     assert!(few.len() <= 5, "{labels}");
 }
+
+#[test]
+fn the_minimal_project_has_one_binary_and_at_most_sixty_lines_of_rust() {
+    let minimal = ["task=empty", "robots=one", "robot=irp6", "levels=mp", "sensor=none"];
+    let of_minimal = |chosen: &&Chosen| {
+        let label = label(chosen);
+        minimal.iter().all(|choice| label.split(' ').any(|chosen| chosen == *choice))
+    };
+    let project = generated("my-task", all().iter().find(of_minimal).expect("there is such a project"));
+    let files = project.files();
+    assert_eq!(files.iter().filter(|file| file.ends_with("main.rs") || file.contains("/bin/")).count(), 1);
+    // Comments count, blank lines do not.
+    let lines = |file: &String| project.read(file).lines().filter(|line| !line.trim().is_empty()).count();
+    let lines: usize = files.iter().filter(|file| file.starts_with("my-task/src/")).map(lines).sum();
+    assert!(lines <= 60, "{lines} lines");
+}
