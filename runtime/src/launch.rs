@@ -7,11 +7,13 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
 use lexopt::prelude::*;
 
 use crate::cell::{Cell, CellError};
 use crate::cell_file::{CellFile, suggestion};
+use crate::operator::Operator;
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
 pub trait Recorder {
@@ -96,6 +98,9 @@ pub fn launch(
     if options.picture.is_some() {
         cell = recorder.watch(cell);
     }
+    if !options.quiet {
+        cell = cell.also_on_step(Patience::new().notes());
+    }
     let outcome = cell.run();
     let drawn = match (&outcome, &options.picture) {
         (Ok(_) | Err(CellError::Fault(_)), Some(picture)) => recorder.save(picture).map_err(|error| {
@@ -108,6 +113,9 @@ pub fn launch(
         Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(report) => {
             let seconds = report.time.as_secs_f64();
+            if report.steps == 0 {
+                note("nothing moved: the program returned before a Move or a Wait");
+            }
             say(&match &options.picture {
                 Some(picture) if drawn.is_ok() => {
                     format!("ran {seconds:.3} s in {} steps: see {}\n", report.steps, picture.display())
@@ -202,4 +210,39 @@ fn cell_refused(error: &CellError) -> ExitCode {
 fn complain(error: &dyn Display) {
     // Without a standard error the exit status alone must tell.
     let _ = writeln!(io::stderr(), "error: {error}");
+}
+
+fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "note: {text}");
+}
+
+/// Whoever waits for a run that may have no end is told of it, ever more seldom.
+struct Patience {
+    since: Instant,
+    next: Duration,
+}
+
+impl Patience {
+    fn new() -> Patience {
+        Patience { since: Instant::now(), next: Duration::from_secs(10) }
+    }
+
+    /// A hook that looks at the wall clock now and then.
+    fn notes(mut self) -> impl FnMut(u64, &Operator) {
+        move |step, _| {
+            if step % 1024 == 0 && self.since.elapsed() >= self.next {
+                self.next *= 2;
+                note(&still_running(step, self.since.elapsed()));
+            }
+        }
+    }
+}
+
+/// What is said of a run that takes long.
+fn still_running(step: u64, elapsed: Duration) -> String {
+    format!(
+        "still running after {} s, in step {step}: a motion ends where its step function returns `Step::Done`, a Wait where \
+         its condition holds; stop the program by Ctrl-C",
+        elapsed.as_secs()
+    )
 }
