@@ -1,6 +1,6 @@
 //! What stands in the parentheses of an attribute: `(mp, first = grasp)`.
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::quote;
 use syn::parse::{Parse, ParseStream, Parser};
 use syn::punctuated::Punctuated;
@@ -55,10 +55,18 @@ impl Arguments {
     pub fn parse(kind: Kind, tokens: TokenStream, errors: &mut Errors) -> Arguments {
         let mut arguments =
             Arguments { level: None, first: None, until: None, sensors: None, order: None, krate: None };
-        let list = match Punctuated::<Argument, Token![,]>::parse_terminated.parse2(tokens) {
+        let list = match Punctuated::<Argument, Token![,]>::parse_terminated.parse2(tokens.clone()) {
             Ok(list) => list,
             Err(error) => {
-                errors.add(error);
+                arguments.level = level_at_the_front(tokens);
+                let text = error.to_string();
+                let form = format!("#[{}(ecp, key = value)]", kind.name());
+                errors.add(match text.as_str() {
+                    "expected `,`" => {
+                        syn::Error::new(error.span(), format_args!("a comma separates arguments: `{form}`"))
+                    }
+                    _ => error,
+                });
                 return arguments;
             }
         };
@@ -103,6 +111,15 @@ impl Arguments {
             ));
         }
         arguments
+    }
+}
+
+/// The level that a list of arguments begins with, whatever follows.
+fn level_at_the_front(tokens: TokenStream) -> Option<Level> {
+    match tokens.into_iter().next() {
+        Some(TokenTree::Ident(key)) if key == "mp" => Some(Level::Mp),
+        Some(TokenTree::Ident(key)) if key == "ecp" => Some(Level::Ecp),
+        Some(_) | None => None,
     }
 }
 

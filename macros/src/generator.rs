@@ -248,12 +248,14 @@ fn check_keys(arguments: &Arguments, roles: &Roles, errors: &mut Errors) {
 /// What the fallback says of an ECP's robot, so that the calls of the motion still fit.
 fn robot_of_ecp<'a>(arguments: &Arguments, roles: &'a Roles) -> Option<&'a Type> {
     let list = roles.outcome.as_ref().map(|outcome| &outcome.robots).or(roles.robots.as_ref())?;
-    let robot = match list {
-        Type::Tuple(list) => list.elems.first()?,
-        Type::Array(list) => &list.elem,
-        robot => robot,
+    let robot = match (arguments.level, list) {
+        (Some(Level::Mp), _) => return None,
+        (Some(Level::Ecp), Type::Tuple(list)) => list.elems.first()?,
+        (Some(Level::Ecp), Type::Array(list)) => &list.elem,
+        // A level that is forgotten shows in the list.
+        (Some(Level::Ecp) | None, robot) => robot,
     };
-    (arguments.level == Some(Level::Ecp) && matches!(robot, Type::Path(_))).then_some(robot)
+    matches!(robot, Type::Path(_)).then_some(robot)
 }
 
 fn or_nothing(list: Option<&Type>) -> TokenStream {

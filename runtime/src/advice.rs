@@ -1,6 +1,7 @@
 //! What to do about a fault: a sentence for the person at the terminal.
 
-use crate::fault::{Fault, FaultKind};
+use crate::fault::{Fault, FaultKind, Role};
+use crate::limits::DISAGREEMENT;
 
 impl Fault {
     /// What to do about it, where its kind alone tells.
@@ -15,11 +16,25 @@ impl Fault {
                 "move slower: give the motion more time, or its profile a lower velocity; near a singularity joints turn \
                  fast for a slow tool"
             }
+            K::DemandedAcceleration | K::DemandedJerk if self.is_of_first_demand() => {
+                return Some(
+                    "begin at rest and where the robot is: use a profile that starts slowly, and a first step, \
+                     `#[generator(.., first = begin)]`, that takes `e: &State<..>` and starts from `e.demanded()`",
+                );
+            }
             K::DemandedAcceleration => {
                 "accelerate less: begin and end at rest, give the motion more time, and let no demand jump"
             }
             K::DemandedJerk => {
                 "change the acceleration more slowly: use a smoother profile, or give the motion more time"
+            }
+            K::NoInverseKinematics if self.message() == DISAGREEMENT => {
+                return Some(
+                    "mend the robot's model: `inverse(forward(q), q)` must give `q`; test it for some positions in the limits",
+                );
+            }
+            K::NoInverseKinematics if self.excess().is_none() => {
+                "demand a pose that the robot can take: go round the singularity, or demand joints there"
             }
             K::NoInverseKinematics => {
                 "demand a pose that the arm reaches: the picture shows how far it got, the message how far it reaches"
@@ -45,7 +60,30 @@ impl Fault {
                 );
             }
             K::FollowingError => {
-                return Some("the drives do not follow: move slower, or look for what holds the joint");
+                return Some(
+                    "the drives do not follow: move slower, or look for what holds the joint; a driver of your own returns from \
+                     `tick` what its encoders read after `demanded` was handed to the drives",
+                );
+            }
+            K::StartPoseMismatch if self.is_of_first_demand() => BEGIN,
+            K::StartPoseMismatch => {
+                return Some(
+                    "something moved the robot between two motions: look at its drives; a driver of your own holds where it was \
+                     last demanded to be",
+                );
+            }
+            K::GeneratorPanicked => {
+                return Some(
+                    "the line that panicked is printed above: let it return `Err(Fault::thrown(\"..\"))` there, in a `Result`; a \
+                     reading is None until the sensor has answered: write `is_some_and` or `match`",
+                );
+            }
+            K::DriveFault => return Some("look at the drive: clear what tripped it, then start again"),
+            K::PeerLost if self.process().is_some_and(|process| process.role == Role::Vsp) => {
+                return Some(
+                    "the sensor answers later than a step allows: write mode = \"with delay\" in its table of cell.toml, or let \
+                     `aggregate` take less time",
+                );
             }
             K::SensorStale | K::SensorFailed => {
                 return Some(
@@ -61,17 +99,12 @@ impl Fault {
             | K::InstructionEnded
             | K::PeerLost
             | K::StoppedByCell
-            | K::StartPoseMismatch
-            | K::DriveFault
-            | K::GeneratorPanicked
             | K::CellClosed
             | K::Message => return None,
         };
-        Some(if self.is_of_first_demand() {
-            "begin where the robot is: write a first step, `#[generator(.., first = begin)]`, that takes `e: &State<..>` and \
-             starts from `e.demanded()`"
-        } else {
-            demanded
-        })
+        Some(if self.is_of_first_demand() { BEGIN } else { demanded })
     }
 }
+
+const BEGIN: &str = "begin where the robot is: write a first step, `#[generator(.., first = begin)]`, that takes `e: &State<..>` and \
+     starts from `e.demanded()`, in an MP from `e.0.demanded()`, `e.1.demanded()` ..";

@@ -385,7 +385,8 @@ impl fmt::Display for Fault {
         }
         if let Some(Excess { actual, limit, unit }) = report.excess {
             let digits = if unit == "step" { 0 } else { 6 };
-            write!(f, ": {actual:.digits$} {unit}, limit {limit:.digits$} {unit}")?;
+            let space = if unit.is_empty() { "" } else { " " };
+            write!(f, ": {actual:.digits$}{space}{unit}, limit {limit:.digits$}{space}{unit}")?;
         }
         match report.step.filter(|&step| step > 0) {
             Some(step) => write!(f, " at step {step}"),

@@ -7,11 +7,13 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 
 use lexopt::prelude::*;
 
 use crate::cell::{Cell, CellError};
 use crate::cell_file::{CellFile, suggestion};
+use crate::operator::Operator;
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
 pub trait Recorder {
@@ -96,6 +98,9 @@ pub fn launch(
     if options.picture.is_some() {
         cell = recorder.watch(cell);
     }
+    if !options.quiet {
+        cell = cell.also_on_step(Patience::new().notes());
+    }
     let outcome = cell.run();
     let drawn = match (&outcome, &options.picture) {
         (Ok(_) | Err(CellError::Fault(_)), Some(picture)) => recorder.save(picture).map_err(|error| {
@@ -108,6 +113,9 @@ pub fn launch(
         Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(report) => {
             let seconds = report.time.as_secs_f64();
+            if report.steps == 0 {
+                note("nothing moved: the program returned before a Move or a Wait");
+            }
             say(&match &options.picture {
                 Some(picture) if drawn.is_ok() => {
                     format!("ran {seconds:.3} s in {} steps: see {}\n", report.steps, picture.display())
@@ -204,6 +212,46 @@ fn complain(error: &dyn Display) {
     let _ = writeln!(io::stderr(), "error: {error}");
 }
 
+fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "note: {text}");
+}
+
+/// Whoever waits for a run that may have no end is told of it, ever more seldom.
+struct Patience {
+    since: Instant,
+    next: Duration,
+}
+
+impl Patience {
+    fn new() -> Patience {
+        Patience { since: Instant::now(), next: Duration::from_secs(10) }
+    }
+
+    /// A hook that looks at the wall clock now and then.
+    fn notes(mut self) -> impl FnMut(u64, &Operator) {
+        move |step, _| {
+            if step % 1024 == 0
+                && let Some(text) = self.after(self.since.elapsed(), step)
+            {
+                note(&text);
+            }
+        }
+    }
+
+    /// What is said of a run that is in this step after so much time, if anything.
+    fn after(&mut self, elapsed: Duration, step: u64) -> Option<String> {
+        if elapsed < self.next {
+            return None;
+        }
+        self.next = elapsed * 2;
+        Some(format!(
+            "still running after {} s, in step {step}: a motion ends where its step function returns `Step::Done`, a Wait \
+             where its condition holds; stop the program by Ctrl-C",
+            elapsed.as_secs()
+        ))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,5 +283,16 @@ mod tests {
             let error = parsed(arguments).err().expect("refused");
             assert!(error.contains(told) && error.contains("\n help: "), "{error}");
         }
+    }
+
+    #[test]
+    fn a_run_without_an_end_is_told_of_ever_more_seldom() {
+        let mut patience = Patience::new();
+        let told: Vec<_> = (0..100)
+            .filter(|&second| patience.after(Duration::from_secs(second), second * 500).is_some())
+            .collect();
+        assert_eq!(told, [10, 20, 40, 80]);
+        let text = patience.after(Duration::from_secs(160), 80_000).expect("160 s is twice 80 s");
+        assert!(text.contains("160 s, in step 80000") && text.contains("`Step::Done`"), "{text}");
     }
 }

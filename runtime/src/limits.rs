@@ -7,7 +7,7 @@
 
 use core::marker::PhantomData;
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{Translation3, UnitQuaternion};
 
 use crate::braking::{Braking, stopping_distance};
 use crate::demand::{Coordinates, Demand};
@@ -237,7 +237,10 @@ impl<R: Robot> Acceptor<R> {
         let acceleration = (velocity - self.velocity) * per_second;
         let path_velocity = (position - self.demanded) * (self.missing + duration).recip();
         let checked = self.check(&position, &velocity, &path_velocity, &acceleration, duration);
-        let stop = checked.map_err(|fault| self.beside_singularity(demand, fault))?;
+        let stop = checked.map_err(|fault| match self.disagreement(demand, &position, &tool) {
+            Some(disagreement) => disagreement,
+            None => self.beside_singularity(demand, fault),
+        })?;
         let coupled = |limit: CoupledLimit| {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
             self.beside_singularity(demand, fault.exceeds(limit.actual, limit.limit, limit.unit))
@@ -273,15 +276,27 @@ impl<R: Robot> Acceptor<R> {
         }
     }
 
+    /// Whether a pose that breaks a limit does so because the robot's `inverse` is none of its `forward`.
+    fn disagreement(&self, demand: &Demand<R>, q: &R::Joints, tool: &Pose) -> Option<Fault> {
+        let Coordinates::Pose(pose) = &demand.coordinates else { return None };
+        let off = (self.robot.forward(q) * tool).translation.vector - pose.translation.vector;
+        (off.norm() > AGREEMENT).then(|| {
+            Fault::new(FaultKind::NoInverseKinematics).text(DISAGREEMENT).exceeds(off.norm(), AGREEMENT, "m")
+        })
+    }
+
     fn joints_at(&self, pose: &Pose, tool: &Pose) -> Result<R::Joints, Fault> {
         self.robot.inverse(&(pose * tool.inverse()), &self.position).map_err(|error| {
             let fault = Fault::new(FaultKind::NoInverseKinematics);
+            let Translation3 { vector: p } = pose.translation;
+            let at = format!("tool demanded at ({:.4}, {:.4}, {:.4}) m", p.x, p.y, p.z);
             match error {
                 NoInverse::OutOfReach { distance, min, max } => {
                     let limit = if distance > max { max } else { min };
-                    fault.text("the pose is out of reach").exceeds(distance, limit, "m")
+                    let text = format!("out of reach, {at}: wrist to shoulder");
+                    fault.text(&text).exceeds(distance, limit, "m")
                 }
-                NoInverse::Singular { name } => fault.text(name),
+                NoInverse::Singular { name } => fault.text(&format!("at a singularity ({name}), {at}")),
             }
         })
     }
@@ -409,6 +424,12 @@ pub(crate) const PATH_SHARE: f64 = 0.9;
 /// The share of an acceleration limit that a path and the change of its rate use together.
 const USABLE_SHARE: f64 = 0.98;
 
+/// How far from a demanded pose `forward` of its `inverse` may be \[m\].
+const AGREEMENT: f64 = 1e-3;
+
+/// What a robot is told of whose `inverse` and `forward` are not of one arm.
+pub(crate) const DISAGREEMENT: &str = "`forward` of the joints that `inverse` gives is another pose";
+
 /// A pose whose numbers are finite and whose quaternion is a rotation, normalised.
 fn valid_frame(pose: &Pose) -> Result<Pose, Fault> {
     let q = pose.rotation.coords;
@@ -417,11 +438,9 @@ fn valid_frame(pose: &Pose) -> Result<Pose, Fault> {
     }
     let norm = q.norm();
     if (norm - 1.0).abs() > FRAME_TOLERANCE {
-        return Err(Fault::new(FaultKind::DemandInvalidFrame).exceeds(
-            (norm - 1.0).abs(),
-            FRAME_TOLERANCE,
-            "",
-        ));
+        let fault =
+            Fault::new(FaultKind::DemandInvalidFrame).text("the norm of its quaternion differs from 1");
+        return Err(fault.exceeds((norm - 1.0).abs(), FRAME_TOLERANCE, ""));
     }
     Ok(Pose::from_parts(pose.translation, UnitQuaternion::new_normalize(pose.rotation.into_inner())))
 }

@@ -2,6 +2,7 @@
 
 use core::any::TypeId;
 
+use crate::cell_file::suggestion;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::image::{Reading, Sensor, SensorImage};
 use crate::link::{Client, Nanos, Waiter};
@@ -139,15 +140,18 @@ impl Sensing {
         &mut self,
         name: &str,
         configuration: S::Configuration,
+        process: ProcessId,
     ) -> Result<SensorHandle<S>, Fault> {
-        let config = |text: &str| Fault::new(FaultKind::Config).text(text);
+        let config = |text: &str| Fault::new(FaultKind::Config).in_process(process).text(text);
         let names: Vec<_> = self.ports.iter().map(|port| port.name.to_string()).collect();
         let Some(index) = self.ports.iter().position(|port| port.name.as_str() == name) else {
-            let names = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-            let text = format!(
-                "no sensor `{name}` here, but: {names}; an ECP has those set up `.of(\"its robot\")`"
-            );
-            return Err(config(&text));
+            let names: Vec<_> = names.iter().map(String::as_str).collect();
+            let there = match (names.as_slice(), process.name) {
+                ([], Some(robot)) => format!("write of = \"{robot}\" in its table of cell.toml"),
+                ([], None) => "write its table in cell.toml, and give the cell its VSP".to_owned(),
+                (names, _) => suggestion(name, names, "there are"),
+            };
+            return Err(config(&format!("there is no sensor `{name}` here: {there}")));
         };
         let port = &mut self.ports[index];
         if port.kind != TypeId::of::<S>() {

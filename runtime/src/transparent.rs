@@ -30,6 +30,7 @@ impl<R: Robot> Default for Transparent<R> {
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl<R: Robot> Generator for Transparent<R> {
     type Robots = R;
     type Language = Motion;

@@ -42,7 +42,9 @@ impl VirtualSensor for Table {
 
     /// FILL IN: read the hardware, and make one reading of all that it gives.
     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Contact, Fault> {
-        let robot = order.robot.ok_or_else(|| Fault::thrown("the sensor belongs to no robot: write `of`"))?;
+        let robot = order.robot.ok_or_else(|| {
+            Fault::thrown("the sensor belongs to no robot: write `of` in its table of cell.toml")
+        })?;
         Ok(Contact { made: robot.pose.translation.z <= TABLE })
     }
 }

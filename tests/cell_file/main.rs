@@ -88,6 +88,15 @@ fn broken_toml_is_shown_where_it_breaks() {
 }
 
 #[test]
+fn a_broken_line_is_told_once() {
+    let told = complaints(&GOOD.replacen("4.71, 0.0]", "4.71, 0.0", 1));
+    assert_eq!(told.matches("help").count(), 1, "{told}");
+    assert!(told.contains("a bracket or a quote may be missing in the line above"), "{told}");
+    let told = complaints(&GOOD.replacen("\"irp6\"", "irp6", 1));
+    assert!(told.contains("write a text in quotes: \"irp6\""), "{told}");
+}
+
+#[test]
 fn what_a_kind_cannot_take_is_told_for_all_robots_at_once() {
     let text = r#"
 step_ms = 2
@@ -135,7 +144,7 @@ fn a_program_for_a_robot_that_is_not_there_or_of_another_kind_is_refused() {
     let error = cell().ecp::<Irp6>("lft", |_| Ok(())).run().expect_err("no such robot");
     assert!(error.to_string().contains("`lft`") && error.to_string().contains("left, right"), "{error}");
     let error = cell().ecp::<Gantry>("left", |_| Ok(())).run().expect_err("another kind");
-    assert!(error.to_string().contains("another kind than the gantry"), "{error}");
+    assert!(error.to_string().contains("another kind, gantry"), "{error}");
 }
 
 #[test]

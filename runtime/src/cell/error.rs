@@ -14,17 +14,28 @@ pub enum CellError {
     #[error(transparent)]
     Name(#[from] BadName),
     /// Two robots, or two sensors, of one name.
-    #[error("the cell has two of the name `{0}`")]
+    #[error("the cell has two of the name `{0}`: give each a name of its own")]
     Twice(Name),
     /// A sensor of a robot that the cell does not have.
     #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
     NoSuchRobot(Name, String),
     /// A program for the ECP of a robot that the cell does not have.
-    #[error("a program is given to the ECP of robot `{0}`, which the cell does not have; it has: {1}")]
+    #[error(
+        "a program is given to the ECP of robot `{0}`, which the cell does not have; it has: {1}\n help: write one of these in `.ecp(..)`, or a table [robots.{0}] in cell.toml"
+    )]
     NoRobot(String, String),
     /// A program for the ECP of a robot of another kind.
-    #[error("robot `{0}` is of another kind than the {1} that the program of its ECP is written for")]
-    OtherKind(String, &'static str),
+    #[error(
+        "robot `{robot}` is of the kind {kind}, the program of its ECP is written for another kind, {written}\n help: write the program for it, `Ecp<..>` of its kind, or another `kind` in cell.toml"
+    )]
+    OtherKind {
+        /// The robot.
+        robot: String,
+        /// Its kind.
+        kind: &'static str,
+        /// The kind that the program is written for.
+        written: &'static str,
+    },
     /// A sensor of the cell's file that no virtual sensor computes.
     #[error(
         "sensor `{0}` of the cell's file has no VSP: add `.sensor(file.sensor(\"{0}\", ..)?)` to the cell, with the virtual sensor that computes it"
@@ -38,11 +49,14 @@ pub enum CellError {
     Step,
     /// Neither an MP program nor an ECP program.
     #[error(
-        "the cell has no program: give one to the MP with `Cell::program`, to an ECP with `RobotSetup::program`"
+        "the cell has no program: give one to the MP, `cell.program(coordinate)`, or to an ECP, `cell.ecp(\"arm\", arm)`"
     )]
     NoProgram,
     /// A servo period that does not fit the step.
-    #[error("robot `{robot}`: its servo period {servo:?} does not divide the step {step:?}, nor the step it")]
+    #[error(
+        "robot `{robot}`: its servo period {servo:?} does not divide the step {step:?}, nor the step it\n help: write step_ms = {0}, or a multiple of it, in cell.toml",
+        servo.as_secs_f64() * 1e3
+    )]
     Period {
         /// The robot.
         robot: Name,
@@ -69,8 +83,9 @@ pub enum CellError {
     },
     /// A joint that could not stop in the time that the cell allows, [`Cell::stop_time`](crate::Cell::stop_time).
     #[error(
-        "robot `{robot}` joint {}: a stop may take {time:.3} s, limit {limit:.3} s: lower its velocity limit or allow longer stops",
-        joint + 1
+        "robot `{robot}` joint {}: a stop may take {time:.3} s, limit {limit:.3} s: lower its velocity limit or allow longer stops, stop_ms = {} in cell.toml",
+        joint + 1,
+        (time * 1e3).ceil()
     )]
     StopTime {
         /// The robot.

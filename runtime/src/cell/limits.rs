@@ -44,7 +44,9 @@ pub(super) fn check<J: JointVector>(
         ];
         let mut stops = true;
         for (what, value, unit) in positive {
-            if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
+            // A following error that nobody gave follows from the velocity limit.
+            let follows = what == "following error" && !stops;
+            if let Some(value) = value.filter(|value| !(follows || value.is_finite() && *value > 0.0)) {
                 wrong(what, value, "must be finite and above 0", unit);
                 stops = false;
             }

@@ -103,9 +103,12 @@ impl Cell {
         program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static,
     ) -> Cell {
         let found = self.robots.iter_mut().find(|known| known.name() == robot);
-        match found.map(|found| found.as_any().downcast_mut::<RobotSetup<R>>()) {
-            Some(Some(setup)) => setup.give_program(program),
-            Some(None) => self.errors.push(CellError::OtherKind(robot.to_owned(), R::KIND)),
+        match found.map(|found| (found.kind_name(), found.as_any().downcast_mut::<RobotSetup<R>>())) {
+            Some((_, Some(setup))) => setup.give_program(program),
+            Some((kind, None)) => {
+                let robot = robot.to_owned();
+                self.errors.push(CellError::OtherKind { robot, kind, written: R::KIND });
+            }
             None => {
                 let names = self.robots.iter().map(|robot| robot.name()).collect::<Vec<_>>().join(", ");
                 self.errors.push(CellError::NoRobot(robot.to_owned(), names));
@@ -147,6 +150,17 @@ impl Cell {
     pub fn program(mut self, program: impl FnOnce(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
         self.program = Some(Box::new(program));
         self
+    }
+
+    /// Adds a hook to the one that there is.
+    pub(crate) fn also_on_step(mut self, mut hook: impl FnMut(u64, &Operator) + 'static) -> Cell {
+        let mut own = self.hook.take();
+        self.on_step(move |step, operator| {
+            if let Some(own) = &mut own {
+                own(step, operator);
+            }
+            hook(step, operator);
+        })
     }
 
     /// Calls `hook` at the start of every step with its index and the operator: for a progress bar, or an
@@ -202,7 +216,7 @@ impl Cell {
         {
             let (client, server) = scheduler.port(mp, ecp);
             let steps = robot.stop_steps(self.step);
-            ports.push(RobotPort::new(*name, robot.kind(), client, steps));
+            ports.push(RobotPort::new(*name, (robot.kind(), robot.kind_name()), client, steps));
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps: steps };
             let place = Place { name: *name, ecp, step: self.step, pace, nudged };
@@ -272,7 +286,10 @@ impl Cell {
         }
         let without = |name: &&String| self.sensors.iter().all(|sensor| sensor.name() != name.as_str());
         errors.extend(self.expected_sensors.iter().filter(without).cloned().map(CellError::NoVsp));
-        if self.program.is_none() && !self.robots.iter().any(|robot| robot.has_program()) {
+        let misplaced =
+            |error: &CellError| matches!(error, CellError::NoRobot(..) | CellError::OtherKind { .. });
+        let has_program = self.program.is_some() || self.robots.iter().any(|robot| robot.has_program());
+        if !has_program && !errors.iter().any(misplaced) {
             errors.push(CellError::NoProgram);
         }
         CellError::all(errors).map(|()| names)

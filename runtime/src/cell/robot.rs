@@ -134,6 +134,7 @@ pub(crate) trait AnyRobot {
     fn watch(&mut self, observer: SharedObserver);
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
+    fn kind_name(&self) -> &'static str;
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
@@ -178,6 +179,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn kind(&self) -> TypeId {
         TypeId::of::<R>()
+    }
+
+    fn kind_name(&self) -> &'static str {
+        R::KIND
     }
 
     fn has_program(&self) -> bool {

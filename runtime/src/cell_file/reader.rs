@@ -22,6 +22,9 @@ const CELL_KEYS: [&str; 4] = ["step_ms", "stop_ms", "robots", "sensors"];
 const ROBOT_KEYS: [&str; 4] = ["kind", "start", "base", "tool"];
 const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
+/// What to write where a line is no TOML.
+const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0], tables as [robots.arm]; a bracket or a quote may be \
+                    missing in the line above";
 const MODES: [&str; 3] = ["interactive", "with delay", "free running"];
 
 /// Reads the whole file.
@@ -29,11 +32,20 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let source = Rc::new(Source { file: name.to_owned(), text: text.to_owned() });
     let (document, syntax) = DeTable::parse_recoverable(text);
     let mut reader = Reader { source: Rc::clone(&source), errors: Vec::new() };
-    for error in syntax {
-        let what = error.message().to_owned();
-        reader.complain(&error.span().unwrap_or(0..0), what, "write it as TOML has it".to_owned());
-    }
     // What follows from a broken line would only confuse.
+    let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
+    if let Some(error) = syntax.iter().min_by_key(|error| place(error).start) {
+        let at = place(error);
+        let word = text.get(at.clone()).filter(|word| word.starts_with(char::is_alphabetic));
+        let is_value = text[..at.start.min(text.len())].trim_end_matches(' ').ends_with('=');
+        match word.filter(|_| is_value) {
+            Some(word) => {
+                let help = format!("write a text in quotes: \"{word}\"");
+                reader.complain(&at, format!("`{word}` is neither a text nor a number"), help);
+            }
+            None => reader.complain(&at, error.message().to_owned(), TOML.to_owned()),
+        }
+    }
     CellFileError::all(core::mem::take(&mut reader.errors))?;
 
     let table = document.get_ref();

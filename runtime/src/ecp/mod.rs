@@ -81,8 +81,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
     where
         S::Configuration: Default,
     {
-        let process = self.process;
-        self.sensing.handle(name, S::Configuration::default()).map_err(|fault| fault.in_process(process))
+        self.sensing.handle(name, S::Configuration::default(), self.process)
     }
 
     /// Does the ECP's part of one instruction of the MP: `program` is run with the first order's value when the

@@ -197,7 +197,8 @@ impl<R: Robot> fmt::Debug for RobotHandle<R> {
 #[diagnostic::on_unimplemented(
     message = "these are not the robots of the list `{L}`",
     label = "the list asks for `{L}`",
-    note = "pass one `&mut` handle for each robot of the list, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`; a single robot needs a comma: `(&mut rnt,)`"
+    note = "pass one `&mut` handle for each robot of the list, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`; a single robot needs a comma: `(&mut rnt,)`",
+    note = "a handle is asked for once, by `let mut rnt = mp.robot::<Rnt>(\"rnt\")?`; a motion of an ECP, whose list is `Rnt` alone, is moved by `ecp.move_robot`"
 )]
 pub trait RobotsOf<L: RobotList> {
     /// An array as long as the list.
@@ -251,6 +252,7 @@ impl<R: Robot, const N: usize> RobotsOf<AnyRobots> for [&mut RobotHandle<R>; N] 
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl RobotsOf<AnyRobots> for () {
     type Indices = [usize; 0];
 

@@ -72,7 +72,8 @@ impl<S: Sensor> fmt::Debug for SensorHandle<S> {
 #[diagnostic::on_unimplemented(
     message = "these are not the sensors of the list `{L}`",
     label = "the list asks for `{L}`",
-    note = "pass one `&mut` handle for each sensor of the list, in its order: `(&mut force,)` for `(WristForce,)`, `()` for none"
+    note = "pass one `&mut` handle for each sensor of the list, in its order: `(&mut force,)` for `(WristForce,)`, `()` for none",
+    note = "a handle is asked for once, by `let mut force = mp.sensor::<WristForce>(\"force\")?`"
 )]
 pub trait SensorsOf<L: SensorList> {
     /// An array as long as the list.
@@ -96,6 +97,7 @@ pub trait SensorsOf<L: SensorList> {
     fn images(&self) -> L::Images;
 }
 
+#[diagnostic::do_not_recommend]
 impl SensorList for () {
     const LEN: usize = 0;
     type Images = ();
@@ -107,6 +109,7 @@ impl SensorList for () {
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl SensorsOf<()> for () {
     type Indices = [usize; 0];
 

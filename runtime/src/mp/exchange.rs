@@ -20,6 +20,8 @@ use super::Mp;
 pub(crate) struct RobotPort {
     pub name: Name,
     pub kind: TypeId,
+    /// The kind's name, for messages.
+    pub kind_name: &'static str,
     pub client: Box<dyn Client>,
     pub taken: bool,
     /// Steps after which the robot must stand when it was told to stop.
@@ -31,9 +33,24 @@ pub(crate) struct RobotPort {
 }
 
 impl RobotPort {
-    pub fn new(name: Name, kind: TypeId, client: Box<dyn Client>, stop_steps: u64) -> RobotPort {
+    pub fn new(
+        name: Name,
+        (kind, kind_name): (TypeId, &'static str),
+        client: Box<dyn Client>,
+        stop_steps: u64,
+    ) -> RobotPort {
         let (order, reply) = (Message::empty(), Message::empty());
-        RobotPort { name, kind, client, taken: false, stop_steps, handed_over: false, order, reply }
+        RobotPort {
+            name,
+            kind,
+            kind_name,
+            client,
+            taken: false,
+            stop_steps,
+            handed_over: false,
+            order,
+            reply,
+        }
     }
 
     pub(super) fn process(&self) -> ProcessId {

@@ -73,7 +73,12 @@ impl<'w> Mp<'w> {
         };
         let port = &mut self.robots[index];
         if port.kind != TypeId::of::<R>() {
-            return Err(config(&format!("robot `{name}` is of another kind than {}", R::KIND)));
+            let text = format!(
+                "robot `{name}` is of another kind than {}: name its own, {}, in `robot::<..>`",
+                R::KIND,
+                port.kind_name
+            );
+            return Err(config(&text));
         }
         if core::mem::replace(&mut port.taken, true) {
             return Err(config(&format!("robot `{name}` has a handle already: pass that one on")));
@@ -89,9 +94,7 @@ impl<'w> Mp<'w> {
     where
         S::Configuration: Default,
     {
-        self.sensing
-            .handle(name, S::Configuration::default())
-            .map_err(|fault| fault.in_process(ProcessId::MP))
+        self.sensing.handle(name, S::Configuration::default(), ProcessId::MP)
     }
 
     /// Index of the step that has begun, counted since the cell started.

@@ -1,0 +1,16 @@
+//! The attribute of an ECP's motion names no level.
+//! says: `#[generator(ecp)]`
+
+use mistakes::*;
+use mrroc::*;
+
+struct Line;
+
+#[generator]
+fn line(_: &mut Line) -> Step<Rnt> {
+    Step::Done
+}
+
+fn main() {
+    let _ = ecp().move_robot((), Line);
+}
