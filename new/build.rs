@@ -24,7 +24,8 @@ fn main() -> io::Result<()> {
 
     let manifest = fs::read_to_string(root.join("Cargo.toml"))?;
     let nalgebra = manifest.lines().find_map(|line| line.strip_prefix("nalgebra = "));
-    println!("cargo::rustc-env=NALGEBRA={}", nalgebra.unwrap_or("\"*\"").trim_matches('"'));
+    let nalgebra = nalgebra.ok_or_else(|| io::Error::other("the workspace has no line `nalgebra = ..`"))?;
+    println!("cargo::rustc-env=NALGEBRA={nalgebra}");
     Ok(())
 }
 

@@ -110,7 +110,7 @@ impl Copy {
             } else {
                 continue;
             };
-            let line = self.line_for(name, always.iter().find(|(found, _)| found.starts_with("mrroc")));
+            let line = self.line_for(name, always.iter().find(|(found, _)| OURS.contains(&found.as_str())));
             let manifest = self.project.join("Cargo.toml");
             let what =
                 format!("{} does not depend on {name}, which {} uses", manifest.display(), self.entry.name);
@@ -127,7 +127,7 @@ impl Copy {
     /// The line that makes the project depend on `name` from where its mrroc comes.
     fn line_for(&self, name: &str, like: Option<&(String, &Value)>) -> String {
         if name == "nalgebra" {
-            return format!("nalgebra = {:?}", env!("NALGEBRA"));
+            return concat!("nalgebra = ", env!("NALGEBRA")).to_owned();
         }
         let mut value =
             like.map_or_else(|| Value::from(env!("CARGO_PKG_VERSION")), |(_, value)| (*value).clone());
@@ -137,7 +137,7 @@ impl Copy {
                 "mrroc-generators" => "generators-lib",
                 _ => "robots",
             };
-            let root = path.trim_end_matches('/').rsplit_once('/').map_or("..", |(root, _)| root);
+            let root = path.trim_end_matches('/').rsplit_once('/').map_or(".", |(root, _)| root);
             *path = format!("{root}/{folder}");
         }
         format!("{name} = {value}")
@@ -165,9 +165,10 @@ impl Copy {
         let call = self.example_call();
         Ok(format!(
             "{} is a copy of the library's {}, with its test.\n{MODULES} declares it: {lines}\n\nUse it:\n  \
-             use {used};\n  {call}\n\nTest it:\n  cargo test {}\n",
+             use {used};\n  {call}\n{}\nTest it:\n  cargo test {}\n",
             self.file(),
             self.entry.type_name,
+            self.caution(),
             self.name,
         ))
     }
@@ -193,17 +194,20 @@ impl Copy {
         formatted().ok().flatten().unwrap_or_else(|| text.to_owned())
     }
 
+    /// Where a program of the project finds the type: programs lie in the crate that has the generators.
     fn path(&self, re_exported: bool) -> String {
-        let library = fs::read_to_string(self.project.join("src/lib.rs")).unwrap_or_default();
-        let package = self.manifest.get("package").and_then(|package| package.get("name")?.as_str());
-        let krate = match package {
-            Some(package) if declarations(&library).any(|(_, module)| module == "generators") => {
-                package.replace('-', "_")
-            }
-            Some(_) | None => "crate".to_owned(),
-        };
         let module = if re_exported { String::new() } else { format!("{}::", self.name) };
-        format!("{krate}::generators::{module}{}", self.type_name)
+        format!("crate::generators::{module}{}", self.type_name)
+    }
+
+    /// What is missing for a Move of it in this project, if anything.
+    fn caution(&self) -> &'static str {
+        if self.entry.class.level == Level::Ecp && !self.project.join("src/ecp.rs").is_file() {
+            "\nIt moves one robot, in the program of its ECP, which this project has none of: give a robot one by `.ecp(..)` in \
+             src/lib.rs, or make a project with `--define levels=ecp` or `levels=both`.\n"
+        } else {
+            ""
+        }
     }
 
     /// A Move of it, by its first constructor.
@@ -231,6 +235,9 @@ fn read(path: &Path) -> Result<String, Error> {
 fn unwritable(path: &Path, error: &io::Error) -> Error {
     Error::failed(format!("{}: cannot be written: {error}", path.display()), "see who may write there")
 }
+
+/// The crates of mrroc that a project depends on.
+const OURS: [&str; 4] = ["mrroc", "mrroc-generators", "mrroc-pictures", "mrroc-robots"];
 
 /// The type that goes with a module's name: `MyLine` with `my_line`.
 fn type_name(name: &str) -> Result<String, Error> {
@@ -319,7 +326,11 @@ fn exports(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// A `mod.rs` that declares one more module, as it declares the others, and the lines that were added.
 fn declared(text: &str, name: &str, type_name: &str) -> (String, Vec<String>) {
-    let is_private = |module| text.lines().any(|line| line == format!("mod {module};"));
+    let is_private = |module| {
+        text.lines().any(|line| {
+            line.split("//").next().is_some_and(|code| code.trim_end() == format!("mod {module};"))
+        })
+    };
     let lines = if exports(text).any(|(_, module)| is_private(module)) {
         vec![format!("mod {name};"), format!("pub use {name}::{type_name};")]
     } else {

@@ -17,7 +17,7 @@ const TAKEN: &[(&str, &[&str])] = &[
     ("is a crate of Rust's", &["alloc", "core", "proc_macro", "std", "test"]),
     (
         "is a crate that the project depends on",
-        &["mrroc", "mrroc_generators", "mrroc_macros", "mrroc_robots", "nalgebra"],
+        &["mrroc", "mrroc_generators", "mrroc_macros", "mrroc_pictures", "mrroc_robots", "nalgebra"],
     ),
     ("is a folder of Cargo's", &["build", "deps", "examples", "incremental", "target"]),
     ("is a device on Windows", &["aux", "con", "nul", "prn"]),
@@ -104,6 +104,7 @@ mod tests {
             ("test", "my-test"),
             ("Match", "my-Match"),
             ("mrroc-robots", "my-mrroc-robots"),
+            ("mrroc-pictures", "my-mrroc-pictures"),
             ("con", "my-con"),
             ("🤖", "my-task"),
             ("_", "my-task"),

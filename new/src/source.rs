@@ -17,10 +17,10 @@ fn is_checkout(folder: &Path) -> bool {
     ["runtime", "generators-lib", "robots"].iter().all(|part| folder.join(part).join("Cargo.toml").is_file())
 }
 
-/// Adds to what was given where mrroc comes from: the checkout if there is one, otherwise the registry.
+/// Adds to what was given where mrroc comes from: the checkout that this program was built from.
 ///
 /// # Errors
-/// [`Error::Refused`] for a path without mrroc.
+/// [`Error::Refused`] for a path without mrroc, and when nothing says where it comes from.
 pub fn complete(template: &Template, given: &mut Given, checkout: Option<&Path>) -> Result<(), Error> {
     if !template.has("mrroc_source") {
         return Ok(());
@@ -30,7 +30,11 @@ pub fn complete(template: &Template, given: &mut Given, checkout: Option<&Path>)
         (None, Some(_), _) => "path".to_owned(),
         (None, None, Some(_)) => "git".to_owned(),
         (None, None, None) if checkout.is_some() => "path".to_owned(),
-        (None, None, None) => "registry".to_owned(),
+        (None, None, None) => {
+            let what = "mrroc is not where this program was built any more";
+            let help = "say where it lies by `--define mrroc_path=FOLDER`, or take it from elsewhere by `--define mrroc_source=registry` or `mrroc_git=ADDRESS`";
+            return Err(Error::refused(what, help));
+        }
     };
     if source == "path" {
         let path = match (given.get("mrroc_path"), checkout) {
@@ -63,11 +67,11 @@ mod tests {
     }
 
     #[test]
-    fn the_checkout_is_taken_when_it_is_there_and_the_registry_otherwise() {
+    fn the_checkout_is_taken_when_it_is_there_and_nothing_is_guessed_otherwise() {
         let checkout = checkout().expect("built from one");
         let here = checkout.to_str().expect("a plain path");
         assert_eq!(completed(&[], Some(&checkout)).expect("complete")["mrroc_path"], here);
-        assert_eq!(completed(&[], None).expect("complete")["mrroc_source"], "registry");
+        assert!(completed(&[], None).expect_err("nothing given").contains("mrroc_path=FOLDER"));
         assert_eq!(completed(&[("mrroc_path", "..")], None).expect("complete")["mrroc_source"], "path");
         let git = completed(&[("mrroc_git", "https://x")], Some(&checkout)).expect("complete");
         assert_eq!((git["mrroc_source"].as_str(), git.get("mrroc_path")), ("git", None));

@@ -38,7 +38,7 @@ fn every_generator_is_copied_under_another_name_and_passes_its_test() {
         let text = said(
             &command.args(["generator", entry.name, "--as", &name]).output().expect("the program starts"),
         );
-        assert!(text.contains(&format!("use my_task::generators::{name}::")), "{text}");
+        assert!(text.contains(&format!("use crate::generators::{name}::")), "{text}");
         let copy = folder.read(&format!("src/generators/{name}.rs"));
         let mut words = copy.split(|c: char| !(c.is_alphanumeric() || c == '_'));
         assert!(words.all(|word| word != entry.type_name && word != entry.name), "{copy}");
@@ -55,7 +55,7 @@ fn without_another_name_the_copy_has_the_librarys() {
     let folder = project();
     fs::write(folder.path().join("src/generators/mod.rs"), "mod a;\n\npub use a::A;\n").expect("a file");
     let text = said(&folder.run(&["generator", "straight_line"]));
-    assert!(text.contains("use my_task::generators::StraightLine;"), "{text}");
+    assert!(text.contains("use crate::generators::StraightLine;"), "{text}");
     assert!(text.contains("ecp.move_robot((), StraightLine::to(X_WE, limits))?;"), "{text}");
     assert_eq!(
         folder.read("src/generators/mod.rs"),

@@ -202,7 +202,7 @@ impl Take {
     pub fn samples(&self) -> Vec<&Sample> {
         let mut samples: Vec<&Sample> = Vec::with_capacity(self.kept.len() + 1);
         for sample in self.kept.iter().chain(&self.last) {
-            // Time goes forwards; a clock that does not shows its later reading.
+            // Time goes forwards: a sample that is not later is left out.
             if samples.last().is_none_or(|before| before.time < sample.time) {
                 samples.push(sample);
             }

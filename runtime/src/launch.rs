@@ -31,7 +31,7 @@ const HELP: &str = "\
 Runs the cell of cell.toml with simulated robots and draws what moved.
 
 Options:
-  --cell FILE      the cell [default: the nearest cell.toml, here or upwards]
+  --cell FILE      the cell [default: the project's cell.toml]
   --picture FILE   the picture [default: picture.svg]
   --no-picture     draw nothing
   --check          put the cell together, but run nothing
@@ -42,7 +42,7 @@ Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
 the command line was refused; then nothing has moved.
 ";
 
-const NAMES: [&str; 6] = ["cell", "picture", "no-picture", "check", "quiet", "help"];
+const NAMES: [&str; 6] = ["--cell", "--picture", "--no-picture", "--check", "--quiet", "--help"];
 
 /// What the command line asks for.
 struct Options {
@@ -91,11 +91,16 @@ pub fn launch(
     };
     if options.check {
         return match cell.check() {
+            Ok(_) if options.quiet => ExitCode::SUCCESS,
             Ok(_) => say(&format!("{}: nothing is wrong with the cell\n", path.display())),
             Err(error) => cell_refused(&error),
         };
     }
-    if options.picture.is_some() {
+    if let Some(picture) = &options.picture {
+        // Found out now, not after a long run.
+        if let Err(error) = std::fs::OpenOptions::new().append(true).create(true).open(picture) {
+            return refused(&unwritable(picture, &error));
+        }
         cell = recorder.watch(cell);
     }
     if !options.quiet {
@@ -103,10 +108,9 @@ pub fn launch(
     }
     let outcome = cell.run();
     let drawn = match (&outcome, &options.picture) {
-        (Ok(_) | Err(CellError::Fault(_)), Some(picture)) => recorder.save(picture).map_err(|error| {
-            let picture = picture.display();
-            format!("{picture}: cannot be written: {error}\n help: give another file by --picture, or --no-picture")
-        }),
+        (Ok(_) | Err(CellError::Fault(_)), Some(picture)) => {
+            recorder.save(picture).map_err(|error| unwritable(picture, &error))
+        }
         (Ok(_) | Err(_), _) => Ok(()),
     };
     let ended = match outcome {
@@ -141,6 +145,11 @@ pub fn launch(
     }
 }
 
+fn unwritable(picture: &Path, error: &io::Error) -> String {
+    let picture = picture.display();
+    format!("{picture}: cannot be written: {error}\n help: give another file by --picture, or --no-picture")
+}
+
 fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options>, BadOption> {
     let bad = |what: String, help: &str| BadOption { what, help: help.to_owned() };
     let mut parser = lexopt::Parser::from_args(arguments);
@@ -158,7 +167,7 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
             Long("cell") => options.cell = Some(next(&mut parser)?),
             Long("picture") => options.picture = Some(next(&mut parser)?),
             Long(name) => {
-                let help = suggestion(name, &NAMES, "the options are");
+                let help = suggestion(&format!("--{name}"), &NAMES, "the options are");
                 return Err(BadOption { what: format!("no option --{name}"), help });
             }
             Short(letter) => return Err(bad(format!("no option -{letter}"), "see --help")),
@@ -171,14 +180,17 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
     Ok(Some(options))
 }
 
-/// `cell.toml` in this folder or in the nearest one upwards that has it, as with Cargo.toml.
+/// `cell.toml` in this folder or in the nearest one upwards, no farther than the project, which has the Cargo.toml.
 fn nearest_cell() -> PathBuf {
     let here = PathBuf::from("cell.toml");
-    let upwards = std::env::current_dir().ok().and_then(|folder| {
-        let mut folders = folder.ancestors().skip(1).map(|folder| folder.join("cell.toml"));
-        folders.find(|file| file.is_file())
-    });
-    if here.is_file() { here } else { upwards.unwrap_or(here) }
+    if here.is_file() {
+        return here;
+    }
+    let Ok(folder) = std::env::current_dir() else { return here };
+    let has = |folder: &Path, file: &str| folder.join(file).is_file();
+    let ends = |folder: &&Path| has(folder, "cell.toml") || has(folder, "Cargo.toml");
+    let found = folder.ancestors().find(ends).filter(|folder| has(folder, "cell.toml"));
+    found.map_or(here, |folder| folder.join("cell.toml"))
 }
 
 /// Prints a text. A reader that has had enough and closed the pipe is no failure.
@@ -275,7 +287,7 @@ mod tests {
     #[test]
     fn an_option_that_there_is_not_is_refused_with_the_one_that_was_meant() {
         for (arguments, told) in [
-            (&["--pictur", "x"][..], "did you mean `picture`?"),
+            (&["--pictur", "x"][..], "did you mean `--picture`?"),
             (&["--cell"], "give a file"),
             (&["run"], "`run` is not asked for"),
             (&["-x"], "no option -x"),

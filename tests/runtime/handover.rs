@@ -2,10 +2,12 @@
 
 use std::rc::Rc;
 
-use mrroc::{Always, Cell, Fault, FaultKind, Mp, RobotHandle, Step, Tick, condition, generator};
+use mrroc::{
+    Always, Cell, Fault, FaultKind, Mp, Reading, RobotHandle, SensorSetup, Step, Tick, condition, generator,
+};
 use mrroc_tests::{Gantry, MS, Q, Trace, fault, gantry, peaks};
 
-use crate::kit::{Along, Phase, transmit, x};
+use crate::kit::{Along, Counter, Counting, Phase, transmit, x};
 
 /// Speeds up along x by 10 m/s² to 0.5 m/s in 50 steps, and ends there.
 struct Up {
@@ -312,4 +314,46 @@ fn up_for(c: &mut UpFor, t: Tick) -> Step<(Gantry,)> {
     // 1 m/s² at most, so that the next motion's hold is within the limits.
     c.up.x += 0.009 * t.dt;
     Step::Next((x(c.up.x),))
+}
+
+/// Goes on at 0.5 m/s for 100 steps; looks at a sensor from the second step on.
+struct Onward {
+    steps: u32,
+    x: f64,
+}
+
+#[generator(mp, first = begin)]
+fn onward(c: &mut Onward, _v: &Reading<(Counter,)>, t: Tick) -> Step<(Gantry,)> {
+    begin(c, t)
+}
+
+fn begin(c: &mut Onward, t: Tick) -> Step<(Gantry,)> {
+    if c.steps == 0 {
+        return Step::Done;
+    }
+    c.steps -= 1;
+    c.x += 0.5 * t.dt;
+    Step::Next((x(c.x),))
+}
+
+#[test]
+fn a_motion_that_takes_over_loses_no_step_by_asking_for_the_robot_of_its_sensor() {
+    let ((a, trace), (b, _)) = (gantry("a"), gantry("b"));
+    // The sensor is of a robot that nobody has asked for its state yet.
+    let sensor = SensorSetup::new("counter", Counting::default()).of("b");
+    let cell = Cell::new(MS).robot(a).robot(b).sensor(sensor).program(|mp| {
+        let mut a = mp.robot::<Gantry>("a")?;
+        let mut counter = mp.sensor::<Counter>("counter")?;
+        mp.blend_robots((&mut a,), (), Up::new())?;
+        let x = a.demanded().joints[0];
+        mp.move_robots((&mut a,), (&mut counter,), Onward { steps: 100, x })?;
+        Ok(())
+    });
+    cell.run().expect("nothing jumps");
+    let trace = trace.borrow();
+    let first = trace.iter().position(|q| q[0] > 0.0).expect("it moves");
+    // 50 steps of speeding up, then 100 of 0.5 mm, without a hole where the motions meet.
+    let speeds: Vec<_> =
+        trace[first + 49..first + 149].windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
+    assert!(speeds.iter().all(|d| (d - 0.5e-3).abs() < 1e-9), "{speeds:?}");
 }

@@ -44,6 +44,20 @@ pub enum CellError {
     /// What is wrong with the cell's file.
     #[error(transparent)]
     File(#[from] CellFileError),
+    /// A second program for one ECP.
+    #[error("the ECP of robot `{0}` is given two programs: give it one")]
+    TwoPrograms(String),
+    /// More processes than the link runs.
+    #[error(
+        "the cell has {processes} processes, an MP, two for each robot and one for each sensor; the memory link runs at most \
+         {limit}: take robots or sensors out"
+    )]
+    TooMany {
+        /// How many it has.
+        processes: usize,
+        /// How many there may be.
+        limit: usize,
+    },
     /// A step that takes no time.
     #[error("the step of the cell takes no time: give it 1 ms or more")]
     Step,

@@ -14,7 +14,7 @@ use std::rc::Rc;
 use crate::ecp::{Ecp, Pace};
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::link::Nanos;
-use crate::link::memory::Scheduler;
+use crate::link::memory::{MAX_PROCESSES, Scheduler};
 use crate::mp::{Mp, RobotPort, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
@@ -104,6 +104,9 @@ impl Cell {
     ) -> Cell {
         let found = self.robots.iter_mut().find(|known| known.name() == robot);
         match found.map(|found| (found.kind_name(), found.as_any().downcast_mut::<RobotSetup<R>>())) {
+            Some((_, Some(setup))) if setup.has_program() => {
+                self.errors.push(CellError::TwoPrograms(robot.to_owned()));
+            }
             Some((_, Some(setup))) => setup.give_program(program),
             Some((kind, None)) => {
                 let robot = robot.to_owned();
@@ -252,6 +255,10 @@ impl Cell {
             return Err(CellError::Step);
         }
         let (mut names, mut errors) = (Vec::new(), core::mem::take(&mut self.errors));
+        let processes = 1 + 2 * self.robots.len() + self.sensors.len();
+        if processes > MAX_PROCESSES {
+            errors.push(CellError::TooMany { processes, limit: MAX_PROCESSES });
+        }
         for robot in &self.robots {
             let name = match Name::new(robot.name()) {
                 Ok(name) => name,

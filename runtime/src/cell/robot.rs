@@ -70,6 +70,10 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
+    pub(crate) fn rename(&mut self, name: &str) {
+        name.clone_into(&mut self.name);
+    }
+
     pub(super) fn give_program(&mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
         self.program = Some(Box::new(program));
     }
@@ -106,7 +110,7 @@ pub struct Observation<'a> {
     /// What kind each joint is.
     pub joints: &'a [JointKind],
     frames: &'a Frames<'a>,
-    tool: &'a Pose,
+    tool: Pose,
 }
 
 /// Shows a visitor the frames of a robot's links.
@@ -116,12 +120,8 @@ impl Observation<'_> {
     /// Visits the frames of the links at the measured joints, `X_WL`, from the base to the flange, and the tool's, `X_WE`,
     /// last.
     pub fn frames(&self, visit: &mut dyn FnMut(&Pose)) {
-        let mut flange = Pose::identity();
-        (self.frames)(&mut |frame| {
-            flange = *frame;
-            visit(frame);
-        });
-        visit(&(flange * self.tool));
+        (self.frames)(visit);
+        visit(&self.tool);
     }
 }
 
@@ -167,7 +167,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                 measured: measured.as_slice(),
                 joints: &joints,
                 frames: &|visit| robot.frames(measured, visit),
-                tool: &record.tool,
+                tool: robot.forward(measured) * record.tool,
             };
             (observer.borrow_mut())(&observation);
         }));

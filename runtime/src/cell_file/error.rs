@@ -55,8 +55,8 @@ pub(super) struct Source {
 impl Source {
     /// A complaint about a place in the text, in bytes.
     pub fn complain(&self, at: &Range<usize>, what: String, help: String) -> CellFileError {
-        let start = at.start.min(self.text.len());
-        let before = self.text.get(..start).unwrap_or(&self.text);
+        let start = self.text.floor_char_boundary(at.start);
+        let before = &self.text[..start];
         let line = before.matches('\n').count() + 1;
         let begin = before.rfind('\n').map_or(0, |newline| newline + 1);
         let column = self.text[begin..start].chars().count() + 1;

@@ -27,7 +27,9 @@ impl Kinds {
         set_up: impl Fn(&RobotEntry) -> Result<RobotSetup<R>, CellError> + 'static,
     ) -> Kinds {
         let make: Make = Box::new(move |entry| {
-            let setup = set_up(entry)?;
+            let mut setup = set_up(entry)?;
+            // The file names its robots, whatever a set-up calls them.
+            setup.rename(entry.name());
             Ok(Box::new(match entry.tool {
                 Some(tool) => setup.tool(tool),
                 None => setup,

@@ -17,6 +17,7 @@
 //! of = "arm"         # the robot whose ECP may read it, and whose state goes with every order
 //! mode = "interactive"   # or "with delay", "free running"; interactive unless it is said
 //! period_ms = 5      # of a free-running sensor
+//! latency_ms = 2     # time that one aggregation takes under the virtual clock; none unless it is said
 //! ```
 
 mod entry;

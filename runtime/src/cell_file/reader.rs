@@ -140,13 +140,13 @@ impl Reader {
         text
     }
 
-    /// A time in milliseconds, above 0 and at most a minute.
+    /// A time in milliseconds, from a tenth of one to a minute.
     fn duration(&mut self, value: &Value<'_>) -> Option<Duration> {
-        const RANGE: &str = "a number of milliseconds, above 0 and at most 60000";
+        const RANGE: &str = "a number of milliseconds from 0.1 to 60000";
         let ms = self.number(value, RANGE)?;
-        if ms.value > 0.0 && ms.value <= 60e3 {
+        if (0.1..=60e3).contains(&ms.value) {
             // To the nanosecond, of which the cell's clock has whole ones.
-            return Some(Duration::from_nanos((ms.value * 1e6).round().max(1.0) as u64));
+            return Some(Duration::from_nanos((ms.value * 1e6).round() as u64));
         }
         self.complain(&ms.span, format!("{} ms", ms.value), format!("write {RANGE}"));
         None

@@ -15,7 +15,7 @@ use crate::image::{RobotImage, Sensor};
 use crate::link::{Client, Nanos, Server, Waiter};
 use crate::list::{PayloadType, SensorHandle};
 use crate::message::{OrderKind, RequestKind, flag};
-use crate::payload::{Order, Payload};
+use crate::payload::{Nudge, Order, Payload};
 use crate::robot::Robot;
 use crate::sensing::Sensing;
 
@@ -99,7 +99,16 @@ impl<'w, R: Robot> Ecp<'w, R> {
     ) -> Result<(), Fault> {
         self.check_latch()?;
         if self.orders.payload().is_some() {
-            return Err(self.fail(Fault::thrown("obey inside obey: an ECP obeys one instruction at a time")));
+            let text = if self
+                .orders
+                .payload()
+                .is_some_and(|payload| payload.id == PayloadType::of::<Nudge>().id)
+            {
+                "the cell has no MP program, whose orders could be obeyed: leave `obey` out, or give it one"
+            } else {
+                "obey inside obey: an ECP obeys one instruction at a time"
+            };
+            return Err(self.fail(Fault::thrown(text)));
         }
         let value = self.await_start::<P>()?;
         let outcome = program(self, value);
@@ -109,7 +118,8 @@ impl<'w, R: Robot> Ecp<'w, R> {
     /// Obeys one instruction after another, each as [`obey`](Self::obey) does, until the MP's program is over.
     ///
     /// # Errors
-    /// As [`obey`](Self::obey), except that the end of the MP's program is no fault here.
+    /// As [`obey`](Self::obey), except that the end of the MP's program is no fault here. An abort is one: a program whose
+    /// MP goes on after it calls this again.
     pub fn obey_all<P: Payload>(
         &mut self,
         mut program: impl FnMut(&mut Self, P) -> Result<(), Fault>,

@@ -115,15 +115,17 @@ impl Mp<'_> {
     }
 
     /// Asks the robots that the sensors of a list belong to for their states, where none is known yet: a sensor gets the
-    /// state of its robot with its first order, too.
-    pub(super) fn learn_states<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) -> Result<(), Fault> {
+    /// state of its robot with its first order, too. Says whether any was asked.
+    pub(super) fn learn_states<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) -> Result<bool, Fault> {
+        let mut asked = false;
         for i in 0..S::LEN {
             let unknown = self.sensing.robot_of(sensors, i);
             if let Some(robot) = unknown.filter(|&robot| !self.robots[robot].reply.is(flag::STATE)) {
                 self.exchange(&[robot], OrderKind::Query, flag::WANT_STATE)?;
+                asked = true;
             }
         }
-        Ok(())
+        Ok(asked)
     }
 
     pub(super) fn order_readings<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) {

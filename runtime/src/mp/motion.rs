@@ -79,7 +79,10 @@ impl Mp<'_> {
         self.begin_step()?;
         let handed_over = self.robots.iter().any(|robot| robot.handed_over);
         self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
-        self.learn_states(sensors)?;
+        if self.learn_states(sensors)? {
+            // Nothing moved: a motion that was handed over must not lose a step by it.
+            self.clock.keep_unless_late(self.waiter);
+        }
         if first_uses.sensors {
             self.order_readings(sensors);
             self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;

@@ -1,0 +1,73 @@
+//! A task program from its command line: exit statuses, the picture, and where it finds its cell.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The template's own main program, which `cargo test` builds as an example.
+fn program() -> PathBuf {
+    let test = std::env::current_exe().expect("a test has a path");
+    let profile = test.parent().and_then(Path::parent).expect("target/debug/deps");
+    profile.join("examples").join(format!("template_main{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// A folder of its own for one test, with the cell.
+fn project(name: &str, cell: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(folder.join("src")).expect("a folder");
+    fs::write(folder.join("cell.toml"), cell).expect("a file");
+    fs::write(folder.join("Cargo.toml"), "").expect("a file");
+    folder
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(program()).current_dir(folder).args(arguments).output().expect("the program starts")
+}
+
+fn error(output: &Output, status: i32) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(status), "{text}");
+    text
+}
+
+const CELL: &str = include_str!("cell.toml");
+
+#[test]
+fn a_run_says_how_long_it_took_and_draws_what_moved() {
+    let folder = project("runs", CELL);
+    // From a folder below, as with cargo.
+    let output = run(&folder.join("src"), &["--picture", "a.svg"]);
+    assert_eq!(error(&output, 0), "");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    // In place the first motions of both tasks run, twice two seconds and twice one, and the steps between them.
+    assert!(said.starts_with("ran 6.0") && said.ends_with("see a.svg\n"), "{said}");
+    assert!(fs::read_to_string(folder.join("src/a.svg")).expect("drawn").starts_with("<svg"));
+    let quiet = run(&folder, &["--quiet", "--no-picture"]);
+    assert!(quiet.status.success() && quiet.stdout.is_empty() && quiet.stderr.is_empty());
+    assert!(!folder.join("picture.svg").exists());
+}
+
+#[test]
+fn a_fault_is_told_with_what_to_do_and_what_moved_until_then_is_drawn() {
+    let folder = project("faults", &CELL.replace("0.16, -0.16", "-0.40, 0.40"));
+    let output = run(&folder, &[]);
+    let told = error(&output, 1);
+    assert!(told.starts_with("error: ") && told.contains("\n help: "), "{told}");
+    assert!(fs::read_to_string(folder.join("picture.svg")).expect("drawn").starts_with("<svg"));
+}
+
+#[test]
+fn what_is_refused_moves_nothing_and_ends_with_status_2() {
+    let folder = project("refuses", &CELL.replace("step_ms = 2", "step_ms = 3\nstop = 4"));
+    let told = error(&run(&folder, &[]), 2);
+    assert!(told.contains("unknown key `stop`") && told.contains("did you mean `stop_ms`?"), "{told}");
+    let folder = project("no-picture", CELL);
+    let told = error(&run(&folder, &["--picture", "no/such/folder/a.svg"]), 2);
+    assert!(told.contains("cannot be written"), "{told}");
+    assert!(error(&run(&folder, &["--pictures"]), 2).contains("did you mean `--picture`?"));
+    fs::remove_file(folder.join("cell.toml")).expect("was there");
+    // A cell.toml above the project is another's.
+    fs::write(folder.parent().expect("a folder").join("cell.toml"), CELL).expect("a file");
+    assert!(error(&run(&folder, &["--check"]), 2).contains("cell.toml: cannot be read"));
+}
