@@ -122,7 +122,7 @@ fn a_sensor_needs_a_robot_a_period_and_a_mode_that_there_are() {
         ("period_ms = 3", "only a free-running sensor has a period"),
         ("mode = 3", "write the name of a mode, in quotes"),
         ("of = \"leftt\"", "did you mean `left`?"),
-        ("mode = \"free running\"\nperiod_ms = 0", "write a number of milliseconds, above 0"),
+        ("mode = \"free running\"\nperiod_ms = 0", "write a number of milliseconds from 0.1"),
     ] {
         let complaints = complaints(&cell(sensor));
         assert!(complaints.contains(told), "{complaints}");
@@ -180,4 +180,38 @@ fn a_kind_of_the_users_own_takes_the_place_of_a_simulated_one() {
 fn a_file_that_is_not_there_is_named() {
     let error = CellFile::read("no/such/cell.toml").expect_err("not there").to_string();
     assert!(error.starts_with("no/such/cell.toml: cannot be read"), "{error}");
+}
+
+#[test]
+fn places_are_right_whatever_the_text_is_made_of() {
+    for (text, told) in [
+        // A byte order mark, Windows' line ends, a tab, and letters of two bytes before the place.
+        ("\u{feff}step_ms = 2\r\nrobot = 1\r\n", "cell.toml:2:1: unknown key `robot`"),
+        ("step_ms = 2\n[robots.a]\n\tkinds = 1\n", "cell.toml:3:2: unknown key `kinds`"),
+        ("step_ms = 2\n[robots.a]\nkind = 'żółw' \nstart = [1, 'ż', x]\n", "cell.toml:4:"),
+        ("step_ms = 1e400\n", "cell.toml:1:11: not a finite number"),
+        ("step_ms = 0xFFFFFFFF\n", "cell.toml:1:11: 4294967295 ms"),
+        ("step_ms = 2\nstep_ms = 2\n", "cell.toml:2:1: duplicate key"),
+        ("step_ms = 0.00000001\n", "a number of milliseconds from 0.1 to 60000"),
+    ] {
+        let complaints = complaints(text);
+        assert!(complaints.contains(told), "{text:?}: {complaints}");
+    }
+}
+
+#[test]
+fn a_cell_of_more_processes_than_the_link_runs_and_a_second_program_are_refused() {
+    let robot =
+        |i: usize| format!("[robots.r{i}]\nkind = \"irp6\"\nstart = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]\n");
+    let text = format!("step_ms = 2\n{}", (0..35).map(robot).collect::<String>());
+    let file = CellFile::parse("cell.toml", &text).expect("well-formed");
+    let error = file.cell(&simulated()).expect("kinds are known").program(hold).run().expect_err("too many");
+    assert_eq!(error, CellError::TooMany { processes: 71, limit: 64 });
+    let file = CellFile::parse("cell.toml", GOOD).expect("well-formed");
+    let cell = file
+        .cell(&simulated())
+        .expect("known")
+        .ecp::<Irp6>("left", |_| Ok(()))
+        .ecp::<Irp6>("left", |_| Ok(()));
+    assert_eq!(cell.run().expect_err("two"), CellError::TwoPrograms("left".to_owned()));
 }
