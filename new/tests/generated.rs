@@ -140,3 +140,13 @@ fn the_minimal_project_has_one_binary_and_at_most_sixty_lines_of_rust() {
     let lines: usize = files.iter().filter(|file| file.starts_with("my-task/src/")).map(lines).sum();
     assert!(lines <= 60, "{lines} lines");
 }
+
+#[test]
+fn a_project_takes_the_same_nalgebra_as_mrroc() {
+    let folder = support::Folder::new();
+    said(&folder.run(&["my-task", "--defaults"]));
+    let manifest: toml::Table = folder.read("my-task/Cargo.toml").parse().expect("a manifest");
+    let workspace = std::fs::read_to_string(support::checkout().join("Cargo.toml")).expect("the workspace's");
+    let workspace: toml::Table = workspace.parse().expect("a manifest");
+    assert_eq!(manifest["dependencies"]["nalgebra"], workspace["workspace"]["dependencies"]["nalgebra"]);
+}

@@ -21,7 +21,10 @@ fn project() -> Folder {
         let path = toml::Value::from(path.to_str().expect("a plain path"));
         manifest += &format!("{name} = {{ path = {path} }}\n");
     }
-    folder.write("Cargo.toml", &(manifest + "nalgebra = \"0.35\"\n"));
+    folder.write(
+        "Cargo.toml",
+        &(manifest + "nalgebra = { version = \"0.35\", default-features = false, features = [\"std\"] }\n"),
+    );
     folder.write("src/lib.rs", "//! A task.\n\npub mod generators;\n");
     folder.write("src/generators/mod.rs", "//! Generators of this task.\n");
     folder
