@@ -4,6 +4,7 @@
 
 use std::ffi::OsString;
 use std::fmt::Display;
+use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -11,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use lexopt::prelude::*;
 
-use crate::cell::{Cell, CellError};
+use crate::cell::{Cell, CellError, RunReport};
 use crate::cell_file::{CellFile, suggestion};
 use crate::operator::Operator;
 
@@ -83,22 +84,20 @@ pub fn launch(
         Ok(None) => return say(HELP),
         Err(error) => return refused(&error),
     };
-    let path = options.cell.unwrap_or_else(nearest_cell);
+    let path = options.cell.clone().unwrap_or_else(nearest_cell);
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
-    let mut cell = match assembled {
+    let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
+    let mut cell = match checked {
         Ok(cell) => cell,
         Err(error) => return cell_refused(&error),
     };
     if options.check {
-        return match cell.check() {
-            Ok(_) if options.quiet => ExitCode::SUCCESS,
-            Ok(_) => say(&format!("{}: nothing is wrong with the cell\n", path.display())),
-            Err(error) => cell_refused(&error),
-        };
+        let well = format!("{}: nothing is wrong with the cell\n", path.display());
+        return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
     }
     if let Some(picture) = &options.picture {
         // Found out now, not after a long run.
-        if let Err(error) = std::fs::OpenOptions::new().append(true).create(true).open(picture) {
+        if let Err(error) = OpenOptions::new().append(true).create(true).open(picture) {
             return refused(&unwritable(picture, &error));
         }
         cell = recorder.watch(cell);
@@ -106,35 +105,25 @@ pub fn launch(
     if !options.quiet {
         cell = cell.also_on_step(Patience::new().notes());
     }
-    let outcome = cell.run();
-    let drawn = match (&outcome, &options.picture) {
-        (Ok(_) | Err(CellError::Fault(_)), Some(picture)) => {
-            recorder.save(picture).map_err(|error| unwritable(picture, &error))
-        }
-        (Ok(_) | Err(_), _) => Ok(()),
+    let outcome = match cell.run() {
+        Ok(report) => Ok(report),
+        Err(CellError::Fault(fault)) => Err(fault),
+        Err(error) => return cell_refused(&error),
     };
+    let drawn = options
+        .picture
+        .as_ref()
+        .map_or(Ok(()), |picture| recorder.save(picture).map_err(|error| unwritable(picture, &error)));
     let ended = match outcome {
         Ok(_) if options.quiet => ExitCode::SUCCESS,
-        Ok(report) => {
-            let seconds = report.time.as_secs_f64();
-            if report.steps == 0 {
-                note("nothing moved: the program returned before a Move or a Wait");
-            }
-            say(&match &options.picture {
-                Some(picture) if drawn.is_ok() => {
-                    format!("ran {seconds:.3} s in {} steps: see {}\n", report.steps, picture.display())
-                }
-                Some(_) | None => format!("ran {seconds:.3} s in {} steps\n", report.steps),
-            })
-        }
-        Err(CellError::Fault(fault)) => {
+        Ok(report) => tell(&report, options.picture.as_deref().filter(|_| drawn.is_ok())),
+        Err(fault) => {
             match fault.help() {
                 Some(help) => complain(&format!("{fault}\n help: {help}")),
                 None => complain(&fault),
             }
             ExitCode::FAILURE
         }
-        Err(error) => return cell_refused(&error),
     };
     match drawn {
         Ok(()) => ended,
@@ -143,6 +132,16 @@ pub fn launch(
             ExitCode::FAILURE
         }
     }
+}
+
+/// Says how long a run took, and where its picture is.
+fn tell(report: &RunReport, picture: Option<&Path>) -> ExitCode {
+    let (seconds, steps) = (report.time.as_secs_f64(), report.steps);
+    if steps == 0 {
+        note("nothing moved: the program returned before a Move or a Wait");
+    }
+    let picture = picture.map_or_else(String::new, |picture| format!(": see {}", picture.display()));
+    say(&format!("ran {seconds:.3} s in {steps} steps{picture}\n"))
 }
 
 fn unwritable(picture: &Path, error: &io::Error) -> String {
