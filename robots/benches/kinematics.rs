@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use mrroc::{Driver, Robot};
-use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use mrroc_robots::{Irp6, Kinematics, SimulatedIrp6, Six};
 
 /// Calls per measurement.
 const CALLS: u32 = 200_000;

@@ -11,14 +11,18 @@
 //! [`SimulatedIrp6`] ties them together as a `mrroc::Driver`. All figures marked "assumed" are stand-ins
 //! for figures that are not public; the others are public facts of MRROC++.
 
+pub mod conformance;
 mod irp6;
+mod kinematics;
 mod plant;
 mod regulator;
 mod simulated;
+mod singular;
 mod transmission;
 mod wrist;
 
 pub use irp6::{Irp6, MotorData, Six};
+pub use kinematics::{Jacobian, Kinematics};
 pub use plant::{Encoder, Plant};
 pub use regulator::{Gains, Regulator};
 pub use simulated::{Shaft, SimulatedIrp6};
