@@ -48,6 +48,7 @@ use core::f64::consts::{FRAC_PI_2, PI};
 use mrroc::{CoupledLimit, Limits, NoInverse, Pose, Robot};
 use nalgebra::{Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
 
+use crate::drives::{MotorLimits, check_motors};
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::plant::Encoder;
 use crate::regulator::Gains;
@@ -60,8 +61,11 @@ pub type Six = SVector<f64, 6>;
 /// Lengths of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Geometry {
+    /// Lower link, shoulder to elbow \[m\].
     pub(crate) a2: f64,
+    /// Upper link, elbow to T \[m\].
     pub(crate) a3: f64,
+    /// Wrist link, T to the flange \[m\].
     pub(crate) d5: f64,
 }
 
@@ -109,6 +113,12 @@ impl Irp6 {
     pub const MOTOR_UPPER: Six = Six::new(450.0, 100.0, 100.0, 380.0, 490.0, 3000.0);
     /// Hard limit of every motor's speed: 0.5 rad per servo period of 2 ms [rad/s] (MRROC++).
     pub const MOTOR_SPEED: f64 = 250.0;
+
+    pub(crate) const MOTOR_LIMITS: MotorLimits<6> = MotorLimits {
+        lower: Self::MOTOR_LOWER.data.0[0],
+        upper: Self::MOTOR_UPPER.data.0[0],
+        speed: Self::MOTOR_SPEED,
+    };
 
     /// Distance from the wrist singularity \[rad\] within which faults name it: joints 4 and 6 turn ten times as
     /// fast there as the tool.
@@ -208,11 +218,7 @@ impl Irp6 {
     /// Whether `q` \[rad\] keeps the joint limits and, through the transmission, the motor limits.
     #[must_use]
     pub fn is_feasible(&self, q: &Six) -> bool {
-        let motors = self.transmission.motors(q);
-        (0..6).all(|i| {
-            (self.limits.lower[i]..=self.limits.upper[i]).contains(&q[i])
-                && (Self::MOTOR_LOWER[i]..=Self::MOTOR_UPPER[i]).contains(&motors[i])
-        })
+        self.is_attainable(q)
     }
 
     /// How far q5 is from the nearest wrist singularity \[rad\], 0 to pi/2.
@@ -380,24 +386,7 @@ impl Geometry {
         // The far end of the upper arm: forwards and downwards from the shoulder.
         let e = wrist.rho - d5 * wrist.c4;
         let f = -wrist.z - d5 * wrist.s4;
-        let square = e * e + f * f;
-        let k = (square + a2 * a2 - a3 * a3) / (2.0 * a2);
-        let under_root = square - k * k;
-        if under_root.is_nan() || under_root < 0.0 {
-            return Err(NoInverse::OutOfReach {
-                distance: square.sqrt(),
-                min: (a3 - a2).abs(),
-                max: a2 + a3,
-            });
-        }
-        if elbow == Elbow::Down && under_root == 0.0 {
-            return Err(NoInverse::Singular { name: "elbow" });
-        }
-        let root = if elbow == Elbow::Up { under_root.sqrt() } else { -under_root.sqrt() };
-        let (y, x) = (k * f - root * e, root * f + k * e);
-        let (s2, c2) = (y / square, x / square);
-        let theta2 = y.atan2(x);
-        let theta3 = (f - a2 * s2).atan2(e - a2 * c2);
+        let (theta2, theta3) = two_links(a2, a3, e, f, elbow)?;
         Ok(Six::new(
             closest(wrist.theta1, near[0]),
             closest(theta2, near[1]),
@@ -423,21 +412,12 @@ impl Robot for Irp6 {
     }
 
     fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {
-        let (before, after) = (self.transmission.motors(from), self.transmission.motors(to));
-        for i in 0..6 {
-            let (lower, upper) = (Self::MOTOR_LOWER[i], Self::MOTOR_UPPER[i]);
-            let limit = if after[i] < lower { lower } else { upper };
-            if !(lower..=upper).contains(&after[i]) {
-                let what = "angle of the motor";
-                return Err(CoupledLimit { joint: i, what, actual: after[i], limit, unit: "rad" });
-            }
-            let speed = (after[i] - before[i]).abs() / duration;
-            if speed > Self::MOTOR_SPEED {
-                let (what, limit) = ("speed of the motor", Self::MOTOR_SPEED);
-                return Err(CoupledLimit { joint: i, what, actual: speed, limit, unit: "rad/s" });
-            }
-        }
-        Ok(())
+        check_motors(
+            &self.transmission.motors(from),
+            &self.transmission.motors(to),
+            &Self::MOTOR_LIMITS,
+            duration,
+        )
     }
 
     fn forward(&self, q: &Six) -> Pose {
@@ -473,8 +453,29 @@ impl Kinematics<6> for Irp6 {
     }
 }
 
+/// Angles below the horizontal of two links of lengths `a2`, `a3` that reach from the shoulder to `e` forwards and `f`
+/// downwards \[m\].
+#[inline]
+pub(crate) fn two_links(a2: f64, a3: f64, e: f64, f: f64, elbow: Elbow) -> Result<(f64, f64), NoInverse> {
+    let square = e * e + f * f;
+    let k = (square + a2 * a2 - a3 * a3) / (2.0 * a2);
+    let under_root = square - k * k;
+    if under_root.is_nan() || under_root < 0.0 {
+        return Err(NoInverse::OutOfReach { distance: square.sqrt(), min: (a3 - a2).abs(), max: a2 + a3 });
+    }
+    if elbow == Elbow::Down && under_root == 0.0 {
+        return Err(NoInverse::Singular { name: "elbow" });
+    }
+    let root = if elbow == Elbow::Up { under_root.sqrt() } else { -under_root.sqrt() };
+    let (y, x) = (k * f - root * e, root * f + k * e);
+    let (s2, c2) = (y / square, x / square);
+    let theta2 = y.atan2(x);
+    let theta3 = (f - a2 * s2).atan2(e - a2 * c2);
+    Ok((theta2, theta3))
+}
+
 /// The drives, from the terms of the screws, the synchronisation positions and the offsets of q1, q5, q6.
-fn transmission(
+pub(crate) fn transmission(
     square: f64,
     lower: [f64; 3],
     upper: [f64; 3],

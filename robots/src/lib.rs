@@ -12,7 +12,10 @@
 //! for figures that are not public; the others are public facts of MRROC++.
 
 pub mod conformance;
+mod drives;
 mod irp6;
+mod irp6_five;
+mod irp6_track;
 mod kinematics;
 mod plant;
 mod regulator;
@@ -21,7 +24,10 @@ mod singular;
 mod transmission;
 mod wrist;
 
+pub use drives::MotorLimits;
 pub use irp6::{Irp6, MotorData, Six};
+pub use irp6_five::{Five, Irp6FiveDof};
+pub use irp6_track::{Irp6Track, Seven};
 pub use kinematics::{Jacobian, Kinematics};
 pub use plant::{Encoder, Plant};
 pub use regulator::{Gains, Regulator};

@@ -32,11 +32,11 @@ pub struct Linear {
 }
 
 impl Linear {
-    fn motor(&self, theta: f64) -> f64 {
+    pub(crate) fn motor(&self, theta: f64) -> f64 {
         self.synchro + self.gear * (theta - self.offset)
     }
 
-    fn joint(&self, motor: f64) -> f64 {
+    pub(crate) fn joint(&self, motor: f64) -> f64 {
         (motor - self.synchro) / self.gear + self.offset
     }
 }

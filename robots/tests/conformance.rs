@@ -3,13 +3,21 @@
 mod support;
 
 use mrroc::Pose;
-use mrroc_robots::{Irp6, SimulatedIrp6, driver_conformance, kinematics_conformance};
+use mrroc_robots::{
+    Five, Irp6, Irp6FiveDof, Irp6Track, Seven, SimulatedIrp6, driver_conformance, kinematics_conformance,
+};
 use nalgebra::Vector3;
 use support::engraving;
 
 /// A base that is neither at the origin nor upright.
 fn base() -> Pose {
     Pose::new(Vector3::new(0.3, -2.1, 0.95), Vector3::new(0.1, -0.4, 2.0))
+}
+
+/// The middle of the track, the arm as for engraving.
+fn on_track() -> Seven {
+    let arm = engraving();
+    Seven::from_fn(|i, _| if i == 0 { 0.5 } else { arm[i - 1] })
 }
 
 kinematics_conformance!(irp6, Irp6::nominal(), engraving());
@@ -20,3 +28,10 @@ driver_conformance!(
     SimulatedIrp6::new(Irp6::nominal(), &engraving()),
     engraving()
 );
+kinematics_conformance!(
+    irp6_5dof,
+    Irp6FiveDof::nominal().with_base(base()),
+    Five::new(0.3, -1.6, 0.1, 0.2, 1.0)
+);
+kinematics_conformance!(irp6_track, Irp6Track::nominal(), on_track());
+kinematics_conformance!(irp6_track_calibrated, Irp6Track::calibrated().with_base(base()), on_track());
