@@ -4,7 +4,8 @@ mod support;
 
 use mrroc::Pose;
 use mrroc_robots::{
-    Five, Irp6, Irp6FiveDof, Irp6Track, Seven, SimulatedIrp6, driver_conformance, kinematics_conformance,
+    Five, Irp6, Irp6FiveDof, Irp6Track, Polycrank, Seven, SimulatedIrp6, driver_conformance,
+    kinematics_conformance,
 };
 use nalgebra::Vector3;
 use support::engraving;
@@ -12,6 +13,11 @@ use support::engraving;
 /// A base that is neither at the origin nor upright.
 fn base() -> Pose {
     Pose::new(Vector3::new(0.3, -2.1, 0.95), Vector3::new(0.1, -0.4, 2.0))
+}
+
+/// A Polycrank with both arms bent and the tool level.
+fn bent() -> Seven {
+    Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2])
 }
 
 /// The middle of the track, the arm as for engraving.
@@ -35,3 +41,4 @@ kinematics_conformance!(
 );
 kinematics_conformance!(irp6_track, Irp6Track::nominal(), on_track());
 kinematics_conformance!(irp6_track_calibrated, Irp6Track::calibrated().with_base(base()), on_track());
+kinematics_conformance!(polycrank, Polycrank::new().with_base(base()), bent());

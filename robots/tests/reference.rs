@@ -1,6 +1,6 @@
 //! Forward kinematics and Jacobians against Pinocchio: `reference/pinocchio_reference.py`.
 
-use mrroc_robots::{Irp6, Irp6FiveDof, Irp6Track, Kinematics};
+use mrroc_robots::{Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank};
 use nalgebra::{Matrix3, SVector, Vector3};
 
 const TOLERANCE: f64 = 1e-12;
@@ -41,4 +41,9 @@ fn the_irp6_with_five_joints_agrees_with_pinocchio() {
 fn the_irp6_on_its_track_agrees_with_pinocchio() {
     assert_eq!(compare(include_str!("reference/irp6_track_nominal.csv"), &Irp6Track::nominal()), 25);
     assert_eq!(compare(include_str!("reference/irp6_track_calibrated.csv"), &Irp6Track::calibrated()), 25);
+}
+
+#[test]
+fn polycrank_agrees_with_pinocchio() {
+    assert_eq!(compare(include_str!("reference/polycrank.csv"), &Polycrank::new()), 25);
 }
