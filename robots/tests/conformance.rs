@@ -4,7 +4,7 @@ mod support;
 
 use mrroc::Pose;
 use mrroc_robots::{
-    Five, Irp6, Irp6FiveDof, Irp6Track, Polycrank, Seven, SimulatedIrp6, driver_conformance,
+    Five, Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Seven, SimulatedIrp6, Six, driver_conformance,
     kinematics_conformance,
 };
 use nalgebra::Vector3;
@@ -18,6 +18,11 @@ fn base() -> Pose {
 /// A Polycrank with both arms bent and the tool level.
 fn bent() -> Seven {
     Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2])
+}
+
+/// The RNT with its tool straight down.
+fn drawn() -> Six {
+    Six::new(0.1, 0.5, 0.55, 0.2, 1.3, 0.3)
 }
 
 /// The middle of the track, the arm as for engraving.
@@ -42,3 +47,4 @@ kinematics_conformance!(
 kinematics_conformance!(irp6_track, Irp6Track::nominal(), on_track());
 kinematics_conformance!(irp6_track_calibrated, Irp6Track::calibrated().with_base(base()), on_track());
 kinematics_conformance!(polycrank, Polycrank::new().with_base(base()), bent());
+kinematics_conformance!(rnt, Rnt::new().with_base(base()), drawn());

@@ -1,6 +1,6 @@
 //! Forward kinematics and Jacobians against Pinocchio: `reference/pinocchio_reference.py`.
 
-use mrroc_robots::{Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank};
+use mrroc_robots::{Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt};
 use nalgebra::{Matrix3, SVector, Vector3};
 
 const TOLERANCE: f64 = 1e-12;
@@ -46,4 +46,10 @@ fn the_irp6_on_its_track_agrees_with_pinocchio() {
 #[test]
 fn polycrank_agrees_with_pinocchio() {
     assert_eq!(compare(include_str!("reference/polycrank.csv"), &Polycrank::new()), 25);
+}
+
+/// The closed linkages of the RNT: Pinocchio's tree, its loops closed by Newton's method.
+#[test]
+fn the_rnt_agrees_with_pinocchio_and_loops_closed_numerically() {
+    assert_eq!(compare(include_str!("reference/rnt.csv"), &Rnt::new()), 25);
 }

@@ -78,6 +78,75 @@ def polycrank():
     return chain("polycrank", joints, (f"{a} 0 {d}", f"{alpha!r} 0 0"))
 
 
+def rnt():
+    """The RNT's tree: column, upper arm, forearm and wrist; rocker and rod; two actuators, each a cylinder and a rod."""
+    degrees = np.pi / 180
+    foot2 = 0.40 * np.array([np.cos(-20 * degrees), np.sin(-20 * degrees)])
+    foot3 = 0.55 * np.array([np.cos(250 * degrees), np.sin(250 * degrees)])
+    up = "0 -1 0"
+    parts = [
+        link("q1", "revolute", "0 0 1", "0 0 0", "0 0 0", "base", "column"),
+        link("theta2", "revolute", up, "0.12 0 0.75", "0 0 0", "column", "upper"),
+        link("elbow", "revolute", up, "0.5 0 0", "0 0 0", "upper", "forearm"),
+        link("q4", "revolute", "0 0 1", "0.6 0 0", f"0 {H!r} 0", "forearm", "wrist4"),
+        link("q5", "revolute", "0 1 0", "0 0 0", "0 0 0", "wrist4", "wrist5"),
+        link("q6", "revolute", "0 0 1", "0 0 0", "0 0 0", "wrist5", "wrist6"),
+        link("flange_joint", "fixed", "0 0 1", "0 0 0.12", "0 0 0", "wrist6", "flange"),
+        link("rho", "revolute", up, "0.12 0 0.75", "0 0 0", "column", "rocker"),
+        link("sigma", "revolute", up, "0.2 0 0", "0 0 0", "rocker", "rod"),
+        link("cylinder2", "revolute", up, f"{float(0.12 + foot2[0])!r} 0 {float(0.75 + foot2[1])!r}", "0 0 0", "column", "cyl2"),
+        link("q2", "prismatic", "1 0 0", "0 0 0", "0 0 0", "cyl2", "end2"),
+        link("cylinder3", "revolute", up, f"{float(0.12 + foot3[0])!r} 0 {float(0.75 + foot3[1])!r}", "0 0 0", "column", "cyl3"),
+        link("q3", "prismatic", "1 0 0", "0 0 0", "0 0 0", "cyl3", "end3"),
+        link("crank_joint", "fixed", "0 0 1", "0.25 0 0", "0 0 0", "upper", "crank"),
+        link("tip_joint", "fixed", "0 0 1", "0.2 0 0", "0 0 0", "rocker", "tip"),
+        link("tail_joint", "fixed", "0 0 1", "-0.2 0 0", "0 0 0", "forearm", "tail"),
+        link("rod_joint", "fixed", "0 0 1", "0.52 0 0", "0 0 0", "rod", "rod_end"),
+    ]
+    return '<robot name="rnt"><link name="base"/>' + "\n".join(parts) + "</robot>\n"
+
+
+LOOPS = [("end2", "crank"), ("end3", "tip"), ("rod_end", "tail")]
+
+
+def rnt_rows():
+    """Rows of the RNT: elevations drawn, the other joints found by Newton's method on the loops."""
+    random = np.random.default_rng(7)
+    model = pin.buildModelFromXML(rnt())
+    data = model.createData()
+    column = {name: model.joints[model.getJointId(name)].idx_v for name in model.names[1:]}
+    jacobian_of = lambda q, frame: pin.computeFrameJacobian(
+        model, data, q, model.getFrameId(frame), pin.LOCAL_WORLD_ALIGNED)
+    place = lambda frame: data.oMf[model.getFrameId(frame)].translation
+
+    def loops(q):
+        pin.framesForwardKinematics(model, data, q)
+        gap = np.concatenate([place(a) - place(b) for a, b in LOOPS])
+        slope = np.vstack([(jacobian_of(q, a) - jacobian_of(q, b))[:3] for a, b in LOOPS])
+        return gap, slope
+
+    solved = [column[n] for n in ("rho", "sigma", "cylinder2", "q2", "cylinder3", "q3")]
+    passive = [column[n] for n in ("theta2", "elbow", "rho", "sigma", "cylinder2", "cylinder3")]
+    joints = [column[n] for n in ("q1", "q2", "q3", "q4", "q5", "q6")]
+    for _ in range(ROWS):
+        theta2, theta3 = np.radians([random.uniform(55, 120), random.uniform(-50, 25)])
+        q = np.zeros(model.nq)
+        q[joints] = random.uniform(-2, 2, 6)
+        q[column["theta2"]], q[column["elbow"]] = theta2, theta3 - theta2
+        q[column["rho"]], q[column["sigma"]] = theta3 + np.pi, theta2 - theta3 - np.pi
+        q[column["cylinder2"]], q[column["q2"]] = np.radians(150), 0.5
+        q[column["cylinder3"]], q[column["q3"]] = np.radians(105), 0.5
+        for _ in range(50):
+            gap, slope = loops(q)
+            q[solved] -= np.linalg.lstsq(slope[:, solved], gap, rcond=1e-9)[0]
+        gap, slope = loops(q)
+        assert abs(gap).max() < 1e-15 and 0.35 < q[column["q2"]] < 0.64 and 0.39 < q[column["q3"]] < 0.715, q
+        follow = -np.linalg.lstsq(slope[:, passive], slope[:, joints], rcond=1e-9)[0]
+        full = jacobian_of(q, "flange").copy()
+        pin.framesForwardKinematics(model, data, q)
+        yield q[joints], data.oMf[model.getFrameId("flange")].copy(), full[:, joints] + full[:, passive] @ follow
+
+
 RELATIVE = (np.radians([-170, -130, -25, -90, -180, -165]), np.radians([170, -50, 40, 92, 360, 168]))
 TRACK = [("prismatic", "0 1 0", "0 0 0", "0 0 0")]
 CHAINS = {
@@ -115,6 +184,7 @@ def main():
             pin.framesForwardKinematics(model, data, q)
             rows.append((q, data.oMf[flange].copy(), jacobian.copy()))
         write(name, rows, len(lower))
+    write("rnt", list(rnt_rows()), 6)
 
 
 if __name__ == "__main__":
