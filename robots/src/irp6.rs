@@ -41,18 +41,18 @@
 //! add up on one motor (q2, q3, q4 on T and V) can still ask it for more: the drives refuse that.
 //!
 //! Sources: MRROC++ public facts (geometry, calibration, transmission, limits, currents). The motors'
-//! electrical and mechanical constants are not public: [`MotorData`] marks them as assumed.
+//! electrical and mechanical constants are not public: [`MotorData`](crate::MotorData) marks them as assumed.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use mrroc::{CoupledLimit, Limits, NoInverse, Pose, Robot};
+use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
 
-use crate::drives::{MotorLimits, check_motors};
+use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::plant::Encoder;
 use crate::regulator::Gains;
-use crate::transmission::{Linear, Screw, Transmission};
+use crate::transmission::{GRAVITY, Linear, LinkState, Screw, Transmission};
 use crate::wrist::{Side, Wrist};
 
 /// One entry per joint, or per motor, of the IRp-6.
@@ -80,32 +80,6 @@ pub struct Irp6 {
     limits: Limits<Six>,
 }
 
-/// One drive: what the simulated plant needs to know of a motor and its load.
-///
-/// The assumed figures are those of DC disc motors at 96 V, chosen so that the published gains give a sound
-/// servo loop on each axis: it crosses over at 99 to 130 rad/s with a phase margin of 45 to 56 deg and a gain
-/// margin above 6.7 (`tests/reference/servo_margins.py`), and every joint alone can reach its acceleration and speed limits
-/// within the lasting current.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotorData {
-    /// Encoder on the motor shaft (MRROC++).
-    pub encoder: Encoder,
-    /// Gains of its regulator (MRROC++).
-    pub gains: Gains,
-    /// Largest lasting current \[A\], > 0 (MRROC++).
-    pub current_limit: f64,
-    /// Armature resistance \[ohm\], > 0 (assumed).
-    pub resistance: f64,
-    /// Torque constant [N m/A] and back-EMF constant [V s], > 0 (assumed).
-    pub torque_constant: f64,
-    /// Inertia of rotor and load, seen at the motor [kg m²], > 0 (assumed).
-    pub inertia: f64,
-    /// Viscous friction at the motor [N m s], >= 0 (assumed).
-    pub viscous: f64,
-    /// Coulomb friction at the motor [N m], >= 0 (assumed).
-    pub coulomb: f64,
-}
-
 impl Irp6 {
     /// Lowest motor angles \[rad\] (MRROC++).
     pub const MOTOR_LOWER: Six = Six::new(-470.0, -110.0, -80.0, -70.0, -80.0, -1000.0);
@@ -126,26 +100,31 @@ impl Irp6 {
     /// First moments of mass that load the lower and the upper arm, after balancing [kg m] (assumed).
     pub const GRAVITY_MOMENT: [f64; 2] = [6.0, 4.0];
     /// Drives of column, lower arm, upper arm, T, V, N.
+    ///
+    /// The assumed figures are those of DC disc motors at 96 V, chosen so that the published gains give a sound
+    /// servo loop on each axis: it crosses over at 99 to 130 rad/s with a phase margin of 45 to 56 deg and a gain
+    /// margin above 6.7 (`tests/reference/servo_margins.py`), and every joint alone can reach its acceleration and
+    /// speed limits within the lasting current.
     #[rustfmt::skip]
     pub const MOTORS: [MotorData; 6] = [
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 15.0,
             gains: Gains { a: 0.429, b0: 6.834, b1: 6.606, feedforward: 0.35 }, resistance: 3.66,
-            torque_constant: 0.20, inertia: 2.5e-3, viscous: 1e-3, coulomb: 0.08 },
+            torque_constant: 0.20, inertia: 2.5e-3, viscous: 1e-3, coulomb: 0.08, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 18.0,
             gains: Gains { a: 0.64, b0: 2.49, b1: 2.385, feedforward: 0.35 }, resistance: 2.80,
-            torque_constant: 0.20, inertia: 2.2e-3, viscous: 1e-3, coulomb: 0.10 },
+            torque_constant: 0.20, inertia: 2.2e-3, viscous: 1e-3, coulomb: 0.10, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.333, b0: 5.693, b1: 5.427, feedforward: 0.35 }, resistance: 5.30,
-            torque_constant: 0.20, inertia: 1.2e-3, viscous: 1e-3, coulomb: 0.08 },
+            torque_constant: 0.20, inertia: 1.2e-3, viscous: 1e-3, coulomb: 0.08, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.56, b0: 3.99, b1: 3.775, feedforward: 0.35 }, resistance: 6.50,
-            torque_constant: 0.18, inertia: 9e-4, viscous: 5e-4, coulomb: 0.04 },
+            torque_constant: 0.18, inertia: 9e-4, viscous: 5e-4, coulomb: 0.04, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 }, resistance: 6.50,
-            torque_constant: 0.18, inertia: 7e-4, viscous: 5e-4, coulomb: 0.04 },
+            torque_constant: 0.18, inertia: 7e-4, viscous: 5e-4, coulomb: 0.04, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 2000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 }, resistance: 6.50,
-            torque_constant: 0.18, inertia: 3.5e-4, viscous: 5e-4, coulomb: 0.04 },
+            torque_constant: 0.18, inertia: 3.5e-4, viscous: 5e-4, coulomb: 0.04, ..MotorData::DISC },
     ];
 
     /// The arm with its design dimensions, its base at the world's origin.
@@ -412,12 +391,7 @@ impl Robot for Irp6 {
     }
 
     fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {
-        check_motors(
-            &self.transmission.motors(from),
-            &self.transmission.motors(to),
-            &Self::MOTOR_LIMITS,
-            duration,
-        )
+        check_motors(self, from, to, duration)
     }
 
     fn forward(&self, q: &Six) -> Pose {
@@ -451,6 +425,45 @@ impl Kinematics<6> for Irp6 {
     fn manipulability(&self, q: &Six) -> f64 {
         self.geometry.determinant(q)
     }
+}
+
+impl Driven<6> for Irp6 {
+    fn motor_data(&self) -> &[MotorData; 6] {
+        &Self::MOTORS
+    }
+
+    fn motor_limits(&self) -> &MotorLimits<6> {
+        &Self::MOTOR_LIMITS
+    }
+
+    fn motors(&self, q: &Six) -> Six {
+        self.transmission.motors(q)
+    }
+
+    fn shafts(&self, angles: &Six, speeds: &Six) -> Shafts<6> {
+        arm_shafts(&self.transmission, angles, speeds)
+    }
+}
+
+/// Joints and loads of the arm behind its transmission.
+pub(crate) fn arm_shafts(transmission: &Transmission, angles: &Six, speeds: &Six) -> Shafts<6> {
+    let (lower, upper) = (transmission.lower.link(angles[1]), transmission.upper.link(angles[2]));
+    let joints = Measured {
+        position: transmission.assemble(angles, &lower, &upper),
+        velocity: transmission.joint_rates(speeds, &lower, &upper),
+    };
+    let [lower, upper] = loads(&lower, &upper);
+    Shafts { joints, loads: Six::new(0.0, lower, upper, 0.0, 0.0, 0.0) }
+}
+
+/// Torques of the links' weight at the motors of the lower and the upper arm [N m]: it turns a link downwards,
+/// so a negative load.
+fn loads(lower: &LinkState, upper: &LinkState) -> [f64; 2] {
+    let [lower_moment, upper_moment] = Irp6::GRAVITY_MOMENT;
+    [
+        -GRAVITY * lower_moment * lower.cosine / lower.ratio,
+        -GRAVITY * upper_moment * upper.cosine / upper.ratio,
+    ]
 }
 
 /// Angles below the horizontal of two links of lengths `a2`, `a3` that reach from the shoulder to `e` forwards and `f`

@@ -31,11 +31,11 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use mrroc::{CoupledLimit, Limits, NoInverse, Pose, Robot};
+use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Rotation3, SVector, Translation3, Unit, UnitQuaternion, Vector3};
 
-use crate::drives::{MotorLimits, check_motors};
-use crate::irp6::{Elbow, Geometry, Irp6, Six, transmission, two_links};
+use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
+use crate::irp6::{Elbow, Geometry, Irp6, Six, arm_shafts, transmission, two_links};
 use crate::kinematics::{Jacobian, Kinematics, closest};
 use crate::transmission::Transmission;
 
@@ -68,11 +68,15 @@ impl Irp6FiveDof {
         speed: Irp6::MOTOR_SPEED,
     };
 
+    /// Drives of column, lower arm, upper arm, T, V: those of the six-joint arm.
+    pub const MOTORS: [MotorData; 5] =
+        [Irp6::MOTORS[0], Irp6::MOTORS[1], Irp6::MOTORS[2], Irp6::MOTORS[3], Irp6::MOTORS[4]];
+
     /// The arm with its design dimensions, its base at the world's origin.
     #[must_use]
     pub fn nominal() -> Self {
         let arm = *Irp6::nominal().limits();
-        let five = |six: &Six| Five::from_fn(|i, _| six[i]);
+        let five = first_five;
         Self {
             geometry: Geometry { a2: 0.455, a3: 0.67, d5: 0.095 },
             transmission: transmission(
@@ -127,12 +131,6 @@ impl Irp6FiveDof {
         &self.transmission
     }
 
-    /// Motor angles \[rad\] of column, lower arm, upper arm, T, V.
-    pub(crate) fn motor_angles(&self, q: &Five) -> Five {
-        let six = self.transmission.motors(&with_sixth(q));
-        Five::from_fn(|i, _| six[i])
-    }
-
     /// One solution: the tool's point in the vertical plane of the arm, which is turned by theta1.
     #[inline]
     #[allow(non_snake_case)]
@@ -183,6 +181,11 @@ fn with_sixth(q: &Five) -> Six {
     Six::new(q[0], q[1], q[2], q[3], q[4], 0.0)
 }
 
+/// All joints but the sixth.
+fn first_five(six: &Six) -> Five {
+    Five::from_fn(|i, _| six[i])
+}
+
 impl Robot for Irp6FiveDof {
     const KIND: &'static str = "irp6-5dof";
 
@@ -193,7 +196,7 @@ impl Robot for Irp6FiveDof {
     }
 
     fn check_coupled(&self, from: &Five, to: &Five, duration: f64) -> Result<(), CoupledLimit> {
-        check_motors(&self.motor_angles(from), &self.motor_angles(to), &Self::MOTOR_LIMITS, duration)
+        check_motors(self, from, to, duration)
     }
 
     fn forward(&self, q: &Five) -> Pose {
@@ -245,5 +248,30 @@ impl Kinematics<5> for Irp6FiveDof {
             }
         }
         refused.filter(|_| !any).map_or(Ok(()), Err)
+    }
+}
+
+impl Driven<5> for Irp6FiveDof {
+    fn motor_data(&self) -> &[MotorData; 5] {
+        &Self::MOTORS
+    }
+
+    fn motor_limits(&self) -> &MotorLimits<5> {
+        &Self::MOTOR_LIMITS
+    }
+
+    fn motors(&self, q: &Five) -> Five {
+        first_five(&self.transmission.motors(&with_sixth(q)))
+    }
+
+    fn shafts(&self, angles: &Five, speeds: &Five) -> Shafts<5> {
+        let arm = arm_shafts(&self.transmission, &with_sixth(angles), &with_sixth(speeds));
+        Shafts {
+            joints: Measured {
+                position: first_five(&arm.joints.position),
+                velocity: first_five(&arm.joints.velocity),
+            },
+            loads: first_five(&arm.loads),
+        }
     }
 }

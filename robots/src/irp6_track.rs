@@ -24,12 +24,13 @@
 //! Sources: MRROC++ public facts (geometry, both calibrations, transmission, limits). Its model with a track chose wrong
 //! joint indices since 2010; here the arm is the same code as without the track.
 
-use mrroc::{CoupledLimit, JointKind, Limits, NoInverse, Pose, Robot};
+use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{SVector, Translation3, Vector3};
 
-use crate::drives::{MotorLimits, check_motors};
-use crate::irp6::{Geometry, Irp6, Six, transmission};
+use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
+use crate::irp6::{Geometry, Irp6, Six, arm_shafts, transmission};
 use crate::kinematics::{Jacobian, Kinematics, column};
+use crate::regulator::Gains;
 use crate::transmission::{Linear, Transmission};
 
 /// One entry per joint, or per motor, of a robot with seven.
@@ -50,6 +51,26 @@ pub struct Irp6Track {
 impl Irp6Track {
     /// Motor angle per way of the carriage [rad/m] (MRROC++: ball screw of 8 mm lead, belt 2).
     pub const TRACK_GEAR: f64 = 1570.796;
+    /// Drive of the track, before those of the arm ([`Irp6::MOTORS`]): 25 A and its gains from MRROC++, the rest assumed.
+    pub const TRACK_MOTOR: MotorData = MotorData {
+        gains: Gains { a: 0.333, b0: 6.2, b1: 5.933, feedforward: 0.35 },
+        current_limit: 25.0,
+        resistance: 4.16,
+        inertia: 2.2e-3,
+        coulomb: 0.10,
+        ..MotorData::DISC
+    };
+    /// Drives of track, column, lower arm, upper arm, T, V, N.
+    pub const MOTORS: [MotorData; 7] = [
+        Self::TRACK_MOTOR,
+        Irp6::MOTORS[0],
+        Irp6::MOTORS[1],
+        Irp6::MOTORS[2],
+        Irp6::MOTORS[3],
+        Irp6::MOTORS[4],
+        Irp6::MOTORS[5],
+    ];
+
     /// Steps in which the track is searched for a place to reach from \[m\].
     pub const SEARCH_STEP: f64 = 0.01;
 
@@ -123,13 +144,7 @@ impl Irp6Track {
         &self.transmission
     }
 
-    /// Motor angles \[rad\] of track, column, lower arm, upper arm, T, V, N.
-    pub(crate) fn motor_angles(&self, q: &Seven) -> Seven {
-        let arm = self.transmission.motors(&arm_of(q));
-        Seven::from_fn(|i, _| if i == 0 { self.track.motor(q[0]) } else { arm[i - 1] })
-    }
-
-    /// The gear of the track.
+    /// The track's gear: screw and belt.
     #[must_use]
     pub fn track(&self) -> &Linear {
         &self.track
@@ -229,7 +244,7 @@ impl Robot for Irp6Track {
     }
 
     fn check_coupled(&self, from: &Seven, to: &Seven, duration: f64) -> Result<(), CoupledLimit> {
-        check_motors(&self.motor_angles(from), &self.motor_angles(to), &Self::MOTOR_LIMITS, duration)
+        check_motors(self, from, to, duration)
     }
 
     fn forward(&self, q: &Seven) -> Pose {
@@ -274,6 +289,31 @@ impl Kinematics<7> for Irp6Track {
         match at(near[0], visit) {
             Ok(()) => Ok(()),
             Err(why) => at(self.least_moved(&X_BF, near).ok_or(why)?, visit),
+        }
+    }
+}
+
+impl Driven<7> for Irp6Track {
+    fn motor_data(&self) -> &[MotorData; 7] {
+        &Self::MOTORS
+    }
+
+    fn motor_limits(&self) -> &MotorLimits<7> {
+        &Self::MOTOR_LIMITS
+    }
+
+    fn motors(&self, q: &Seven) -> Seven {
+        joined(self.track.motor(q[0]), &self.transmission.motors(&arm_of(q)))
+    }
+
+    fn shafts(&self, angles: &Seven, speeds: &Seven) -> Shafts<7> {
+        let arm = arm_shafts(&self.transmission, &arm_of(angles), &arm_of(speeds));
+        Shafts {
+            joints: Measured {
+                position: joined(self.track.joint(angles[0]), &arm.joints.position),
+                velocity: joined(speeds[0] / self.track.gear, &arm.joints.velocity),
+            },
+            loads: joined(0.0, &arm.loads),
         }
     }
 }

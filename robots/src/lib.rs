@@ -26,8 +26,8 @@ mod singular;
 mod transmission;
 mod wrist;
 
-pub use drives::MotorLimits;
-pub use irp6::{Irp6, MotorData, Six};
+pub use drives::{Driven, MotorData, MotorLimits, Overload, Shafts};
+pub use irp6::{Irp6, Six};
 pub use irp6_five::{Five, Irp6FiveDof};
 pub use irp6_track::{Irp6Track, Seven};
 pub use kinematics::{Jacobian, Kinematics};
@@ -35,5 +35,5 @@ pub use plant::{Encoder, Plant};
 pub use polycrank::Polycrank;
 pub use regulator::{Gains, Regulator};
 pub use rnt::Rnt;
-pub use simulated::{Shaft, SimulatedIrp6};
+pub use simulated::{Shaft, Simulated, SimulatedIrp6};
 pub use transmission::{Linear, LinkState, Screw, Transmission};

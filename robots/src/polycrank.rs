@@ -37,11 +37,14 @@
 
 use core::f64::consts::{PI, TAU};
 
-use mrroc::{Limits, NoInverse, Pose, Robot};
+use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6_track::Seven;
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
+use crate::plant::Encoder;
+use crate::transmission::GRAVITY;
 
 const A1: f64 = -0.299;
 const A2: f64 = 0.180;
@@ -100,6 +103,25 @@ struct Member {
 impl Polycrank {
     /// Motor turns per joint turn (MRROC++).
     pub const GEAR: f64 = 2250.0;
+
+    /// First moments of mass that load joints 4, 5 and 6, after balancing [kg m] (assumed).
+    pub const GRAVITY_MOMENT: [f64; 3] = [0.6, 0.3, 0.1];
+    /// The drive of every joint: a small, fast motor. All assumed, but that gear and encoder must fit 1 rad/s: 2250 rad/s at
+    /// the motor, with the 128 pulses per turn of MRROC++'s grippers. The loop's gain is that of the IRp-6's column.
+    pub const MOTOR: MotorData = MotorData {
+        encoder: Encoder { pulses: 128.0 },
+        current_limit: 6.0,
+        resistance: 1.46,
+        torque_constant: 0.02,
+        inertia: 2e-5,
+        viscous: 1e-6,
+        coulomb: 2e-3,
+        following: 20.0,
+        brake: 2e4,
+        ..MotorData::DISC
+    };
+    const MOTOR_LIMITS: MotorLimits<7> =
+        MotorLimits { lower: [-142_000.0; 7], upper: [142_000.0; 7], speed: 2500.0 };
 
     /// The arm with its base at the world's origin.
     #[must_use]
@@ -370,6 +392,10 @@ impl Robot for Polycrank {
         &self.limits
     }
 
+    fn check_coupled(&self, from: &Seven, to: &Seven, duration: f64) -> Result<(), CoupledLimit> {
+        check_motors(self, from, to, duration)
+    }
+
     fn near_singularity(&self, q: &Seven) -> Option<&'static str> {
         ((q[3] + q[4] + q[5]).sin().abs() < 0.1).then_some("near the vertical-tool singularity")
     }
@@ -466,5 +492,29 @@ impl Kinematics<7> for Polycrank {
             }
         }
         refused.filter(|_| !any).map_or(Ok(()), Err)
+    }
+}
+
+impl Driven<7> for Polycrank {
+    fn motor_data(&self) -> &[MotorData; 7] {
+        &[Self::MOTOR; 7]
+    }
+
+    fn motor_limits(&self) -> &MotorLimits<7> {
+        &Self::MOTOR_LIMITS
+    }
+
+    fn motors(&self, q: &Seven) -> Seven {
+        q * Self::GEAR
+    }
+
+    fn shafts(&self, angles: &Seven, speeds: &Seven) -> Shafts<7> {
+        let (q, qdot) = (angles / Self::GEAR, speeds / Self::GEAR);
+        // Each moment turns with all joints before it, so each joint carries those behind it.
+        let [m4, m5, m6] = Self::GRAVITY_MOMENT;
+        let (g4, g5, g6) = (m4 * q[3].cos(), m5 * (q[3] + q[4]).cos(), m6 * (q[3] + q[4] + q[5]).cos());
+        let share = GRAVITY / Self::GEAR;
+        let loads = Seven::from([0.0, 0.0, 0.0, share * (g4 + g5 + g6), share * (g5 + g6), share * g6, 0.0]);
+        Shafts { joints: Measured { position: q, velocity: qdot }, loads }
     }
 }

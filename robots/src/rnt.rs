@@ -34,11 +34,13 @@
 
 use core::f64::consts::PI;
 
-use mrroc::{CoupledLimit, JointKind, Limits, NoInverse, Pose, Robot};
+use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
-use crate::irp6::Six;
+use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
+use crate::irp6::{Irp6, Six};
 use crate::kinematics::{Jacobian, Kinematics, closest, column};
+use crate::transmission::GRAVITY;
 
 /// Shoulder in front of the column's axis \[m\].
 const A1: f64 = 0.12;
@@ -184,6 +186,25 @@ struct Wrist {
 impl Rnt {
     /// Least sine of the angle at which a rod or an actuator drives its link (assumed): 15 deg off the dead centre.
     pub const TRANSMISSION: f64 = 0.258_819_045_102_520_8;
+
+    /// Motor angle per joint angle [rad/rad], or per length of an actuator [rad/m]: a ball screw of 5 mm lead.
+    pub const GEARS: [f64; 6] = [120.0, 400.0 * PI, 400.0 * PI, 100.0, 100.0, 100.0];
+    /// First moments of mass that load upper arm and forearm, after balancing [kg m].
+    pub const GRAVITY_MOMENT: [f64; 2] = [8.0, 5.0];
+    /// The drives of the IRp-6's column, upper arm (twice) and T (three times).
+    pub const MOTORS: [MotorData; 6] = [
+        Irp6::MOTORS[0],
+        Irp6::MOTORS[2],
+        Irp6::MOTORS[2],
+        Irp6::MOTORS[3],
+        Irp6::MOTORS[3],
+        Irp6::MOTORS[3],
+    ];
+    const MOTOR_LIMITS: MotorLimits<6> = MotorLimits {
+        lower: [-350.0, 435.0, 485.0, -315.0, -205.0, -625.0],
+        upper: [350.0, 810.0, 905.0, 315.0, 205.0, 625.0],
+        speed: 260.0,
+    };
 
     /// The arm with its base at the world's origin.
     #[must_use]
@@ -341,7 +362,8 @@ impl Robot for Rnt {
         &self.limits
     }
 
-    fn check_coupled(&self, _from: &Six, to: &Six, _duration: f64) -> Result<(), CoupledLimit> {
+    fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {
+        check_motors(self, from, to, duration)?;
         let actual = Linkage::of(to[1], to[2]).map_or(0.0, |linkage| linkage.transmission());
         if actual >= Self::TRANSMISSION {
             return Ok(());
@@ -447,5 +469,34 @@ impl Kinematics<6> for Rnt {
             }
         }
         refused.filter(|_| !any).map_or(Ok(()), Err)
+    }
+}
+
+impl Driven<6> for Rnt {
+    fn motor_data(&self) -> &[MotorData; 6] {
+        &Self::MOTORS
+    }
+
+    fn motor_limits(&self) -> &MotorLimits<6> {
+        &Self::MOTOR_LIMITS
+    }
+
+    fn motors(&self, q: &Six) -> Six {
+        q.component_mul(&Six::from(Self::GEARS))
+    }
+
+    /// The weight reaches the actuators through the linkages: by the principle of virtual work.
+    fn shafts(&self, angles: &Six, speeds: &Six) -> Shafts<6> {
+        let gears = Six::from(Self::GEARS);
+        let (q, velocity) = (angles.component_div(&gears), speeds.component_div(&gears));
+        let mut loads = Six::zeros();
+        if let Some(linkage) = Linkage::of(q[1], q[2]) {
+            let (theta2, theta3_by_2, theta3_by_3) = linkage.rates(q[1], q[2]);
+            let [m2, m3] = Self::GRAVITY_MOMENT;
+            let (upper, forearm) = (GRAVITY * m2 * linkage.upper.x, GRAVITY * m3 * linkage.forearm.x);
+            loads[1] = (upper * theta2 + forearm * theta3_by_2) / Self::GEARS[1];
+            loads[2] = forearm * theta3_by_3 / Self::GEARS[2];
+        }
+        Shafts { joints: Measured { position: q, velocity }, loads }
     }
 }

@@ -20,6 +20,9 @@ use crate::irp6::Six;
 /// Turn of a ball screw per length: 5 mm lead [rad/mm].
 const SCREW: f64 = 2.0 * PI / 5.0;
 
+/// Gravity [m/s²].
+pub(crate) const GRAVITY: f64 = 9.80665;
+
 /// A geared axis: `m = synchro + gear (theta - offset)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {

@@ -4,8 +4,8 @@ mod support;
 
 use mrroc::Pose;
 use mrroc_robots::{
-    Five, Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Seven, SimulatedIrp6, Six, driver_conformance,
-    kinematics_conformance,
+    Five, Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Seven, Simulated, SimulatedIrp6, Six,
+    driver_conformance, kinematics_conformance,
 };
 use nalgebra::Vector3;
 use support::engraving;
@@ -48,3 +48,18 @@ kinematics_conformance!(irp6_track, Irp6Track::nominal(), on_track());
 kinematics_conformance!(irp6_track_calibrated, Irp6Track::calibrated().with_base(base()), on_track());
 kinematics_conformance!(polycrank, Polycrank::new().with_base(base()), bent());
 kinematics_conformance!(rnt, Rnt::new().with_base(base()), drawn());
+
+driver_conformance!(
+    irp6_5dof_drives,
+    Irp6FiveDof::nominal(),
+    Simulated::new(Irp6FiveDof::nominal(), &Five::new(0.3, -1.6, 0.1, 0.2, 1.0)),
+    Five::new(0.3, -1.6, 0.1, 0.2, 1.0)
+);
+driver_conformance!(
+    irp6_track_drives,
+    Irp6Track::nominal(),
+    Simulated::new(Irp6Track::nominal(), &on_track()),
+    on_track()
+);
+driver_conformance!(polycrank_drives, Polycrank::new(), Simulated::new(Polycrank::new(), &bent()), bent());
+driver_conformance!(rnt_drives, Rnt::new(), Simulated::new(Rnt::new(), &drawn()), drawn());
