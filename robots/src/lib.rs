@@ -12,7 +12,9 @@
 //! for figures that are not public; the others are public facts of MRROC++.
 
 pub mod conformance;
+mod conveyor;
 mod drives;
+mod gripper;
 mod irp6;
 mod irp6_five;
 mod irp6_track;
@@ -26,7 +28,9 @@ mod singular;
 mod transmission;
 mod wrist;
 
+pub use conveyor::Conveyor;
 pub use drives::{Driven, MotorData, MotorLimits, Overload, Shafts};
+pub use gripper::{Gripper, One};
 pub use irp6::{Irp6, Six};
 pub use irp6_five::{Five, Irp6FiveDof};
 pub use irp6_track::{Irp6Track, Seven};

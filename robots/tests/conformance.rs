@@ -4,8 +4,8 @@ mod support;
 
 use mrroc::Pose;
 use mrroc_robots::{
-    Five, Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Seven, Simulated, SimulatedIrp6, Six,
-    driver_conformance, kinematics_conformance,
+    Conveyor, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, One, Polycrank, Rnt, Seven, Simulated,
+    SimulatedIrp6, Six, driver_conformance, kinematics_conformance,
 };
 use nalgebra::Vector3;
 use support::engraving;
@@ -63,3 +63,18 @@ driver_conformance!(
 );
 driver_conformance!(polycrank_drives, Polycrank::new(), Simulated::new(Polycrank::new(), &bent()), bent());
 driver_conformance!(rnt_drives, Rnt::new(), Simulated::new(Rnt::new(), &drawn()), drawn());
+
+kinematics_conformance!(gripper, Gripper::new().with_base(base()), One::new(0.07));
+kinematics_conformance!(conveyor, Conveyor::new().with_base(base()), One::new(0.5));
+driver_conformance!(
+    gripper_drive,
+    Gripper::new(),
+    Simulated::new(Gripper::new(), &One::new(0.07)),
+    One::new(0.07)
+);
+driver_conformance!(
+    conveyor_drive,
+    Conveyor::new(),
+    Simulated::new(Conveyor::new(), &One::new(0.5)),
+    One::new(0.5)
+);

@@ -156,7 +156,7 @@ pub fn comes_to_rest<R: Robot>(
         driver.tick(&demanded).map_err(|fault| Violation(format!("speeding up, tick {k}: {fault}")))?;
     }
     let moving = driver.measured();
-    ensure(off(robot, &moving.velocity, &R::Joints::zeros()) > 0.01, || {
+    ensure(off(robot, &moving.velocity, &R::Joints::zeros()) > 1e-3, || {
         format!("it moves at {:?}", moving.velocity)
     })?;
     let broken = R::Joints::from_joints(|_| f64::NAN);
