@@ -10,13 +10,15 @@ use mrroc_robots::{
 };
 use nalgebra::SVector;
 
-/// Calls per measurement.
-const CALLS: u32 = 100_000;
+/// Calls per measurement: short, so that some measurements are not interrupted.
+const CALLS: u32 = 5_000;
+/// Measurements, of which the best counts.
+const MEASUREMENTS: u32 = 300;
 
-/// Nanoseconds of one call: the best of twenty means.
+/// Nanoseconds of one call: the best of the means.
 fn time(mut call: impl FnMut(u32)) -> f64 {
     let mut best = f64::INFINITY;
-    for _ in 0..20 {
+    for _ in 0..MEASUREMENTS {
         let start = Instant::now();
         (0..CALLS).for_each(&mut call);
         best = best.min(start.elapsed().as_secs_f64() / f64::from(CALLS));

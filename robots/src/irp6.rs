@@ -53,6 +53,7 @@ use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::plant::Encoder;
 use crate::regulator::Gains;
 use crate::transmission::{GRAVITY, Linear, LinkState, Screw, Transmission};
+use crate::trig::sin_cos;
 use crate::wrist::{Side, Wrist};
 
 /// One entry per joint, or per motor, of the IRp-6.
@@ -250,10 +251,10 @@ impl Geometry {
     #[allow(non_snake_case)]
     pub(crate) fn flange(&self, q: &Six) -> Pose {
         let Geometry { a2, a3, d5 } = *self;
-        let (s2, c2) = q[1].sin_cos();
         let theta3 = q[1] + q[2] + FRAC_PI_2;
-        let (s3, c3) = theta3.sin_cos();
-        let [h1, h4, h5, h6] = [q[0], theta3 + q[3], q[4], q[5]].map(|angle| (0.5 * angle).sin_cos());
+        let theta4 = theta3 + q[3];
+        let [(s2, c2), (s3, c3), h1, h4, h5, h6] =
+            sin_cos([q[1], theta3, 0.5 * q[0], 0.5 * theta4, 0.5 * q[4], 0.5 * q[5]]);
         let (s1, c1) = doubled(h1);
         let (s4, c4) = doubled(h4);
         let rho = a2 * c2 + a3 * c3 + d5 * c4;

@@ -29,15 +29,16 @@
 //! **Limits** as for [`Irp6`] (which see for what they bound), q5 ±10 rad; the motors' as well. Sources: MRROC++ public
 //! facts.
 
-use core::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
-use nalgebra::{Rotation3, SVector, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, Rotation3, SVector, Translation3, Unit, UnitQuaternion, Vector3};
 
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6::{Elbow, Geometry, Irp6, Six, arm_shafts, transmission, two_links};
-use crate::kinematics::{Jacobian, Kinematics, closest};
+use crate::kinematics::{Jacobian, Kinematics, closest, doubled};
 use crate::transmission::Transmission;
+use crate::trig::sin_cos;
 
 /// One entry per joint, or per motor, of a robot with five.
 pub type Five = SVector<f64, 5>;
@@ -202,15 +203,17 @@ impl Robot for Irp6FiveDof {
     fn forward(&self, q: &Five) -> Pose {
         let Geometry { a2, a3, d5: d6 } = self.geometry;
         let theta3 = q[1] + q[2] + FRAC_PI_2;
-        let theta4 = theta3 + q[3];
-        let ((s2, c2), (s3, c3)) = (q[1].sin_cos(), theta3.sin_cos());
-        let ((s4, c4), (s1, c1)) = (theta4.sin_cos(), q[0].sin_cos());
+        // An even number goes in pairs.
+        let [(s2, c2), (s3, c3), h1, h4, h5, _] =
+            sin_cos([q[1], theta3, 0.5 * q[0], 0.5 * (theta3 + q[3]), 0.5 * q[4], 0.0]);
+        let ((s1, c1), (s4, c4)) = (doubled(h1), doubled(h4));
         let rho = a2 * c2 + a3 * c3 + d6 * c4;
         let position = Translation3::new(c1 * rho, s1 * rho, Self::D1 - a2 * s2 - a3 * s3 - d6 * s4);
-        // R_z(q1) R_y(theta4) (x -> z, y -> -y, z -> x) R_z(q5): the middle one is R_y(pi/2) R_z(pi).
-        let about_z = |angle: f64| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-        let about_y = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), theta4 + FRAC_PI_2);
-        self.X_WB * Pose::from_parts(position, about_z(q[0]) * about_y * about_z(q[4] + PI))
+        // R_z(q1) R_y(theta4) (x -> z, y -> -y, z -> x) R_z(q5); the middle one is half a turn about x + z.
+        let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
+        let (sine, cosine) = (FRAC_1_SQRT_2 * h5.0, FRAC_1_SQRT_2 * h5.1);
+        let roll = Quaternion::new(-sine, cosine, -sine, cosine);
+        self.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(arm * roll))
     }
 
     /// Shoulder in front and elbow up, as the linkages force it.

@@ -26,6 +26,7 @@ mod rnt;
 mod simulated;
 mod singular;
 mod transmission;
+mod trig;
 mod wrist;
 
 pub use conveyor::Conveyor;

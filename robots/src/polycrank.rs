@@ -45,6 +45,7 @@ use crate::irp6_track::Seven;
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::plant::Encoder;
 use crate::transmission::GRAVITY;
+use crate::trig::sin_cos;
 
 const A1: f64 = -0.299;
 const A2: f64 = 0.180;
@@ -308,8 +309,9 @@ impl Heading {
         let q6 = closest(self.psi - q4 - q5, near[5]);
         let q = Seven::from([q1, q2, q3, q4, q5, q6, closest(self.q7, near[6])]);
         // P12 moves by -e, (u, v) by (1, 0), per metre of u.
-        let (d1, d12) = (-q3.cos() / (A1 * s2), (q2 + q3).cos() / (A2 * s2));
-        let (d4, d45) = ((q4 + q5).cos() / (L * s5), -q4.cos() / (L * s5));
+        let [(_, c3), (_, c23), (_, c4), (_, c45)] = sin_cos([q3, q2 + q3, q4, q4 + q5]);
+        let (d1, d12) = (-c3 / (A1 * s2), c23 / (A2 * s2));
+        let (d4, d45) = (c45 / (L * s5), -c4 / (L * s5));
         Member { q, slope: Seven::from([d1, d12 - d1, -d12, d4, d45 - d4, -d45, 0.0]) }
     }
 
@@ -401,9 +403,11 @@ impl Robot for Polycrank {
     }
 
     fn forward(&self, q: &Seven) -> Pose {
-        let halves = [q[0], q[0] + q[1], q[0] + q[1] + q[2], q[3], q[3] + q[4], q[3] + q[4] + q[5], q[6]]
-            .map(|angle| (0.5 * angle).sin_cos());
-        let [(s1, c1), (s12, c12), (sp, cp), (s4, c4), (s45, c45), (ss, cs), _] = halves.map(doubled);
+        let (q12, q45) = (q[0] + q[1], q[3] + q[4]);
+        // An even number goes in pairs.
+        let [(s1, c1), (s12, c12), (s4, c4), (s45, c45), (hp_s, hp_c), (hs_s, hs_c), (h7_s, h7_c), _] =
+            sin_cos([q[0], q12, q[3], q45, 0.5 * (q12 + q[2]), 0.5 * (q45 + q[5]), 0.5 * q[6], 0.0]);
+        let ((sp, cp), (ss, cs)) = (doubled((hp_s, hp_c)), doubled((hs_s, hs_c)));
         let (u, v) = (L * (c4 + c45) + TIP * ss, L * (s4 + s45) - TIP * cs);
         let position = Translation3::new(
             A1 * c1 + A2 * c12 + u * cp + ASIDE * sp,
@@ -411,7 +415,6 @@ impl Robot for Polycrank {
             HEIGHT + v,
         );
         // R_z(phi) R_x(90 deg) R_z(psi) R_x(90 deg) R_z(q7).
-        let [_, _, (hp_s, hp_c), _, _, (hs_s, hs_c), (h7_s, h7_c)] = halves;
         let heading = Quaternion::new(hp_c, 0.0, 0.0, hp_s);
         // (1 + i)(c + s k)(1 + i) / 2 = c i + s k.
         let tilt = Quaternion::new(0.0, hs_c, 0.0, hs_s);

@@ -39,8 +39,9 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6::{Irp6, Six};
-use crate::kinematics::{Jacobian, Kinematics, closest, column};
+use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::transmission::GRAVITY;
+use crate::trig::sin_cos;
 
 /// Shoulder in front of the column's axis \[m\].
 const A1: f64 = 0.12;
@@ -381,10 +382,10 @@ impl Robot for Rnt {
         let nowhere = Vector2::new(f64::NAN, f64::NAN);
         let (upper, forearm) =
             Linkage::of(q[1], q[2]).map_or((nowhere, nowhere), |linkage| (linkage.upper, linkage.forearm));
-        let [h1, h4, h5, h6] = [q[0], q[3], q[4], q[5]].map(|angle| (0.5 * angle).sin_cos());
-        let (s1, c1) = crate::kinematics::doubled(h1);
-        let (s4, c4) = crate::kinematics::doubled(h4);
-        let (s5, c5) = crate::kinematics::doubled(h5);
+        let [h1, h4, h5, h6] = sin_cos([q[0], q[3], q[4], q[5]].map(|angle| 0.5 * angle));
+        let (s1, c1) = doubled(h1);
+        let (s4, c4) = doubled(h4);
+        let (s5, c5) = doubled(h5);
         // Half of the angle pi/2 - theta3, whose cosine and sine are the forearm's upward and forward parts.
         let larger = (0.5 * (1.0 + forearm.y.abs())).sqrt();
         let smaller = 0.5 * forearm.x / larger;
