@@ -82,7 +82,7 @@ pub trait Kinematics<const N: usize>: Robot<Joints = SVector<f64, N>> {
     }
 
     /// How far `q` is from the nearest singularity: the least that joints turning at 1 rad/s together (root of the sum
-    /// of squares) move the flange in some direction, [1] with lengths counted in [`Kinematics::reach`]; 0 on it.
+    /// of squares) move the flange in some direction, dimensionless with lengths counted in [`Kinematics::reach`]; 0 on it.
     fn singularity_distance(&self, q: &SVector<f64, N>) -> f64 {
         let values = singular_values(&self.jacobian(q), self.reach());
         values.iter().take(N.min(6)).fold(f64::INFINITY, |least, value| least.min(*value))
