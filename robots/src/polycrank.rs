@@ -25,9 +25,11 @@
 //! the level-axis arm stretches, is free. [`Robot::inverse`] takes the `u` whose joints lie nearest to `near` (least sum of
 //! squares), by damped Gauss-Newton steps on the closed-form solution, and keeps `near`'s elbows (signs of sin q2 and sin
 //! q5); an elbow that is nearly stretched may change its sign. Any `u` gives the pose exactly, so what the iteration leaves
-//! is only a joint motion that is not quite the least. Along a path the joints follow continuously, as a least-squares
+//! is only a joint motion that is not quite the least. Where the heading nearest to `near` does not reach, the pose is refused
+//! rather than the arm turned over; [`Kinematics::nearest_attainable`] tries all families. Along a path the joints follow continuously, as a least-squares
 //! velocity solution would, except where a singularity leaves no choice: the tool vertical (`sin psi = 0`; phi then stays
-//! as in `near`), both ways of changing `u` blocked (`sin q2 = sin q5 = 0`).
+//! as in `near`), both ways of changing `u` blocked (`sin q2 = sin q5 = 0`). Where the range of `u` ends so, a pose within
+//! 2 mm and 2 mrad of `near`'s that needs a joint to move by more than 0.5 rad is refused as singular, not jumped to.
 //!
 //! **Limits.** None on positions but the ±3600 deg of the published model: angles unwrap, and inverse takes the turn
 //! nearest to `near`. 1 rad/s (its default velocity); 2 rad/s² is assumed.
@@ -64,6 +66,10 @@ const VERTICAL: f64 = 1e-10;
 const ELBOW: f64 = 0.05;
 /// Share of a range of u by which the iteration begins inside it, when `near` lies outside.
 const INSIDE: f64 = 0.02;
+/// Motion of the joints that counts as a jump when the flange hardly moves \[rad\] ..
+const JUMP: f64 = 0.5;
+/// .. namely by less than this [m and rad].
+const BESIDE: f64 = 2e-3;
 /// Gauss-Newton steps at most; far from `near` the last of them may still move the joints.
 const STEPS: usize = 12;
 /// Motion of the joints at which the iteration ends \[rad\].
@@ -166,6 +172,15 @@ impl Polycrank {
             return Err(NoInverse::OutOfReach { distance, min: A1.abs() - A2, max: A1.abs() + A2 });
         }
         Ok(heading.member(u, elbows_of(near), near).q)
+    }
+
+    /// Whether the flange is all but there at `near`.
+    #[cold]
+    #[allow(non_snake_case)]
+    fn is_beside(&self, X_WF: &Pose, near: &Seven) -> bool {
+        let here = self.forward(near);
+        (here.translation.vector - X_WF.translation.vector).norm() < BESIDE
+            && here.rotation.angle_to(&X_WF.rotation) < BESIDE
     }
 
     /// Visits the frames `X_WL` that the links carry, from base to flange: B, then Denavit-Hartenberg frames 1 to 7; the
@@ -399,7 +414,12 @@ impl Robot for Polycrank {
     }
 
     fn near_singularity(&self, q: &Seven) -> Option<&'static str> {
-        ((q[3] + q[4] + q[5]).sin().abs() < 0.1).then_some("near the vertical-tool singularity")
+        let [tool, elbow2, elbow5] = [q[3] + q[4] + q[5], q[1], q[4]].map(|angle| angle.sin().abs() < 0.1);
+        match (tool, elbow2 || elbow5) {
+            (true, _) => Some("near the vertical-tool singularity"),
+            (false, true) => Some("with an elbow stretched or folded"),
+            (false, false) => None,
+        }
     }
 
     fn forward(&self, q: &Seven) -> Pose {
@@ -424,14 +444,8 @@ impl Robot for Polycrank {
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Seven) -> Result<Seven, NoInverse> {
-        let first = Heading::of(&(self.X_BW * X_WF), near)?.nearest(near);
-        let (heading, ranges) = match first.ranges() {
-            Ok(ranges) => (first, ranges),
-            Err(why) => {
-                let other = first.other().ok_or(why)?;
-                (other, other.ranges().map_err(|_| why)?)
-            }
-        };
+        let heading = Heading::of(&(self.X_BW * X_WF), near)?.nearest(near);
+        let ranges = heading.ranges()?;
         let elbows = elbows_of(near);
         let mut best: Option<(Seven, f64)> = None;
         for (flip2, flip5) in [(false, false), (true, false), (false, true), (true, true)] {
@@ -445,7 +459,10 @@ impl Robot for Polycrank {
                 (best, found) => found.or(best),
             };
         }
-        best.map(|(q, _)| q).ok_or(NoInverse::Singular { name: "stretched arms" })
+        let stretched = NoInverse::Singular { name: "stretched arms" };
+        let (q, distance) = best.ok_or(stretched)?;
+        // The range of u that near lies in has vanished: going on would be a jump into another.
+        if distance > JUMP * JUMP && self.is_beside(X_WF, near) { Err(stretched) } else { Ok(q) }
     }
 }
 
