@@ -25,7 +25,7 @@
 //! joint indices since 2010; here the arm is the same code as without the track.
 
 use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
-use nalgebra::{SVector, Translation3, Vector3};
+use nalgebra::{Matrix3, SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6::{Geometry, Irp6, Six, arm_shafts, transmission};
@@ -129,6 +129,21 @@ impl Irp6Track {
                 jerk: None,
             },
         }
+    }
+
+    /// Where the postument arm's B stands in this robot's B, as MRROC++ calibrated the pair: 2.1063 m along the track.
+    /// The published matrix is a rotation to 2e-7; here it is the nearest one.
+    #[must_use]
+    pub fn postument() -> Pose {
+        #[rustfmt::skip]
+        let rotation = Matrix3::new(
+            0.999_382_684_525_334, 0.032_121_491_696_551, -0.014_228_380_312_960,
+            -0.032_112_349_151_151, 0.999_483_874_031_384, 0.000_884_637_222_621,
+            0.014_249_452_723_906, -0.000_427_184_516_840, 0.999_898_380_141_931,
+        );
+        let position =
+            Translation3::new(-0.072_793_938_982_293, 2.106_338_769_845_522, -0.030_202_915_816_185);
+        Pose::from_parts(position, UnitQuaternion::from_matrix(&rotation))
     }
 
     /// The same robot with its track's B at `X_WB` in the world.

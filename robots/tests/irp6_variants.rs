@@ -95,3 +95,18 @@ fn a_goal_is_chosen_within_the_limits_where_the_nearest_turn_is_not() {
     let goal = robot.nearest_attainable(&pose, &near).expect("reachable").expect("attainable");
     assert!((goal - q).amax() < 1e-9, "{goal}");
 }
+
+/// The facts' own figures, which are a rotation to 2e-7 only; here they are one to round-off.
+#[test]
+fn the_pair_of_arms_stands_two_metres_apart() {
+    let base = Irp6Track::postument();
+    let row = base.rotation.to_rotation_matrix().into_inner().row(1).into_owned();
+    let published = [-0.032_112_349_151_151, 0.999_483_874_031_384, 0.000_884_637_222_621];
+    for (found, expected) in row.iter().zip(published) {
+        assert!((found - expected).abs() < 2e-7, "{found} {expected}");
+    }
+    assert!((base.rotation.norm() - 1.0).abs() < 1e-15);
+    let arm = Irp6::calibrated().with_base(base);
+    let at_rest = arm.forward(&engraving());
+    assert!((at_rest.translation.vector.y - 2.1063).abs() < 0.1);
+}
