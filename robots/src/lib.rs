@@ -15,7 +15,9 @@ mod irp6;
 mod plant;
 mod regulator;
 mod simulated;
+mod sines;
 mod transmission;
+mod urdf;
 mod wrist;
 
 pub use irp6::{Irp6, MotorData, Six};
@@ -23,3 +25,4 @@ pub use plant::{Encoder, Plant};
 pub use regulator::{Gains, Regulator};
 pub use simulated::{Shaft, SimulatedIrp6};
 pub use transmission::{Linear, LinkState, Screw, Transmission};
+pub use urdf::{Serial, SerialBuilder, UrdfError};

@@ -1,0 +1,191 @@
+//! A serial chain as a robot.
+
+use std::io::Read;
+use std::path::Path;
+
+use mrroc::{JointKind, Limits, NoInverse, Pose, Robot};
+use nalgebra::{SMatrix, SVector};
+
+use super::chain::{Chain, Mover, Segment};
+use super::document::{LONGEST, Tree, parsed};
+use super::error::UrdfError;
+use super::motion;
+
+/// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
+///
+/// ```
+/// use mrroc_robots::Serial;
+/// # let text = r#"<robot name="r"><link name="base"/><link name="tool"/>
+/// #   <joint name="turn" type="revolute"><parent link="base"/><child link="tool"/><axis xyz="0 0 1"/>
+/// #   <limit lower="-1" upper="1" velocity="2"/></joint></robot>"#;
+/// let robot = Serial::<1>::from_urdf(text, "base", "tool")?.with_acceleration([5.0].into())?;
+/// # Ok::<(), mrroc_robots::UrdfError>(())
+/// ```
+///
+/// **Frames.** B is the base link, F (the flange) the tip link, W the world; [`Serial::with_base`] places B in it.
+/// Coordinates are numbered from base to tip, mimic joints not counted.
+///
+/// **Read:** the joints between base and tip: `type` revolute, continuous, prismatic or fixed; `<origin>`
+/// (`xyz`, and `rpy` or from version 1.1 `quat_xyzw`; the identity where it is not written), `<axis>` (x where it is
+/// not written), `<limit>`, `<mimic>`. Visuals, collisions, masses, transmissions, `effort`, soft limits of safety
+/// controllers, and joints off the chain are not read. Number and spelling are checked strictly: a joint that would
+/// come out other than written is refused with a [`UrdfError`] that names it.
+///
+/// **Mimic joints** follow a joint of the chain: their motion is part of the kinematics of the joint that they
+/// follow, whose limits are narrowed so that theirs are kept too.
+///
+/// **Limits** come from `<limit lower upper velocity>`. None of them has a default. A continuous joint has no
+/// position limits; the runtime's must be finite, so it is given a thousand turns either way (2000 pi rad) and is
+/// never wrapped: inverse kinematics stays on the turn of the seed. URDF before 1.2 knows no
+/// acceleration limits: [`SerialBuilder::with_acceleration`] demands them.
+///
+/// **Kinds of joints** are known when the file is read, too late for [`Robot::joint`]: see [`Serial::joint_kind`].
+#[derive(Clone, Debug, PartialEq)]
+#[allow(non_snake_case)]
+pub struct Serial<const N: usize> {
+    movers: Vec<Mover>,
+    segments: Vec<Segment>,
+    /// Pose of the first joint that moves in the base.
+    X_BJ: Pose,
+    /// Pose of the flange in the last joint that moves.
+    X_tip: Pose,
+    limits: Limits<SVector<f64, N>>,
+}
+
+/// A chain that still lacks what a URDF does not say: how fast its joints may change their speeds.
+#[derive(Clone, Debug, PartialEq)]
+#[must_use = "a robot is made by with_acceleration"]
+pub struct SerialBuilder<const N: usize> {
+    chain: Chain,
+}
+
+impl<const N: usize> SerialBuilder<N> {
+    /// The robot whose joints are accelerated by at most this [rad/s² or m/s²], each finite and > 0.
+    ///
+    /// # Errors
+    /// [`UrdfError::BadCallerLimit`], or [`UrdfError::AboveFile`] where a file of URDF 1.2 allows less.
+    #[allow(non_snake_case)]
+    pub fn with_acceleration(self, acceleration: SVector<f64, N>) -> Result<Serial<N>, UrdfError> {
+        let Chain { movers, segments, X_tip } = self.chain;
+        check(&movers, "acceleration", &acceleration, |mover| mover.acceleration)?;
+        let limits = Limits {
+            lower: SVector::from_fn(|i, _| movers[i].range.0),
+            upper: SVector::from_fn(|i, _| movers[i].range.1),
+            velocity: SVector::from_fn(|i, _| movers[i].velocity),
+            acceleration,
+            jerk: None,
+        };
+        let X_BJ = segments.first().map_or_else(Pose::identity, |first| first.X_before);
+        Ok(Serial { movers, segments, X_BJ, X_tip, limits })
+    }
+
+    /// Names of the moving joints, from base to tip.
+    pub fn joint_names(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.chain.movers.iter().map(|mover| mover.name.as_str())
+    }
+}
+
+/// Checks limits that the caller gives.
+fn check<const N: usize>(
+    movers: &[Mover],
+    what: &'static str,
+    given: &SVector<f64, N>,
+    stated: impl Fn(&Mover) -> Option<f64>,
+) -> Result<(), UrdfError> {
+    for (mover, value) in movers.iter().zip(given.iter().copied()) {
+        let joint = || mover.name.clone();
+        if !value.is_finite() || value <= 0.0 {
+            return Err(UrdfError::BadCallerLimit { joint: joint(), what, value });
+        }
+        if let Some(limit) = stated(mover).filter(|limit| value > *limit) {
+            return Err(UrdfError::AboveFile { joint: joint(), what, value, limit });
+        }
+    }
+    Ok(())
+}
+
+impl<const N: usize> Serial<N> {
+    /// The chain from link `base` to link `tip` of a URDF's text, without its limits of acceleration.
+    ///
+    /// # Errors
+    /// [`UrdfError`] for everything that would make another robot than the one written.
+    pub fn from_urdf(text: &str, base: &str, tip: &str) -> Result<SerialBuilder<N>, UrdfError> {
+        let document = parsed(text)?;
+        let chain = Chain::between(&Tree::of(&document)?, base, tip, N)?;
+        Ok(SerialBuilder { chain })
+    }
+
+    /// The chain from link `base` to link `tip` of a URDF file, without its limits of acceleration.
+    ///
+    /// # Errors
+    /// [`UrdfError`], also when the file cannot be read.
+    pub fn from_urdf_file(
+        path: impl AsRef<Path>,
+        base: &str,
+        tip: &str,
+    ) -> Result<SerialBuilder<N>, UrdfError> {
+        let path = path.as_ref();
+        let failed = |why| UrdfError::File { path: path.to_owned(), why };
+        let mut text = String::new();
+        let file = std::fs::File::open(path).map_err(failed)?;
+        file.take(LONGEST as u64 + 1).read_to_string(&mut text).map_err(failed)?;
+        Self::from_urdf(&text, base, tip)
+    }
+
+    /// The same robot with its base link at `X_WB` in the world.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn with_base(mut self, X_WB: Pose) -> Self {
+        if let Some(first) = self.segments.first_mut() {
+            first.X_before = X_WB * self.X_BJ;
+        }
+        self
+    }
+
+    /// The same robot with limits of jerk [rad/s³ or m/s³], each finite and > 0.
+    ///
+    /// # Errors
+    /// [`UrdfError::BadCallerLimit`], or [`UrdfError::AboveFile`] where a file of URDF 1.2 allows less.
+    pub fn with_jerk(mut self, jerk: SVector<f64, N>) -> Result<Self, UrdfError> {
+        check(&self.movers, "jerk", &jerk, |mover| mover.jerk)?;
+        self.limits.jerk = Some(jerk);
+        Ok(self)
+    }
+
+    /// Names of the moving joints, from base to tip.
+    pub fn joint_names(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.movers.iter().map(|mover| mover.name.as_str())
+    }
+
+    /// How joint `i` moves; `None` from `N` on.
+    #[must_use]
+    pub fn joint_kind(&self, i: usize) -> Option<JointKind> {
+        self.movers.get(i).map(|mover| mover.kind)
+    }
+
+    /// Geometric Jacobian at `q` [rad or m]: maps joint speeds [rad/s or m/s] to the velocity of the flange's
+    /// origin [m/s] (rows 0 to 2) and its angular velocity [rad/s] (rows 3 to 5), both in the world.
+    #[must_use]
+    pub fn jacobian(&self, q: &SVector<f64, N>) -> SMatrix<f64, 6, N> {
+        motion::jacobian(&self.segments, &self.X_tip, q).1
+    }
+}
+
+impl<const N: usize> Robot for Serial<N> {
+    const KIND: &'static str = "urdf";
+
+    type Joints = SVector<f64, N>;
+
+    fn limits(&self) -> &Limits<Self::Joints> {
+        &self.limits
+    }
+
+    fn forward(&self, q: &Self::Joints) -> Pose {
+        motion::forward(&self.segments, &self.X_tip, q)
+    }
+
+    #[allow(non_snake_case)]
+    fn inverse(&self, _X_WF: &Pose, _near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
+        Err(NoInverse::Singular { name: "numeric" })
+    }
+}
