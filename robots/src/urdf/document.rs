@@ -28,7 +28,7 @@ pub(super) fn parsed(text: &str) -> Result<Document<'_>, UrdfError> {
     }
     check_tags(text)?;
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
-    let document = Document::parse_with_options(text, options).map_err(|why| refused(&why))?;
+    let document = Document::parse_with_options(text, options).map_err(|why| refused(text, &why))?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
         let found = root.tag_name().name().to_owned();
@@ -55,7 +55,7 @@ fn check_tags(text: &str) -> Result<(), UrdfError> {
 }
 
 /// What the XML reader refused.
-fn refused(why: &roxmltree::Error) -> UrdfError {
+fn refused(text: &str, why: &roxmltree::Error) -> UrdfError {
     let place = why.pos();
     let (line, column) = (place.row as usize, place.col as usize);
     match why {
@@ -63,6 +63,10 @@ fn refused(why: &roxmltree::Error) -> UrdfError {
         roxmltree::Error::NodesLimitReached => UrdfError::TooLarge { limit: LONGEST },
         roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
             UrdfError::Xacro { line, what: "the prefix xacro:".to_owned() }
+        }
+        roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
+            let (line, column) = (text.lines().count().max(1), text.lines().last().map_or(0, str::len) + 1);
+            UrdfError::Xml { line, column, what: "it ends inside an element".to_owned() }
         }
         other => {
             let message = other.to_string();
