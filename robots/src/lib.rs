@@ -12,6 +12,7 @@
 //! for figures that are not public; the others are public facts of MRROC++.
 
 mod irp6;
+mod opw;
 mod plant;
 mod regulator;
 mod simulated;

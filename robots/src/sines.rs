@@ -1,9 +1,11 @@
-//! Sines and cosines of several angles at once: without branches, so that the compiler computes them
+//! Sines, cosines and arc tangents of several angles at once: without branches, so that the compiler computes them
 //! side by side.
 //!
 //! Argument reduction after Cody and Waite (1980), by multiples of pi/2 in three parts; the polynomials on
-//! -pi/4..pi/4 are those of Sun's fdlibm (`k_sin.c`, `k_cos.c`).
+//! -pi/4..pi/4 and for the arc tangent below 7/16 are those of Sun's fdlibm (`k_sin.c`, `k_cos.c`, `s_atan.c`).
 //! Results are off by less than 3e-16.
+
+use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Largest angle that is reduced here \[rad\]; beyond it the platform's own functions serve.
 const LARGEST: f64 = 1e6;
@@ -37,6 +39,25 @@ const COSINE: [f64; 6] = [
     2.087_572_321_298_174_827_9e-09,
     -1.135_964_755_778_819_482_65e-11,
 ];
+
+/// Coefficients of `(t - atan t) / t³` in `t²`.
+#[allow(clippy::excessive_precision)]
+const ARC: [f64; 11] = [
+    3.333_333_333_333_293_180_27e-01,
+    -1.999_999_999_987_648_324_76e-01,
+    1.428_571_427_250_346_637_11e-01,
+    -1.111_111_040_546_235_578_8e-01,
+    9.090_887_133_436_506_561_96e-02,
+    -7.691_876_205_044_829_994_95e-02,
+    6.661_073_137_387_531_206_69e-02,
+    -5.833_570_133_790_573_486_45e-02,
+    4.976_877_994_615_932_360_17e-02,
+    -3.653_157_274_421_691_552_7e-02,
+    1.628_582_011_536_578_236_23e-02,
+];
+
+/// tan(pi/8): above this ratio the arc tangent is taken from pi/4.
+const EIGHTH: f64 = core::f64::consts::SQRT_2 - 1.0;
 
 /// Value of a polynomial by Horner's rule, the constant first.
 #[inline(always)]
@@ -80,10 +101,37 @@ fn reduced<const L: usize>(angles: [f64; L]) -> ([f64; L], [f64; L]) {
     (sines, cosines)
 }
 
+/// The angles \[rad\] of the directions (x, y), -pi to pi; 0 or pi where both are zero.
+#[inline(always)]
+pub(crate) fn atan2<const L: usize>(y: [f64; L], x: [f64; L]) -> [f64; L] {
+    let mut angles = [0.0; L];
+    for i in 0..L {
+        let (across, along) = (y[i].abs(), x[i].abs());
+        let steep = across > along;
+        let (low, high) = if steep { (along, across) } else { (across, along) };
+        let wide = low > EIGHTH * high;
+        let (numerator, denominator) = if wide { (low - high, low + high) } else { (low, high) };
+        let ratio = numerator / if denominator == 0.0 { 1.0 } else { denominator };
+        let square = ratio * ratio;
+        let arc = ratio - ratio * square * polynomial(&ARC, square);
+        let arc = if wide { FRAC_PI_4 + arc } else { arc };
+        let arc = if steep { FRAC_PI_2 - arc } else { arc };
+        let arc = if x[i] < 0.0 { PI - arc } else { arc };
+        angles[i] = arc.copysign(y[i]);
+    }
+    angles
+}
+
+/// The angle equal to `angle` up to full turns that lies closest to `near` \[rad\].
+#[inline(always)]
+pub(crate) fn closest(angle: f64, near: f64) -> f64 {
+    let turns = ((angle - near) * (1.0 / TAU) + ROUNDER) - ROUNDER;
+    angle - TAU * turns
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use core::f64::consts::FRAC_PI_4;
 
     /// Angles in all quadrants, close to the multiples of pi/4, tiny, and at the ends of the range.
     fn angles() -> impl Iterator<Item = f64> {
@@ -118,5 +166,35 @@ mod tests {
             let (sine, cosine) = sin_cos([angle]);
             assert!(sine[0].is_nan() && cosine[0].is_nan());
         }
+    }
+
+    #[test]
+    fn the_closest_turn_is_within_half_a_turn() {
+        for angle in angles().filter(|angle| angle.abs() < 1e6) {
+            for near in [0.0, 2.9, -700.0, 6300.0] {
+                let found = closest(angle, near);
+                assert!((found - near).abs() < PI + 1e-9, "{angle} {near}");
+                let turns = (found - angle) / TAU;
+                assert!((turns - turns.round()).abs() < 1e-9, "{angle} {near}");
+            }
+        }
+    }
+
+    /// Expected values: the platform's libm.
+    #[test]
+    fn arc_tangents_are_those_of_libm_to_5e_16() {
+        for angle in angles() {
+            let (y, x) = angle.sin_cos();
+            for scale in [1.0, 1e-8, 1e-170, 1e100] {
+                let error = atan2([scale * y], [scale * x])[0] - (scale * y).atan2(scale * x);
+                assert!(error.abs() < 5e-16, "{angle} {scale}: {error}");
+            }
+        }
+        for (y, x) in [(0.0, 1.0), (0.0, -1.0), (1.0, 0.0), (-1.0, 0.0), (0.0, 0.0), (1.0, 1.0), (-2.0, -2.0)]
+        {
+            assert!((atan2([y], [x])[0] - y.atan2(x)).abs() < 5e-16, "{y} {x}");
+        }
+        assert!(atan2([f64::NAN], [1.0])[0].is_nan());
+        assert!(atan2([1.0], [f64::NAN])[0].is_nan());
     }
 }

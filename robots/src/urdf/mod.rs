@@ -12,6 +12,7 @@ mod chain;
 mod document;
 mod error;
 mod motion;
+mod recognition;
 mod serial;
 
 pub use error::UrdfError;

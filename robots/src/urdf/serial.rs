@@ -10,6 +10,8 @@ use super::chain::{Chain, Mover, Segment};
 use super::document::{LONGEST, Tree, parsed};
 use super::error::UrdfError;
 use super::motion;
+use super::recognition::ortho_parallel;
+use crate::opw::{Joints, OrthoParallel};
 
 /// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
 ///
@@ -50,6 +52,8 @@ pub struct Serial<const N: usize> {
     /// Pose of the flange in the last joint that moves.
     X_tip: Pose,
     limits: Limits<SVector<f64, N>>,
+    /// The closed form, where there is one.
+    closed: Option<OrthoParallel>,
 }
 
 /// A chain that still lacks what a URDF does not say: how fast its joints may change their speeds.
@@ -76,7 +80,8 @@ impl<const N: usize> SerialBuilder<N> {
             jerk: None,
         };
         let X_BJ = segments.first().map_or_else(Pose::identity, |first| first.X_before);
-        Ok(Serial { movers, segments, X_BJ, X_tip, limits })
+        let closed = ortho_parallel(&segments, &X_tip);
+        Ok(Serial { movers, segments, X_BJ, X_tip, limits, closed })
     }
 
     /// Names of the moving joints, from base to tip.
@@ -139,6 +144,7 @@ impl<const N: usize> Serial<N> {
         if let Some(first) = self.segments.first_mut() {
             first.X_before = X_WB * self.X_BJ;
         }
+        self.closed = ortho_parallel(&self.segments, &self.X_tip);
         self
     }
 
@@ -163,6 +169,32 @@ impl<const N: usize> Serial<N> {
         self.movers.get(i).map(|mover| mover.kind)
     }
 
+    /// Whether the arm was recognised as ortho-parallel with a spherical wrist: its inverse kinematics is then in
+    /// closed form and finds all solutions, else it iterates from the seed and finds the one it comes to.
+    #[must_use]
+    pub fn is_closed_form(&self) -> bool {
+        self.closed.is_some()
+    }
+
+    /// Calls `visit` with the solutions of the inverse kinematics, each once, every revolute joint turned as near to
+    /// `near` as full turns allow: all of them (at most eight) for an arm in closed form, of which a joint that is
+    /// undetermined stays as in `near`; the one nearest to `near` for all others. They may break limits.
+    ///
+    /// # Errors
+    /// [`NoInverse`] when there is none; then `visit` has not been called.
+    #[allow(non_snake_case)]
+    pub fn solutions(
+        &self,
+        X_WF: &Pose,
+        near: &SVector<f64, N>,
+        visit: &mut dyn FnMut(&SVector<f64, N>),
+    ) -> Result<(), NoInverse> {
+        match &self.closed {
+            Some(arm) if N == 6 => arm.solutions(X_WF, &six(near), |q| visit(&SVector::from_fn(|i, _| q[i]))),
+            _ => self.inverse(X_WF, near).map(|q| visit(&q)),
+        }
+    }
+
     /// Geometric Jacobian at `q` [rad or m]: maps joint speeds [rad/s or m/s] to the velocity of the flange's
     /// origin [m/s] (rows 0 to 2) and its angular velocity [rad/s] (rows 3 to 5), both in the world.
     #[must_use]
@@ -181,11 +213,26 @@ impl<const N: usize> Robot for Serial<N> {
     }
 
     fn forward(&self, q: &Self::Joints) -> Pose {
-        motion::forward(&self.segments, &self.X_tip, q)
+        match &self.closed {
+            Some(arm) if N == 6 => arm.forward(&six(q)),
+            _ => motion::forward(&self.segments, &self.X_tip, q),
+        }
     }
 
     #[allow(non_snake_case)]
-    fn inverse(&self, _X_WF: &Pose, _near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
-        Err(NoInverse::Singular { name: "numeric" })
+    fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
+        match &self.closed {
+            Some(arm) if N == 6 => arm.inverse(X_WF, &six(near)).map(|q| SVector::from_fn(|i, _| q[i])),
+            _ => Err(NoInverse::Singular { name: "numeric" }),
+        }
     }
+
+    fn near_singularity(&self, q: &Self::Joints) -> Option<&'static str> {
+        self.closed.as_ref().and_then(|arm| arm.near_singularity(&six(q)))
+    }
+}
+
+/// The coordinates of an arm with six joints; of any other, as many as there are.
+fn six<const N: usize>(q: &SVector<f64, N>) -> Joints {
+    core::array::from_fn(|i| if i < N { q[i] } else { 0.0 })
 }
