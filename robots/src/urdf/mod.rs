@@ -12,6 +12,7 @@ mod chain;
 mod document;
 mod error;
 mod motion;
+mod newton;
 mod recognition;
 mod serial;
 

@@ -10,6 +10,7 @@ use super::chain::{Chain, Mover, Segment};
 use super::document::{LONGEST, Tree, parsed};
 use super::error::UrdfError;
 use super::motion;
+use super::newton;
 use super::recognition::ortho_parallel;
 use crate::opw::{Joints, OrthoParallel};
 
@@ -41,6 +42,14 @@ use crate::opw::{Joints, OrthoParallel};
 /// never wrapped: inverse kinematics stays on the turn of the seed. URDF before 1.2 knows no
 /// acceleration limits: [`SerialBuilder::with_acceleration`] demands them.
 ///
+/// **Inverse kinematics.** An arm of six revolute joints that is ortho-parallel with a spherical wrist (to 1e-12) is
+/// recognised from its axes and solved in closed form: [`Robot::inverse`] then gives the nearest of up to eight
+/// solutions, whatever the limits. All other chains are solved by iteration from the seed, within the limits: of poses
+/// drawn from the whole range, all are found from seeds within 0.01 of every joint [rad or m], and at least 9,999 of
+/// 10,000 from seeds within 0.1 (`tests/urdf_inverse.rs`); what is not found is refused, as
+/// `Singular { name: "numeric" }`. Right angles written with few digits (`1.5708`) are no right angles: such an arm is
+/// solved by iteration, as it is written.
+///
 /// **Kinds of joints** are known when the file is read, too late for [`Robot::joint`]: see [`Serial::joint_kind`].
 #[derive(Clone, Debug, PartialEq)]
 #[allow(non_snake_case)]
@@ -52,6 +61,8 @@ pub struct Serial<const N: usize> {
     /// Pose of the flange in the last joint that moves.
     X_tip: Pose,
     limits: Limits<SVector<f64, N>>,
+    /// About the farthest that the tip gets from the first joint \[m\].
+    reach: f64,
     /// The closed form, where there is one.
     closed: Option<OrthoParallel>,
 }
@@ -81,13 +92,29 @@ impl<const N: usize> SerialBuilder<N> {
         };
         let X_BJ = segments.first().map_or_else(Pose::identity, |first| first.X_before);
         let closed = ortho_parallel(&segments, &X_tip);
-        Ok(Serial { movers, segments, X_BJ, X_tip, limits, closed })
+        let reach = reach(&movers, &segments, &X_tip);
+        Ok(Serial { movers, segments, X_BJ, X_tip, limits, reach, closed })
     }
 
     /// Names of the moving joints, from base to tip.
     pub fn joint_names(&self) -> impl ExactSizeIterator<Item = &str> {
         self.chain.movers.iter().map(|mover| mover.name.as_str())
     }
+}
+
+/// Why the iteration gives no joint positions: it came to none from the seed.
+const NOT_CONVERGED: NoInverse = NoInverse::Singular { name: "numeric" };
+
+/// Sum of the lengths of all links after the first joint, slides drawn out \[m\], and not 0.
+#[allow(non_snake_case)]
+fn reach(movers: &[Mover], segments: &[Segment], X_tip: &Pose) -> f64 {
+    let links = segments.iter().skip(1).map(|segment| segment.X_before.translation.vector.norm());
+    let slides = segments.iter().filter(|segment| segment.kind == JointKind::Prismatic).map(|segment| {
+        let at = |q: f64| (segment.multiplier * q + segment.offset).abs();
+        movers.get(segment.leader).map_or(0.0, |mover| at(mover.range.0).max(at(mover.range.1)))
+    });
+    let reach = links.chain(slides).sum::<f64>() + X_tip.translation.vector.norm();
+    if reach > 1e-3 { reach } else { 1.0 }
 }
 
 /// Checks limits that the caller gives.
@@ -169,6 +196,13 @@ impl<const N: usize> Serial<N> {
         self.movers.get(i).map(|mover| mover.kind)
     }
 
+    /// About the farthest that the flange gets from the first joint \[m\], > 0; the length by which inverse kinematics
+    /// by iteration compares errors of position with those of orientation \[rad\].
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
     /// Whether the arm was recognised as ortho-parallel with a spherical wrist: its inverse kinematics is then in
     /// closed form and finds all solutions, else it iterates from the seed and finds the one it comes to.
     #[must_use]
@@ -223,7 +257,8 @@ impl<const N: usize> Robot for Serial<N> {
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
         match &self.closed {
             Some(arm) if N == 6 => arm.inverse(X_WF, &six(near)).map(|q| SVector::from_fn(|i, _| q[i])),
-            _ => Err(NoInverse::Singular { name: "numeric" }),
+            _ => newton::solve(&self.segments, &self.X_tip, &self.limits, self.reach, X_WF, near)
+                .map_err(|_| NOT_CONVERGED),
         }
     }
 
