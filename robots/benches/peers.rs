@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use mrroc::{Pose, Robot};
 use mrroc_robots::{Irp6, Serial};
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector3};
 
 /// Positions that are gone through in turn.
 const POSITIONS: usize = 1000;
@@ -66,6 +66,8 @@ fn samples<const N: usize, R: Robot<Joints = SVector<f64, N>>>(
 
 fn measure<const N: usize, R: Robot<Joints = SVector<f64, N>>>(arm: &str, robot: &R) {
     let samples = samples(robot);
+    let sum = samples.iter().fold(Vector3::zeros(), |sum, sample| sum + sample.1.translation.vector);
+    println!("{arm} sum {:.9} {:.9} {:.9}", sum.x, sum.y, sum.z);
     time(arm, "forward", |i| {
         black_box(robot.forward(black_box(&samples[i].0)));
     });
