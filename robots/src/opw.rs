@@ -36,6 +36,12 @@ const WRIST_SINGULAR: f64 = 1e-10;
 /// How far beyond its reach an arm may be asked to stretch, as a part of its length: round-off.
 const STRETCH: f64 = 1e-13;
 
+/// What cosines of angles between directions are off by.
+const ROUND_OFF: f64 = 1e-14;
+
+/// Sine of an angle, or part of the arm's length, below which a singularity counts as near.
+const NEAR: f64 = 0.1;
+
 /// Joint positions \[rad\].
 pub(crate) type Joints = [f64; 6];
 
@@ -67,20 +73,48 @@ pub(crate) struct OrthoParallel {
     pub(crate) delta_sin_cos: (f64, f64),
 }
 
-/// One position of the first three joints that puts the wrist centre in place.
-#[derive(Clone, Copy)]
-struct Elbow {
-    q: [f64; 3],
-    /// Sine and cosine of theta23.
-    arm: (f64, f64),
-}
-
 /// What is asked of the arm, in O.
 struct Wanted {
     /// The wrist centre \[m\].
     centre: Vector3<f64>,
     /// The columns of the rotation matrix of C.
     columns: [Vector3<f64>; 3],
+}
+
+/// An angle as a direction.
+#[derive(Clone, Copy, PartialEq)]
+struct Direction {
+    sine: f64,
+    cosine: f64,
+}
+
+impl Direction {
+    #[inline(always)]
+    fn of(angle: f64) -> Self {
+        let ([sine], [cosine]) = sin_cos([angle]);
+        Self { sine, cosine }
+    }
+
+    /// Cosine of the angle between two directions.
+    #[inline(always)]
+    fn along(self, other: Self) -> f64 {
+        self.cosine * other.cosine + self.sine * other.sine
+    }
+}
+
+/// One position of the first joint.
+#[derive(Clone, Copy, PartialEq)]
+struct Shoulder {
+    theta1: Direction,
+    /// How far the wrist centre lies in front of axis 1 in the plane of the arm \[m\], of either sign.
+    forward: f64,
+}
+
+/// One position of the upper arm and the forearm.
+#[derive(Clone, Copy, PartialEq)]
+struct Elbow {
+    phi2: Direction,
+    phi3: Direction,
 }
 
 impl OrthoParallel {
@@ -127,33 +161,42 @@ impl OrthoParallel {
     #[allow(non_snake_case)]
     pub(crate) fn inverse(&self, X_WF: &Pose, near: &Joints) -> Result<Joints, NoInverse> {
         let wanted = self.wanted(X_WF);
-        let (shoulders, radius) = self.shoulders(&wanted.centre, near)?;
-        let turn = |shoulder: &Shoulder| square(shoulder.q1 - near[0]);
-        let nearer_first = usize::from(turn(&shoulders[1]) < turn(&shoulders[0]));
-        let mut best = (f64::INFINITY, *near);
-        for shoulder in [&shoulders[nearer_first], &shoulders[1 - nearer_first]] {
-            // What the first joint alone is off by is never made good: branches that cannot win are left out.
-            if turn(shoulder) >= best.0 {
-                continue;
+        let ([s1, s2], [c1, c2]) = sin_cos([near[0] + self.offsets[0], near[1] + self.offsets[1]]);
+        let (at1, at2) = (Direction { sine: s1, cosine: c1 }, Direction { sine: s2, cosine: c2 });
+        let shoulders =
+            self.shoulders(&wanted.centre, at1).ok_or_else(|| self.out_of_reach(&wanted.centre))?;
+        let (shoulder, other_shoulder) = nearer_first(shoulders, |shoulder| shoulder.theta1.along(at1));
+        if let Some(elbows) = self.elbows(&shoulder, wanted.centre.z, at2) {
+            let (elbow, other_elbow) = nearer_first(elbows, |elbow| elbow.phi2.along(at2));
+            let (found, off) = nearest(self.joints(&wanted, &shoulder, &elbow, near), near);
+            // cos x >= 1 - x^2/2: an angle whose cosine is less than this is alone off by more than all of `found`.
+            let bound = 1.0 - 0.5 * off - ROUND_OFF;
+            if other_shoulder.theta1.along(at1) < bound && other_elbow.phi2.along(at2) < bound {
+                return Ok(found);
             }
-            let Some(elbows) = self.elbows(shoulder, wanted.centre.z, near) else { continue };
-            let bend = |elbow: &Elbow| (0..3).map(|i| square(elbow.q[i] - near[i])).sum::<f64>();
-            let nearer_first = usize::from(bend(&elbows[1]) < bend(&elbows[0]));
-            for elbow in [&elbows[nearer_first], &elbows[1 - nearer_first]] {
-                let off = bend(elbow);
-                if off >= best.0 {
-                    break;
-                }
-                let (wrists, _) = self.wrists(&wanted, shoulder, elbow, near);
-                for wrist in wrists {
-                    let off = off + (0..3).map(|i| square(wrist[i] - near[i + 3])).sum::<f64>();
-                    if off < best.0 {
-                        best = (off, joined(elbow, &wrist));
-                    }
+        }
+        self.nearest_of_all(&wanted, shoulders, at2, near)
+    }
+
+    /// The nearest solution, all of them computed.
+    #[cold]
+    fn nearest_of_all(
+        &self,
+        wanted: &Wanted,
+        shoulders: [Shoulder; 2],
+        at2: Direction,
+        near: &Joints,
+    ) -> Result<Joints, NoInverse> {
+        let mut best = (*near, f64::INFINITY);
+        for shoulder in shoulders {
+            for elbow in self.elbows(&shoulder, wanted.centre.z, at2).into_iter().flatten() {
+                let found = nearest(self.joints(wanted, &shoulder, &elbow, near), near);
+                if found.1 < best.1 {
+                    best = found;
                 }
             }
         }
-        if best.0 < f64::INFINITY { Ok(best.1) } else { Err(self.out_of_reach(radius, wanted.centre.z)) }
+        if best.1 < f64::INFINITY { Ok(best.0) } else { Err(self.out_of_reach(&wanted.centre)) }
     }
 
     /// Calls `visit` with every solution once, at most eight, every joint within pi of `near`.
@@ -168,24 +211,21 @@ impl OrthoParallel {
         mut visit: impl FnMut(&Joints),
     ) -> Result<(), NoInverse> {
         let wanted = self.wanted(X_WF);
-        let (shoulders, radius) = self.shoulders(&wanted.centre, near)?;
+        let refused = || self.out_of_reach(&wanted.centre);
+        let (at1, at2) = (Direction::of(near[0] + self.offsets[0]), Direction::of(near[1] + self.offsets[1]));
         let mut none = true;
-        let both = if shoulders[0].q1 == shoulders[1].q1 { 1 } else { 2 };
-        for shoulder in &shoulders[..both] {
-            let Some(elbows) = self.elbows(shoulder, wanted.centre.z, near) else { continue };
-            let both = if elbows[0].q == elbows[1].q { 1 } else { 2 };
-            for elbow in &elbows[..both] {
-                let (wrists, count) = self.wrists(&wanted, shoulder, elbow, near);
-                for wrist in &wrists[..count] {
-                    let joints = joined(elbow, wrist);
+        for shoulder in distinct(&self.shoulders(&wanted.centre, at1).ok_or_else(refused)?) {
+            let Some(elbows) = self.elbows(shoulder, wanted.centre.z, at2) else { continue };
+            for elbow in distinct(&elbows) {
+                for joints in distinct(&self.joints(&wanted, shoulder, elbow, near)) {
                     if joints.iter().all(|q| q.is_finite()) {
-                        visit(&joints);
+                        visit(joints);
                         none = false;
                     }
                 }
             }
         }
-        if none { Err(self.out_of_reach(radius, wanted.centre.z)) } else { Ok(()) }
+        if none { Err(refused()) } else { Ok(()) }
     }
 
     /// The singularity that `q` \[rad\] lies near, if any.
@@ -217,146 +257,138 @@ impl OrthoParallel {
         Wanted { centre: p_OF - matrix * self.p_CF, columns }
     }
 
-    /// Both positions of the first joint, and the distance of the wrist centre from axis 1.
+    /// Both positions of the first joint, which is undetermined on axis 1 and then stays at `at`; `None` where the
+    /// wrist centre is nearer to axis 1 than the arm's plane.
     #[inline(always)]
-    fn shoulders(&self, centre: &Vector3<f64>, near: &Joints) -> Result<([Shoulder; 2], f64), NoInverse> {
-        let (x, y, b, o1) = (centre.x, centre.y, self.b, self.offsets[0]);
+    fn shoulders(&self, centre: &Vector3<f64>, at: Direction) -> Option<[Shoulder; 2]> {
+        let (x, y, b) = (centre.x, centre.y, self.b);
         let square = x * x + y * y;
-        let radius = square.sqrt();
-        let under_root = (radius - b.abs()) * (radius + b.abs());
-        if under_root.is_nan() || under_root < -STRETCH * self.l * b.abs() {
-            return Err(NoInverse::OutOfReach {
-                distance: radius,
-                min: b.abs(),
-                max: self.l + self.k + self.a1.abs(),
-            });
+        let under_root = square - b * b;
+        if under_root.is_nan() || under_root < -STRETCH * (self.l + self.k).powi(2) {
+            return None;
         }
-        if radius < CENTRE_SINGULAR {
-            // On axis 1: every position serves, so the first joint stays.
-            let ([s1], [c1]) = sin_cos([near[0] + o1]);
-            let shoulder = Shoulder { q1: near[0], sine: s1, cosine: c1, forward: x * c1 + y * s1 };
-            return Ok(([shoulder; 2], radius));
+        if square < CENTRE_SINGULAR * CENTRE_SINGULAR {
+            return Some([Shoulder { theta1: at, forward: x * at.cosine + y * at.sine }; 2]);
         }
-        let root = under_root.max(0.0).sqrt();
-        let inverse = 1.0 / square;
-        let of = |forward: f64| ((forward * y - b * x) * inverse, (forward * x + b * y) * inverse);
-        let (front, back) = (of(root), of(-root));
-        let theta = atan2([front.0, back.0], [front.1, back.1]);
-        let shoulder = |i: usize, (sine, cosine): (f64, f64), forward: f64| Shoulder {
-            q1: closest(theta[i] - o1, near[0]),
-            sine,
-            cosine,
+        let (root, inverse) = (under_root.max(0.0).sqrt(), 1.0 / square);
+        let shoulder = |forward: f64| Shoulder {
+            theta1: Direction {
+                sine: (forward * y - b * x) * inverse,
+                cosine: (forward * x + b * y) * inverse,
+            },
             forward,
         };
-        Ok(([shoulder(0, front, root), shoulder(1, back, -root)], radius))
+        Some([shoulder(root), shoulder(-root)])
     }
 
-    /// Both positions of the upper arm and the forearm; `None` out of reach.
+    /// Both positions of the upper arm and the forearm; with the wrist centre on axis 2 the upper arm is undetermined
+    /// and stays at `at`; `None` out of reach.
     #[inline(always)]
-    fn elbows(&self, shoulder: &Shoulder, height: f64, near: &Joints) -> Option<[Elbow; 2]> {
-        let Self { l, k, a1, third, .. } = *self;
-        let [_, o2, o23, ..] = self.offsets;
+    fn elbows(&self, shoulder: &Shoulder, height: f64, at: Direction) -> Option<[Elbow; 2]> {
+        let Self { l, k, a1, .. } = *self;
         let across = shoulder.forward - a1;
         let square = across * across + height * height;
         let distance = square.sqrt();
         // Heron: 16 times the square of the area between upper arm, forearm and their span.
         let heron = (l + k - distance) * (l + k + distance) * (distance - l + k) * (distance + l - k);
-        if heron.is_nan() || heron < -STRETCH * (l + k).powi(2) * (l * k).max(square) {
+        if heron.is_nan() || heron < -STRETCH * (l + k).powi(4) {
             return None;
         }
-        let upper = if distance < CENTRE_SINGULAR {
-            // The forearm lies on the upper arm: every position serves, so the upper arm stays.
-            let ([s2], [c2]) = sin_cos([near[1] + o2]);
-            [(s2, c2); 2]
-        } else {
-            let (along, root) = (0.5 * (square + (l - k) * (l + k)) / l, 0.5 * heron.max(0.0).sqrt() / l);
-            let inverse = 1.0 / square;
-            [root, -root].map(|root| {
-                ((along * across - root * height) * inverse, (along * height + root * across) * inverse)
+        let inverse_k = 1.0 / k;
+        let elbow = |phi2: Direction| Elbow {
+            phi2,
+            phi3: Direction {
+                sine: (across - l * phi2.sine) * inverse_k,
+                cosine: (height - l * phi2.cosine) * inverse_k,
+            },
+        };
+        if distance < CENTRE_SINGULAR {
+            return Some([elbow(at); 2]);
+        }
+        let along = 0.5 * (square + (l - k) * (l + k)) / l;
+        let (root, inverse) = (0.5 * heron.max(0.0).sqrt() / l, 1.0 / square);
+        let upper = |root: f64| {
+            elbow(Direction {
+                sine: (along * across - root * height) * inverse,
+                cosine: (along * height + root * across) * inverse,
             })
         };
-        let inverse = 1.0 / k;
-        let fore = upper.map(|(s2, c2)| ((across - l * s2) * inverse, (height - l * c2) * inverse));
-        let phi = atan2(
-            [upper[0].0, upper[1].0, fore[0].0, fore[1].0],
-            [upper[0].1, upper[1].1, fore[0].1, fore[1].1],
-        );
-        let (sine, cosine) = self.delta_sin_cos;
-        Some([0, 1].map(|i| {
-            let (s3, c3) = fore[i];
-            let q2 = phi[i] - o2;
-            let q3 = third * (phi[i + 2] - self.delta - o23 - q2);
-            Elbow {
-                q: [shoulder.q1, closest(q2, near[1]), closest(q3, near[2])],
-                arm: (s3 * cosine - c3 * sine, c3 * cosine + s3 * sine),
-            }
-        }))
+        Some([upper(root), upper(-root)])
     }
 
-    /// Both positions of the wrist, and how many of them differ.
+    /// Both solutions for one position of shoulder and elbow, which differ in the wrist; on its singularity, where
+    /// theta4 is undetermined and stays as in `near`, they are the same.
     #[inline(always)]
-    fn wrists(
-        &self,
-        wanted: &Wanted,
-        shoulder: &Shoulder,
-        elbow: &Elbow,
-        near: &Joints,
-    ) -> ([[f64; 3]; 2], usize) {
-        let [.., o4, o5, o6] = self.offsets;
-        let (s1, c1) = (shoulder.sine, shoulder.cosine);
-        let (s23, c23) = elbow.arm;
+    fn joints(&self, wanted: &Wanted, shoulder: &Shoulder, elbow: &Elbow, near: &Joints) -> [Joints; 2] {
+        let [o1, o2, o23, o4, o5, o6] = self.offsets;
+        let (theta1, phi3) = (shoulder.theta1, elbow.phi3);
+        let (sine, cosine) = self.delta_sin_cos;
+        let (s23, c23) = (phi3.sine * cosine - phi3.cosine * sine, phi3.cosine * cosine + phi3.sine * sine);
         // Columns of R_z(theta4) R_y(theta5) R_z(theta6).
-        let [x, y, z] = wanted.columns.map(|v| {
-            let (forward, aside) = (c1 * v.x + s1 * v.y, c1 * v.y - s1 * v.x);
-            [c23 * forward - s23 * v.z, aside, s23 * forward + c23 * v.z]
-        });
-        let sine = (z[0] * z[0] + z[1] * z[1]).sqrt();
-        let singular = sine < WRIST_SINGULAR;
-        let (s4, c4) = if singular {
-            let ([s4], [c4]) = sin_cos([near[3] + o4]);
-            (s4, c4)
+        let [x, y, z] = &wanted.columns;
+        let forward = |v: &Vector3<f64>| theta1.cosine * v.x + theta1.sine * v.y;
+        let aside = |v: &Vector3<f64>| theta1.cosine * v.y - theta1.sine * v.x;
+        let first = |v: &Vector3<f64>| c23 * forward(v) - s23 * v.z;
+        let (z0, z1, z2) = (first(z), aside(z), s23 * forward(z) + c23 * z.z);
+        let across = (z0 * z0 + z1 * z1).sqrt();
+        let singular = across < WRIST_SINGULAR;
+        let theta4 = if singular {
+            Direction::of(near[3] + o4)
         } else {
-            (z[1] / sine, z[0] / sine)
+            let inverse = 1.0 / across;
+            Direction { sine: z1 * inverse, cosine: z0 * inverse }
         };
-        let theta = atan2(
-            [s4, c4 * z[0] + s4 * z[1], c4 * x[1] - s4 * x[0], 0.0],
-            [c4, z[2], c4 * y[1] - s4 * y[0], 1.0],
+        let (s4, c4) = (theta4.sine, theta4.cosine);
+        let [q1, phi2, phi3, theta4, theta5, theta6] = atan2(
+            [theta1.sine, elbow.phi2.sine, phi3.sine, s4, c4 * z0 + s4 * z1, c4 * aside(x) - s4 * first(x)],
+            [theta1.cosine, elbow.phi2.cosine, phi3.cosine, c4, z2, c4 * aside(y) - s4 * first(y)],
         );
-        let of = |theta4: f64, theta5: f64, theta6: f64| {
-            [closest(theta4 - o4, near[3]), closest(theta5 - o5, near[4]), closest(theta6 - o6, near[5])]
+        let q2 = phi2 - o2;
+        let q3 = self.third * (phi3 - self.delta - o23 - q2);
+        let (q4, q5, q6) = (theta4 - o4, theta5 - o5, theta6 - o6);
+        let arm = [closest(q1 - o1, near[0]), closest(q2, near[1]), closest(q3, near[2])];
+        let with = |q4, q5, q6| {
+            let wrist = [closest(q4, near[3]), closest(q5, near[4]), closest(q6, near[5])];
+            [arm[0], arm[1], arm[2], wrist[0], wrist[1], wrist[2]]
         };
-        let first = of(theta[0], theta[1], theta[2]);
-        if singular { ([first; 2], 1) } else { ([first, of(theta[0] + PI, -theta[1], theta[2] + PI)], 2) }
+        let found = with(q4, q5, q6);
+        [found, if singular { found } else { with(q4 + PI, -theta5 - o5, q6 + PI) }]
     }
 
-    /// The error for a wrist centre at this distance from axis 1 and this height above axis 2 \[m\].
+    /// The error for a wrist centre that cannot be reached.
     #[cold]
-    fn out_of_reach(&self, radius: f64, height: f64) -> NoInverse {
-        let forward = ((radius - self.b) * (radius + self.b)).max(0.0).sqrt();
-        let distance = (forward - self.a1).hypot(height);
+    fn out_of_reach(&self, centre: &Vector3<f64>) -> NoInverse {
+        let radius = centre.x.hypot(centre.y);
+        if radius < self.b.abs() {
+            let max = self.l + self.k + self.a1.abs();
+            return NoInverse::OutOfReach { distance: radius, min: self.b.abs(), max };
+        }
+        let forward = ((radius - self.b) * (radius + self.b)).sqrt();
+        let distance = (forward - self.a1).hypot(centre.z);
         NoInverse::OutOfReach { distance, min: (self.l - self.k).abs(), max: self.l + self.k }
     }
 }
 
-/// Sine of an angle, or part of the arm's length, below which a singularity counts as near.
-const NEAR: f64 = 0.1;
-
-/// One position of the first joint.
-#[derive(Clone, Copy)]
-struct Shoulder {
-    q1: f64,
-    sine: f64,
-    cosine: f64,
-    /// How far the wrist centre lies in front of axis 1 in the plane of the arm \[m\], of either sign.
-    forward: f64,
+/// The one of two whose measure is larger, then the other.
+#[inline(always)]
+fn nearer_first<T: Copy>([a, b]: [T; 2], measure: impl Fn(&T) -> f64) -> (T, T) {
+    if measure(&b) > measure(&a) { (b, a) } else { (a, b) }
 }
 
-fn joined(elbow: &Elbow, wrist: &[f64; 3]) -> Joints {
-    [elbow.q[0], elbow.q[1], elbow.q[2], wrist[0], wrist[1], wrist[2]]
+/// The nearer of two solutions, and the sum of the squares by which it is off \[rad²\].
+#[inline(always)]
+fn nearest([a, b]: [Joints; 2], near: &Joints) -> (Joints, f64) {
+    let off = |q: &Joints| {
+        let square = |i: usize| (q[i] - near[i]) * (q[i] - near[i]);
+        square(0) + square(1) + square(2) + square(3) + square(4) + square(5)
+    };
+    let (off_a, off_b) = (off(&a), off(&b));
+    if off_b < off_a { (b, off_b) } else { (a, off_a) }
 }
 
-fn square(x: f64) -> f64 {
-    x * x
+/// Both of two, or the one that they are.
+fn distinct<T: PartialEq>(both: &[T; 2]) -> &[T] {
+    if both[0] == both[1] { &both[..1] } else { both }
 }
 
 /// Sine and cosine of an angle from those of its half.

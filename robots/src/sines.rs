@@ -40,20 +40,25 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_482_65e-11,
 ];
 
-/// Coefficients of `(t - atan t) / t³` in `t²`.
+/// Coefficients of `(t - atan t) / t³` in `t²`, of even powers ..
 #[allow(clippy::excessive_precision)]
-const ARC: [f64; 11] = [
+const EVEN: [f64; 6] = [
     3.333_333_333_333_293_180_27e-01,
-    -1.999_999_999_987_648_324_76e-01,
     1.428_571_427_250_346_637_11e-01,
-    -1.111_111_040_546_235_578_8e-01,
     9.090_887_133_436_506_561_96e-02,
-    -7.691_876_205_044_829_994_95e-02,
     6.661_073_137_387_531_206_69e-02,
-    -5.833_570_133_790_573_486_45e-02,
     4.976_877_994_615_932_360_17e-02,
-    -3.653_157_274_421_691_552_7e-02,
     1.628_582_011_536_578_236_23e-02,
+];
+
+/// .. and of odd ones.
+#[allow(clippy::excessive_precision)]
+const ODD: [f64; 5] = [
+    -1.999_999_999_987_648_324_76e-01,
+    -1.111_111_040_546_235_578_8e-01,
+    -7.691_876_205_044_829_994_95e-02,
+    -5.833_570_133_790_573_486_45e-02,
+    -3.653_157_274_421_691_552_7e-02,
 ];
 
 /// tan(pi/8): above this ratio the arc tangent is taken from pi/4.
@@ -112,8 +117,11 @@ pub(crate) fn atan2<const L: usize>(y: [f64; L], x: [f64; L]) -> [f64; L] {
         let wide = low > EIGHTH * high;
         let (numerator, denominator) = if wide { (low - high, low + high) } else { (low, high) };
         let ratio = numerator / if denominator == 0.0 { 1.0 } else { denominator };
+        // Even and odd terms apart: two short chains instead of a long one.
         let square = ratio * ratio;
-        let arc = ratio - ratio * square * polynomial(&ARC, square);
+        let fourth = square * square;
+        let sum = polynomial(&EVEN, fourth) + square * polynomial(&ODD, fourth);
+        let arc = ratio - ratio * square * sum;
         let arc = if wide { FRAC_PI_4 + arc } else { arc };
         let arc = if steep { FRAC_PI_2 - arc } else { arc };
         let arc = if x[i] < 0.0 { PI - arc } else { arc };
