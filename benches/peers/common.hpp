@@ -37,18 +37,21 @@ inline std::vector<Sample> samples() {
     return all;
 }
 
-// Prints the least of ten means of the time of a call; slow calls go through fewer rounds.
+// Prints the mean time of a call: of each window of positions in a row the least of all rounds counts. Windows of slow
+// calls are shorter, so that mostly nothing else runs meanwhile.
 template <class Call>
-void time(const char* what, int rounds, Call call) {
-    double best = 1e300;
-    for (int k = 0; k < 10; ++k) {
-        auto start = std::chrono::steady_clock::now();
-        for (int round = 0; round < rounds; ++round)
-            for (int i = 0; i < POSITIONS; ++i) call(i);
-        std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
-        best = std::min(best, took.count() / (double(rounds) * POSITIONS));
-    }
-    std::printf("%s %.1f\n", what, best);
+void time(const char* what, int window, int rounds, Call call) {
+    std::vector<double> best(POSITIONS / window, 1e300);
+    for (int round = 0; round < rounds; ++round)
+        for (std::size_t k = 0; k < best.size(); ++k) {
+            auto start = std::chrono::steady_clock::now();
+            for (int i = int(k) * window; i < int(k + 1) * window; ++i) call(i);
+            std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
+            best[k] = std::min(best[k], took.count());
+        }
+    double sum = 0;
+    for (double least : best) sum += least;
+    std::printf("%s %.1f\n", what, sum / POSITIONS);
 }
 
 template <class T>

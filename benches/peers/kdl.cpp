@@ -37,12 +37,12 @@ int main() {
     std::printf("sum %.9f %.9f %.9f\n", sum.x(), sum.y(), sum.z());
 
     Frame out;
-    time("forward", 50, [&](int i) {
+    time("forward", 100, 200, [&](int i) {
         forward.JntToCart(q[i], out);
         keep(out);
     });
     Jacobian j(6);
-    time("jacobian", 50, [&](int i) {
+    time("jacobian", 100, 200, [&](int i) {
         jacobian.JntToJac(q[i], j);
         keep(j);
     });
@@ -54,11 +54,11 @@ int main() {
     ChainIkSolverVel_pinv velocity(chain);
     ChainIkSolverPos_NR_JL newton(chain, lower, upper, forward, velocity, 100, 1e-6);
     int solved = 0;
-    time("inverse_NR_JL_1e-6", 1, [&](int i) { solved += newton.CartToJnt(near[i], pose[i], found) >= 0; });
-    std::printf("solved inverse_NR_JL_1e-6 %.1f\n", solved / (10.0 * POSITIONS) * 100);
+    time("inverse_NR_JL_1e-6", 20, 20, [&](int i) { solved += newton.CartToJnt(near[i], pose[i], found) >= 0; });
+    std::printf("solved inverse_NR_JL_1e-6 %.1f\n", solved / (20.0 * POSITIONS) * 100);
     Eigen::Matrix<double, 6, 1> weights = Eigen::Matrix<double, 6, 1>::Ones();
     ChainIkSolverPos_LMA lma(chain, weights, 1e-8);
     solved = 0;
-    time("inverse_LMA_1e-8", 1, [&](int i) { solved += lma.CartToJnt(near[i], pose[i], found) >= 0; });
-    std::printf("solved inverse_LMA_1e-8 %.1f\n", solved / (10.0 * POSITIONS) * 100);
+    time("inverse_LMA_1e-8", 10, 20, [&](int i) { solved += lma.CartToJnt(near[i], pose[i], found) >= 0; });
+    std::printf("solved inverse_LMA_1e-8 %.1f\n", solved / (20.0 * POSITIONS) * 100);
 }

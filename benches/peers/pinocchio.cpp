@@ -41,20 +41,20 @@ int main() {
     }
     std::printf("sum %.9f %.9f %.9f\n", sum.x(), sum.y(), sum.z());
 
-    time("forward", 50, [&](int i) {
+    time("forward", 100, 200, [&](int i) {
         pin::forwardKinematics(model, data, q[i]);
         pin::updateFramePlacement(model, data, tool);
         keep(data);
     });
     pin::Data::Matrix6x j(6, 6);
     j.setZero();
-    time("jacobian", 50, [&](int i) {
+    time("jacobian", 100, 200, [&](int i) {
         pin::computeFrameJacobian(model, data, q[i], tool, pin::LOCAL_WORLD_ALIGNED, j);
         keep(j);
     });
     int solved = 0;
     Eigen::VectorXd joints(6);
-    time("inverse_GaussNewton_1e-8", 5, [&](int i) {
+    time("inverse_GaussNewton_1e-8", 100, 100, [&](int i) {
         joints = near[i];
         for (int step = 0; step < 50; ++step) {
             pin::computeJointJacobians(model, data, joints);
@@ -74,5 +74,5 @@ int main() {
         }
         keep(joints);
     });
-    std::printf("solved inverse_GaussNewton_1e-8 %.1f\n", solved / (50.0 * POSITIONS) * 100);
+    std::printf("solved inverse_GaussNewton_1e-8 %.1f\n", solved / (100.0 * POSITIONS) * 100);
 }

@@ -23,16 +23,18 @@ impl SplitMix64 {
     }
 }
 
-fn time(what: &str, rounds: usize, mut call: impl FnMut(usize)) {
-    let mut best = f64::INFINITY;
-    for _ in 0..10 {
-        let start = Instant::now();
-        for _ in 0..rounds {
-            (0..POSITIONS).for_each(&mut call);
+/// Prints the mean time of a call: of each window of positions in a row the least of all rounds counts.
+fn time(what: &str, mut call: impl FnMut(usize)) {
+    const WINDOW: usize = 100;
+    let mut best = [f64::INFINITY; POSITIONS / WINDOW];
+    for _ in 0..200 {
+        for (window, best) in best.iter_mut().enumerate() {
+            let start = Instant::now();
+            (window * WINDOW..(window + 1) * WINDOW).for_each(&mut call);
+            *best = best.min(start.elapsed().as_secs_f64());
         }
-        best = best.min(start.elapsed().as_secs_f64() / (rounds * POSITIONS) as f64);
     }
-    println!("{what} {:.1}", best * 1e9);
+    println!("{what} {:.1}", best.iter().sum::<f64>() / POSITIONS as f64 * 1e9);
 }
 
 fn main() {
@@ -51,13 +53,13 @@ fn main() {
         })
         .collect();
     println!("sum {:.9} {:.9} {:.9}", sum[0], sum[1], sum[2]);
-    time("forward", 50, |i| {
+    time("forward", |i| {
         black_box(robot.forward(black_box(&samples[i].0)));
     });
-    time("inverse_all", 10, |i| {
+    time("inverse_all", |i| {
         black_box(robot.inverse(black_box(&samples[i].1)));
     });
-    time("inverse_continuing", 10, |i| {
+    time("inverse_continuing", |i| {
         black_box(robot.inverse_continuing(black_box(&samples[i].1), black_box(&samples[i].2)));
     });
     let solved = samples.iter().filter(|(_, pose, near)| !robot.inverse_continuing(pose, near).is_empty()).count();
