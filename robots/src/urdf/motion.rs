@@ -1,116 +1,230 @@
-//! Direct kinematics of a chain, link by link, and its Jacobian.
+//! Direct kinematics of a chain, joint by joint, and its Jacobian.
+//!
+//! All joints at 0, the chain is described in one frame A: points on the axes, their directions, the tip. What a joint
+//! turns is then all that follows, seen in A:
+//!
+//! ```text
+//! R_i = R_i-1 exp(axis_i angle_i),   p_i+1 = p_i + R_i d_i      (of a slide: p_i + R_i-1 axis_i way_i + ..)
+//! ```
+//!
+//! A lies along the axes: of nearly all machines the axes then are x, y and z, and a turn about one of these mixes two
+//! columns only.
 
 use mrroc::{JointKind, Pose};
-use nalgebra::{Quaternion, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
 use super::chain::{MOST_SEGMENTS, Segment};
 use crate::sines::sin_cos;
 
+/// How far an axis may be from x, y or z to be taken for it: round-off.
+const ROUND_OFF: f64 = 1e-14;
+
 /// Where an axis lies in the world: its direction, and a point on it \[m\].
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) direction: Vector3<f64>,
     pub(super) point: Vector3<f64>,
 }
 
-/// Pose of the tip at `q` [rad or m]; `visit` is given the index of each segment and its axis.
-#[inline(always)]
+/// Direction of an axis in A.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Direction {
+    X,
+    Y,
+    Z,
+    Skew(Vector3<f64>),
+}
+
+/// One joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    kind: JointKind,
+    direction: Direction,
+    /// The coordinate that moves it: `multiplier q[leader] + offset`, about the direction given.
+    leader: usize,
+    multiplier: f64,
+    offset: f64,
+    /// From this axis to the next, or to the tip, in A with all joints at 0 \[m\].
+    link: Vector3<f64>,
+}
+
+/// A chain, ready to be moved.
+#[derive(Clone, Debug, PartialEq)]
 #[allow(non_snake_case)]
-fn travel<const N: usize>(
-    segments: &[Segment],
-    X_tip: &Pose,
-    q: &SVector<f64, N>,
-    mut visit: impl FnMut(usize, Axis),
-) -> Pose {
-    let segments = &segments[..segments.len().min(MOST_SEGMENTS)];
-    let mut values = [0.0; MOST_SEGMENTS];
-    for (value, segment) in values.iter_mut().zip(segments) {
-        *value = segment.multiplier * q[segment.leader] + segment.offset;
-    }
-    let (mut sines, mut cosines) = ([0.0; MOST_SEGMENTS], [0.0; MOST_SEGMENTS]);
-    for i in (0..segments.len()).step_by(2) {
-        let (s, c) = sin_cos([0.5 * values[i], 0.5 * values[i + 1]]);
-        [sines[i], sines[i + 1]] = s;
-        [cosines[i], cosines[i + 1]] = c;
-    }
-    let mut position = Vector3::zeros();
-    let mut rotation = UnitQuaternion::identity();
-    for (i, segment) in segments.iter().enumerate() {
-        position += rotation * segment.X_before.translation.vector;
-        rotation *= segment.X_before.rotation;
-        visit(i, Axis { direction: z_of(&rotation), point: position });
-        match segment.kind {
-            JointKind::Revolute => rotation = turned(&rotation, sines[i], cosines[i]),
-            JointKind::Prismatic => position += z_of(&rotation) * values[i],
-        }
-    }
-    position += rotation * X_tip.translation.vector;
-    Pose::from_parts(Translation3::from(position), rotation * X_tip.rotation)
+pub(super) struct Linkage {
+    steps: Vec<Step>,
+    /// Orientation of A in the world, as rotation matrix and quaternion.
+    R_WA: UnitQuaternion<f64>,
+    columns: [Vector3<f64>; 3],
+    /// A point on the first axis \[m\].
+    start: Vector3<f64>,
+    /// Orientation of the tip in A with all joints at 0.
+    R_AF: UnitQuaternion<f64>,
 }
 
-/// The third column of a rotation matrix.
-#[inline(always)]
-fn z_of(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
-    let q = rotation.quaternion();
-    Vector3::new(
-        2.0 * (q.i * q.k + q.w * q.j),
-        2.0 * (q.j * q.k - q.w * q.i),
-        1.0 - 2.0 * (q.i * q.i + q.j * q.j),
-    )
-}
-
-/// `rotation R_z(angle)`, from sine and cosine of half the angle.
-#[inline(always)]
-fn turned(rotation: &UnitQuaternion<f64>, s: f64, c: f64) -> UnitQuaternion<f64> {
-    let q = rotation.quaternion();
-    UnitQuaternion::new_unchecked(Quaternion::new(
-        q.w * c - q.k * s,
-        q.i * c + q.j * s,
-        q.j * c - q.i * s,
-        q.k * c + q.w * s,
-    ))
-}
-
-/// Pose of the tip at `q` [rad or m].
+/// Axes of a chain with all joints at 0, and the pose of the tip, in the world.
 #[allow(non_snake_case)]
-pub(super) fn forward<const N: usize>(segments: &[Segment], X_tip: &Pose, q: &SVector<f64, N>) -> Pose {
-    travel(segments, X_tip, q, |_, _| {})
+pub(super) fn at_zero(segments: &[Segment], X_tip: &Pose) -> (Vec<Axis>, Pose) {
+    let mut pose = Pose::identity();
+    let axes = segments.iter().map(|segment| {
+        pose *= segment.X_before;
+        Axis { direction: pose.rotation * Vector3::z(), point: pose.translation.vector }
+    });
+    let axes = axes.collect();
+    (axes, pose * X_tip)
 }
 
-/// Axes of all segments at `q`, and the pose of the tip.
-#[allow(non_snake_case)]
-pub(super) fn axes<const N: usize>(
-    segments: &[Segment],
-    X_tip: &Pose,
-    q: &SVector<f64, N>,
-) -> ([Axis; MOST_SEGMENTS], Pose) {
-    let mut axes = [Axis { direction: Vector3::zeros(), point: Vector3::zeros() }; MOST_SEGMENTS];
-    let pose = travel(segments, X_tip, q, |i, axis| axes[i] = axis);
-    (axes, pose)
-}
-
-/// Pose of the tip and geometric Jacobian at `q`: per coordinate the velocity of the tip's origin (rows 0 to 2), then
-/// its angular velocity (rows 3 to 5), both in the world. A joint that follows adds to its leader's column.
-#[allow(non_snake_case)]
-pub(super) fn jacobian<const N: usize>(
-    segments: &[Segment],
-    X_tip: &Pose,
-    q: &SVector<f64, N>,
-) -> (Pose, SMatrix<f64, 6, N>) {
-    let (axes, pose) = axes(segments, X_tip, q);
-    let mut jacobian = SMatrix::<f64, 6, N>::zeros();
-    for (segment, axis) in segments.iter().zip(&axes) {
-        let (angular, linear) = match segment.kind {
-            JointKind::Revolute => {
-                (axis.direction, axis.direction.cross(&(pose.translation.vector - axis.point)))
+impl Linkage {
+    /// The chain of these segments.
+    #[allow(non_snake_case)]
+    pub(super) fn new(segments: &[Segment], X_tip: &Pose) -> Self {
+        let (axes, X_WF) = at_zero(segments, X_tip);
+        let R_WA = along(&axes);
+        let R_AW = R_WA.inverse();
+        let ends = axes.iter().skip(1).map(|axis| axis.point).chain([X_WF.translation.vector]);
+        let steps = segments.iter().zip(&axes).zip(ends).map(|((segment, axis), end)| {
+            let (direction, sign) = named(R_AW * axis.direction);
+            Step {
+                kind: segment.kind,
+                direction,
+                leader: segment.leader,
+                multiplier: sign * segment.multiplier,
+                offset: sign * segment.offset,
+                link: R_AW * (end - axis.point),
             }
-            JointKind::Prismatic => (Vector3::zeros(), axis.direction),
-        };
-        let mut column = jacobian.column_mut(segment.leader);
-        for i in 0..3 {
-            column[i] += segment.multiplier * linear[i];
-            column[i + 3] += segment.multiplier * angular[i];
+        });
+        Self {
+            steps: steps.take(MOST_SEGMENTS).collect(),
+            R_WA,
+            columns: [Vector3::x(), Vector3::y(), Vector3::z()].map(|column| R_WA * column),
+            start: axes.first().map_or_else(Vector3::zeros, |axis| axis.point),
+            R_AF: R_AW * X_WF.rotation,
         }
     }
-    (pose, jacobian)
+
+    /// Pose of the tip at `q` [rad or m]; `visit` is given each step with its axis.
+    #[inline(always)]
+    fn travel<const N: usize>(&self, q: &SVector<f64, N>, mut visit: impl FnMut(usize, &Step, Axis)) -> Pose {
+        let steps = &self.steps[..self.steps.len().min(MOST_SEGMENTS)];
+        let mut values = [0.0; MOST_SEGMENTS];
+        for (value, step) in values.iter_mut().zip(steps) {
+            *value = step.multiplier * q[step.leader] + step.offset;
+        }
+        let (mut sines, mut cosines) = ([0.0; MOST_SEGMENTS], [0.0; MOST_SEGMENTS]);
+        for i in (0..steps.len()).step_by(2) {
+            let (s, c) = sin_cos([0.5 * values[i], 0.5 * values[i + 1]]);
+            [sines[i], sines[i + 1]] = s;
+            [cosines[i], cosines[i + 1]] = c;
+        }
+        let mut point = self.start;
+        let mut rotation = self.R_WA.into_inner();
+        let mut columns = self.columns;
+        for (i, step) in steps.iter().enumerate() {
+            let [x, y, z] = columns;
+            let direction = match &step.direction {
+                Direction::X => x,
+                Direction::Y => y,
+                Direction::Z => z,
+                Direction::Skew(axis) => x * axis.x + y * axis.y + z * axis.z,
+            };
+            visit(i, step, Axis { direction, point });
+            match step.kind {
+                JointKind::Prismatic => point += direction * values[i],
+                JointKind::Revolute => {
+                    let (s, c) = (sines[i], cosines[i]);
+                    let (sine, cosine) = (2.0 * s * c, (c - s) * (c + s));
+                    let Quaternion { coords: r } = rotation;
+                    let (i, j, k, w) = (r.x, r.y, r.z, r.w);
+                    match &step.direction {
+                        Direction::X => {
+                            columns = [x, y * cosine + z * sine, z * cosine - y * sine];
+                            rotation =
+                                Quaternion::new(w * c - i * s, i * c + w * s, j * c + k * s, k * c - j * s);
+                        }
+                        Direction::Y => {
+                            columns = [x * cosine - z * sine, y, z * cosine + x * sine];
+                            rotation =
+                                Quaternion::new(w * c - j * s, i * c - k * s, j * c + w * s, k * c + i * s);
+                        }
+                        Direction::Z => {
+                            columns = [x * cosine + y * sine, y * cosine - x * sine, z];
+                            rotation =
+                                Quaternion::new(w * c - k * s, i * c + j * s, j * c - i * s, k * c + w * s);
+                        }
+                        Direction::Skew(axis) => {
+                            // Rodrigues, for the axis as it stands and the columns as they are.
+                            columns = columns.map(|v| {
+                                v * cosine
+                                    + direction.cross(&v) * sine
+                                    + direction * (direction.dot(&v) * (2.0 * s * s))
+                            });
+                            rotation *= Quaternion::from_parts(c, axis * s);
+                        }
+                    }
+                }
+            }
+            let [x, y, z] = columns;
+            point += x * step.link.x + y * step.link.y + z * step.link.z;
+        }
+        let rotation = UnitQuaternion::new_unchecked(rotation * self.R_AF.into_inner());
+        Pose::from_parts(Translation3::from(point), rotation)
+    }
+
+    /// Pose of the tip at `q` [rad or m].
+    pub(super) fn forward<const N: usize>(&self, q: &SVector<f64, N>) -> Pose {
+        self.travel(q, |_, _, _| {})
+    }
+
+    /// Pose of the tip and geometric Jacobian at `q`: per coordinate the velocity of the tip's origin (rows 0 to 2), then
+    /// its angular velocity (rows 3 to 5), both in the world. A joint that follows adds to its leader's column.
+    #[inline]
+    pub(super) fn jacobian<const N: usize>(&self, q: &SVector<f64, N>) -> (Pose, SMatrix<f64, 6, N>) {
+        let mut axes = [Axis { direction: Vector3::zeros(), point: Vector3::zeros() }; MOST_SEGMENTS];
+        let pose = self.travel(q, |i, _, axis| axes[i] = axis);
+        let mut jacobian = SMatrix::<f64, 6, N>::zeros();
+        for (step, axis) in self.steps.iter().zip(&axes) {
+            let direction = axis.direction * step.multiplier;
+            let (linear, angular) = match step.kind {
+                JointKind::Revolute => (direction.cross(&(pose.translation.vector - axis.point)), direction),
+                JointKind::Prismatic => (direction, Vector3::zeros()),
+            };
+            let mut column = jacobian.column_mut(step.leader);
+            for i in 0..3 {
+                column[i] += linear[i];
+                column[i + 3] += angular[i];
+            }
+        }
+        (pose, jacobian)
+    }
+}
+
+/// The orientation in which most axes are x, y or z: that of the world, or z along the first axis and y along what of
+/// another is perpendicular to it.
+fn along(axes: &[Axis]) -> UnitQuaternion<f64> {
+    let first = axes.first().map_or_else(Vector3::z, |axis| axis.direction);
+    let beside = |axis: &Axis| axis.direction - first * first.dot(&axis.direction);
+    let second = axes.iter().map(beside).find_map(|beside| beside.try_normalize(0.1));
+    let Some(y) = second else { return UnitQuaternion::identity() };
+    let basis = [y.cross(&first), y, first];
+    let aligned = UnitQuaternion::from_rotation_matrix(&Rotation3::from_basis_unchecked(&basis));
+    let skew = |rotation: &UnitQuaternion<f64>| {
+        let seen = axes.iter().map(|axis| named(rotation.inverse() * axis.direction).0);
+        seen.filter(|direction| matches!(direction, Direction::Skew(_))).count()
+    };
+    let world = UnitQuaternion::identity();
+    if skew(&world) <= skew(&aligned) { world } else { aligned }
+}
+
+/// The direction that a unit vector has, and on which side.
+fn named(axis: Vector3<f64>) -> (Direction, f64) {
+    let across = |i: usize, j: usize| axis[i].abs().max(axis[j].abs());
+    if across(1, 2) < ROUND_OFF {
+        (Direction::X, axis.x.signum())
+    } else if across(0, 2) < ROUND_OFF {
+        (Direction::Y, axis.y.signum())
+    } else if across(0, 1) < ROUND_OFF {
+        (Direction::Z, axis.z.signum())
+    } else {
+        (Direction::Skew(axis), 1.0)
+    }
 }

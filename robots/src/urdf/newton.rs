@@ -16,8 +16,7 @@
 use mrroc::{Limits, Pose};
 use nalgebra::{SMatrix, SVector, Vector3};
 
-use super::chain::Segment;
-use super::motion::jacobian;
+use super::motion::Linkage;
 
 /// Most steps, those that are taken back included.
 const STEPS: usize = 40;
@@ -52,9 +51,8 @@ struct Point<const N: usize> {
 }
 
 impl<const N: usize> Point<N> {
-    #[allow(non_snake_case)]
-    fn at(q: SVector<f64, N>, segments: &[Segment], X_tip: &Pose, wanted: &Pose, reach: f64) -> Self {
-        let (pose, mut jacobian) = jacobian(segments, X_tip, &q);
+    fn at(q: SVector<f64, N>, linkage: &Linkage, wanted: &Pose, reach: f64) -> Self {
+        let (pose, mut jacobian) = linkage.jacobian(&q);
         let way = (wanted.translation.vector - pose.translation.vector) / reach;
         let turn = logarithm(wanted, &pose);
         for mut column in jacobian.column_iter_mut() {
@@ -78,10 +76,8 @@ fn logarithm(to: &Pose, from: &Pose) -> Vector3<f64> {
 
 /// The joint positions within the limits to which the iteration from `near` comes, with the error of their pose at
 /// most [`GOOD`]; else the least error that it came to.
-#[allow(non_snake_case)]
 pub(super) fn solve<const N: usize>(
-    segments: &[Segment],
-    X_tip: &Pose,
+    linkage: &Linkage,
     limits: &Limits<SVector<f64, N>>,
     reach: f64,
     wanted: &Pose,
@@ -89,7 +85,7 @@ pub(super) fn solve<const N: usize>(
 ) -> Result<SVector<f64, N>, f64> {
     let at = |q: SVector<f64, N>| {
         let within = SVector::<f64, N>::from_fn(|i, _| bounded(q[i], limits.lower[i], limits.upper[i]));
-        Point::at(within, segments, X_tip, wanted, reach)
+        Point::at(within, linkage, wanted, reach)
     };
     let mut least = f64::INFINITY;
     for attempt in 0..TRIES {

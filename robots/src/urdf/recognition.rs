@@ -1,10 +1,10 @@
 //! Recognises chains that have a closed form: six revolute joints, ortho-parallel, with a spherical wrist.
 
 use mrroc::{JointKind, Pose};
-use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::chain::Segment;
-use super::motion::{Axis, axes};
+use super::motion::{Axis, at_zero};
 use crate::opw::OrthoParallel;
 
 /// How far axes may be from perpendicular or parallel (cosine, sine) and from meeting \[m\]: round-off.
@@ -25,7 +25,7 @@ pub(super) fn ortho_parallel(segments: &[Segment], X_tip: &Pose) -> Option<Ortho
     if segments.len() != 6 || !segments.iter().enumerate().all(plain) {
         return None;
     }
-    let (axes, X_WF) = axes(segments, X_tip, &SVector::<f64, 6>::zeros());
+    let (axes, X_WF) = at_zero(segments, X_tip);
     let z = |i: usize| axes[i].direction;
     let perpendicular = |i: usize, j: usize| z(i).dot(&z(j)).abs() < EXACT;
     let ortho_parallel = perpendicular(0, 1) && z(1).cross(&z(2)).norm() < EXACT && perpendicular(2, 3);

@@ -9,7 +9,7 @@ use nalgebra::{SMatrix, SVector};
 use super::chain::{Chain, Mover, Segment};
 use super::document::{LONGEST, Tree, parsed};
 use super::error::UrdfError;
-use super::motion;
+use super::motion::Linkage;
 use super::newton;
 use super::recognition::ortho_parallel;
 use crate::opw::{Joints, OrthoParallel};
@@ -56,6 +56,7 @@ use crate::opw::{Joints, OrthoParallel};
 pub struct Serial<const N: usize> {
     movers: Vec<Mover>,
     segments: Vec<Segment>,
+    linkage: Linkage,
     /// Pose of the first joint that moves in the base.
     X_BJ: Pose,
     /// Pose of the flange in the last joint that moves.
@@ -93,7 +94,8 @@ impl<const N: usize> SerialBuilder<N> {
         let X_BJ = segments.first().map_or_else(Pose::identity, |first| first.X_before);
         let closed = ortho_parallel(&segments, &X_tip);
         let reach = reach(&movers, &segments, &X_tip);
-        Ok(Serial { movers, segments, X_BJ, X_tip, limits, reach, closed })
+        let linkage = Linkage::new(&segments, &X_tip);
+        Ok(Serial { movers, segments, linkage, X_BJ, X_tip, limits, reach, closed })
     }
 
     /// Names of the moving joints, from base to tip.
@@ -171,6 +173,7 @@ impl<const N: usize> Serial<N> {
         if let Some(first) = self.segments.first_mut() {
             first.X_before = X_WB * self.X_BJ;
         }
+        self.linkage = Linkage::new(&self.segments, &self.X_tip);
         self.closed = ortho_parallel(&self.segments, &self.X_tip);
         self
     }
@@ -233,7 +236,7 @@ impl<const N: usize> Serial<N> {
     /// origin [m/s] (rows 0 to 2) and its angular velocity [rad/s] (rows 3 to 5), both in the world.
     #[must_use]
     pub fn jacobian(&self, q: &SVector<f64, N>) -> SMatrix<f64, 6, N> {
-        motion::jacobian(&self.segments, &self.X_tip, q).1
+        self.linkage.jacobian(q).1
     }
 }
 
@@ -249,7 +252,7 @@ impl<const N: usize> Robot for Serial<N> {
     fn forward(&self, q: &Self::Joints) -> Pose {
         match &self.closed {
             Some(arm) if N == 6 => arm.forward(&six(q)),
-            _ => motion::forward(&self.segments, &self.X_tip, q),
+            _ => self.linkage.forward(q),
         }
     }
 
@@ -257,8 +260,9 @@ impl<const N: usize> Robot for Serial<N> {
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
         match &self.closed {
             Some(arm) if N == 6 => arm.inverse(X_WF, &six(near)).map(|q| SVector::from_fn(|i, _| q[i])),
-            _ => newton::solve(&self.segments, &self.X_tip, &self.limits, self.reach, X_WF, near)
-                .map_err(|_| NOT_CONVERGED),
+            _ => {
+                newton::solve(&self.linkage, &self.limits, self.reach, X_WF, near).map_err(|_| NOT_CONVERGED)
+            }
         }
     }
 
