@@ -102,24 +102,25 @@ impl Linkage {
         }
     }
 
-    /// Pose of the tip at `q` [rad or m]; `visit` is given each step with its axis.
+    /// Pose of the tip at `q` [rad or m] of the chain with these steps, at most `M`; `visit` is given each step with its
+    /// axis.
     #[inline(always)]
-    fn travel<const N: usize>(&self, q: &SVector<f64, N>, mut visit: impl FnMut(usize, &Step, Axis)) -> Pose {
-        let steps = &self.steps[..self.steps.len().min(MOST_SEGMENTS)];
-        let mut values = [0.0; MOST_SEGMENTS];
-        for (value, step) in values.iter_mut().zip(steps) {
-            *value = step.multiplier * q[step.leader] + step.offset;
+    fn travel<const N: usize, const M: usize>(
+        &self,
+        steps: &[Step],
+        q: &SVector<f64, N>,
+        mut visit: impl FnMut(usize, &Step, Axis),
+    ) -> Pose {
+        let (mut values, mut halves) = ([0.0; M], [0.0; M]);
+        for (i, step) in steps.iter().enumerate().take(M) {
+            values[i] = step.multiplier * q[step.leader] + step.offset;
+            halves[i] = 0.5 * values[i];
         }
-        let (mut sines, mut cosines) = ([0.0; MOST_SEGMENTS], [0.0; MOST_SEGMENTS]);
-        for i in (0..steps.len()).step_by(2) {
-            let (s, c) = sin_cos([0.5 * values[i], 0.5 * values[i + 1]]);
-            [sines[i], sines[i + 1]] = s;
-            [cosines[i], cosines[i + 1]] = c;
-        }
+        let (sines, cosines) = sin_cos(halves);
         let mut point = self.start;
         let mut rotation = self.R_WA.into_inner();
         let mut columns = self.columns;
-        for (i, step) in steps.iter().enumerate() {
+        for (i, step) in steps.iter().enumerate().take(M) {
             let [x, y, z] = columns;
             let direction = match &step.direction {
                 Direction::X => x,
@@ -152,13 +153,8 @@ impl Linkage {
                                 Quaternion::new(w * c - k * s, i * c + j * s, j * c - i * s, k * c + w * s);
                         }
                         Direction::Skew(axis) => {
-                            // Rodrigues, for the axis as it stands and the columns as they are.
-                            columns = columns.map(|v| {
-                                v * cosine
-                                    + direction.cross(&v) * sine
-                                    + direction * (direction.dot(&v) * (2.0 * s * s))
-                            });
                             rotation *= Quaternion::from_parts(c, axis * s);
+                            columns = columns_of(&rotation);
                         }
                     }
                 }
@@ -172,17 +168,31 @@ impl Linkage {
 
     /// Pose of the tip at `q` [rad or m].
     pub(super) fn forward<const N: usize>(&self, q: &SVector<f64, N>) -> Pose {
-        self.travel(q, |_, _, _| {})
+        match self.each_its_own::<N>() {
+            Some(steps) => self.travel::<N, N>(steps, q, |_, _, _| {}),
+            None => self.travel::<N, MOST_SEGMENTS>(&self.steps, q, |_, _, _| {}),
+        }
     }
 
     /// Pose of the tip and geometric Jacobian at `q`: per coordinate the velocity of the tip's origin (rows 0 to 2), then
     /// its angular velocity (rows 3 to 5), both in the world. A joint that follows adds to its leader's column.
-    #[inline]
     pub(super) fn jacobian<const N: usize>(&self, q: &SVector<f64, N>) -> (Pose, SMatrix<f64, 6, N>) {
-        let mut axes = [Axis { direction: Vector3::zeros(), point: Vector3::zeros() }; MOST_SEGMENTS];
-        let pose = self.travel(q, |i, _, axis| axes[i] = axis);
+        match self.each_its_own::<N>() {
+            Some(steps) => self.jacobian_of::<N, N>(steps, q),
+            None => self.jacobian_of::<N, MOST_SEGMENTS>(&self.steps, q),
+        }
+    }
+
+    #[inline(always)]
+    fn jacobian_of<const N: usize, const M: usize>(
+        &self,
+        steps: &[Step],
+        q: &SVector<f64, N>,
+    ) -> (Pose, SMatrix<f64, 6, N>) {
+        let mut axes = [Axis { direction: Vector3::zeros(), point: Vector3::zeros() }; M];
+        let pose = self.travel::<N, M>(steps, q, |i, _, axis| axes[i] = axis);
         let mut jacobian = SMatrix::<f64, 6, N>::zeros();
-        for (step, axis) in self.steps.iter().zip(&axes) {
+        for (step, axis) in steps.iter().zip(&axes) {
             let direction = axis.direction * step.multiplier;
             let (linear, angular) = match step.kind {
                 JointKind::Revolute => (direction.cross(&(pose.translation.vector - axis.point)), direction),
@@ -196,6 +206,24 @@ impl Linkage {
         }
         (pose, jacobian)
     }
+
+    /// The steps of a chain in which nothing follows: then their number is known to the compiler.
+    #[inline(always)]
+    fn each_its_own<const N: usize>(&self) -> Option<&[Step; N]> {
+        <&[Step; N]>::try_from(self.steps.as_slice()).ok()
+    }
+}
+
+/// The columns of the rotation matrix of a quaternion of length 1.
+#[inline(always)]
+fn columns_of(rotation: &Quaternion<f64>) -> [Vector3<f64>; 3] {
+    let (i, j, k, w) = (rotation.i, rotation.j, rotation.k, rotation.w);
+    let (i2, j2, k2) = (2.0 * i, 2.0 * j, 2.0 * k);
+    [
+        Vector3::new(1.0 - j2 * j - k2 * k, i2 * j + k2 * w, i2 * k - j2 * w),
+        Vector3::new(i2 * j - k2 * w, 1.0 - i2 * i - k2 * k, j2 * k + i2 * w),
+        Vector3::new(i2 * k + j2 * w, j2 * k - i2 * w, 1.0 - i2 * i - j2 * j),
+    ]
 }
 
 /// The orientation in which most axes are x, y or z: that of the world, or z along the first axis and y along what of
