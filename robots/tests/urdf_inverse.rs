@@ -252,3 +252,17 @@ fn the_base_moves_poses_and_solutions_alike() {
     let found = moved.inverse(&(base * robot.forward(&q)), &q).expect("reachable");
     assert!((found - q).amax() < 1e-9);
 }
+
+#[test]
+fn frames_run_from_the_base_to_the_flange_with_z_along_the_axes() {
+    let base = Pose::new(Vector3::new(0.3, -2.1, 0.95), Vector3::new(0.1, -0.4, 2.0));
+    let robot = arm::<4>("palletiser", "base", "tool").with_base(base);
+    let q = SVector::<f64, 4>::from([0.3, 0.5, 1.0, 0.1]);
+    let mut frames = Vec::new();
+    robot.frames(&q, &mut |frame| frames.push(*frame));
+    assert_eq!(frames.len(), 1 + 7 + 1);
+    assert!(error_between(&frames[0], &base) < 1e-15);
+    assert!(error_between(&frames[8], &robot.forward(&q)) < 1e-14);
+    let column = robot.jacobian(&q).fixed_view::<3, 1>(3, 0).into_owned();
+    assert!((frames[1].rotation * Vector3::z() - column).amax() < 1e-15);
+}

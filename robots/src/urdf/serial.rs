@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use mrroc::{JointKind, Limits, NoInverse, Pose, Robot};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
 use super::document::{LONGEST, Tree, parsed};
@@ -204,6 +204,26 @@ impl<const N: usize> Serial<N> {
     #[must_use]
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Visits the frames `X_WL` that the links carry, from base to flange: the base B, the frame of every joint that
+    /// moves (mimic joints too), turned or drawn out, its z along the axis, and the flange.
+    #[allow(non_snake_case)]
+    pub fn frames(&self, q: &SVector<f64, N>, visit: &mut dyn FnMut(&Pose)) {
+        let mut X_WL = self.segments.first().map_or_else(Pose::identity, |first| first.X_before);
+        visit(&(X_WL * self.X_BJ.inverse()));
+        for (i, segment) in self.segments.iter().enumerate() {
+            if i > 0 {
+                X_WL *= segment.X_before;
+            }
+            let value = segment.multiplier * q[segment.leader] + segment.offset;
+            X_WL *= match segment.kind {
+                JointKind::Revolute => Pose::rotation(Vector3::z() * value),
+                JointKind::Prismatic => Pose::translation(0.0, 0.0, value),
+            };
+            visit(&X_WL);
+        }
+        visit(&(X_WL * self.X_tip));
     }
 
     /// Whether the arm was recognised as ortho-parallel with a spherical wrist: its inverse kinematics is then in
