@@ -370,6 +370,25 @@ fn accelerations_are_demanded_of_the_caller_and_checked() {
     );
 }
 
+#[test]
+fn position_limits_are_narrowed_and_never_widened() {
+    let robot = Serial::<2>::from_urdf(SOUND, "base", "tip")
+        .and_then(|robot| robot.with_acceleration(Vector2::new(1.0, 1.0)))
+        .expect("sound");
+    let narrower = robot.clone().with_positions(Vector2::new(-0.5, 0.1), Vector2::new(2.0, 0.2));
+    let narrower = narrower.expect("within");
+    assert_eq!((narrower.limits().lower[0], narrower.limits().upper[1]), (-0.5, 0.2));
+    for (lower, upper) in [(0.1, 0.4), (0.2, 0.2), (-0.1, 0.2), (f64::NAN, 0.2)] {
+        let why = robot.clone().with_positions(Vector2::new(-1.0, lower), Vector2::new(2.0, upper));
+        assert_eq!(
+            why.expect_err("no range within").to_string(),
+            format!(
+                "joint \"slide\": positions {lower} to {upper} are no range within 0 to 0.3: narrow them"
+            )
+        );
+    }
+}
+
 /// The slide made to follow the turn.
 fn mimicking(mimic: &str) -> String {
     SOUND.replacen("<axis xyz=\"1 0 0\"/>", &format!("<axis xyz=\"1 0 0\"/>{mimic}"), 1)

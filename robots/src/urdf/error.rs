@@ -315,6 +315,22 @@ pub enum UrdfError {
         /// What was given [rad or m, per s² or s³].
         value: f64,
     },
+    /// Position limits that the caller gave.
+    #[error(
+        "joint \"{joint}\": positions {lower} to {upper} are no range within {lowest} to {highest}: narrow them"
+    )]
+    CallerRange {
+        /// The joint.
+        joint: String,
+        /// Lower limit given [rad or m].
+        lower: f64,
+        /// Upper limit given [rad or m].
+        upper: f64,
+        /// Lowest position that the file allows [rad or m].
+        lowest: f64,
+        /// Highest position that the file allows [rad or m].
+        highest: f64,
+    },
     /// An acceleration or a jerk above the one that the file states (URDF 1.2).
     #[error("joint \"{joint}\": {what} {value} exceeds {limit}, which the URDF states: give at most that")]
     AboveFile {

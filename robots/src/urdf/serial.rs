@@ -39,7 +39,7 @@ use crate::opw::{Joints, OrthoParallel};
 ///
 /// **Limits** come from `<limit lower upper velocity>`. None of them has a default. A continuous joint has no
 /// position limits; the runtime's must be finite, so it is given a thousand turns either way (2000 pi rad) and is
-/// never wrapped: inverse kinematics stays on the turn of the seed. URDF before 1.2 knows no
+/// never wrapped: inverse kinematics stays on the turn of the seed. [`Serial::with_positions`] narrows the limits. URDF before 1.2 knows no
 /// acceleration limits: [`SerialBuilder::with_acceleration`] demands them.
 ///
 /// **Inverse kinematics.** An arm of six revolute joints that is ortho-parallel with a spherical wrist (to 1e-12) is
@@ -185,6 +185,28 @@ impl<const N: usize> Serial<N> {
     pub fn with_jerk(mut self, jerk: SVector<f64, N>) -> Result<Self, UrdfError> {
         check(&self.movers, "jerk", &jerk, |mover| mover.jerk)?;
         self.limits.jerk = Some(jerk);
+        Ok(self)
+    }
+
+    /// The same robot with narrower position limits [rad or m]: within those of the file, of endless joints within a
+    /// thousand turns.
+    ///
+    /// # Errors
+    /// [`UrdfError::CallerRange`].
+    pub fn with_positions(
+        mut self,
+        lower: SVector<f64, N>,
+        upper: SVector<f64, N>,
+    ) -> Result<Self, UrdfError> {
+        for (i, mover) in self.movers.iter().enumerate().take(N) {
+            let (lower, upper, (lowest, highest)) = (lower[i], upper[i], mover.range);
+            let within = lowest <= lower && lower < upper && upper <= highest;
+            if !within {
+                let joint = mover.name.clone();
+                return Err(UrdfError::CallerRange { joint, lower, upper, lowest, highest });
+            }
+        }
+        (self.limits.lower, self.limits.upper) = (lower, upper);
         Ok(self)
     }
 
