@@ -60,9 +60,10 @@ def main():
                 ratio = f"{nanoseconds / ours[task]:8.1f}x"
                 print(f"{title:20}{library:46}{nanoseconds:10.1f}{ratio}{solved:>9}")
     print("\nour robots [ns]\n")
-    print(f"{'robot':20}" + "".join(f"{title:>20}" for title in TASKS.values()))
+    columns = TASKS | {"refusal": "IK, out of reach"}
+    print(f"{'robot':20}" + "".join(f"{title:>20}" for title in columns.values()))
     for arm, times in robots.items():
-        print(f"{arm:20}" + "".join(f"{times[t]:20.1f}" if t in times else f"{'-':>20}" for t in TASKS))
+        print(f"{arm:20}" + "".join(f"{times[t]:20.1f}" if t in times else f"{'-':>20}" for t in columns))
     print("\nraw figures: " + ", ".join(str(folder / f"{name}.*.txt") for name in ["mrroc", *PEERS]))
 
 

@@ -38,7 +38,8 @@ impl Random {
 /// Prints the mean time of a call.
 fn time(arm: &str, what: &str, mut call: impl FnMut(usize)) {
     let mut best = [f64::INFINITY; POSITIONS / WINDOW];
-    for _ in 0..ROUNDS {
+    // A refusal after iteration takes long enough to be measured in a few rounds.
+    for _ in 0..if what == "refusal" { 3 } else { ROUNDS } {
         for (window, best) in best.iter_mut().enumerate() {
             let start = Instant::now();
             (window * WINDOW..(window + 1) * WINDOW).for_each(&mut call);
@@ -88,6 +89,15 @@ fn urdf<const N: usize>(arm: &str, base: &str, tip: &str) {
     let samples = samples(&robot);
     time(arm, "jacobian", |i| {
         black_box(robot.jacobian(black_box(&samples[i].0)));
+    });
+    // Beyond the reach: what a refusal costs.
+    let far = |i: usize| {
+        let mut pose = samples[i].1;
+        pose.translation.vector.x += 3.0 * robot.reach();
+        pose
+    };
+    time(arm, "refusal", |i| {
+        black_box(robot.inverse(black_box(&far(i)), black_box(&samples[i].2)).is_ok());
     });
     if robot.is_closed_form() {
         time(arm, "inverse_all", |i| {

@@ -51,6 +51,35 @@ fn only_ortho_parallel_arms_with_a_spherical_wrist_are_solved_in_closed_form() {
     assert!(!arm::<4>("scara", "base", "tool").is_closed_form());
 }
 
+/// `1.5708` is 3.7e-6 rad more than a right angle: the arm is moved as it is written.
+#[test]
+fn an_arm_with_a_rounded_right_angle_is_solved_by_iteration() {
+    let text = include_str!("reference/urdf/three_parallel.urdf");
+    let text = text.replace("1.5707963267948966", "1.5708");
+    let rounded = Serial::<6>::from_urdf(&text, "base", "wrist_3")
+        .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
+        .expect("sound");
+    let text = include_str!("reference/urdf/ortho_parallel.urdf");
+    let text = text.replace("rpy=\"0 1.5707963267948966 0\"", "rpy=\"0 1.5708 0\"");
+    let flange_only = Serial::<6>::from_urdf(&text, "base_link", "tool0")
+        .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
+        .expect("sound");
+    let text = text.replace("xyz=\"0.455 0 0\"", "xyz=\"0.455 0 0\" rpy=\"0 0 0.0000036\"");
+    let wrist = Serial::<6>::from_urdf(&text, "base_link", "tool0")
+        .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
+        .expect("sound");
+    assert!(flange_only.is_closed_form() && !wrist.is_closed_form());
+    let mut random = Random(SEED);
+    for robot in [rounded, flange_only, wrist] {
+        for _ in 0..1000 {
+            let q = positions(&robot, &mut random);
+            let pose = robot.forward(&q);
+            let found = robot.inverse(&pose, &near(&q, 0.01, &mut random)).expect("the seed is near");
+            assert!(error_between(&robot.forward(&found), &pose) < 1e-9, "seed {SEED}: {q}");
+        }
+    }
+}
+
 #[test]
 fn the_closed_form_gives_back_every_pose_whatever_the_seed() {
     let mut random = Random(SEED);
