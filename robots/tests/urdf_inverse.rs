@@ -245,7 +245,13 @@ fn iteration_refuses_what_cannot_be_reached() {
     let pose = robot.forward(&q);
     let mut far = pose;
     far.translation.vector.x += 1.0;
-    assert_eq!(robot.inverse(&far, &q), Err(NoInverse::Singular { name: "numeric" }));
+    let why = robot.inverse(&far, &q).expect_err("too far");
+    let NoInverse::OutOfReach { distance, max, .. } = why else { panic!("{why}") };
+    // The links: 0.325, (0.275, -0.05), lift 0.2, tool 0.03.
+    assert!((max - 0.325 - 0.275_f64.hypot(0.05) - 0.23).abs() < 1e-12 && distance > max, "{why}");
+    let mut aside = pose;
+    aside.translation.vector.x += 0.2;
+    assert_eq!(robot.inverse(&aside, &q), Err(NoInverse::Singular { name: "numeric" }));
     // A SCARA cannot tilt.
     let tilt = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1e-6);
     let tilted = Pose::from_parts(pose.translation, tilt * pose.rotation);

@@ -27,6 +27,12 @@ const TRIES: u32 = 24;
 /// See [`TRIES`].
 const FARTHEST: f64 = 1.0;
 
+/// After so many steps in a row that leave more than [`STALL`] of the squared error, the bottom is taken to be reached.
+const STALLS: u32 = 4;
+
+/// See [`STALLS`].
+const STALL: f64 = 0.9;
+
 /// Error that counts as none [parts of the reach, rad]: round-off stops further progress.
 const EXACT: f64 = 1e-14;
 
@@ -127,13 +133,16 @@ fn descend<const N: usize>(
     at: impl Fn(SVector<f64, N>) -> Point<N>,
 ) -> Point<N> {
     let mut mu = DAMPING.1;
+    let mut stalled = 0;
     for _ in 0..STEPS {
-        if point.error.norm() < EXACT {
+        if point.error.norm() < EXACT || stalled == STALLS {
             break;
         }
         let Some(step) = step(&point, limits, mu) else { break };
         let next = at(point.q + step);
-        if next.error.norm_squared() < point.error.norm_squared() {
+        let (before, after) = (point.error.norm_squared(), next.error.norm_squared());
+        stalled = if after > STALL * before { stalled + 1 } else { 0 };
+        if after < before {
             point = next;
             mu = (0.25 * mu).max(DAMPING.0);
         } else if point.error.norm() < GOOD || mu >= DAMPING.2 {
