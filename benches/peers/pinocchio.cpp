@@ -52,6 +52,11 @@ int main() {
         pin::computeFrameJacobian(model, data, q[i], tool, pin::LOCAL_WORLD_ALIGNED, j);
         keep(j);
     });
+    time("jacobian_by_joint_Jacobians", 100, 200, [&](int i) {
+        pin::computeJointJacobians(model, data, q[i]);
+        pin::getFrameJacobian(model, data, tool, pin::LOCAL_WORLD_ALIGNED, j);
+        keep(j);
+    });
     int solved = 0;
     Eigen::VectorXd joints(6);
     time("inverse_GaussNewton_1e-8", 100, 100, [&](int i) {

@@ -12,6 +12,7 @@ TASKS = {
     "inverse_all": "IK, all solutions",
 }
 SAME_TASK = {
+    "jacobian_by_joint_Jacobians": "jacobian",
     "inverse_NR_JL_1e-6": "inverse_nearest",
     "inverse_LMA_1e-8": "inverse_nearest",
     "inverse_GaussNewton_1e-8": "inverse_nearest",
@@ -52,7 +53,7 @@ def main():
                     sys.exit(f"{name} moves another arm: positions sum to {values}, here to {own_sum}")
             elif what != "solved":
                 task = SAME_TASK.get(what, what)
-                method = "" if what in TASKS else ", " + what.removeprefix("inverse_").replace("_", " ")
+                method = "" if what in TASKS else ", " + what.removeprefix(task.split("_")[0] + "_").replace("_", " ")
                 rows.append((task, name + method, float(values[0]), solved.get(what, "")))
     for task, title in TASKS.items():
         for of, library, nanoseconds, solved in rows:
