@@ -1,5 +1,6 @@
 // The positions and the clock that all C++ peers share; see README.md.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
