@@ -11,6 +11,7 @@
 //! | [`Rnt`], a stand-in | 6, two of them linear actuators | closed form through three closed loops |
 //! | [`Polycrank`] | 7, endless | closed form, 8 families; the redundancy nearest to the seed |
 //! | [`Gripper`], [`Conveyor`] | 1 | one solution |
+//! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms with a spherical wrist, else iteration |
 //!
 //! [`mrroc::Robot`] is what the runtime needs. [`Kinematics`] adds Jacobians, all solutions, goals within limits,
 //! manipulability and the distance to singularities; [`Driven`] says how motors move the joints. What a simulation adds is
@@ -48,14 +49,17 @@ mod irp6_five;
 mod irp6_track;
 mod kinds;
 mod kinematics;
+mod opw;
 mod plant;
 mod polycrank;
 mod regulator;
 mod rnt;
 mod simulated;
+mod sines;
 mod singular;
 mod transmission;
 mod trig;
+mod urdf;
 mod wrist;
 
 pub use conveyor::Conveyor;
@@ -72,3 +76,4 @@ pub use regulator::{Gains, Regulator};
 pub use rnt::Rnt;
 pub use simulated::{Shaft, Simulated, SimulatedIrp6};
 pub use transmission::{Linear, LinkState, Screw, Transmission};
+pub use urdf::{Serial, SerialBuilder, UrdfError};
