@@ -68,12 +68,6 @@ impl Conveyor {
     pub fn with_base(self, X_WB: Pose) -> Self {
         Self { X_WB, X_BW: X_WB.inverse(), ..self }
     }
-
-    /// Visits the frames `X_WL`: B, the mark F.
-    pub fn frames(&self, q: &One, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        visit(&self.forward(q));
-    }
 }
 
 impl Default for Conveyor {
@@ -101,6 +95,12 @@ impl Robot for Conveyor {
 
     fn forward(&self, q: &One) -> Pose {
         self.X_WB * Translation3::new(q[0], 0.0, 0.0)
+    }
+
+    /// Visits the frames `X_WL`: B, the mark F.
+    fn frames(&self, q: &One, visit: &mut dyn FnMut(&Pose)) {
+        visit(&self.X_WB);
+        visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]

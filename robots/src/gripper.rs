@@ -82,13 +82,6 @@ impl Gripper {
     pub fn with_base(self, X_WB: Pose) -> Self {
         Self { X_WB, X_BW: X_WB.inverse(), ..self }
     }
-
-    /// Visits the frames `X_WL`: B, the other finger, the finger F.
-    pub fn frames(&self, q: &One, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        visit(&(self.X_WB * Translation3::new(-0.5 * q[0], 0.0, 0.0)));
-        visit(&self.forward(q));
-    }
 }
 
 impl Default for Gripper {
@@ -128,6 +121,13 @@ impl Robot for Gripper {
 
     fn forward(&self, q: &One) -> Pose {
         self.X_WB * Translation3::new(0.5 * q[0], 0.0, 0.0)
+    }
+
+    /// Visits the frames `X_WL`: B, the other finger, the finger F.
+    fn frames(&self, q: &One, visit: &mut dyn FnMut(&Pose)) {
+        visit(&self.X_WB);
+        visit(&(self.X_WB * Translation3::new(-0.5 * q[0], 0.0, 0.0)));
+        visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]

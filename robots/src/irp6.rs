@@ -220,15 +220,6 @@ impl Irp6 {
             Ok(wrist) => [wrist, wrist.flipped()].map(|wrist| self.geometry.solve(&wrist, Elbow::Up, near)),
         }
     }
-
-    /// Visits the frames `X_WL` that the links carry, from base to flange: B, shoulder (turned by q1), elbow, wrist
-    /// pitch T, end of d5 (turned by q5), flange. z of the first two is the column's axis; x of the next three lies
-    /// along the link that follows.
-    pub fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        self.geometry.links(q, &mut |link| visit(&(self.X_WB * link)));
-        visit(&self.forward(q));
-    }
 }
 
 /// Which way the elbow bends.
@@ -399,18 +390,13 @@ impl Robot for Irp6 {
         self.X_WB * self.geometry.flange(q)
     }
 
-    /// The frames of the column, the upper arm, the forearm (each at its joint, x along the link) and the flange.
+    /// Visits the frames `X_WL` that the links carry, from base to flange: B, shoulder (turned by q1), elbow, wrist
+    /// pitch T, end of d5 (turned by q5), flange. z of the first two is the column's axis; x of the next three lies
+    /// along the link that follows.
     fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
-        let Geometry { a2, a3, .. } = self.geometry;
-        let theta3 = q[1] + q[2] + FRAC_PI_2;
-        let column = self.X_WB * Pose::rotation(Vector3::z() * q[0]);
-        let upper_arm = column * Pose::rotation(Vector3::y() * q[1]);
-        let elbow = upper_arm * Translation3::new(a2, 0.0, 0.0);
-        let forearm = elbow * Pose::rotation(Vector3::y() * (theta3 - q[1]));
-        let wrist = forearm * Translation3::new(a3, 0.0, 0.0);
-        for frame in [column, upper_arm, forearm, wrist, self.forward(q)] {
-            visit(&frame);
-        }
+        visit(&self.X_WB);
+        self.geometry.links(q, &mut |link| visit(&(self.X_WB * link)));
+        visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]

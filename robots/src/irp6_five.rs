@@ -167,14 +167,6 @@ impl Irp6FiveDof {
             closest(theta5, near[4]),
         ))
     }
-
-    /// Visits the frames `X_WL` that the links carry, from base to flange: B, shoulder, elbow, T, end of d6, flange.
-    pub fn frames(&self, q: &Five, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        let shoulder = self.X_WB * Translation3::new(0.0, 0.0, Self::D1);
-        self.geometry.links(&with_sixth(q), &mut |link| visit(&(shoulder * link)));
-        visit(&self.forward(q));
-    }
 }
 
 /// The joints with a sixth at 0.
@@ -214,6 +206,14 @@ impl Robot for Irp6FiveDof {
         let (sine, cosine) = (FRAC_1_SQRT_2 * h5.0, FRAC_1_SQRT_2 * h5.1);
         let roll = Quaternion::new(-sine, cosine, -sine, cosine);
         self.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(arm * roll))
+    }
+
+    /// Visits the frames `X_WL` that the links carry, from base to flange: B, shoulder, elbow, T, end of d6, flange.
+    fn frames(&self, q: &Five, visit: &mut dyn FnMut(&Pose)) {
+        visit(&self.X_WB);
+        let shoulder = self.X_WB * Translation3::new(0.0, 0.0, Self::D1);
+        self.geometry.links(&with_sixth(q), &mut |link| visit(&(shoulder * link)));
+        visit(&self.forward(q));
     }
 
     /// Shoulder in front and elbow up, as the linkages force it.

@@ -211,16 +211,6 @@ impl Irp6Track {
         }
         Some(inside)
     }
-
-    /// Visits the frames `X_WL` that the links carry, from base to flange: B, carriage, then the arm's as
-    /// [`Irp6::frames`] lists them from the shoulder on.
-    pub fn frames(&self, q: &Seven, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        let carriage = self.X_WB * Translation3::new(0.0, q[0], 0.0);
-        visit(&carriage);
-        self.geometry.links(&arm_of(q), &mut |link| visit(&(carriage * link)));
-        visit(&self.forward(q));
-    }
 }
 
 /// The arm's joints.
@@ -264,6 +254,16 @@ impl Robot for Irp6Track {
 
     fn forward(&self, q: &Seven) -> Pose {
         self.X_WB * shifted(&self.geometry.flange(&arm_of(q)), q[0])
+    }
+
+    /// Visits the frames `X_WL` that the links carry, from base to flange: B, carriage, then the arm's as
+    /// [`Irp6::frames`] lists them from the shoulder on.
+    fn frames(&self, q: &Seven, visit: &mut dyn FnMut(&Pose)) {
+        visit(&self.X_WB);
+        let carriage = self.X_WB * Translation3::new(0.0, q[0], 0.0);
+        visit(&carriage);
+        self.geometry.links(&arm_of(q), &mut |link| visit(&(carriage * link)));
+        visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]

@@ -182,27 +182,6 @@ impl Polycrank {
         (here.translation.vector - X_WF.translation.vector).norm() < BESIDE
             && here.rotation.angle_to(&X_WF.rotation) < BESIDE
     }
-
-    /// Visits the frames `X_WL` that the links carry, from base to flange: B, then Denavit-Hartenberg frames 1 to 7; the
-    /// elbow of a joint's offset `d` and length `a` lies between them.
-    pub fn frames(&self, q: &Seven, visit: &mut dyn FnMut(&Pose)) {
-        let rows = [
-            (0.925 + 0.220, A1, 0.0),
-            (0.152, A2, 0.0),
-            (0.335, 0.0, 0.5 * PI),
-            (0.120, L, 0.0),
-            (0.116, L, 0.0),
-            (0.060, 0.0, 0.5 * PI),
-            (TIP, 0.0, 0.0),
-        ];
-        let mut frame = self.X_WB;
-        visit(&frame);
-        for (i, (d, a, alpha)) in rows.into_iter().enumerate() {
-            frame *= Pose::new(Vector3::z() * d, Vector3::z() * q[i]);
-            frame *= Pose::new(Vector3::x() * a, Vector3::x() * alpha);
-            visit(&frame);
-        }
-    }
 }
 
 impl Default for Polycrank {
@@ -440,6 +419,27 @@ impl Robot for Polycrank {
         let tilt = Quaternion::new(0.0, hs_c, 0.0, hs_s);
         let turn = Quaternion::new(h7_c, 0.0, 0.0, h7_s);
         self.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(heading * tilt * turn))
+    }
+
+    /// Visits the frames `X_WL` that the links carry, from base to flange: B, then Denavit-Hartenberg frames 1 to 7; the
+    /// elbow of a joint's offset `d` and length `a` lies between them.
+    fn frames(&self, q: &Seven, visit: &mut dyn FnMut(&Pose)) {
+        let rows = [
+            (0.925 + 0.220, A1, 0.0),
+            (0.152, A2, 0.0),
+            (0.335, 0.0, 0.5 * PI),
+            (0.120, L, 0.0),
+            (0.116, L, 0.0),
+            (0.060, 0.0, 0.5 * PI),
+            (TIP, 0.0, 0.0),
+        ];
+        let mut frame = self.X_WB;
+        visit(&frame);
+        for (i, (d, a, alpha)) in rows.into_iter().enumerate() {
+            frame *= Pose::new(Vector3::z() * d, Vector3::z() * q[i]);
+            frame *= Pose::new(Vector3::x() * a, Vector3::x() * alpha);
+            visit(&frame);
+        }
     }
 
     #[allow(non_snake_case)]

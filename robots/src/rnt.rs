@@ -246,27 +246,6 @@ impl Rnt {
         Some(Six::new(theta[0], q2, q3, theta[3], theta[4], theta[5]))
     }
 
-    /// Visits the frames `X_WL` that the links carry, from base to flange: B, column, shoulder O, R, T, elbow E, wrist
-    /// centre C, flange. Where the linkages cannot be closed, all but B and the flange are left out.
-    pub fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        if let Some(linkage) = Linkage::of(q[1], q[2]) {
-            let arm = self.X_WB * Pose::rotation(Vector3::z() * q[0]);
-            visit(&(arm * Translation3::new(0.0, 0.0, D1)));
-            let at = |point: Vector2<f64>, x: &Vector2<f64>| {
-                let turn = Pose::rotation(Vector3::y() * -x.y.atan2(x.x));
-                arm * Translation3::new(A1 + point.x, 0.0, D1 + point.y) * turn
-            };
-            let (elbow, tip) = (linkage.upper * A2, linkage.rocker * ROCKER);
-            visit(&at(Vector2::zeros(), &linkage.upper));
-            visit(&at(tip, &linkage.rod));
-            visit(&at(elbow - linkage.forearm * TAIL, &linkage.forearm));
-            visit(&at(elbow, &linkage.forearm));
-            visit(&at(elbow + linkage.forearm * A3, &linkage.forearm));
-        }
-        visit(&self.forward(q));
-    }
-
     /// The two wrists for a flange turned by `R_BF`, the arm at theta1 and the forearm at `forearm`: first with sin q5
     /// >= 0; one alone on the singularity, which keeps q4.
     #[inline]
@@ -402,6 +381,27 @@ impl Robot for Rnt {
         let up = D1 + A2 * upper.y + A3 * forearm.y - forearm.x * x + forearm.y * z;
         let position = Translation3::new(c1 * forwards - s1 * y, s1 * forwards + c1 * y, up);
         self.X_WB * Pose::from_parts(position, rotation)
+    }
+
+    /// Visits the frames `X_WL` that the links carry, from base to flange: B, column, shoulder O, R, T, elbow E, wrist
+    /// centre C, flange. Where the linkages cannot be closed, all but B and the flange are left out.
+    fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
+        visit(&self.X_WB);
+        if let Some(linkage) = Linkage::of(q[1], q[2]) {
+            let arm = self.X_WB * Pose::rotation(Vector3::z() * q[0]);
+            visit(&(arm * Translation3::new(0.0, 0.0, D1)));
+            let at = |point: Vector2<f64>, x: &Vector2<f64>| {
+                let turn = Pose::rotation(Vector3::y() * -x.y.atan2(x.x));
+                arm * Translation3::new(A1 + point.x, 0.0, D1 + point.y) * turn
+            };
+            let (elbow, tip) = (linkage.upper * A2, linkage.rocker * ROCKER);
+            visit(&at(Vector2::zeros(), &linkage.upper));
+            visit(&at(tip, &linkage.rod));
+            visit(&at(elbow - linkage.forearm * TAIL, &linkage.forearm));
+            visit(&at(elbow, &linkage.forearm));
+            visit(&at(elbow + linkage.forearm * A3, &linkage.forearm));
+        }
+        visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]

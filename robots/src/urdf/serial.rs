@@ -232,26 +232,6 @@ impl<const N: usize> Serial<N> {
         self.reach
     }
 
-    /// Visits the frames `X_WL` that the links carry, from base to flange: the base B, the frame of every joint that
-    /// moves (mimic joints too), turned or drawn out, its z along the axis, and the flange.
-    #[allow(non_snake_case)]
-    pub fn frames(&self, q: &SVector<f64, N>, visit: &mut dyn FnMut(&Pose)) {
-        let mut X_WL = self.segments.first().map_or_else(Pose::identity, |first| first.X_before);
-        visit(&(X_WL * self.X_BJ.inverse()));
-        for (i, segment) in self.segments.iter().enumerate() {
-            if i > 0 {
-                X_WL *= segment.X_before;
-            }
-            let value = segment.multiplier * q[segment.leader] + segment.offset;
-            X_WL *= match segment.kind {
-                JointKind::Revolute => Pose::rotation(Vector3::z() * value),
-                JointKind::Prismatic => Pose::translation(0.0, 0.0, value),
-            };
-            visit(&X_WL);
-        }
-        visit(&(X_WL * self.X_tip));
-    }
-
     /// Inverse kinematics by iteration.
     #[allow(non_snake_case)]
     fn iterate(&self, X_WF: &Pose, near: &SVector<f64, N>) -> Result<SVector<f64, N>, NoInverse> {
@@ -312,6 +292,26 @@ impl<const N: usize> Robot for Serial<N> {
             Some(arm) if N == 6 => arm.forward(&six(q)),
             _ => self.linkage.forward(q),
         }
+    }
+
+    /// Visits the frames `X_WL` that the links carry, from base to flange: the base B, the frame of every joint that
+    /// moves (mimic joints too), turned or drawn out, its z along the axis, and the flange.
+    #[allow(non_snake_case)]
+    fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
+        let mut X_WL = self.segments.first().map_or_else(Pose::identity, |first| first.X_before);
+        visit(&(X_WL * self.X_BJ.inverse()));
+        for (i, segment) in self.segments.iter().enumerate() {
+            if i > 0 {
+                X_WL *= segment.X_before;
+            }
+            let value = segment.multiplier * q[segment.leader] + segment.offset;
+            X_WL *= match segment.kind {
+                JointKind::Revolute => Pose::rotation(Vector3::z() * value),
+                JointKind::Prismatic => Pose::translation(0.0, 0.0, value),
+            };
+            visit(&X_WL);
+        }
+        visit(&(X_WL * self.X_tip));
     }
 
     #[allow(non_snake_case)]
