@@ -81,7 +81,7 @@ impl Robot for Conveyor {
 
     type Joints = One;
 
-    fn joint(_i: usize) -> JointKind {
+    fn joint(&self, _i: usize) -> JointKind {
         JointKind::Prismatic
     }
 

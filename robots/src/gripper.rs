@@ -107,7 +107,7 @@ impl Robot for Gripper {
 
     type Joints = One;
 
-    fn joint(_i: usize) -> JointKind {
+    fn joint(&self, _i: usize) -> JointKind {
         JointKind::Prismatic
     }
 

@@ -235,7 +235,7 @@ impl Robot for Irp6Track {
 
     type Joints = Seven;
 
-    fn joint(i: usize) -> JointKind {
+    fn joint(&self, i: usize) -> JointKind {
         if i == 0 { JointKind::Prismatic } else { JointKind::Revolute }
     }
 

@@ -98,7 +98,7 @@ fn turned_into_limits<const N: usize, R: Kinematics<N>>(
     let limits = robot.limits();
     JointVector::from_joints(|i| {
         let angle = closest(q[i], near[i]);
-        match R::joint(i) {
+        match robot.joint(i) {
             JointKind::Prismatic => q[i],
             JointKind::Revolute if angle > limits.upper[i] => {
                 angle - TAU * ((angle - limits.upper[i]) / TAU).ceil()

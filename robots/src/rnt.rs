@@ -334,7 +334,7 @@ impl Robot for Rnt {
 
     type Joints = Six;
 
-    fn joint(i: usize) -> JointKind {
+    fn joint(&self, i: usize) -> JointKind {
         if i == 1 || i == 2 { JointKind::Prismatic } else { JointKind::Revolute }
     }
 

@@ -329,7 +329,7 @@ impl<R: Robot> Acceptor<R> {
                 if starting {
                     // A first demand a whole jump away is not a fast motion but a wrong start.
                     let (jump, way) = (v[i].abs() * duration, speed_limit * duration);
-                    let fault = excess(FaultKind::StartPoseMismatch, jump, way, R::joint(i).unit(0));
+                    let fault = excess(FaultKind::StartPoseMismatch, jump, way, self.robot.joint(i).unit(0));
                     return Err(
                         fault.text("the first demand jumps; begin at `e.demanded()`, as in `first = ..`")
                     );
@@ -338,7 +338,7 @@ impl<R: Robot> Acceptor<R> {
                     FaultKind::DemandedVelocity,
                     v[i].abs(),
                     speed_limit,
-                    R::joint(i).unit(1),
+                    self.robot.joint(i).unit(1),
                 ));
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
@@ -359,7 +359,7 @@ impl<R: Robot> Acceptor<R> {
                     FaultKind::DemandOutOfRange,
                     reach.max(q[i]),
                     limits.upper[i],
-                    R::joint(i).unit(0),
+                    self.robot.joint(i).unit(0),
                 ));
             }
             if q[i] < lower || (v[i] < 0.0 && reach < lower) {
@@ -367,17 +367,27 @@ impl<R: Robot> Acceptor<R> {
                     FaultKind::DemandOutOfRange,
                     reach.min(q[i]),
                     limits.lower[i],
-                    R::joint(i).unit(0),
+                    self.robot.joint(i).unit(0),
                 ));
             }
             let limit = limits.acceleration[i];
             if a[i].abs() > slack(limit, 4.0 * round_off * per_second * per_second) {
-                return Err(excess(FaultKind::DemandedAcceleration, a[i].abs(), limit, R::joint(i).unit(2)));
+                return Err(excess(
+                    FaultKind::DemandedAcceleration,
+                    a[i].abs(),
+                    limit,
+                    self.robot.joint(i).unit(2),
+                ));
             }
             if let Some(limit) = jerk_limit {
                 let jerk = (a[i] - self.acceleration[i]) * per_second;
                 if jerk.abs() > slack(limit, 8.0 * round_off * per_second * per_second * per_second) {
-                    return Err(excess(FaultKind::DemandedJerk, jerk.abs(), limit, R::joint(i).unit(3)));
+                    return Err(excess(
+                        FaultKind::DemandedJerk,
+                        jerk.abs(),
+                        limit,
+                        self.robot.joint(i).unit(3),
+                    ));
                 }
             }
         }

@@ -14,7 +14,7 @@ pub trait Robot: Clone + 'static {
     type Joints: JointVector;
 
     /// What kind joint `i` is; revolute unless a robot says otherwise.
-    fn joint(_i: usize) -> JointKind {
+    fn joint(&self, _i: usize) -> JointKind {
         JointKind::Revolute
     }
 
@@ -44,8 +44,8 @@ pub trait Robot: Clone + 'static {
     /// Direct kinematics: `X_WF`, the pose of the flange in the world, for joint positions `q` [rad, m].
     fn forward(&self, q: &Self::Joints) -> Pose;
 
-    /// Visits the frames of the links at `q`, `X_WL`, from the base to the flange: for pictures. The flange's alone unless a
-    /// robot says more.
+    /// Visits the frames of the links at `q`, `X_WL`, from the base to the flange, which comes last and stands at
+    /// `forward(q)`: for pictures. The flange's alone unless a robot says more.
     fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
         visit(&self.forward(q));
     }

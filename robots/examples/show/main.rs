@@ -50,15 +50,14 @@ fn joints<const N: usize>(request: &Request, usual: SVector<f64, N>) -> Result<S
     Ok(SVector::from_column_slice(numbers))
 }
 
-/// Draws a robot at `q`: `frames` visits its frames, `body` makes the lines of its links from their origins.
+/// Draws a robot at `q`: `body` makes the lines of its links from their origins.
 fn draw<const N: usize, R: Kinematics<N>>(
     robot: &R,
     q: SVector<f64, N>,
-    frames: impl Fn(&SVector<f64, N>, &mut dyn FnMut(&Pose)),
     body: impl Fn(&[Pose]) -> Vec<Line>,
 ) -> String {
     let mut poses = Vec::new();
-    frames(&q, &mut |frame| poses.push(*frame));
+    robot.frames(&q, &mut |frame| poses.push(*frame));
     let numbers: Vec<String> = q.iter().map(|q| format!("{q:.3}")).collect();
     let attainable = if robot.is_attainable(&q) { "attainable" } else { "beyond a limit" };
     let title = format!("{} at q = ({}) [rad, m], {attainable}", R::KIND, numbers.join(", "));
@@ -111,27 +110,27 @@ fn svg(request: &Request) -> Result<String, String> {
     Ok(match request.name.as_str() {
         "irp6" => {
             let robot = Irp6::nominal();
-            draw(&robot, joints(request, arm)?, |q, visit| robot.frames(q, visit), chained)
+            draw(&robot, joints(request, arm)?, chained)
         }
         "irp6-5dof" => {
             let robot = Irp6FiveDof::nominal();
             let q = joints(request, Five::new(0.0, -1.6, 0.1, 0.6, 1.0))?;
-            draw(&robot, q, |q, visit| robot.frames(q, visit), chained)
+            draw(&robot, q, chained)
         }
         "irp6-track" => {
             let robot = Irp6Track::nominal();
             let q = joints(request, Seven::from([0.5, 0.0, -1.55, 0.1, -0.1, 4.6, 0.2]))?;
-            draw(&robot, q, |q, visit| robot.frames(q, visit), chained)
+            draw(&robot, q, chained)
         }
         "rnt" => {
             let robot = Rnt::new();
             let q = joints(request, Six::new(0.0, 0.5, 0.52, 0.0, 1.3, 0.3))?;
-            draw(&robot, q, |q, visit| robot.frames(q, visit), closed)
+            draw(&robot, q, closed)
         }
         "polycrank" => {
             let robot = Polycrank::new();
             let q = joints(request, Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]))?;
-            draw(&robot, q, |q, visit| robot.frames(q, visit), cranked)
+            draw(&robot, q, cranked)
         }
         name => return Err(format!("no robot is called {name}\n{USAGE}")),
     })

@@ -37,9 +37,13 @@ fn attainable<const N: usize, R: Kinematics<N>>(
 }
 
 /// Largest difference of joints, full turns of revolute ones left out of account.
-fn joint_difference<const N: usize, R: Kinematics<N>>(a: &SVector<f64, N>, b: &SVector<f64, N>) -> f64 {
+fn joint_difference<const N: usize>(
+    robot: &impl Kinematics<N>,
+    a: &SVector<f64, N>,
+    b: &SVector<f64, N>,
+) -> f64 {
     (0..N).fold(0.0, |worst: f64, i| {
-        let turned = if R::joint(i) == JointKind::Revolute { closest(a[i], b[i]) } else { a[i] };
+        let turned = if robot.joint(i) == JointKind::Revolute { closest(a[i], b[i]) } else { a[i] };
         worst.max((turned - b[i]).abs())
     })
 }
@@ -127,13 +131,13 @@ pub fn solutions_are_complete<const N: usize, R: Kinematics<N>>(
             .solutions(&pose, &q, &mut |solution| solutions.push(*solution))
             .map_err(|why| Violation(format!("{why} at its own joints {q}")))?;
         total += solutions.len();
-        let holds = solutions.iter().any(|solution| joint_difference::<N, R>(solution, &q) < POSE);
+        let holds = solutions.iter().any(|solution| joint_difference(robot, solution, &q) < POSE);
         ensure(holds, || format!("{q} is not among its {} solutions", solutions.len()))?;
         for (i, solution) in solutions.iter().enumerate() {
             let error = difference(&robot.forward(solution), &pose);
             ensure(error <= POSE, || format!("solution {i} of {q} is off by {error:e}"))?;
             for other in &solutions[..i] {
-                let apart = joint_difference::<N, R>(solution, other);
+                let apart = joint_difference(robot, solution, other);
                 ensure(apart > POSE, || format!("{q} has solution {solution} twice"))?;
             }
             if robot.is_attainable(solution) && robot.singularity_distance(solution) > REGULAR {
@@ -203,21 +207,20 @@ pub fn jacobian_is_the_derivative<const N: usize, R: Kinematics<N>>(
     Ok(())
 }
 
-/// The frames of the links are finite and the last of them is the flange; `frames` calls the robot's own method.
+/// The frames of the links are finite and the last of them is the flange.
 ///
 /// # Errors
 /// The first [`Violation`].
 pub fn frames_end_at_the_flange<const N: usize, R: Kinematics<N>>(
     robot: &R,
     count: usize,
-    frames: impl Fn(&R, &SVector<f64, N>, &mut dyn FnMut(&Pose)),
 ) -> Result<(), Violation> {
     let mut random = Random(SEED);
     for _ in 0..count {
         let q = attainable(robot, &mut random)?;
         let mut last = None;
         let mut finite = true;
-        frames(robot, &q, &mut |frame| {
+        robot.frames(&q, &mut |frame| {
             finite &= is_finite(frame);
             last = Some(*frame);
         });

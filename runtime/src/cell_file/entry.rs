@@ -57,7 +57,7 @@ impl RobotEntry {
         let joints = R::Joints::LEN;
         let Some(start) = &self.start else {
             let what = format!("robot `{}` has no `start`", self.name());
-            let help = format!("write start = [..], {joints} joint positions [{}]", R::joint(0).unit(0));
+            let help = format!("write start = [..], {joints} joint positions [{}]", robot.joint(0).unit(0));
             return Err(self.source.complain(&self.name.span, what, help).into());
         };
         if start.value.len() != joints {
@@ -69,7 +69,7 @@ impl RobotEntry {
         for (i, At { value, span }) in start.value.iter().enumerate() {
             let (lower, upper) = (limits.lower[i], limits.upper[i]);
             if !(lower..=upper).contains(value) {
-                let unit = R::joint(i).unit(0);
+                let unit = robot.joint(i).unit(0);
                 let what = format!("`start` of joint {} is {value} {unit}, outside its limits", i + 1);
                 let help = format!("write a number from {lower:.4} to {upper:.4} {unit}");
                 return Err(self.source.complain(span, what, help).into());

@@ -43,7 +43,7 @@ impl Robot for Arm {
     type Joints = Joints;
 
     /// FILL IN: which joints turn and which slide.
-    fn joint(_: usize) -> JointKind {
+    fn joint(&self, _: usize) -> JointKind {
         JointKind::Prismatic
     }
 
