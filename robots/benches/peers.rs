@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use mrroc::{Pose, Robot};
-use mrroc_robots::{Irp6, Serial};
+use mrroc_robots::{Irp6, Kinematics, Serial};
 use nalgebra::{SVector, Vector3};
 
 /// Positions that are gone through in turn.

@@ -7,7 +7,7 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use mrroc::Robot;
-use mrroc_robots::Serial;
+use mrroc_robots::{Kinematics, Serial};
 use nalgebra::SVector;
 use support::Random;
 

@@ -5,7 +5,7 @@ mod support;
 use core::f64::consts::{PI, TAU};
 
 use mrroc::{NoInverse, Pose, Robot};
-use mrroc_robots::Serial;
+use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{SVector, Vector3};
 use support::Random;
 

@@ -1,7 +1,7 @@
 //! Poses and Jacobians of arms read from URDF against Pinocchio.
 
 use mrroc::Robot;
-use mrroc_robots::Serial;
+use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Reads `tests/reference/urdf/<arm>.urdf` with accelerations of 10 rad/s² or m/s² throughout.

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use mrroc::{JointKind, Limits, NoInverse, Pose, Robot};
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
 use super::document::{LONGEST, Tree, parsed};
@@ -12,6 +12,7 @@ use super::error::UrdfError;
 use super::motion::Linkage;
 use super::newton;
 use super::recognition::ortho_parallel;
+use crate::kinematics::{Jacobian, Kinematics};
 use crate::opw::{Joints, OrthoParallel};
 
 /// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
@@ -50,8 +51,6 @@ use crate::opw::{Joints, OrthoParallel};
 /// `Singular { name: "numeric" }`, after at most 24 starts of at most 40 steps (some 0.1 ms), and at once where the flange
 /// would be farther from the first joint than all links are long, as `OutOfReach`. Right angles written with few digits (`1.5708`) are no right angles: such an arm is
 /// solved by iteration, as it is written.
-///
-/// **Kinds of joints** are known when the file is read, too late for [`Robot::joint`]: see [`Serial::joint_kind`].
 #[derive(Clone, Debug, PartialEq)]
 #[allow(non_snake_case)]
 pub struct Serial<const N: usize> {
@@ -63,7 +62,7 @@ pub struct Serial<const N: usize> {
     /// Pose of the flange in the last joint that moves.
     X_tip: Pose,
     limits: Limits<SVector<f64, N>>,
-    /// About the farthest that the tip gets from the first joint \[m\].
+    /// What the tip cannot be farther than from the first joint \[m\].
     reach: f64,
     /// The closed form, where there is one.
     closed: Option<OrthoParallel>,
@@ -219,19 +218,6 @@ impl<const N: usize> Serial<N> {
         self.movers.iter().map(|mover| mover.name.as_str())
     }
 
-    /// How joint `i` moves; `None` from `N` on.
-    #[must_use]
-    pub fn joint_kind(&self, i: usize) -> Option<JointKind> {
-        self.movers.get(i).map(|mover| mover.kind)
-    }
-
-    /// What the flange cannot be farther than from the first joint \[m\], > 0: the sum of the links; the length by which inverse kinematics
-    /// by iteration compares errors of position with those of orientation \[rad\].
-    #[must_use]
-    pub fn reach(&self) -> f64 {
-        self.reach
-    }
-
     /// Inverse kinematics by iteration.
     #[allow(non_snake_case)]
     fn iterate(&self, X_WF: &Pose, near: &SVector<f64, N>) -> Result<SVector<f64, N>, NoInverse> {
@@ -250,38 +236,16 @@ impl<const N: usize> Serial<N> {
     pub fn is_closed_form(&self) -> bool {
         self.closed.is_some()
     }
-
-    /// Calls `visit` with the solutions of the inverse kinematics, each once, every revolute joint turned as near to
-    /// `near` as full turns allow: all of them (at most eight) for an arm in closed form, of which a joint that is
-    /// undetermined stays as in `near`; the one nearest to `near` for all others. They may break limits.
-    ///
-    /// # Errors
-    /// [`NoInverse`] when there is none; then `visit` has not been called.
-    #[allow(non_snake_case)]
-    pub fn solutions(
-        &self,
-        X_WF: &Pose,
-        near: &SVector<f64, N>,
-        visit: &mut dyn FnMut(&SVector<f64, N>),
-    ) -> Result<(), NoInverse> {
-        match &self.closed {
-            Some(arm) if N == 6 => arm.solutions(X_WF, &six(near), |q| visit(&SVector::from_fn(|i, _| q[i]))),
-            _ => self.inverse(X_WF, near).map(|q| visit(&q)),
-        }
-    }
-
-    /// Geometric Jacobian at `q` [rad or m]: maps joint speeds [rad/s or m/s] to the velocity of the flange's
-    /// origin [m/s] (rows 0 to 2) and its angular velocity [rad/s] (rows 3 to 5), both in the world.
-    #[must_use]
-    pub fn jacobian(&self, q: &SVector<f64, N>) -> SMatrix<f64, 6, N> {
-        self.linkage.jacobian(q).1
-    }
 }
 
 impl<const N: usize> Robot for Serial<N> {
     const KIND: &'static str = "urdf";
 
     type Joints = SVector<f64, N>;
+
+    fn joint(&self, i: usize) -> JointKind {
+        self.movers.get(i).map_or(JointKind::Revolute, |mover| mover.kind)
+    }
 
     fn limits(&self) -> &Limits<Self::Joints> {
         &self.limits
@@ -324,6 +288,33 @@ impl<const N: usize> Robot for Serial<N> {
 
     fn near_singularity(&self, q: &Self::Joints) -> Option<&'static str> {
         self.closed.as_ref().and_then(|arm| arm.near_singularity(&six(q)))
+    }
+}
+
+impl<const N: usize> Kinematics<N> for Serial<N> {
+    /// What the flange cannot be farther than from the first joint \[m\], > 0: the sum of the links; the length by which
+    /// inverse kinematics by iteration compares errors of position with those of orientation \[rad\].
+    fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    fn jacobian(&self, q: &SVector<f64, N>) -> Jacobian<N> {
+        self.linkage.jacobian(q).1
+    }
+
+    /// All solutions (at most eight) of an arm in closed form, of which a joint that is undetermined stays as in `near`;
+    /// of all others the one nearest to `near`.
+    #[allow(non_snake_case)]
+    fn solutions(
+        &self,
+        X_WF: &Pose,
+        near: &SVector<f64, N>,
+        visit: &mut dyn FnMut(&SVector<f64, N>),
+    ) -> Result<(), NoInverse> {
+        match &self.closed {
+            Some(arm) if N == 6 => arm.solutions(X_WF, &six(near), |q| visit(&SVector::from_fn(|i, _| q[i]))),
+            _ => self.inverse(X_WF, near).map(|q| visit(&q)),
+        }
     }
 }
 
