@@ -94,11 +94,15 @@ impl Default for Gripper {
 #[allow(non_snake_case)]
 pub(crate) fn way_along_x(X_BF: &Pose, off: f64) -> Result<f64, NoInverse> {
     let p = X_BF.translation.vector;
-    let distance = p.y.hypot(p.z).max(X_BF.rotation.angle());
-    if p.x.is_finite() && distance <= off {
+    let (aside, turn) = (p.y.hypot(p.z), X_BF.rotation.angle());
+    let refused = |what, actual, unit| Err(NoInverse::NotAttainable { what, actual, tolerance: off, unit });
+    let on_line = p.x.is_finite() && aside <= off;
+    if !on_line {
+        refused("distance from the line of motion", aside, "m")
+    } else if turn <= off {
         Ok(p.x)
     } else {
-        Err(NoInverse::OutOfReach { distance, min: 0.0, max: off })
+        refused("turn", turn, "rad")
     }
 }
 

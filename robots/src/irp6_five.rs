@@ -148,7 +148,12 @@ impl Irp6FiveDof {
         let r = rotation.matrix();
         let lean = c1 * r[(1, 2)] - s1 * r[(0, 2)];
         if lean.is_nan() || lean.abs() > Self::LEAN {
-            return Err(NoInverse::Singular { name: "tool out of the arm's plane" });
+            return Err(NoInverse::NotAttainable {
+                what: "lean out of the arm's plane",
+                actual: lean.abs().min(1.0).asin(),
+                tolerance: Self::LEAN,
+                unit: "rad",
+            });
         }
         let (s4, c4) = (-r[(2, 2)], c1 * r[(0, 2)] + s1 * r[(1, 2)]);
         let theta4 = s4.atan2(c4);

@@ -140,26 +140,35 @@ impl Linkage {
         at_tail.abs().min(at_rocker).min(self.sines[0]).min(self.sines[1])
     }
 
-    /// The actuators' lengths for elevations with the cosines and sines `upper`, `forearm`, if the linkages can be
-    /// assembled as built.
+    /// The actuators' lengths for elevations with the cosines and sines `upper`, `forearm`.
+    ///
+    /// # Errors
+    /// The linkages cannot be assembled so, as they are built: they would have to go through a dead centre.
     #[inline]
-    fn lengths(upper: &Vector2<f64>, forearm: &Vector2<f64>) -> Option<(f64, f64)> {
+    fn lengths(upper: &Vector2<f64>, forearm: &Vector2<f64>) -> Result<(f64, f64), NoInverse> {
         let tail = upper * A2 - forearm * TAIL;
         // R on the circles about O and T; behind the line from O to T.
         let square = tail.norm_squared();
         let along = (square + ROCKER * ROCKER - ROD * ROD) / (2.0 * square);
         let across = ROCKER * ROCKER / square - along * along;
         if across.is_nan() || across < 0.0 {
-            return None;
+            let length = square.sqrt();
+            let actual = (length - ROD - ROCKER).max(ROD - ROCKER - length);
+            let what = "way beyond the linkage's dead centre";
+            return Err(NoInverse::NotAttainable { what, actual, tolerance: 0.0, unit: "m" });
         }
         let rocker = (tail * along + left(&tail) * across.sqrt()) * (1.0 / ROCKER);
         let foot2 = Vector2::new(FOOT2.1, FOOT2.2) * FOOT2.0;
         let foot3 = Vector2::new(FOOT3.1, FOOT3.2) * FOOT3.0;
         let (q2, q3) = ((upper * CRANK - foot2).norm(), (rocker * ROCKER - foot3).norm());
         // Assembled otherwise, the same lengths give another posture.
-        let built = Self::of(q2, q3)?;
-        let same = (built.upper - upper).amax() < 1e-6 && (built.forearm - forearm).amax() < 1e-6;
-        same.then_some((q2, q3))
+        let built = Self::of(q2, q3).ok_or(NoInverse::Singular { name: "dead centre of the linkage" })?;
+        let (off, tolerance) = ((built.upper - upper).amax().max((built.forearm - forearm).amax()), 1e-6);
+        if off < tolerance {
+            return Ok((q2, q3));
+        }
+        let what = "turn beyond the linkage's dead centre";
+        Err(NoInverse::NotAttainable { what, actual: off, tolerance, unit: "rad" })
     }
 }
 
@@ -242,7 +251,7 @@ impl Rnt {
     #[must_use]
     pub fn from_elevations(theta: &Six) -> Option<Six> {
         let direction = |angle: f64| Vector2::new(angle.cos(), angle.sin());
-        let (q2, q3) = Linkage::lengths(&direction(theta[1]), &direction(theta[2]))?;
+        let (q2, q3) = Linkage::lengths(&direction(theta[1]), &direction(theta[2])).ok()?;
         Some(Six::new(theta[0], q2, q3, theta[3], theta[4], theta[5]))
     }
 
@@ -305,9 +314,7 @@ impl Rnt {
         }
         let upper = (reach * along + left(&reach) * (elbow * across.sqrt())) * (1.0 / A2);
         let forearm = (reach - upper * A2) * (1.0 / A3);
-        let Some((q2, q3)) = Linkage::lengths(&upper, &forearm) else {
-            return Err(NoInverse::Singular { name: "dead centre of the linkage" });
-        };
+        let (q2, q3) = Linkage::lengths(&upper, &forearm)?;
         let theta1 = s1.atan2(c1);
         for wrist in Self::wrists(r, (c1, s1), &forearm, near).into_iter().flatten() {
             visit(&Six::new(

@@ -1,6 +1,6 @@
 //! The gripper's opening and its grasp.
 
-use mrroc::{Driver, Robot};
+use mrroc::{Driver, NoInverse, Robot};
 use mrroc_robots::{Driven, Gripper, One, Simulated};
 
 const PERIOD: f64 = 0.002;
@@ -52,5 +52,7 @@ fn a_pose_beside_the_finger_s_line_is_refused() {
     let gripper = Gripper::new();
     let mut pose = gripper.forward(&One::new(0.07));
     pose.translation.vector.y += 1e-3;
-    assert!(gripper.inverse(&pose, &One::new(0.07)).is_err());
+    let why = gripper.inverse(&pose, &One::new(0.07)).expect_err("beside the line");
+    let NoInverse::NotAttainable { actual, unit: "m", .. } = why else { panic!("{why}") };
+    assert!((actual - 1e-3).abs() < 1e-15, "{why}");
 }

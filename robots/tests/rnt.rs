@@ -110,4 +110,11 @@ fn what_cannot_be_reached_is_refused_with_its_cause() {
     let mut pose = robot.forward(&drawn());
     pose.translation.vector = Vector3::new(0.0, 0.0, 1.6);
     assert_eq!(robot.inverse(&pose, &drawn()), Err(NoInverse::Singular { name: "shoulder" }));
+    // Within the arm's reach, but high up, with the arm all but stretched: rod and rocker do not bridge that.
+    let mut pose = robot.forward(&Six::new(0.1, 0.5, 0.55, 0.2, 1.3, 0.3));
+    pose.translation.vector.component_mul_assign(&Vector3::new(1.15, 1.15, 1.0));
+    pose.translation.vector.z += 0.4;
+    let why = robot.inverse(&pose, &drawn()).expect_err("beyond the dead centre");
+    let NoInverse::NotAttainable { actual, tolerance, .. } = why else { panic!("{why}") };
+    assert!(actual > tolerance, "{why}");
 }

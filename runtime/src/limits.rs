@@ -297,6 +297,12 @@ impl<R: Robot> Acceptor<R> {
                     fault.text(&text).exceeds(distance, limit, "m")
                 }
                 NoInverse::Singular { name } => fault.text(&format!("at a singularity ({name}), {at}")),
+                NoInverse::NotAttainable { what, actual, tolerance, unit } => {
+                    fault.text(&format!("{NOT_ATTAINABLE}, {at}: {what}")).exceeds(actual, tolerance, unit)
+                }
+                NoInverse::NotConverged { error, tolerance } => {
+                    fault.text(&format!("{NOT_FOUND}, {at}: off by {error:.1e}, at most {tolerance:.0e}"))
+                }
             }
         })
     }
@@ -439,6 +445,12 @@ const AGREEMENT: f64 = 1e-3;
 
 /// What a robot is told of whose `inverse` and `forward` are not of one arm.
 pub(crate) const DISAGREEMENT: &str = "`forward` of the joints that `inverse` gives is another pose";
+
+/// How the message of [`NoInverse::NotAttainable`] begins.
+pub(crate) const NOT_ATTAINABLE: &str = "not attainable";
+
+/// How the message of [`NoInverse::NotConverged`] begins.
+pub(crate) const NOT_FOUND: &str = "no joints found from here";
 
 /// A pose whose numbers are finite and whose quaternion is a rotation, normalised.
 fn valid_frame(pose: &Pose) -> Result<Pose, Fault> {

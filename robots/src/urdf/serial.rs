@@ -48,7 +48,7 @@ use crate::opw::{Joints, OrthoParallel};
 /// solutions, whatever the limits. All other chains are solved by iteration from the seed, within the limits: of poses
 /// drawn from the whole range, all are found from seeds within 0.01 of every joint [rad or m], and at least 9,999 of
 /// 10,000 from seeds within 0.1 (`tests/urdf_inverse.rs`); what is not found is refused, as
-/// `Singular { name: "numeric" }`, after at most 24 starts of at most 40 steps (some 0.1 ms), and at once where the flange
+/// [`NoInverse::NotConverged`], after at most 24 starts of at most 40 steps (some 0.1 ms), and at once where the flange
 /// would be farther from the first joint than all links are long, as `OutOfReach`. Right angles written with few digits (`1.5708`) are no right angles: such an arm is
 /// solved by iteration, as it is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,9 +103,6 @@ impl<const N: usize> SerialBuilder<N> {
         self.chain.movers.iter().map(|mover| mover.name.as_str())
     }
 }
-
-/// Why the iteration gives no joint positions: it came to none from the seed.
-const NOT_CONVERGED: NoInverse = NoInverse::Singular { name: "numeric" };
 
 /// Part of the reach by which a pose may exceed it.
 const ROUND_OFF: f64 = 1e-12;
@@ -227,7 +224,8 @@ impl<const N: usize> Serial<N> {
         if distance > self.reach * (1.0 + ROUND_OFF) {
             return Err(NoInverse::OutOfReach { distance, min: 0.0, max: self.reach });
         }
-        newton::solve(&self.linkage, &self.limits, self.reach, X_WF, near).map_err(|_| NOT_CONVERGED)
+        newton::solve(&self.linkage, &self.limits, self.reach, X_WF, near)
+            .map_err(|error| NoInverse::NotConverged { error, tolerance: newton::GOOD })
     }
 
     /// Whether the arm was recognised as ortho-parallel with a spherical wrist: its inverse kinematics is then in
