@@ -1,9 +1,7 @@
 //! The XML of a URDF: text in, elements with their lines out.
 //!
 //! Values are read as they are used, and strictly: a number that is no number, or an attribute that URDF does not
-//! have, is an error and never a default. That is why urdf-rs (0.10) is not used: it reads `xyz="0 x 0 1"` as 0 0 1,
-//! gives a revolute joint without `<limit>` the limits 0 and 0, leaves out what is misspelt, and knows neither lines nor,
-//! mostly, the element of an error; and its two XML readers would double what the workspace has in roxmltree.
+//! have, is an error and never a default: `docs/decisions/0011-own-reader-for-urdf.md`.
 
 use std::collections::HashMap;
 
