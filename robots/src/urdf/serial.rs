@@ -40,8 +40,8 @@ use crate::opw::{Joints, OrthoParallel};
 ///
 /// **Limits** come from `<limit lower upper velocity>`. None of them has a default. A continuous joint has no
 /// position limits; the runtime's must be finite, so it is given a thousand turns either way (2000 pi rad) and is
-/// never wrapped: inverse kinematics stays on the turn of the seed. [`Serial::with_positions`] narrows the limits. URDF before 1.2 knows no
-/// acceleration limits: [`SerialBuilder::with_acceleration`] demands them.
+/// never wrapped: inverse kinematics stays on the turn of the seed. [`Serial::with_positions`] narrows the limits. URDF
+/// before 1.2 knows no acceleration limits: [`SerialBuilder::with_acceleration`] demands them.
 ///
 /// **Inverse kinematics.** An arm of six revolute joints that is ortho-parallel with a spherical wrist (to 1e-12) is
 /// recognised from its axes and solved in closed form: [`Robot::inverse`] then gives the nearest of up to eight
@@ -49,8 +49,8 @@ use crate::opw::{Joints, OrthoParallel};
 /// drawn from the whole range, all are found from seeds within 0.01 of every joint [rad or m], and at least 9,999 of
 /// 10,000 from seeds within 0.1 (`tests/urdf_inverse.rs`); what is not found is refused, as
 /// [`NoInverse::NotConverged`], after at most 24 starts of at most 40 steps (some 0.1 ms), and at once where the flange
-/// would be farther from the first joint than all links are long, as `OutOfReach`. Right angles written with few digits (`1.5708`) are no right angles: such an arm is
-/// solved by iteration, as it is written.
+/// would be farther from the first joint than all links are long, as `OutOfReach`. Right angles written with few digits
+/// (`1.5708`) are no right angles: such an arm is solved by iteration, as it is written.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(non_snake_case)]
 pub struct Serial<const N: usize> {
