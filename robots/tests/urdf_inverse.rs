@@ -303,3 +303,11 @@ fn frames_run_from_the_base_to_the_flange_with_z_along_the_axes() {
     let column = robot.jacobian(&q).fixed_view::<3, 1>(3, 0).into_owned();
     assert!((frames[1].rotation * Vector3::z() - column).amax() < 1e-15);
 }
+
+/// The types that the files give their joints; runtime messages take their units from them.
+#[test]
+fn joints_that_slide_count_in_metres() {
+    let units = |robot: Serial<4>| [0, 1, 2, 3].map(|i| robot.joint(i).unit(1));
+    assert_eq!(units(arm("scara", "base", "tool")), ["rad/s", "rad/s", "rad/s", "m/s"]);
+    assert_eq!(units(arm("gantry", "bed", "tool")), ["m/s", "m/s", "m/s", "rad/s"]);
+}
