@@ -18,6 +18,14 @@ bench:
     cargo bench -p mrroc-generators --bench generators
     cargo bench -p mrroc-robots --bench kinematics
 
+# Inverse kinematics of the arms read from URDF, for 100,000 poses each.
+test-urdf:
+    cargo test --release -p mrroc-robots --test urdf_inverse -- --nocapture
+
+# Kinematics beside KDL, Pinocchio and rs-opw-kinematics, which it installs into target/peers.
+bench-peers:
+    benches/peers/run
+
 # Accept changed snapshots of expansions, diagnostics and the template's files.
 snapshots:
     INSTA_UPDATE=always cargo test -p mrroc-macros

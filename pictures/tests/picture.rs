@@ -39,7 +39,7 @@ impl Robot for Gantry {
     const KIND: &'static str = "gantry";
     type Joints = Eight;
 
-    fn joint(i: usize) -> JointKind {
+    fn joint(&self, i: usize) -> JointKind {
         if i < 3 { JointKind::Prismatic } else { JointKind::Revolute }
     }
 

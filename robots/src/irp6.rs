@@ -41,27 +41,33 @@
 //! add up on one motor (q2, q3, q4 on T and V) can still ask it for more: the drives refuse that.
 //!
 //! Sources: MRROC++ public facts (geometry, calibration, transmission, limits, currents). The motors'
-//! electrical and mechanical constants are not public: [`MotorData`] marks them as assumed.
+//! electrical and mechanical constants are not public: [`MotorData`](crate::MotorData) marks them as assumed.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use mrroc::{CoupledLimit, Limits, NoInverse, Pose, Robot};
-use nalgebra::{Matrix6, Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
+use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
+use nalgebra::{Quaternion, SVector, Translation3, UnitQuaternion, Vector3};
 
+use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
+use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::plant::Encoder;
 use crate::regulator::Gains;
-use crate::transmission::{Linear, Screw, Transmission};
-use crate::wrist::{Wrist, closest};
+use crate::transmission::{GRAVITY, Linear, LinkState, Screw, Transmission};
+use crate::trig::sin_cos;
+use crate::wrist::{Side, Wrist};
 
 /// One entry per joint, or per motor, of the IRp-6.
 pub type Six = SVector<f64, 6>;
 
 /// Lengths of the links.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Geometry {
-    a2: f64,
-    a3: f64,
-    d5: f64,
+pub(crate) struct Geometry {
+    /// Lower link, shoulder to elbow \[m\].
+    pub(crate) a2: f64,
+    /// Upper link, elbow to T \[m\].
+    pub(crate) a3: f64,
+    /// Wrist link, T to the flange \[m\].
+    pub(crate) d5: f64,
 }
 
 /// An IRp-6 arm on its postument, without gripper.
@@ -75,32 +81,6 @@ pub struct Irp6 {
     limits: Limits<Six>,
 }
 
-/// One drive: what the simulated plant needs to know of a motor and its load.
-///
-/// The assumed figures are those of DC disc motors at 96 V, chosen so that the published gains give a sound
-/// servo loop on each axis: it crosses over at 99 to 130 rad/s with a phase margin of 45 to 56 deg and a gain
-/// margin above 6.7 (`tests/reference/servo_margins.py`), and every joint alone can reach its acceleration and speed limits
-/// within the lasting current.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotorData {
-    /// Encoder on the motor shaft (MRROC++).
-    pub encoder: Encoder,
-    /// Gains of its regulator (MRROC++).
-    pub gains: Gains,
-    /// Largest lasting current \[A\], > 0 (MRROC++).
-    pub current_limit: f64,
-    /// Armature resistance \[ohm\], > 0 (assumed).
-    pub resistance: f64,
-    /// Torque constant [N m/A] and back-EMF constant [V s], > 0 (assumed).
-    pub torque_constant: f64,
-    /// Inertia of rotor and load, seen at the motor [kg m²], > 0 (assumed).
-    pub inertia: f64,
-    /// Viscous friction at the motor [N m s], >= 0 (assumed).
-    pub viscous: f64,
-    /// Coulomb friction at the motor [N m], >= 0 (assumed).
-    pub coulomb: f64,
-}
-
 impl Irp6 {
     /// Lowest motor angles \[rad\] (MRROC++).
     pub const MOTOR_LOWER: Six = Six::new(-470.0, -110.0, -80.0, -70.0, -80.0, -1000.0);
@@ -109,32 +89,43 @@ impl Irp6 {
     /// Hard limit of every motor's speed: 0.5 rad per servo period of 2 ms [rad/s] (MRROC++).
     pub const MOTOR_SPEED: f64 = 250.0;
 
+    pub(crate) const MOTOR_LIMITS: MotorLimits<6> = MotorLimits {
+        lower: Self::MOTOR_LOWER.data.0[0],
+        upper: Self::MOTOR_UPPER.data.0[0],
+        speed: Self::MOTOR_SPEED,
+    };
+
     /// Distance from the wrist singularity \[rad\] within which faults name it: joints 4 and 6 turn ten times as
     /// fast there as the tool.
     pub const NEAR_SINGULARITY: f64 = 0.1;
     /// First moments of mass that load the lower and the upper arm, after balancing [kg m] (assumed).
     pub const GRAVITY_MOMENT: [f64; 2] = [6.0, 4.0];
     /// Drives of column, lower arm, upper arm, T, V, N.
+    ///
+    /// The assumed figures are those of DC disc motors at 96 V, chosen so that the published gains give a sound
+    /// servo loop on each axis: it crosses over at 99 to 130 rad/s with a phase margin of 45 to 56 deg and a gain
+    /// margin above 6.7 (`tests/reference/servo_margins.py`), and every joint alone can reach its acceleration and
+    /// speed limits within the lasting current.
     #[rustfmt::skip]
     pub const MOTORS: [MotorData; 6] = [
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 15.0,
             gains: Gains { a: 0.429, b0: 6.834, b1: 6.606, feedforward: 0.35 }, resistance: 3.66,
-            torque_constant: 0.20, inertia: 2.5e-3, viscous: 1e-3, coulomb: 0.08 },
+            torque_constant: 0.20, inertia: 2.5e-3, viscous: 1e-3, coulomb: 0.08, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 18.0,
             gains: Gains { a: 0.64, b0: 2.49, b1: 2.385, feedforward: 0.35 }, resistance: 2.80,
-            torque_constant: 0.20, inertia: 2.2e-3, viscous: 1e-3, coulomb: 0.10 },
+            torque_constant: 0.20, inertia: 2.2e-3, viscous: 1e-3, coulomb: 0.10, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.333, b0: 5.693, b1: 5.427, feedforward: 0.35 }, resistance: 5.30,
-            torque_constant: 0.20, inertia: 1.2e-3, viscous: 1e-3, coulomb: 0.08 },
+            torque_constant: 0.20, inertia: 1.2e-3, viscous: 1e-3, coulomb: 0.08, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.56, b0: 3.99, b1: 3.775, feedforward: 0.35 }, resistance: 6.50,
-            torque_constant: 0.18, inertia: 9e-4, viscous: 5e-4, coulomb: 0.04 },
+            torque_constant: 0.18, inertia: 9e-4, viscous: 5e-4, coulomb: 0.04, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 4000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 }, resistance: 6.50,
-            torque_constant: 0.18, inertia: 7e-4, viscous: 5e-4, coulomb: 0.04 },
+            torque_constant: 0.18, inertia: 7e-4, viscous: 5e-4, coulomb: 0.04, ..MotorData::DISC },
         MotorData { encoder: Encoder { pulses: 2000.0 }, current_limit: 10.0,
             gains: Gains { a: 0.39, b0: 4.31, b1: 3.945, feedforward: 0.35 }, resistance: 6.50,
-            torque_constant: 0.18, inertia: 3.5e-4, viscous: 5e-4, coulomb: 0.04 },
+            torque_constant: 0.18, inertia: 3.5e-4, viscous: 5e-4, coulomb: 0.04, ..MotorData::DISC },
     ];
 
     /// The arm with its design dimensions, its base at the world's origin.
@@ -207,18 +198,86 @@ impl Irp6 {
     /// Whether `q` \[rad\] keeps the joint limits and, through the transmission, the motor limits.
     #[must_use]
     pub fn is_feasible(&self, q: &Six) -> bool {
-        let motors = self.transmission.motors(q);
-        (0..6).all(|i| {
-            (self.limits.lower[i]..=self.limits.upper[i]).contains(&q[i])
-                && (Self::MOTOR_LOWER[i]..=Self::MOTOR_UPPER[i]).contains(&motors[i])
-        })
+        self.is_attainable(q)
     }
 
-    /// Geometric Jacobian at `q` \[rad\]: maps joint speeds [rad/s] to the flange's angular velocity [rad/s]
-    /// (rows 0 to 2) and the velocity of its origin [m/s] (rows 3 to 5), both in the world.
+    /// How far q5 is from the nearest wrist singularity \[rad\], 0 to pi/2.
     #[must_use]
-    pub fn jacobian(&self, q: &Six) -> Matrix6<f64> {
-        let Geometry { a2, a3, d5 } = self.geometry;
+    pub fn wrist_singularity_distance(q: &Six) -> f64 {
+        let (sine, cosine) = q[4].sin_cos();
+        sine.abs().atan2(cosine.abs())
+    }
+
+    /// Both wrist solutions for the flange at `X_WF`, first the one with `sin q5 >= 0`; every joint within pi of `near`.
+    ///
+    /// The shoulder stays in front and the elbow up: the motor limits exclude the other branches (they keep
+    /// theta3 - theta2 between 27 and 161 deg and the flange at least 0.2 m in front of the column).
+    /// [`Kinematics::solutions`] visits those as well.
+    #[allow(non_snake_case)]
+    pub fn all_solutions(&self, X_WF: &Pose, near: &Six) -> [Result<Six, NoInverse>; 2] {
+        match Wrist::of(&(self.X_BW * X_WF), Side::Front, near) {
+            Err(why) => [Err(why); 2],
+            Ok(wrist) => [wrist, wrist.flipped()].map(|wrist| self.geometry.solve(&wrist, Elbow::Up, near)),
+        }
+    }
+}
+
+/// Which way the elbow bends.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Elbow {
+    /// `sin(theta3 - theta2) > 0`: the only way that the linkages allow.
+    Up,
+    /// The other way.
+    Down,
+}
+
+impl Geometry {
+    /// Length of the stretched arm \[m\].
+    pub(crate) fn length(&self) -> f64 {
+        self.a2 + self.a3 + self.d5
+    }
+
+    /// `X_BF` at `q` \[rad\].
+    #[inline]
+    #[allow(non_snake_case)]
+    pub(crate) fn flange(&self, q: &Six) -> Pose {
+        let Geometry { a2, a3, d5 } = *self;
+        let theta3 = q[1] + q[2] + FRAC_PI_2;
+        let theta4 = theta3 + q[3];
+        let [(s2, c2), (s3, c3), h1, h4, h5, h6] =
+            sin_cos([q[1], theta3, 0.5 * q[0], 0.5 * theta4, 0.5 * q[4], 0.5 * q[5]]);
+        let (s1, c1) = doubled(h1);
+        let (s4, c4) = doubled(h4);
+        let rho = a2 * c2 + a3 * c3 + d5 * c4;
+        let position = Translation3::new(c1 * rho, s1 * rho, -a2 * s2 - a3 * s3 - d5 * s4);
+        // R_z(q1) R_y(theta4), then R_x(q5) P, then R_z(q6).
+        let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
+        let (plus, minus) = (0.5 * (h5.1 + h5.0), 0.5 * (h5.1 - h5.0));
+        let roll = Quaternion::new(plus, -minus, -minus, -plus);
+        let turn = Quaternion::new(h6.1, 0.0, 0.0, h6.0);
+        let rotation = UnitQuaternion::new_unchecked(arm * roll * turn);
+        Pose::from_parts(position, rotation)
+    }
+
+    /// The links' frames in B: shoulder, elbow, T, end of d5.
+    pub(crate) fn links(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
+        let theta3 = q[1] + q[2] + FRAC_PI_2;
+        let column = Pose::rotation(Vector3::z() * q[0]);
+        visit(&column);
+        let mut end = Vector3::zeros();
+        let links = [(self.a2, q[1], theta3), (self.a3, theta3, theta3 + q[3])];
+        for (length, angle, next) in links {
+            end += length * Vector3::new(angle.cos(), 0.0, -angle.sin());
+            visit(&(column * Pose::new(end, Vector3::y() * next)));
+        }
+        let wrist = Pose::new(end, Vector3::y() * (theta3 + q[3]));
+        visit(&(column * wrist * Pose::new(Vector3::x() * self.d5, Vector3::x() * q[4])));
+    }
+
+    /// Jacobian at `q` \[rad\] of a flange seen in axes turned by `R_WB` from B.
+    #[allow(non_snake_case)]
+    pub(crate) fn jacobian(&self, q: &Six, R_WB: &UnitQuaternion<f64>) -> Jacobian<6> {
+        let Geometry { a2, a3, d5 } = *self;
         let (theta2, theta3) = (q[1], q[1] + q[2] + FRAC_PI_2);
         let theta4 = theta3 + q[3];
         let ((s1, c1), (s5, c5)) = (q[0].sin_cos(), q[4].sin_cos());
@@ -233,72 +292,72 @@ impl Irp6 {
         let v2 = v3 + swing(a2, theta2);
         let rho = a2 * theta2.cos() + a3 * theta3.cos() + d5 * c4;
         let pitch = Vector3::new(-s1, c1, 0.0);
+        let none = Vector3::zeros();
+        let z_f = Vector3::new(c1 * s4 * s5 - s1 * c5, s1 * s4 * s5 + c1 * c5, c4 * s5);
         let columns = [
-            (Vector3::z(), Vector3::new(-s1 * rho, c1 * rho, 0.0)),
-            (pitch, v2),
-            (pitch, v3),
-            (pitch, v4),
-            (Vector3::new(c1 * c4, s1 * c4, -s4), Vector3::zeros()),
-            (Vector3::new(c1 * s4 * s5 - s1 * c5, s1 * s4 * s5 + c1 * c5, c4 * s5), Vector3::zeros()),
+            (Vector3::new(-s1 * rho, c1 * rho, 0.0), Vector3::z()),
+            (v2, pitch),
+            (v3, pitch),
+            (v4, pitch),
+            (none, Vector3::new(c1 * c4, s1 * c4, -s4)),
+            (none, z_f),
         ];
-        let mut jacobian = Matrix6::zeros();
-        for (i, (angular, linear)) in columns.iter().enumerate() {
-            jacobian.fixed_view_mut::<3, 1>(0, i).copy_from(&(self.X_WB.rotation * angular));
-            jacobian.fixed_view_mut::<3, 1>(3, i).copy_from(&(self.X_WB.rotation * linear));
-        }
-        jacobian
+        Jacobian::from_columns(&columns.map(|(linear, angular)| column(&(R_WB * linear), &(R_WB * angular))))
     }
 
-    /// Manipulability at `q` \[rad\]: |det J| = |rho a2 a3 sin(theta3 - theta2) sin(q5)| \[m³\] (Yoshikawa),
-    /// where rho is the distance of the flange from the column axis; 0 on a singularity.
-    #[must_use]
-    pub fn manipulability(&self, q: &Six) -> f64 {
-        let Geometry { a2, a3, d5 } = self.geometry;
+    /// |det J| at `q` \[m^3\].
+    pub(crate) fn determinant(&self, q: &Six) -> f64 {
+        let Geometry { a2, a3, d5 } = *self;
         let theta3 = q[1] + q[2] + FRAC_PI_2;
         let rho = a2 * q[1].cos() + a3 * theta3.cos() + d5 * (theta3 + q[3]).cos();
         (rho * a2 * a3 * (theta3 - q[1]).sin() * q[4].sin()).abs()
     }
 
-    /// How far q5 is from the nearest wrist singularity \[rad\], 0 to pi/2.
-    #[must_use]
-    pub fn wrist_singularity_distance(q: &Six) -> f64 {
-        let (sine, cosine) = q[4].sin_cos();
-        sine.abs().atan2(cosine.abs())
+    /// The solution with the shoulder in front and the elbow up whose wrist is nearest to `near`.
+    #[inline]
+    #[allow(non_snake_case)]
+    pub(crate) fn nearest(&self, X_BF: &Pose, near: &Six) -> Result<Six, NoInverse> {
+        let wrist = Wrist::of(X_BF, Side::Front, near)?;
+        let flipped = wrist.flipped();
+        let nearest = if wrist.distance(near) <= flipped.distance(near) { wrist } else { flipped };
+        self.solve(&nearest, Elbow::Up, near)
     }
 
-    /// Both wrist solutions for the flange at `X_WF`, first the one with `sin q5 >= 0`; every joint within pi of `near`.
-    ///
-    /// The shoulder stays in front and the elbow up: the motor limits exclude the other branches (they keep
-    /// theta3 - theta2 between 27 and 161 deg and the flange at least 0.2 m in front of the column).
+    /// Every solution once: shoulder in front and behind, both wrists, elbow up and down.
     #[allow(non_snake_case)]
-    pub fn all_solutions(&self, X_WF: &Pose, near: &Six) -> [Result<Six, NoInverse>; 2] {
-        match Wrist::of(&(self.X_BW * X_WF), near) {
-            Err(why) => [Err(why); 2],
-            Ok(wrist) => [self.solve(&wrist, near), self.solve(&wrist.flipped(), near)],
+    pub(crate) fn solutions(
+        &self,
+        X_BF: &Pose,
+        near: &Six,
+        visit: &mut dyn FnMut(&Six),
+    ) -> Result<(), NoInverse> {
+        let (mut refused, mut any) = (None, false);
+        for side in [Side::Front, Side::Back] {
+            let wrist = Wrist::of(X_BF, side, near)?;
+            let both = [Some(wrist), wrist.other()];
+            for wrist in both.into_iter().flatten() {
+                for elbow in [Elbow::Up, Elbow::Down] {
+                    match self.solve(&wrist, elbow, near) {
+                        Ok(q) => {
+                            any = true;
+                            visit(&q);
+                        }
+                        Err(why) => refused = refused.or(Some(why)),
+                    }
+                }
+            }
         }
+        refused.filter(|_| !any).map_or(Ok(()), Err)
     }
 
     /// The planar two-link arm that carries a known wrist.
-    fn solve(&self, wrist: &Wrist, near: &Six) -> Result<Six, NoInverse> {
-        let Geometry { a2, a3, d5 } = self.geometry;
+    #[inline]
+    fn solve(&self, wrist: &Wrist, elbow: Elbow, near: &Six) -> Result<Six, NoInverse> {
+        let Geometry { a2, a3, d5 } = *self;
         // The far end of the upper arm: forwards and downwards from the shoulder.
         let e = wrist.rho - d5 * wrist.c4;
         let f = -wrist.z - d5 * wrist.s4;
-        let square = e * e + f * f;
-        let k = (square + a2 * a2 - a3 * a3) / (2.0 * a2);
-        let under_root = square - k * k;
-        if under_root.is_nan() || under_root < 0.0 {
-            return Err(NoInverse::OutOfReach {
-                distance: square.sqrt(),
-                min: (a3 - a2).abs(),
-                max: a2 + a3,
-            });
-        }
-        let root = under_root.sqrt();
-        let (y, x) = (k * f - root * e, root * f + k * e);
-        let (s2, c2) = (y / square, x / square);
-        let theta2 = y.atan2(x);
-        let theta3 = (f - a2 * s2).atan2(e - a2 * c2);
+        let (theta2, theta3) = two_links(a2, a3, e, f, elbow)?;
         Ok(Six::new(
             closest(wrist.theta1, near[0]),
             closest(theta2, near[1]),
@@ -324,72 +383,113 @@ impl Robot for Irp6 {
     }
 
     fn check_coupled(&self, from: &Six, to: &Six, duration: f64) -> Result<(), CoupledLimit> {
-        let (before, after) = (self.transmission.motors(from), self.transmission.motors(to));
-        for i in 0..6 {
-            let (lower, upper) = (Self::MOTOR_LOWER[i], Self::MOTOR_UPPER[i]);
-            let limit = if after[i] < lower { lower } else { upper };
-            if !(lower..=upper).contains(&after[i]) {
-                let what = "angle of the motor";
-                return Err(CoupledLimit { joint: i, what, actual: after[i], limit, unit: "rad" });
-            }
-            let speed = (after[i] - before[i]).abs() / duration;
-            if speed > Self::MOTOR_SPEED {
-                let (what, limit) = ("speed of the motor", Self::MOTOR_SPEED);
-                return Err(CoupledLimit { joint: i, what, actual: speed, limit, unit: "rad/s" });
-            }
-        }
-        Ok(())
+        check_motors(self, from, to, duration)
     }
 
     fn forward(&self, q: &Six) -> Pose {
-        let Geometry { a2, a3, d5 } = self.geometry;
-        let (s2, c2) = q[1].sin_cos();
-        let theta3 = q[1] + q[2] + FRAC_PI_2;
-        let (s3, c3) = theta3.sin_cos();
-        let [h1, h4, h5, h6] = [q[0], theta3 + q[3], q[4], q[5]].map(|angle| (0.5 * angle).sin_cos());
-        let (s1, c1) = doubled(h1);
-        let (s4, c4) = doubled(h4);
-        let rho = a2 * c2 + a3 * c3 + d5 * c4;
-        let position = Translation3::new(c1 * rho, s1 * rho, -a2 * s2 - a3 * s3 - d5 * s4);
-        // R_z(q1) R_y(theta4), then R_x(q5) P, then R_z(q6).
-        let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
-        let (plus, minus) = (0.5 * (h5.1 + h5.0), 0.5 * (h5.1 - h5.0));
-        let roll = Quaternion::new(plus, -minus, -minus, -plus);
-        let turn = Quaternion::new(h6.1, 0.0, 0.0, h6.0);
-        let rotation = UnitQuaternion::new_unchecked(arm * roll * turn);
-        self.X_WB * Pose::from_parts(position, rotation)
+        self.X_WB * self.geometry.flange(q)
     }
 
-    /// The frames of the column, the upper arm, the forearm (each at its joint, x along the link) and the flange.
+    /// Visits the frames `X_WL` that the links carry, from base to flange: B, shoulder (turned by q1), elbow, wrist
+    /// pitch T, end of d5 (turned by q5), flange. z of the first two is the column's axis; x of the next three lies
+    /// along the link that follows.
     fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
-        let Geometry { a2, a3, .. } = self.geometry;
-        let theta3 = q[1] + q[2] + FRAC_PI_2;
-        let column = self.X_WB * Pose::rotation(Vector3::z() * q[0]);
-        let upper_arm = column * Pose::rotation(Vector3::y() * q[1]);
-        let elbow = upper_arm * Translation3::new(a2, 0.0, 0.0);
-        let forearm = elbow * Pose::rotation(Vector3::y() * (theta3 - q[1]));
-        let wrist = forearm * Translation3::new(a3, 0.0, 0.0);
-        for frame in [column, upper_arm, forearm, wrist, self.forward(q)] {
-            visit(&frame);
-        }
+        visit(&self.X_WB);
+        self.geometry.links(q, &mut |link| visit(&(self.X_WB * link)));
+        visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Six) -> Result<Six, NoInverse> {
-        let wrist = Wrist::of(&(self.X_BW * X_WF), near)?;
-        let flipped = wrist.flipped();
-        let nearest = if wrist.distance(near) <= flipped.distance(near) { wrist } else { flipped };
-        self.solve(&nearest, near)
+        self.geometry.nearest(&(self.X_BW * X_WF), near)
     }
 }
 
-/// Sine and cosine of an angle from those of its half.
-fn doubled((sine, cosine): (f64, f64)) -> (f64, f64) {
-    (2.0 * sine * cosine, (cosine - sine) * (cosine + sine))
+/// All eight solutions: shoulder in front or behind, elbow up or down, wrist either way. The linkages allow the shoulder
+/// in front and the elbow up alone, which is what [`Robot::inverse`] gives.
+impl Kinematics<6> for Irp6 {
+    fn reach(&self) -> f64 {
+        self.geometry.length()
+    }
+
+    fn jacobian(&self, q: &Six) -> Jacobian<6> {
+        self.geometry.jacobian(q, &self.X_WB.rotation)
+    }
+
+    #[allow(non_snake_case)]
+    fn solutions(&self, X_WF: &Pose, near: &Six, visit: &mut dyn FnMut(&Six)) -> Result<(), NoInverse> {
+        self.geometry.solutions(&(self.X_BW * X_WF), near, visit)
+    }
+
+    /// |det J| = |rho a2 a3 sin(theta3 - theta2) sin(q5)| \[m³\], where rho is the distance of the flange from the
+    /// column axis.
+    fn manipulability(&self, q: &Six) -> f64 {
+        self.geometry.determinant(q)
+    }
+}
+
+impl Driven<6> for Irp6 {
+    fn motor_data(&self) -> &[MotorData; 6] {
+        &Self::MOTORS
+    }
+
+    fn motor_limits(&self) -> &MotorLimits<6> {
+        &Self::MOTOR_LIMITS
+    }
+
+    fn motors(&self, q: &Six) -> Six {
+        self.transmission.motors(q)
+    }
+
+    fn shafts(&self, angles: &Six, speeds: &Six) -> Shafts<6> {
+        arm_shafts(&self.transmission, angles, speeds)
+    }
+}
+
+/// Joints and loads of the arm behind its transmission.
+pub(crate) fn arm_shafts(transmission: &Transmission, angles: &Six, speeds: &Six) -> Shafts<6> {
+    let (lower, upper) = (transmission.lower.link(angles[1]), transmission.upper.link(angles[2]));
+    let joints = Measured {
+        position: transmission.assemble(angles, &lower, &upper),
+        velocity: transmission.joint_rates(speeds, &lower, &upper),
+    };
+    let [lower, upper] = loads(&lower, &upper);
+    Shafts { joints, loads: Six::new(0.0, lower, upper, 0.0, 0.0, 0.0) }
+}
+
+/// Torques of the links' weight at the motors of the lower and the upper arm [N m]: it turns a link downwards,
+/// so a negative load.
+fn loads(lower: &LinkState, upper: &LinkState) -> [f64; 2] {
+    let [lower_moment, upper_moment] = Irp6::GRAVITY_MOMENT;
+    [
+        -GRAVITY * lower_moment * lower.cosine / lower.ratio,
+        -GRAVITY * upper_moment * upper.cosine / upper.ratio,
+    ]
+}
+
+/// Angles below the horizontal of two links of lengths `a2`, `a3` that reach from the shoulder to `e` forwards and `f`
+/// downwards \[m\].
+#[inline]
+pub(crate) fn two_links(a2: f64, a3: f64, e: f64, f: f64, elbow: Elbow) -> Result<(f64, f64), NoInverse> {
+    let square = e * e + f * f;
+    let k = (square + a2 * a2 - a3 * a3) / (2.0 * a2);
+    let under_root = square - k * k;
+    if under_root.is_nan() || under_root < 0.0 {
+        return Err(NoInverse::OutOfReach { distance: square.sqrt(), min: (a3 - a2).abs(), max: a2 + a3 });
+    }
+    if elbow == Elbow::Down && under_root == 0.0 {
+        return Err(NoInverse::Singular { name: "elbow" });
+    }
+    let root = if elbow == Elbow::Up { under_root.sqrt() } else { -under_root.sqrt() };
+    let (y, x) = (k * f - root * e, root * f + k * e);
+    let (s2, c2) = (y / square, x / square);
+    let theta2 = y.atan2(x);
+    let theta3 = (f - a2 * s2).atan2(e - a2 * c2);
+    Ok((theta2, theta3))
 }
 
 /// The drives, from the terms of the screws, the synchronisation positions and the offsets of q1, q5, q6.
-fn transmission(
+pub(crate) fn transmission(
     square: f64,
     lower: [f64; 3],
     upper: [f64; 3],

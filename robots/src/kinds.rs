@@ -1,22 +1,80 @@
 //! The kinds of robots that a `cell.toml` may name, simulated.
 
-use mrroc::{Kinds, RobotSetup};
+use mrroc::{CellError, CoupledLimit, Kinds, Robot, RobotEntry, RobotSetup};
+use nalgebra::SVector;
 
+use crate::conveyor::Conveyor;
+use crate::drives::Driven;
+use crate::gripper::{Gripper, One};
 use crate::irp6::Irp6;
-use crate::simulated::SimulatedIrp6;
+use crate::irp6_five::Irp6FiveDof;
+use crate::irp6_track::Irp6Track;
+use crate::polycrank::Polycrank;
+use crate::rnt::Rnt;
+use crate::simulated::Simulated;
 
-/// The robots of this crate, each simulated from the joint positions that the cell file gives as its `start`.
+/// The robots of this crate, each simulated from the joint positions that the cell file gives as its `start`, and standing
+/// at its `base`.
 ///
-/// | kind | robot |
-/// |---|---|
-/// | `irp6` | [`Irp6`] with its nominal geometry, [`SimulatedIrp6`] |
+/// | kind | robot | `start` |
+/// |---|---|---|
+/// | `irp6` | [`Irp6::nominal`] | 6 x rad |
+/// | `irp6-calibrated` | [`Irp6::calibrated`] | 6 x rad |
+/// | `irp6-5dof` | [`Irp6FiveDof::nominal`] | 5 x rad |
+/// | `irp6-track` | [`Irp6Track::nominal`] | m, 6 x rad |
+/// | `rnt` | [`Rnt`] | rad, 2 x m, 3 x rad |
+/// | `polycrank` | [`Polycrank`] | 7 x rad |
+/// | `gripper` | [`Gripper`], which an object may stop anywhere | m |
+/// | `conveyor` | [`Conveyor`]; it needs `stop_ms = 5000` | m |
 ///
-/// [`Kinds::with`] puts the drives of a real robot in the place of a simulated one.
+/// A `start` that the drives cannot take is refused, as one beyond the joint limits is. [`Kinds::with`] puts the drives of
+/// a real robot in the place of simulated ones.
 #[must_use]
 pub fn simulated() -> Kinds {
-    Kinds::new().with("irp6", |entry| {
-        let robot = Irp6::nominal().with_base(entry.base());
-        let drives = SimulatedIrp6::new(robot.clone(), &entry.start(&robot)?);
-        Ok(RobotSetup::new(entry.name(), robot, drives))
-    })
+    const ARM: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+    Kinds::new()
+        .with("irp6", |entry| set_up(entry, Irp6::nominal().with_base(entry.base()), ARM))
+        .with("irp6-calibrated", |entry| set_up(entry, Irp6::calibrated().with_base(entry.base()), ARM))
+        .with("irp6-5dof", |entry| {
+            set_up(entry, Irp6FiveDof::nominal().with_base(entry.base()), [0.0, -1.57, 0.16, 0.6, 1.0])
+        })
+        .with("irp6-track", |entry| {
+            let start = [0.5, 0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+            set_up(entry, Irp6Track::nominal().with_base(entry.base()), start)
+        })
+        .with("rnt", |entry| {
+            set_up(entry, Rnt::new().with_base(entry.base()), [0.0, 0.5, 0.55, 0.0, 1.3, 0.0])
+        })
+        .with("polycrank", |entry| {
+            let start = [0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2];
+            set_up(entry, Polycrank::new().with_base(entry.base()), start)
+        })
+        .with("gripper", |entry| {
+            let robot = Gripper::new().with_base(entry.base());
+            let limits = robot.limits();
+            // What is grasped keeps the fingers off their demand: that is no fault.
+            let stroke: One = limits.upper - limits.lower;
+            Ok(set_up(entry, robot, [0.07])?.following_error(stroke))
+        })
+        .with("conveyor", |entry| set_up(entry, Conveyor::new().with_base(entry.base()), [0.0]))
+}
+
+/// A robot with its simulated drives at the `start` of its entry; `example` is one that they can take.
+fn set_up<const N: usize, R: Driven<N>>(
+    entry: &RobotEntry,
+    robot: R,
+    example: [f64; N],
+) -> Result<RobotSetup<R>, CellError> {
+    let start: SVector<f64, N> = entry.start(&robot)?;
+    robot.check_coupled(&start, &start, 1.0).map_err(|limit| {
+        let CoupledLimit { joint, what, actual, limit, unit } = limit;
+        let space = if unit.is_empty() { "" } else { " " };
+        let what = format!(
+            "the drives cannot take this `start`: joint {}: {what} {actual:.4}{space}{unit}, limit {limit:.4}{space}{unit}",
+            joint + 1
+        );
+        entry.refuse_start(what, format!("write joint positions that they can take, such as {example:?}"))
+    })?;
+    let drives = Simulated::new(robot.clone(), &start);
+    Ok(RobotSetup::new(entry.name(), robot, drives))
 }

@@ -1,7 +1,7 @@
 //! One simulated drive: a voltage-fed DC motor with its load, its friction, its brake and its encoder.
 //!
 //! ```text
-//! i      = (U pwm / 255 - ke omega) / R,      limited to twice the lasting current
+//! i      = (U pwm / 255 - ke omega) / R,      limited to twice the lasting current, or to it (`Overload`)
 //! J alpha = kt i - b omega - tau_load - tau_c sign(omega),      alpha = 0 in stiction
 //! ```
 //!
@@ -12,7 +12,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use crate::irp6::MotorData;
+use crate::drives::{MotorData, Overload};
 use crate::regulator::Regulator;
 
 /// Servo period \[s\] (MRROC++).
@@ -23,9 +23,6 @@ const SUPPLY: f64 = 96.0;
 
 /// What the amplifier gives at most, as a multiple of the lasting current (assumed).
 const PEAK: f64 = 2.0;
-
-/// Deceleration of a motor by its brake [rad/s²] (assumed).
-const BRAKE: f64 = 1500.0;
 
 /// Length of one integration step \[s\].
 const H: f64 = PERIOD / Plant::SUBSTEPS as f64;
@@ -71,6 +68,7 @@ struct Model {
     viscous: f64,
     speed_per_load: f64,
     friction: f64,
+    brake: f64,
 }
 
 impl Plant {
@@ -88,11 +86,15 @@ impl Plant {
             model: Model {
                 current_per_pwm: SUPPLY / (Regulator::PWM * data.resistance),
                 current_per_speed: data.torque_constant / data.resistance,
-                peak: PEAK * data.current_limit,
+                peak: match data.overload {
+                    Overload::Trip => PEAK * data.current_limit,
+                    Overload::Limit => data.current_limit,
+                },
                 speed_per_current: data.torque_constant * H / data.inertia,
                 viscous: data.viscous * H / data.inertia,
                 speed_per_load: H / data.inertia,
                 friction: data.coulomb * H / data.inertia,
+                brake: data.brake * H,
             },
         }
     }
@@ -125,7 +127,7 @@ impl Plant {
     pub fn brake(&mut self) {
         self.current = 0.0;
         for _ in 0..Self::SUBSTEPS {
-            self.speed = if self.jammed { 0.0 } else { towards_zero(self.speed, BRAKE * H) };
+            self.speed = if self.jammed { 0.0 } else { towards_zero(self.speed, self.model.brake) };
             self.angle += H * self.speed;
         }
     }

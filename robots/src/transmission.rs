@@ -20,6 +20,9 @@ use crate::irp6::Six;
 /// Turn of a ball screw per length: 5 mm lead [rad/mm].
 const SCREW: f64 = 2.0 * PI / 5.0;
 
+/// Gravity [m/s²].
+pub(crate) const GRAVITY: f64 = 9.80665;
+
 /// A geared axis: `m = synchro + gear (theta - offset)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linear {
@@ -32,11 +35,11 @@ pub struct Linear {
 }
 
 impl Linear {
-    fn motor(&self, theta: f64) -> f64 {
+    pub(crate) fn motor(&self, theta: f64) -> f64 {
         self.synchro + self.gear * (theta - self.offset)
     }
 
-    fn joint(&self, motor: f64) -> f64 {
+    pub(crate) fn joint(&self, motor: f64) -> f64 {
         (motor - self.synchro) / self.gear + self.offset
     }
 }

@@ -4,11 +4,12 @@
 //! perpendicular to that axis: `z_F = (s5 s4, c5, s5 c4)` in (forwards, sideways, up). Hence two solutions,
 //! `(theta4, q5, q6)` and `(theta4 + pi, -q5, q6 + pi)`, and none to choose from where `s5 = 0`: there theta4 is kept.
 
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use core::f64::consts::{FRAC_PI_2, PI};
 
 use mrroc::{NoInverse, Pose};
 
 use crate::irp6::Six;
+use crate::kinematics::closest;
 
 /// Distance of the flange from the column axis below which q1 is undetermined \[m\].
 const SHOULDER_SINGULAR: f64 = 1e-9;
@@ -16,10 +17,19 @@ const SHOULDER_SINGULAR: f64 = 1e-9;
 /// Sine of q5 below which the wrist counts as singular; the pose then errs by no more than this \[rad\].
 const WRIST_SINGULAR: f64 = 1e-10;
 
+/// To which side of the column the arm reaches.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// Towards `theta1`.
+    Front,
+    /// Over the column, away from `theta1`.
+    Back,
+}
+
 /// What the flange pose alone determines: the column and one of the two wrist solutions.
 #[derive(Clone, Copy)]
 pub(crate) struct Wrist {
-    /// Distance of the flange from the column axis \[m\].
+    /// Distance of the flange from the column axis \[m\]; below 0 behind the column.
     pub(crate) rho: f64,
     /// Height of the flange \[m\].
     pub(crate) z: f64,
@@ -40,14 +50,15 @@ pub(crate) struct Wrist {
 impl Wrist {
     /// The solution with `sin q5 >= 0`; on the wrist singularity theta4 stays as in `near`.
     #[allow(non_snake_case)]
-    pub(crate) fn of(X_BF: &Pose, near: &Six) -> Result<Self, NoInverse> {
+    pub(crate) fn of(X_BF: &Pose, side: Side, near: &Six) -> Result<Self, NoInverse> {
         let p = X_BF.translation.vector;
         let rho = p.x.hypot(p.y);
         if rho.is_nan() || rho < SHOULDER_SINGULAR {
             return Err(NoInverse::Singular { name: "shoulder" });
         }
-        let (s1, c1) = (p.y / rho, p.x / rho);
-        let theta1 = p.y.atan2(p.x);
+        let (y, x, rho) = if side == Side::Front { (p.y, p.x, rho) } else { (-p.y, -p.x, -rho) };
+        let (s1, c1) = (y / rho.abs(), x / rho.abs());
+        let theta1 = y.atan2(x);
         let rotation = X_BF.rotation.to_rotation_matrix();
         let r = rotation.matrix();
         // In the vertical plane of the arm: forwards and sideways parts of the flange's axes.
@@ -69,17 +80,22 @@ impl Wrist {
 
     /// The other solution; on the singularity, where the two are one, the same.
     pub(crate) fn flipped(&self) -> Self {
+        self.other().unwrap_or(*self)
+    }
+
+    /// The other solution, if there is one.
+    pub(crate) fn other(&self) -> Option<Self> {
         if self.theta5 == 0.0 || self.theta5 == PI {
-            return *self;
+            return None;
         }
-        Self {
+        Some(Self {
             theta4: self.theta4 + PI,
             theta5: -self.theta5,
             theta6: self.theta6 + PI,
             s4: -self.s4,
             c4: -self.c4,
             ..*self
-        }
+        })
     }
 
     /// Sum of the squares by which the wrist angles differ from `near` \[rad²\].
@@ -92,9 +108,4 @@ impl Wrist {
 /// Absolute angle of the wrist link \[rad\].
 fn theta4_of(q: &Six) -> f64 {
     q[1] + q[2] + q[3] + FRAC_PI_2
-}
-
-/// The angle equal to `angle` up to full turns that lies closest to `near` \[rad\].
-pub(crate) fn closest(angle: f64, near: f64) -> f64 {
-    angle - TAU * ((angle - near) * (1.0 / TAU)).round()
 }

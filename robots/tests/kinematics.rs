@@ -5,7 +5,7 @@ mod support;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use mrroc::{NoInverse, Pose, Robot};
-use mrroc_robots::{Irp6, Six};
+use mrroc_robots::{Irp6, Kinematics, Six};
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 use support::{Random, engraving};
 
@@ -145,9 +145,9 @@ fn jacobian_agrees_with_finite_differences_and_manipulability_with_its_determina
                 let (after, before) = (robot.forward(&(q + step)), robot.forward(&(q - step)));
                 let angular = (after.rotation * before.rotation.inverse()).scaled_axis() / (2.0 * h);
                 let linear = (after.translation.vector - before.translation.vector) / (2.0 * h);
-                let error = (jacobian.fixed_view::<3, 1>(0, i) - angular).amax();
+                let error = (jacobian.fixed_view::<3, 1>(3, i) - angular).amax();
                 assert!(error < 1e-9, "seed {SEED}, column {i}: {error}");
-                let error = (jacobian.fixed_view::<3, 1>(3, i) - linear).amax();
+                let error = (jacobian.fixed_view::<3, 1>(0, i) - linear).amax();
                 assert!(error < 1e-9, "seed {SEED}, column {i}: {error}");
             }
             let error = jacobian.determinant().abs() - robot.manipulability(&q);

@@ -1,7 +1,7 @@
 //! What to do about a fault: a sentence for the person at the terminal.
 
 use crate::fault::{Fault, FaultKind, Role};
-use crate::limits::DISAGREEMENT;
+use crate::limits::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND};
 
 impl Fault {
     /// What to do about it, where its kind alone tells.
@@ -32,6 +32,13 @@ impl Fault {
                 return Some(
                     "mend the robot's model: `inverse(forward(q), q)` must give `q`; test it for some positions in the limits",
                 );
+            }
+            K::NoInverseKinematics if self.message().starts_with(NOT_ATTAINABLE) => {
+                "demand a pose that the joints can give: the message names the direction in which the robot does not move"
+            }
+            K::NoInverseKinematics if self.message().starts_with(NOT_FOUND) => {
+                "demand poses close to each other: the search begins at the joints demanded last and keeps their limits; for \
+                 a far goal, demand joints"
             }
             K::NoInverseKinematics if self.excess().is_none() => {
                 "demand a pose that the robot can take: go round the singularity, or demand joints there"

@@ -186,7 +186,11 @@ impl<'w, R: Robot> Edp<'w, R> {
             // A NaN from an encoder is no small error.
             let is_small = error <= limit && self.measured.velocity[i].is_finite();
             if !is_small {
-                return Err(Fault::new(kind).at_joint(i).exceeds(error, limit, R::joint(i).unit(0)));
+                return Err(Fault::new(kind).at_joint(i).exceeds(
+                    error,
+                    limit,
+                    self.config.robot.joint(i).unit(0),
+                ));
             }
         }
         Ok(())

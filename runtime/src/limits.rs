@@ -297,6 +297,12 @@ impl<R: Robot> Acceptor<R> {
                     fault.text(&text).exceeds(distance, limit, "m")
                 }
                 NoInverse::Singular { name } => fault.text(&format!("at a singularity ({name}), {at}")),
+                NoInverse::NotAttainable { what, actual, tolerance, unit } => {
+                    fault.text(&format!("{NOT_ATTAINABLE}, {at}: {what}")).exceeds(actual, tolerance, unit)
+                }
+                NoInverse::NotConverged { error, tolerance } => {
+                    fault.text(&format!("{NOT_FOUND}, {at}: off by {error:.1e}, at most {tolerance:.0e}"))
+                }
             }
         })
     }
@@ -329,7 +335,7 @@ impl<R: Robot> Acceptor<R> {
                 if starting {
                     // A first demand a whole jump away is not a fast motion but a wrong start.
                     let (jump, way) = (v[i].abs() * duration, speed_limit * duration);
-                    let fault = excess(FaultKind::StartPoseMismatch, jump, way, R::joint(i).unit(0));
+                    let fault = excess(FaultKind::StartPoseMismatch, jump, way, self.robot.joint(i).unit(0));
                     return Err(
                         fault.text("the first demand jumps; begin at `e.demanded()`, as in `first = ..`")
                     );
@@ -338,7 +344,7 @@ impl<R: Robot> Acceptor<R> {
                     FaultKind::DemandedVelocity,
                     v[i].abs(),
                     speed_limit,
-                    R::joint(i).unit(1),
+                    self.robot.joint(i).unit(1),
                 ));
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
@@ -359,7 +365,7 @@ impl<R: Robot> Acceptor<R> {
                     FaultKind::DemandOutOfRange,
                     reach.max(q[i]),
                     limits.upper[i],
-                    R::joint(i).unit(0),
+                    self.robot.joint(i).unit(0),
                 ));
             }
             if q[i] < lower || (v[i] < 0.0 && reach < lower) {
@@ -367,17 +373,27 @@ impl<R: Robot> Acceptor<R> {
                     FaultKind::DemandOutOfRange,
                     reach.min(q[i]),
                     limits.lower[i],
-                    R::joint(i).unit(0),
+                    self.robot.joint(i).unit(0),
                 ));
             }
             let limit = limits.acceleration[i];
             if a[i].abs() > slack(limit, 4.0 * round_off * per_second * per_second) {
-                return Err(excess(FaultKind::DemandedAcceleration, a[i].abs(), limit, R::joint(i).unit(2)));
+                return Err(excess(
+                    FaultKind::DemandedAcceleration,
+                    a[i].abs(),
+                    limit,
+                    self.robot.joint(i).unit(2),
+                ));
             }
             if let Some(limit) = jerk_limit {
                 let jerk = (a[i] - self.acceleration[i]) * per_second;
                 if jerk.abs() > slack(limit, 8.0 * round_off * per_second * per_second * per_second) {
-                    return Err(excess(FaultKind::DemandedJerk, jerk.abs(), limit, R::joint(i).unit(3)));
+                    return Err(excess(
+                        FaultKind::DemandedJerk,
+                        jerk.abs(),
+                        limit,
+                        self.robot.joint(i).unit(3),
+                    ));
                 }
             }
         }
@@ -429,6 +445,12 @@ const AGREEMENT: f64 = 1e-3;
 
 /// What a robot is told of whose `inverse` and `forward` are not of one arm.
 pub(crate) const DISAGREEMENT: &str = "`forward` of the joints that `inverse` gives is another pose";
+
+/// How the message of [`NoInverse::NotAttainable`] begins.
+pub(crate) const NOT_ATTAINABLE: &str = "not attainable";
+
+/// How the message of [`NoInverse::NotConverged`] begins.
+pub(crate) const NOT_FOUND: &str = "no joints found from here";
 
 /// A pose whose numbers are finite and whose quaternion is a rotation, normalised.
 fn valid_frame(pose: &Pose) -> Result<Pose, Fault> {

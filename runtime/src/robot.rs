@@ -14,7 +14,7 @@ pub trait Robot: Clone + 'static {
     type Joints: JointVector;
 
     /// What kind joint `i` is; revolute unless a robot says otherwise.
-    fn joint(_i: usize) -> JointKind {
+    fn joint(&self, _i: usize) -> JointKind {
         JointKind::Revolute
     }
 
@@ -44,8 +44,8 @@ pub trait Robot: Clone + 'static {
     /// Direct kinematics: `X_WF`, the pose of the flange in the world, for joint positions `q` [rad, m].
     fn forward(&self, q: &Self::Joints) -> Pose;
 
-    /// Visits the frames of the links at `q`, `X_WL`, from the base to the flange: for pictures. The flange's alone unless a
-    /// robot says more.
+    /// Visits the frames of the links at `q`, `X_WL`, from the base to the flange, which comes last and stands at
+    /// `forward(q)`: for pictures. The flange's alone unless a robot says more.
     fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
         visit(&self.forward(q));
     }
@@ -55,7 +55,8 @@ pub trait Robot: Clone + 'static {
     /// Positions may lie outside the joint limits: those are checked where the demand is accepted.
     ///
     /// # Errors
-    /// [`NoInverse`] when the pose is out of reach, or when a singularity leaves no continuous answer.
+    /// [`NoInverse`] when the pose is out of reach or of a kind that the joints cannot give, or when a singularity leaves
+    /// no continuous answer.
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse>;
 }
@@ -116,6 +117,31 @@ pub enum NoInverse {
     Singular {
         /// Which singularity: `"wrist"`, `"shoulder"` ..
         name: &'static str,
+    },
+    /// The joints move the flange in fewer directions than the pose asks for, or not on to it: a tool that leans out of
+    /// the plane of an arm with five joints, a pose beside the line of a gripper's finger.
+    #[error(
+        "the pose is not attainable: {what} is {actual:.6} {unit}, the robot takes {tolerance:.6} {unit}"
+    )]
+    NotAttainable {
+        /// What is too much: `"lean out of the arm's plane"`.
+        what: &'static str,
+        /// How much it is.
+        actual: f64,
+        /// How much of it the robot takes.
+        tolerance: f64,
+        /// The unit of both: `"m"` or `"rad"`.
+        unit: &'static str,
+    },
+    /// Iteration from the joint positions to stay near came to none that give the pose: there may be some elsewhere.
+    #[error(
+        "no joint positions were found from here: the pose nearest to the demanded one is off by {error:.1e}"
+    )]
+    NotConverged {
+        /// The least error that it came to [parts of the robot's reach, and rad], > `tolerance`.
+        error: f64,
+        /// The largest error that counts as none [parts of the robot's reach, and rad].
+        tolerance: f64,
     },
 }
 

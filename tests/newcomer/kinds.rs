@@ -53,7 +53,7 @@ impl Robot for Slides {
     const KIND: &'static str = "slides";
     type Joints = Q<3>;
 
-    fn joint(_: usize) -> JointKind {
+    fn joint(&self, _: usize) -> JointKind {
         JointKind::Prismatic
     }
 

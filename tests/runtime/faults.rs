@@ -1,7 +1,8 @@
 //! Faults: what is refused, who is named, and how the robots come to a standstill. Numbers are SAFETY.md's rows.
 
 use mrroc::{
-    AngleAxis, Cell, CellError, Demand, Fault, FaultKind, Pose, RobotSetup, Step, Tick, Zyz, generator,
+    AngleAxis, Cell, CellError, Demand, Fault, FaultKind, Limits, NoInverse, Pose, Robot, RobotSetup, Step,
+    Tick, Zyz, generator,
 };
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, Trace, fault, gantry, peaks, traced};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -267,4 +268,75 @@ fn a_cell_that_is_put_together_wrongly_says_so_before_it_runs() {
     let odd = ExactDrive::new(Vector3::zeros(), std::time::Duration::from_micros(300));
     let odd = RobotSetup::new("g", Gantry::default(), odd).program(|_| Ok(()));
     assert!(matches!(Cell::new(MS).robot(odd).run(), Err(CellError::Period { .. })));
+}
+
+/// A gantry without inverse kinematics.
+#[derive(Clone)]
+struct Without(Gantry, NoInverse);
+
+impl Robot for Without {
+    const KIND: &'static str = "without";
+    type Joints = Q<3>;
+
+    fn limits(&self) -> &Limits<Q<3>> {
+        self.0.limits()
+    }
+
+    fn forward(&self, q: &Q<3>) -> Pose {
+        self.0.forward(q)
+    }
+
+    #[allow(non_snake_case)]
+    fn inverse(&self, _: &Pose, _: &Q<3>) -> Result<Q<3>, NoInverse> {
+        Err(self.1)
+    }
+}
+
+#[generator(ecp)]
+fn to_the_corner(_c: &mut Corner, t: Tick) -> Step<Without> {
+    let corner = Pose::translation(-10.0, -10.0, -10.0);
+    Step::Next(if t.step < 2 { Demand::joints(Q::zeros()) } else { Demand::pose(corner) })
+}
+
+struct Corner;
+
+#[test]
+fn fault_23_each_cause_of_a_pose_without_joint_positions_has_its_figures_and_its_help() {
+    let cases = [
+        (
+            NoInverse::NotAttainable {
+                what: "lean out of the arm's plane",
+                actual: 0.25,
+                tolerance: 1e-6,
+                unit: "rad",
+            },
+            "not attainable, tool demanded at (-10.0000, -10.0000, -10.0000) m: lean out of the arm's plane: \
+             0.250000 rad, limit 0.000001 rad",
+            "the message names the direction",
+        ),
+        (
+            NoInverse::NotConverged { error: 0.125, tolerance: 1e-10 },
+            "no joints found from here, tool demanded at (-10.0000, -10.0000, -10.0000) m: off by 1.2e-1, at most 1e-10",
+            "demand poses close to each other",
+        ),
+        (
+            NoInverse::Singular { name: "wrist" },
+            "at a singularity (wrist), tool demanded at (-10.0000, -10.0000, -10.0000) m",
+            "go round the singularity",
+        ),
+        (
+            NoInverse::OutOfReach { distance: 2.0, min: 0.5, max: 1.0 },
+            "out of reach, tool demanded at (-10.0000, -10.0000, -10.0000) m: wrist to shoulder: 2.000000 m, limit \
+             1.000000 m",
+            "demand a pose that the arm reaches",
+        ),
+    ];
+    for (why, told, help) in cases {
+        let robot = RobotSetup::new("g", Without(Gantry::default(), why), ExactDrive::new(Q::zeros(), MS))
+            .program(|ecp| ecp.move_robot((), Corner).map(drop));
+        let fault = fault(Cell::new(MS).robot(robot).run());
+        assert!(fault.to_string().contains(told), "{fault}");
+        let given = fault.help().expect("there is help");
+        assert!(given.contains(help), "{given}");
+    }
 }

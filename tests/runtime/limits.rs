@@ -45,7 +45,7 @@ impl Robot for Bench {
     const KIND: &'static str = "bench";
     type Joints = Q<3>;
 
-    fn joint(_: usize) -> JointKind {
+    fn joint(&self, _: usize) -> JointKind {
         JointKind::Prismatic
     }
 

@@ -59,7 +59,7 @@ impl Robot for Gantry {
     const KIND: &'static str = "gantry";
     type Joints = Q<3>;
 
-    fn joint(_: usize) -> JointKind {
+    fn joint(&self, _: usize) -> JointKind {
         JointKind::Prismatic
     }
 

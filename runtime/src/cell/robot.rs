@@ -156,7 +156,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn watch(&mut self, observer: SharedObserver) {
         let (name, robot) = (self.name.clone(), self.robot.clone());
-        let joints: Vec<_> = (0..R::Joints::LEN).map(R::joint).collect();
+        let joints: Vec<_> = (0..R::Joints::LEN).map(|i| robot.joint(i)).collect();
         self.observers.push(Box::new(move |record| {
             let measured = &record.measured.position;
             let observation = Observation {
@@ -194,7 +194,13 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
-        limits::check(name, R::joint, self.robot.limits(), &self.following_error, (step, stop_time))
+        limits::check(
+            name,
+            |i| self.robot.joint(i),
+            self.robot.limits(),
+            &self.following_error,
+            (step, stop_time),
+        )
     }
 
     fn stop_steps(&self, step: Duration) -> u64 {

@@ -52,12 +52,15 @@ impl RobotEntry {
     /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].
     ///
     /// # Errors
-    /// There is none, it has another number of joints, or one of them is outside the robot's position limits.
+    /// There is none, it has another number of joints, or one of them is outside the robot's position limits. What the
+    /// limits do not say, the kind itself refuses: [`RobotEntry::refuse_start`].
     pub fn start<R: Robot>(&self, robot: &R) -> Result<R::Joints, CellError> {
         let joints = R::Joints::LEN;
         let Some(start) = &self.start else {
             let what = format!("robot `{}` has no `start`", self.name());
-            let help = format!("write start = [..], {joints} joint positions [{}]", R::joint(0).unit(0));
+            let mut units: Vec<_> = (0..joints).map(|i| robot.joint(i).unit(0)).collect();
+            units.dedup();
+            let help = format!("write start = [..], {joints} joint positions [{}]", units.join(", "));
             return Err(self.source.complain(&self.name.span, what, help).into());
         };
         if start.value.len() != joints {
@@ -69,13 +72,21 @@ impl RobotEntry {
         for (i, At { value, span }) in start.value.iter().enumerate() {
             let (lower, upper) = (limits.lower[i], limits.upper[i]);
             if !(lower..=upper).contains(value) {
-                let unit = R::joint(i).unit(0);
+                let unit = robot.joint(i).unit(0);
                 let what = format!("`start` of joint {} is {value} {unit}, outside its limits", i + 1);
                 let help = format!("write a number from {lower:.4} to {upper:.4} {unit}");
                 return Err(self.source.complain(span, what, help).into());
             }
         }
         Ok(R::Joints::from_joints(|i| start.value[i].value))
+    }
+
+    /// Refuses the `start` for a reason that no box of joint limits knows, such as motors that several joints share: `what`
+    /// is wrong with it, and in `help` what to write.
+    #[must_use]
+    pub fn refuse_start(&self, what: String, help: String) -> CellError {
+        let span = self.start.as_ref().map_or(&self.name.span, |start| &start.span);
+        self.source.complain(span, what, help).into()
     }
 
     pub(super) fn unknown_kind(&self, known: &[&str]) -> CellError {

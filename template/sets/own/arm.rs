@@ -43,7 +43,7 @@ impl Robot for Arm {
     type Joints = Joints;
 
     /// FILL IN: which joints turn and which slide.
-    fn joint(_: usize) -> JointKind {
+    fn joint(&self, _: usize) -> JointKind {
         JointKind::Prismatic
     }
 
@@ -60,8 +60,10 @@ impl Robot for Arm {
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, _near: &Joints) -> Result<Joints, NoInverse> {
         let X_BF = self.base.inverse() * X_WF;
-        if X_BF.rotation.angle() > 1e-6 {
-            return Err(NoInverse::Singular { name: "slides cannot turn the tool" });
+        let (actual, tolerance) = (X_BF.rotation.angle(), 1e-6);
+        if actual > tolerance {
+            let what = "turn of the tool, which slides cannot give";
+            return Err(NoInverse::NotAttainable { what, actual, tolerance, unit: "rad" });
         }
         Ok(X_BF.translation.vector)
     }

@@ -1,0 +1,120 @@
+//! Prints how long the kinematics of arms read from URDF take, as `what nanoseconds` per line, for the comparison with
+//! other libraries by `just bench-peers`. Run alone with `cargo bench -p mrroc-robots --bench peers`.
+//!
+//! The joint positions are those of `benches/peers/README.md`: SplitMix64 from a fixed seed, uniform within the limits.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use mrroc::{Pose, Robot};
+use mrroc_robots::{Irp6, Kinematics, Serial};
+use nalgebra::{SVector, Vector3};
+
+/// Positions that are gone through in turn.
+const POSITIONS: usize = 1000;
+
+/// Positions in a row that are timed together: short enough that mostly nothing else runs meanwhile.
+const WINDOW: usize = 100;
+
+/// Rounds through all positions; of each window the least time counts.
+const ROUNDS: usize = 200;
+
+/// How far seeds lie from the solution, either way [rad or m].
+const NEAR: f64 = 0.01;
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    fn between(&mut self, lower: f64, upper: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        lower + (upper - lower) * (((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64)
+    }
+}
+
+/// Prints the mean time of a call.
+fn time(arm: &str, what: &str, mut call: impl FnMut(usize)) {
+    let mut best = [f64::INFINITY; POSITIONS / WINDOW];
+    // A refusal after iteration takes long enough to be measured in a few rounds.
+    for _ in 0..if what == "refusal" { 3 } else { ROUNDS } {
+        for (window, best) in best.iter_mut().enumerate() {
+            let start = Instant::now();
+            (window * WINDOW..(window + 1) * WINDOW).for_each(&mut call);
+            *best = best.min(start.elapsed().as_secs_f64());
+        }
+    }
+    println!("{arm} {what} {:.1}", best.iter().sum::<f64>() / POSITIONS as f64 * 1e9);
+}
+
+/// Positions within the limits (of an endless joint: within a turn), their poses, and seeds nearby.
+fn samples<const N: usize, R: Robot<Joints = SVector<f64, N>>>(
+    robot: &R,
+) -> Vec<(SVector<f64, N>, Pose, SVector<f64, N>)> {
+    let mut random = Random(2014);
+    (0..POSITIONS)
+        .map(|_| {
+            let limits = robot.limits();
+            let q =
+                SVector::from_fn(|i, _| random.between(limits.lower[i].max(-7.0), limits.upper[i].min(7.0)));
+            let near = SVector::<f64, N>::from_fn(|i, _| q[i] + random.between(-NEAR, NEAR));
+            (q, robot.forward(&q), near)
+        })
+        .collect()
+}
+
+fn measure<const N: usize, R: Robot<Joints = SVector<f64, N>>>(arm: &str, robot: &R) {
+    let samples = samples(robot);
+    let sum = samples.iter().fold(Vector3::zeros(), |sum, sample| sum + sample.1.translation.vector);
+    println!("{arm} sum {:.9} {:.9} {:.9}", sum.x, sum.y, sum.z);
+    time(arm, "forward", |i| {
+        black_box(robot.forward(black_box(&samples[i].0)));
+    });
+    time(arm, "inverse_nearest", |i| {
+        black_box(robot.inverse(black_box(&samples[i].1), black_box(&samples[i].2)).is_ok());
+    });
+}
+
+fn urdf<const N: usize>(arm: &str, base: &str, tip: &str) {
+    let path = format!("{}/tests/reference/urdf/{arm}.urdf", env!("CARGO_MANIFEST_DIR"));
+    let robot: Serial<N> = match Serial::from_urdf_file(path, base, tip)
+        .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
+    {
+        Ok(robot) => robot,
+        Err(why) => return println!("# {arm}: {why}"),
+    };
+    measure(arm, &robot);
+    let samples = samples(&robot);
+    time(arm, "jacobian", |i| {
+        black_box(robot.jacobian(black_box(&samples[i].0)));
+    });
+    // Half the reach aside, which few arms can do: what a refusal costs.
+    let far = |i: usize| {
+        let mut pose = samples[i].1;
+        pose.translation.vector.x += 0.5 * robot.reach();
+        pose
+    };
+    time(arm, "refusal", |i| {
+        black_box(robot.inverse(black_box(&far(i)), black_box(&samples[i].2)).is_ok());
+    });
+    if robot.is_closed_form() {
+        time(arm, "inverse_all", |i| {
+            let mut sum = 0.0;
+            let _ = robot.solutions(black_box(&samples[i].1), black_box(&samples[i].2), &mut |q| sum += q[0]);
+            black_box(sum);
+        });
+    }
+}
+
+fn main() {
+    urdf::<6>("ortho_parallel", "base_link", "tool0");
+    urdf::<6>("offset_arm", "foot", "tool");
+    urdf::<6>("three_parallel", "base", "wrist_3");
+    urdf::<7>("seven_axes", "world_foot", "flange");
+    urdf::<4>("scara", "base", "tool");
+    urdf::<4>("gantry", "bed", "tool");
+    urdf::<4>("palletiser", "base", "tool");
+    measure("irp6", &Irp6::nominal());
+}

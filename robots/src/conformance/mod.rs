@@ -1,0 +1,140 @@
+//! What every robot must keep, as tests that any robot can run: of this crate or of another.
+//!
+//! ```ignore
+//! mrroc_robots::kinematics_conformance!(irp6, Irp6::nominal(), start());
+//! mrroc_robots::driver_conformance!(irp6_drives, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start()), start());
+//! ```
+//!
+//! Each macro writes a module of tests whose names are sentences; the checks behind them return the first
+//! [`Violation`] with the numbers, among them the joint positions, and draw from a stated seed.
+
+mod driver;
+mod kinematics;
+
+pub use driver::{comes_to_rest, follows_slowly, is_deterministic, measures_at_rest, refuses};
+pub use kinematics::{
+    frames_end_at_the_flange, inverse_returns_poses, jacobian_is_the_derivative, limits_are_sound,
+    nothing_is_nan, solutions_are_complete,
+};
+
+/// Seed of all random draws.
+pub const SEED: u64 = 20_080_131;
+
+/// A promise that a robot does not keep, with the figures.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0} (seed {SEED})")]
+pub struct Violation(String);
+
+/// A violation unless `holds`.
+fn ensure(holds: bool, what: impl FnOnce() -> String) -> Result<(), Violation> {
+    if holds { Ok(()) } else { Err(Violation(what())) }
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Random(u64);
+
+impl Random {
+    /// The next number in `lower..upper`.
+    fn between(&mut self, lower: f64, upper: f64) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
+        lower + (upper - lower) * unit
+    }
+}
+
+/// Tests of a robot's kinematics: `kinematics_conformance!(module_name, robot, start)`.
+///
+/// `robot` is an expression of a type that implements [`Kinematics`](crate::Kinematics); `start` is an attainable joint
+/// position of it.
+#[macro_export]
+macro_rules! kinematics_conformance {
+    ($name:ident, $robot:expr, $start:expr) => {
+        mod $name {
+            #[allow(unused_imports)]
+            use super::*;
+
+            fn kept(outcome: Result<(), $crate::conformance::Violation>) {
+                if let Err(violation) = outcome {
+                    panic!("{violation}");
+                }
+            }
+
+            #[test]
+            fn limits_are_finite_in_order_and_hold_the_start() {
+                kept($crate::conformance::limits_are_sound(&$robot, &$start));
+            }
+
+            #[test]
+            fn inverse_returns_a_hundred_thousand_poses_to_1e_9() {
+                kept($crate::conformance::inverse_returns_poses(&$robot, 100_000));
+            }
+
+            #[test]
+            fn solutions_are_distinct_and_each_is_its_own_nearest() {
+                kept($crate::conformance::solutions_are_complete(&$robot, 5_000));
+            }
+
+            #[test]
+            fn the_jacobian_is_the_derivative_of_the_pose() {
+                kept($crate::conformance::jacobian_is_the_derivative(&$robot, 2_000));
+            }
+
+            #[test]
+            fn frames_begin_finite_and_end_at_the_flange() {
+                kept($crate::conformance::frames_end_at_the_flange(&$robot, 1_000));
+            }
+
+            #[test]
+            fn no_answer_is_nan() {
+                kept($crate::conformance::nothing_is_nan(&$robot, &$start));
+            }
+        }
+    };
+}
+
+/// Tests of a driver: `driver_conformance!(module_name, robot, driver, start)`.
+///
+/// `driver` is an expression that makes a driver of `robot` at rest at the joint positions `start`.
+#[macro_export]
+macro_rules! driver_conformance {
+    ($name:ident, $robot:expr, $driver:expr, $start:expr) => {
+        mod $name {
+            #[allow(unused_imports)]
+            use super::*;
+
+            fn kept(outcome: Result<(), $crate::conformance::Violation>) {
+                if let Err(violation) = outcome {
+                    panic!("{violation}");
+                }
+            }
+
+            #[test]
+            fn it_measures_the_start_at_rest_and_its_period_fits_a_step() {
+                kept($crate::conformance::measures_at_rest(&$robot, $driver, &$start));
+            }
+
+            #[test]
+            fn it_follows_a_slow_demand_of_every_joint() {
+                kept($crate::conformance::follows_slowly(&$robot, || $driver, &$start));
+            }
+
+            #[test]
+            fn it_refuses_what_no_drive_can_take_and_keeps_the_cause() {
+                kept($crate::conformance::refuses(&$robot, || $driver, &$start));
+            }
+
+            #[test]
+            fn it_brakes_to_rest_after_a_fault() {
+                kept($crate::conformance::comes_to_rest(&$robot, $driver, &$start));
+            }
+
+            #[test]
+            fn equal_demands_give_equal_motion_to_the_bit() {
+                kept($crate::conformance::is_deterministic(&$robot, || $driver, &$start));
+            }
+        }
+    };
+}

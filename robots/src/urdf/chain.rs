@@ -1,0 +1,332 @@
+//! The chain from base to tip: which joints move, how far, and where their axes lie.
+
+use core::f64::consts::PI;
+
+use mrroc::{JointKind, MAX_JOINTS, Pose};
+use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use super::document::{Element, Joint, Tree, shown};
+use super::error::UrdfError;
+
+/// The most joints that move in a chain, dependent ones included.
+pub(super) const MOST_SEGMENTS: usize = 16;
+
+/// Position limits of a continuous joint, either way \[rad\]: a thousand turns, where an angle still has twelve digits.
+pub(super) const CONTINUOUS: f64 = 2000.0 * PI;
+
+/// Length of an axis below which it has no direction.
+const NO_AXIS: f64 = 1e-6;
+
+/// A joint with a coordinate of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mover {
+    pub(super) name: String,
+    pub(super) kind: JointKind,
+    /// Position limits [rad or m].
+    pub(super) range: (f64, f64),
+    /// Largest speed [rad/s or m/s].
+    pub(super) velocity: f64,
+    /// Largest acceleration and jerk that the file states, if it does (URDF 1.2).
+    pub(super) acceleration: Option<f64>,
+    pub(super) jerk: Option<f64>,
+}
+
+/// One joint that moves, with all that is fixed before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(non_snake_case)]
+pub(super) struct Segment {
+    /// Pose of the joint's frame, its z along the axis, in the frame of the joint before, where that stands at 0.
+    pub(super) X_before: Pose,
+    pub(super) kind: JointKind,
+    /// The coordinate that moves it: `multiplier q[leader] + offset`.
+    pub(super) leader: usize,
+    pub(super) multiplier: f64,
+    pub(super) offset: f64,
+}
+
+/// What lies between base and tip.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(non_snake_case)]
+pub(super) struct Chain {
+    pub(super) movers: Vec<Mover>,
+    pub(super) segments: Vec<Segment>,
+    /// Pose of the tip in the frame of the last joint that moves.
+    pub(super) X_tip: Pose,
+}
+
+/// A joint that moves, as it stands in the file.
+#[allow(non_snake_case)]
+struct Found<'a, 'i> {
+    joint: Joint<'a, 'i>,
+    X_before: Pose,
+    kind: JointKind,
+    range: (f64, f64),
+    velocity: Option<f64>,
+    acceleration: Option<f64>,
+    jerk: Option<f64>,
+    /// The joint that it follows, with multiplier and offset.
+    mimic: Option<(&'a str, f64, f64)>,
+}
+
+impl Chain {
+    /// The chain from `base` to `tip`, whose number of coordinates must be `asked`.
+    ///
+    /// # Errors
+    /// See [`UrdfError`].
+    pub(super) fn between(
+        tree: &Tree<'_, '_>,
+        base: &str,
+        tip: &str,
+        asked: usize,
+    ) -> Result<Self, UrdfError> {
+        let mut found: Vec<Found<'_, '_>> = Vec::new();
+        let mut fixed = Pose::identity();
+        for joint in tree.path(base, tip)? {
+            fixed *= origin(&joint, tree.has_quaternions)?;
+            let Some((kind, limited)) = kind(&joint)? else { continue };
+            if found.len() == MOST_SEGMENTS {
+                let (base, tip) = (shown(base), shown(tip));
+                return Err(UrdfError::TooManyJoints { base, tip, limit: MOST_SEGMENTS });
+            }
+            let to_axis = turn_of_z(axis(&joint)?);
+            found.push(moving(joint, kind, limited, fixed * to_axis)?);
+            fixed = Pose::from_parts(Translation3::identity(), to_axis.inverse());
+        }
+        let movers: Vec<usize> = (0..found.len()).filter(|i| found[*i].mimic.is_none()).collect();
+        if movers.len() != asked {
+            let names = movers.iter().map(|i| shown(found[*i].joint.name)).collect();
+            return Err(wrong_count(base, tip, names, asked));
+        }
+        let mut chain = Self {
+            movers: movers.iter().map(|i| found[*i].mover()).collect::<Result<_, _>>()?,
+            segments: Vec::new(),
+            X_tip: fixed,
+        };
+        for one in &found {
+            let (leader, multiplier, offset) = leader(one, &found)?;
+            let leader = movers.iter().position(|i| *i == leader).unwrap_or_default();
+            if one.mimic.is_some() {
+                chain.movers[leader].also_keep(one, multiplier, offset)?;
+            }
+            chain.segments.push(Segment {
+                X_before: one.X_before,
+                kind: one.kind,
+                leader,
+                multiplier,
+                offset,
+            });
+        }
+        Ok(chain)
+    }
+}
+
+fn wrong_count(base: &str, tip: &str, names: Vec<String>, asked: usize) -> UrdfError {
+    let count = names.len();
+    let help = match count {
+        0 => "choose a tip beyond a joint that moves".to_owned(),
+        1..=MAX_JOINTS => format!("write Serial<{count}>"),
+        _ => format!("a robot has at most {MAX_JOINTS}, choose a shorter chain"),
+    };
+    let names = if count == 0 { "none".to_owned() } else { names.join(", ") };
+    UrdfError::WrongCount { base: shown(base), tip: shown(tip), count, names, asked, help }
+}
+
+/// Where a joint stands in its parent link: `<origin>`, by definition the identity where it is not written.
+fn origin(joint: &Joint<'_, '_>, has_quaternions: bool) -> Result<Pose, UrdfError> {
+    let Some(origin) = joint.element.child("origin")? else { return Ok(Pose::identity()) };
+    origin.only(&["xyz", "rpy", "quat_xyzw"])?;
+    let position = origin.numbers::<3>("xyz")?.unwrap_or_default();
+    let angles = origin.numbers::<3>("rpy")?;
+    let rotation = match (angles, origin.numbers::<4>("quat_xyzw")?) {
+        (Some(_), Some(_)) => {
+            return Err(UrdfError::TwoOrientations { line: origin.line(), element: origin.called });
+        }
+        (_, Some(_)) if !has_quaternions => {
+            return Err(UrdfError::QuaternionBeforeItsTime { line: origin.line(), element: origin.called });
+        }
+        (None, Some([x, y, z, w])) => {
+            let quaternion = Quaternion::new(w, x, y, z);
+            if (quaternion.norm() - 1.0).abs() > 1e-3 {
+                return Err(origin.bad("quat_xyzw", "a quaternion x y z w of length 1"));
+            }
+            UnitQuaternion::new_normalize(quaternion)
+        }
+        (Some([roll, pitch, yaw]), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        (None, None) => UnitQuaternion::identity(),
+    };
+    Ok(Pose::from_parts(Translation3::from(position), rotation))
+}
+
+/// How a joint moves, and whether between limits; `None` for a fixed joint.
+fn kind(joint: &Joint<'_, '_>) -> Result<Option<(JointKind, bool)>, UrdfError> {
+    let kinds = "type=\"revolute\", \"continuous\", \"prismatic\" or \"fixed\"";
+    match joint.element.required_text("type", kinds)? {
+        "fixed" => Ok(None),
+        "revolute" => Ok(Some((JointKind::Revolute, true))),
+        "continuous" => Ok(Some((JointKind::Revolute, false))),
+        "prismatic" => Ok(Some((JointKind::Prismatic, true))),
+        other => Err(UrdfError::UnsupportedJoint {
+            line: joint.element.line(),
+            joint: shown(joint.name),
+            kind: shown(other),
+        }),
+    }
+}
+
+/// The unit vector of a joint's axis: `<axis>`, by definition x where it is not written.
+fn axis(joint: &Joint<'_, '_>) -> Result<Vector3<f64>, UrdfError> {
+    let Some(axis) = joint.element.child("axis")? else { return Ok(Vector3::x()) };
+    axis.only(&["xyz"])?;
+    let direction = axis.numbers::<3>("xyz")?.ok_or_else(|| axis.missing("xyz", "xyz=\"0 0 1\""))?;
+    let direction = Vector3::from(direction);
+    direction.try_normalize(NO_AXIS).ok_or_else(|| axis.bad("xyz", "an axis: it has no direction"))
+}
+
+/// A rotation that takes z to the unit vector `axis`.
+fn turn_of_z(axis: Vector3<f64>) -> UnitQuaternion<f64> {
+    // Half-way between z and the axis lies the axis of a half turn; below the horizon, x joins in to keep it sharp.
+    if axis.z >= 0.0 {
+        UnitQuaternion::new_normalize(Quaternion::new(1.0 + axis.z, -axis.y, axis.x, 0.0))
+    } else {
+        UnitQuaternion::new_normalize(Quaternion::new(-axis.y, 1.0 - axis.z, 0.0, axis.x))
+    }
+}
+
+/// Limits and mimicry of a joint that moves.
+fn moving<'a, 'i>(
+    joint: Joint<'a, 'i>,
+    kind: JointKind,
+    limited: bool,
+    #[allow(non_snake_case)] X_before: Pose,
+) -> Result<Found<'a, 'i>, UrdfError> {
+    let write = "<limit lower=\"..\" upper=\"..\" velocity=\"..\"/>";
+    let element = &joint.element;
+    let limit = if limited { Some(element.required("limit", write)?) } else { element.child("limit")? };
+    let mimic = element.child("mimic")?.map(|mimic| followed(&mimic)).transpose()?;
+    let (mut range, mut velocity) = ((-CONTINUOUS, CONTINUOUS), None);
+    let (mut acceleration, mut jerk) = (None, None);
+    if let Some(limit) = limit {
+        limit.only(&["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"])?;
+        if limited {
+            let lower = limit.number("lower")?.ok_or_else(|| limit.missing("lower", "lower=\"..\""))?;
+            let upper = limit.number("upper")?.ok_or_else(|| limit.missing("upper", "upper=\"..\""))?;
+            if lower >= upper {
+                let line = limit.line();
+                return Err(UrdfError::EmptyRange { line, joint: shown(joint.name), lower, upper });
+            }
+            range = (lower, upper);
+        }
+        velocity = above_zero(&limit, "velocity")?;
+        let deceleration = above_zero(&limit, "deceleration")?.unwrap_or(f64::INFINITY);
+        acceleration = above_zero(&limit, "acceleration")?.map(|a| a.min(deceleration));
+        jerk = above_zero(&limit, "jerk")?;
+    }
+    Ok(Found { joint, X_before, kind, range, velocity, acceleration, jerk, mimic })
+}
+
+/// The number of an attribute that must be above 0.
+fn above_zero(limit: &Element<'_, '_>, attribute: &'static str) -> Result<Option<f64>, UrdfError> {
+    match limit.number(attribute)? {
+        Some(number) if number <= 0.0 => Err(limit.bad(attribute, "a finite number above 0")),
+        number => Ok(number),
+    }
+}
+
+/// Which joint a `<mimic>` follows, with multiplier (1 where it is not written) and offset (0 likewise).
+fn followed<'a>(mimic: &Element<'a, '_>) -> Result<(&'a str, f64, f64), UrdfError> {
+    mimic.only(&["joint", "multiplier", "offset"])?;
+    let leader = mimic.required_text("joint", "<mimic joint=\"..\" multiplier=\"1\" offset=\"0\"/>")?;
+    Ok((leader, mimic.number("multiplier")?.unwrap_or(1.0), mimic.number("offset")?.unwrap_or(0.0)))
+}
+
+/// The joint that moves by itself and moves this one: its index, multiplier, and offset.
+fn leader(one: &Found<'_, '_>, all: &[Found<'_, '_>]) -> Result<(usize, f64, f64), UrdfError> {
+    let (line, joint) = (one.joint.element.line(), shown(one.joint.name));
+    let (mut at, mut multiplier, mut offset) = (one, 1.0, 0.0);
+    for _ in 0..=all.len() {
+        let Some((name, factor, shift)) = at.mimic else {
+            let index = all.iter().position(|other| core::ptr::eq(other, at)).unwrap_or_default();
+            return Ok((index, multiplier, offset));
+        };
+        (multiplier, offset) = (multiplier * factor, multiplier * shift + offset);
+        at = all.iter().find(|other| other.joint.name == name).ok_or_else(|| UrdfError::MimicOutside {
+            line,
+            joint: joint.clone(),
+            leader: shown(name),
+        })?;
+    }
+    Err(UrdfError::MimicLoop { line, joint, through: shown(at.joint.name) })
+}
+
+impl Found<'_, '_> {
+    /// The coordinate of a joint that moves by itself.
+    fn mover(&self) -> Result<Mover, UrdfError> {
+        let element = &self.joint.element;
+        let velocity = self.velocity.ok_or_else(|| match element.child("limit") {
+            Ok(Some(limit)) => limit.missing("velocity", "velocity=\"..\" [rad/s or m/s]"),
+            _ => UrdfError::MissingElement {
+                line: element.line(),
+                element: element.called.clone(),
+                child: "limit",
+                write: "<limit velocity=\"..\"/>",
+            },
+        })?;
+        Ok(Mover {
+            name: self.joint.name.to_owned(),
+            kind: self.kind,
+            range: self.range,
+            velocity,
+            acceleration: self.acceleration,
+            jerk: self.jerk,
+        })
+    }
+}
+
+impl Mover {
+    /// Narrows the limits to those that keep the limits of a joint that follows.
+    fn also_keep(&mut self, one: &Found<'_, '_>, multiplier: f64, offset: f64) -> Result<(), UrdfError> {
+        let nothing_left = || UrdfError::MimicLimits {
+            line: one.joint.element.line(),
+            joint: shown(one.joint.name),
+            leader: shown(&self.name),
+        };
+        let (lower, upper) = one.range;
+        if multiplier == 0.0 {
+            return if (lower..=upper).contains(&offset) { Ok(()) } else { Err(nothing_left()) };
+        }
+        let (a, b) = ((lower - offset) / multiplier, (upper - offset) / multiplier);
+        let range = (self.range.0.max(a.min(b)), self.range.1.min(a.max(b)));
+        if range.0.is_nan() || range.1.is_nan() || range.0 >= range.1 {
+            return Err(nothing_left());
+        }
+        let keep = |own: Option<f64>, follower: Option<f64>| {
+            let follower = follower.map(|limit| limit / multiplier.abs());
+            own.into_iter().chain(follower).reduce(f64::min)
+        };
+        self.range = range;
+        self.velocity = keep(Some(self.velocity), one.velocity).unwrap_or(self.velocity);
+        self.acceleration = keep(self.acceleration, one.acceleration);
+        self.jerk = keep(self.jerk, one.jerk);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn z_turns_to_every_axis() {
+        for x in -2..=2 {
+            for y in -2..=2 {
+                for z in -2..=2 {
+                    let axis = Vector3::new(f64::from(x), f64::from(y), f64::from(z));
+                    let axes = [axis, axis + Vector3::new(1e-9, -1e-12, 0.0)];
+                    for axis in axes.into_iter().filter_map(|axis| axis.try_normalize(0.1)) {
+                        assert!((turn_of_z(axis) * Vector3::z() - axis).amax() < 1e-15, "{axis}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,345 @@
+//! The XML of a URDF: text in, elements with their lines out.
+//!
+//! Values are read as they are used, and strictly: a number that is no number, or an attribute that URDF does not
+//! have, is an error and never a default: `docs/decisions/0011-own-reader-for-urdf.md`.
+
+use std::collections::HashMap;
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use super::error::UrdfError;
+
+/// Longest text that is read \[bytes\].
+pub(super) const LONGEST: usize = 8 << 20;
+
+/// Longest tag that is read \[bytes\]: the reader compares all attributes of an element with one another.
+const LONGEST_TAG: usize = 4 << 10;
+
+/// Most elements, comments and texts that are read.
+const MOST_NODES: u32 = 400_000;
+
+/// The XML tree of a robot.
+///
+/// # Errors
+/// See [`UrdfError`]: too long, not XML, xacro, or not `<robot>`.
+pub(super) fn parsed(text: &str) -> Result<Document<'_>, UrdfError> {
+    if text.len() > LONGEST {
+        return Err(UrdfError::TooLarge { limit: LONGEST });
+    }
+    check_tags(text)?;
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    let document = Document::parse_with_options(text, options).map_err(|why| refused(text, &why))?;
+    let root = document.root_element();
+    if root.tag_name().name() != "robot" {
+        let found = root.tag_name().name().to_owned();
+        return Err(UrdfError::NotRobot { line: line(root), found });
+    }
+    let foreign = |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
+    if let Some(node) = root.descendants().find(foreign) {
+        let what = format!("<xacro:{}>", node.tag_name().name());
+        return Err(UrdfError::Xacro { line: line(node), what });
+    }
+    Ok(document)
+}
+
+/// Refuses tags longer than [`LONGEST_TAG`].
+fn check_tags(text: &str) -> Result<(), UrdfError> {
+    let mut line = 1;
+    for (i, tag) in text.split('<').enumerate() {
+        if i > 0 && tag.len() > LONGEST_TAG && !tag.starts_with(['!', '?']) {
+            return Err(UrdfError::LongElement { line, limit: LONGEST_TAG });
+        }
+        line += tag.bytes().filter(|byte| *byte == b'\n').count();
+    }
+    Ok(())
+}
+
+/// What the XML reader refused.
+fn refused(text: &str, why: &roxmltree::Error) -> UrdfError {
+    let place = why.pos();
+    let (line, column) = (place.row as usize, place.col as usize);
+    match why {
+        roxmltree::Error::DtdDetected => UrdfError::Doctype { line },
+        roxmltree::Error::NodesLimitReached => UrdfError::TooLarge { limit: LONGEST },
+        roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro" => {
+            UrdfError::Xacro { line, what: "the prefix xacro:".to_owned() }
+        }
+        roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
+            let (line, column) = (text.lines().count().max(1), text.lines().last().map_or(0, str::len) + 1);
+            UrdfError::Xml { line, column, what: "it ends inside an element".to_owned() }
+        }
+        other => {
+            let message = other.to_string();
+            let what = message.split(" at ").next().unwrap_or(&message).to_owned();
+            UrdfError::Xml { line, column, what }
+        }
+    }
+}
+
+/// The line where an element begins, from 1.
+pub(super) fn line(node: Node<'_, '_>) -> usize {
+    node.document().text_pos_at(node.range().start).row as usize
+}
+
+/// The elements called `name` directly inside `parent`.
+fn children<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> impl Iterator<Item = Node<'a, 'i>> {
+    parent.children().filter(move |node| node.is_element() && node.tag_name().name() == name)
+}
+
+/// An element with what errors call it, such as `joint "elbow" <limit>`.
+#[derive(Clone)]
+pub(super) struct Element<'a, 'i> {
+    pub(super) node: Node<'a, 'i>,
+    pub(super) called: String,
+}
+
+impl<'a, 'i> Element<'a, 'i> {
+    /// The line where it begins, from 1.
+    pub(super) fn line(&self) -> usize {
+        line(self.node)
+    }
+
+    /// The only element called `name` inside, if there is one.
+    pub(super) fn child(&self, name: &'static str) -> Result<Option<Self>, UrdfError> {
+        let mut found = children(self.node, name);
+        let first = found.next();
+        if let Some(second) = found.next() {
+            let element = self.called.clone();
+            return Err(UrdfError::RepeatedElement { line: line(second), element, child: name });
+        }
+        Ok(first.map(|node| Element { node, called: format!("{} <{name}>", self.called) }))
+    }
+
+    /// The only element called `name` inside, which must be there.
+    pub(super) fn required(&self, name: &'static str, write: &'static str) -> Result<Self, UrdfError> {
+        self.child(name)?.ok_or_else(|| UrdfError::MissingElement {
+            line: self.line(),
+            element: self.called.clone(),
+            child: name,
+            write,
+        })
+    }
+
+    /// The text of an attribute, without the blanks around it.
+    pub(super) fn text(&self, attribute: &str) -> Result<Option<&'a str>, UrdfError> {
+        let Some(text) = self.node.attribute(attribute) else { return Ok(None) };
+        if text.contains("${") || text.contains("$(") {
+            return Err(UrdfError::Xacro {
+                line: self.line(),
+                what: format!("{attribute}=\"{}\"", shown(text)),
+            });
+        }
+        Ok(Some(text.trim()))
+    }
+
+    /// The text of an attribute that must be there, and not be empty.
+    pub(super) fn required_text(
+        &self,
+        attribute: &'static str,
+        write: &'static str,
+    ) -> Result<&'a str, UrdfError> {
+        self.text(attribute)?.filter(|text| !text.is_empty()).ok_or_else(|| self.missing(attribute, write))
+    }
+
+    /// The error of an attribute that is not there.
+    pub(super) fn missing(&self, attribute: &'static str, write: &'static str) -> UrdfError {
+        UrdfError::MissingAttribute { line: self.line(), element: self.called.clone(), attribute, write }
+    }
+
+    /// The error of an attribute whose value will not do.
+    pub(super) fn bad(&self, attribute: &'static str, expected: &'static str) -> UrdfError {
+        let text = shown(self.node.attribute(attribute).unwrap_or_default());
+        UrdfError::BadValue { line: self.line(), element: self.called.clone(), attribute, text, expected }
+    }
+
+    /// The `C` finite numbers of an attribute.
+    pub(super) fn numbers<const C: usize>(
+        &self,
+        attribute: &'static str,
+    ) -> Result<Option<[f64; C]>, UrdfError> {
+        let expected = match C {
+            1 => "a finite number",
+            3 => "three finite numbers",
+            _ => "four finite numbers",
+        };
+        let Some(text) = self.text(attribute)? else { return Ok(None) };
+        let mut numbers = [0.0; C];
+        let mut words = text.split_ascii_whitespace();
+        for number in &mut numbers {
+            let read = words.next().and_then(|word| word.parse::<f64>().ok());
+            *number = read.filter(|n| n.is_finite()).ok_or_else(|| self.bad(attribute, expected))?;
+        }
+        if words.next().is_some() {
+            return Err(self.bad(attribute, expected));
+        }
+        Ok(Some(numbers))
+    }
+
+    /// The finite number of an attribute.
+    pub(super) fn number(&self, attribute: &'static str) -> Result<Option<f64>, UrdfError> {
+        Ok(self.numbers::<1>(attribute)?.map(|[number]| number))
+    }
+
+    /// Refuses attributes other than these: a misspelt one would change the robot without a word.
+    pub(super) fn only(&self, known: &[&str]) -> Result<(), UrdfError> {
+        let strange = |name: &str| !known.contains(&name);
+        match self.node.attributes().find(|a| a.namespace().is_none() && strange(a.name())) {
+            None => Ok(()),
+            Some(attribute) => Err(UrdfError::UnknownAttribute {
+                line: self.line(),
+                element: self.called.clone(),
+                attribute: shown(attribute.name()),
+                known: known.join(", "),
+            }),
+        }
+    }
+}
+
+/// The beginning of a text, for a message.
+pub(super) fn shown(text: &str) -> String {
+    const LENGTH: usize = 60;
+    let mut plain: String = text.chars().take(LENGTH).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if text.chars().nth(LENGTH).is_some() {
+        plain.push_str("..");
+    }
+    plain
+}
+
+/// The links and joints of a robot by their names, each of which stands once.
+pub(super) struct Tree<'a, 'i> {
+    /// Whether the file declares `version` 1.1 or later, which has `quat_xyzw`.
+    pub(super) has_quaternions: bool,
+    links: HashMap<&'a str, Node<'a, 'i>>,
+    /// The joint whose child is the link of this name.
+    parents: HashMap<&'a str, Joint<'a, 'i>>,
+}
+
+/// A joint and the links that it connects.
+#[derive(Clone)]
+pub(super) struct Joint<'a, 'i> {
+    pub(super) name: &'a str,
+    pub(super) parent: &'a str,
+    pub(super) child: &'a str,
+    pub(super) element: Element<'a, 'i>,
+}
+
+impl<'a, 'i> Tree<'a, 'i> {
+    /// The tree of the links.
+    ///
+    /// # Errors
+    /// A name that is missing or stands twice, a joint between links that are not there, a link with two parents.
+    pub(super) fn of(document: &'a Document<'i>) -> Result<Self, UrdfError> {
+        let robot = document.root_element();
+        let mut links = HashMap::new();
+        for node in children(robot, "link") {
+            let element = Element { node, called: "a link".to_owned() };
+            let name = element.required_text("name", "<link name=\"..\">")?;
+            if let Some(first) = links.insert(name, node) {
+                return Err(duplicate("link", name, first, node));
+            }
+        }
+        let mut names = HashMap::new();
+        let mut parents: HashMap<&str, Joint<'a, 'i>> = HashMap::new();
+        for node in children(robot, "joint") {
+            let joint = joint(node)?;
+            if let Some(first) = names.insert(joint.name, node) {
+                return Err(duplicate("joint", joint.name, first, node));
+            }
+            for (role, link) in [("parent", joint.parent), ("child", joint.child)] {
+                if !links.contains_key(link) {
+                    return Err(UrdfError::UnknownLink {
+                        line: line(node),
+                        joint: shown(joint.name),
+                        role,
+                        link: shown(link),
+                        help: alternatives(link, links.keys().copied()),
+                    });
+                }
+            }
+            if let Some(first) = parents.get(joint.child) {
+                return Err(UrdfError::TwoParents {
+                    line: line(node),
+                    link: shown(joint.child),
+                    first: shown(first.name),
+                    second: shown(joint.name),
+                });
+            }
+            parents.insert(joint.child, joint);
+        }
+        let version = robot.attribute("version").unwrap_or("1.0").trim();
+        let has_quaternions = version.parse::<f64>().is_ok_and(|version| version >= 1.1);
+        Ok(Self { has_quaternions, links, parents })
+    }
+
+    /// The joints from `base` to `tip`, in that order.
+    ///
+    /// # Errors
+    /// A link that is not there, a tip that does not hang on the base, a loop.
+    pub(super) fn path(&self, base: &str, tip: &str) -> Result<Vec<Joint<'a, 'i>>, UrdfError> {
+        for (role, name) in [("base", base), ("tip", tip)] {
+            if !self.links.contains_key(name) {
+                let help = alternatives(name, self.links.keys().copied());
+                return Err(UrdfError::NoSuchLink { role, name: shown(name), help });
+            }
+        }
+        let mut path = self.upwards(tip, base)?;
+        let top = path.last().map_or(tip, |joint| joint.parent);
+        if top != base {
+            let swapped = self.upwards(base, tip).is_ok_and(|p| p.last().is_some_and(|j| j.parent == tip));
+            let help = if swapped {
+                "it is the other way round: swap base and tip".to_owned()
+            } else {
+                format!("its topmost link is \"{}\": write that as base, or one below it", shown(top))
+            };
+            return Err(UrdfError::NotBelow { base: shown(base), tip: shown(tip), help });
+        }
+        path.reverse();
+        Ok(path)
+    }
+
+    /// The joints from `link` upwards, to `end` or to the root.
+    fn upwards(&self, link: &str, end: &str) -> Result<Vec<Joint<'a, 'i>>, UrdfError> {
+        let (mut path, mut at) = (Vec::new(), link);
+        while at != end
+            && let Some(joint) = self.parents.get(at)
+        {
+            if path.len() > self.links.len() {
+                return Err(UrdfError::Loop {
+                    line: joint.element.line(),
+                    joint: shown(joint.name),
+                    link: shown(at),
+                });
+            }
+            path.push(joint.clone());
+            at = joint.parent;
+        }
+        Ok(path)
+    }
+}
+
+/// A joint by its name, with the links that it names.
+fn joint<'a, 'i>(node: Node<'a, 'i>) -> Result<Joint<'a, 'i>, UrdfError> {
+    let nameless = Element { node, called: "a joint".to_owned() };
+    let name = nameless.required_text("name", "<joint name=\"..\" type=\"..\">")?;
+    let element = Element { node, called: format!("joint \"{}\"", shown(name)) };
+    let parent = element.required("parent", "<parent link=\"..\"/>")?.required_text("link", "link=\"..\"")?;
+    let child = element.required("child", "<child link=\"..\"/>")?.required_text("link", "link=\"..\"")?;
+    Ok(Joint { name, parent, child, element })
+}
+
+fn duplicate(kind: &'static str, name: &str, first: Node<'_, '_>, second: Node<'_, '_>) -> UrdfError {
+    UrdfError::DuplicateName { line: line(second), first: line(first), kind, name: shown(name) }
+}
+
+/// The names that look like `name`, else some that there are.
+fn alternatives<'n>(name: &str, known: impl Iterator<Item = &'n str>) -> String {
+    let alike = |other: &str| other.chars().zip(name.chars()).filter(|(a, b)| a == b).count();
+    let mut known: Vec<&str> = known.collect();
+    known.sort_unstable();
+    known.sort_by_key(|other| core::cmp::Reverse(alike(other)));
+    let some: Vec<String> = known.iter().take(4).map(|other| shown(other)).collect();
+    match some.as_slice() {
+        [] => "the file has no links: write <link name=\"..\"/>".to_owned(),
+        some => format!("write one of its {} links, such as {}", known.len(), some.join(", ")),
+    }
+}

@@ -1,0 +1,20 @@
+//! Robots described by a URDF file.
+//!
+//! ```text
+//! text -> document (XML, strictly) -> chain (base to tip) -> Serial<N>: Robot
+//!                                                              |-- closed form, for ortho-parallel 6R arms
+//!                                                              '-- Newton iteration, for all others
+//! ```
+//!
+//! What is read of a URDF, and what is not, stands at [`Serial`].
+
+mod chain;
+mod document;
+mod error;
+mod motion;
+mod newton;
+mod recognition;
+mod serial;
+
+pub use error::UrdfError;
+pub use serial::{Serial, SerialBuilder};

@@ -1,0 +1,66 @@
+//! Nothing that a step calls allocates.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use mrroc::Driver;
+use mrroc_robots::{
+    Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven,
+    Simulated, Six,
+};
+use nalgebra::SVector;
+
+thread_local! {
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counting this thread's allocations.
+struct Counting;
+
+// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promises are those that `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn counted<const N: usize, R: Driven<N> + Kinematics<N>>(robot: R, start: SVector<f64, N>) {
+    let mut driver = Simulated::new(robot.clone(), &start);
+    let before = COUNT.with(Cell::get);
+    let mut sum = 0.0;
+    for k in 0..50 {
+        let q = start + SVector::repeat(1e-5 * f64::from(k));
+        let pose = robot.forward(&q);
+        sum += robot.inverse(&pose, &start).map_or(0.0, |q| q[0]);
+        sum += robot.jacobian(&q)[0] + robot.manipulability(&q) + robot.singularity_distance(&q);
+        let _ = robot.solutions(&pose, &start, &mut |q| sum += q[0]);
+        sum += robot.nearest_attainable(&pose, &start).ok().flatten().map_or(0.0, |q| q[0]);
+        sum += driver.tick(&start).map_or(0.0, |measured| measured.position[0]);
+        let mut far = pose;
+        far.translation.vector.x += 10.0;
+        sum += f64::from(u8::from(robot.inverse(&far, &start).is_ok()));
+    }
+    assert_eq!(COUNT.with(Cell::get) - before, 0, "{}: {sum}", R::KIND);
+}
+
+#[test]
+fn kinematics_and_servo_periods_of_every_robot_allocate_nothing() {
+    let arm = Six::new(0.1, -1.55, 0.1, -0.1, 4.6, 0.2);
+    counted(Irp6::nominal(), arm);
+    counted(Irp6FiveDof::nominal(), Five::new(0.3, -1.6, 0.1, 0.2, 1.0));
+    counted(Irp6Track::nominal(), Seven::from([0.5, arm[0], arm[1], arm[2], arm[3], arm[4], arm[5]]));
+    counted(Rnt::new(), Six::new(0.1, 0.5, 0.55, 0.2, 1.3, 0.3));
+    counted(Polycrank::new(), Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]));
+    counted(Gripper::new(), One::new(0.07));
+    counted(Conveyor::new(), One::new(0.5));
+}
