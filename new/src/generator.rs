@@ -203,8 +203,8 @@ impl Copy {
     /// What is missing for a Move of it in this project, if anything.
     fn caution(&self) -> &'static str {
         if self.entry.class.level == Level::Ecp && !self.project.join("src/ecp.rs").is_file() {
-            "\nIt moves one robot, in the program of its ECP, which this project has none of: give a robot one by `.ecp(..)` in \
-             src/lib.rs, or make a project with `--define levels=ecp` or `levels=both`.\n"
+            "\nIt moves one robot, in the program of its ECP, which this project has none of: make a project with `--define levels=ecp` \
+             or `levels=both`; or give the robot a program by `.ecp(..)` in src/lib.rs, in the place of `.program(..)`.\n"
         } else {
             ""
         }

@@ -66,6 +66,11 @@ impl Fault {
                     "a struct order is tight, and only the MP ends its motion: end it there, or make the order an enum",
                 );
             }
+            K::FollowingError if self.excess().is_some_and(|excess| !excess.actual.is_finite()) => {
+                return Some(
+                    "what the driver's `tick` returned is no position: look at how it reads the encoders",
+                );
+            }
             K::FollowingError => {
                 return Some(
                     "the drives do not follow: move slower, or look for what holds the joint; a driver of your own returns from \

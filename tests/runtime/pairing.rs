@@ -263,7 +263,7 @@ fn a_period_of_no_time_is_refused() {
     assert_eq!(result, Err(mrroc::CellError::Step));
     let timeless = ExactDrive::new(Q::<3>::zeros(), std::time::Duration::ZERO);
     let robot = RobotSetup::new("g", Gantry::default(), timeless).program(|_| Ok(()));
-    assert!(matches!(Cell::new(MS).robot(robot).run(), Err(mrroc::CellError::Period { .. })));
+    assert!(matches!(Cell::new(MS).robot(robot).run(), Err(mrroc::CellError::NoServo(_))));
     let free = mrroc::VspMode::NonInteractive(std::time::Duration::ZERO);
     let sensor = mrroc::SensorSetup::new("counter", crate::kit::Counting::default()).mode(free);
     let result = Cell::new(MS).robot(gantry("g").0.program(|_| Ok(()))).sensor(sensor).run();

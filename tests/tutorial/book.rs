@@ -1,4 +1,4 @@
-//! The book in `docs/` says what is true: its includes, links, paths, commands and edits fit the repository.
+//! The book in `docs/` says what is true: its code, links, paths, commands and edits fit the repository.
 
 mod page;
 mod support;
@@ -6,18 +6,20 @@ mod support;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use page::{Edit, Step, chapters, included, includes, links, pages, read, root, steps};
+use page::{Edit, Step, chapters, included, links, pages, read, root, shown, steps};
 use support::matches;
 
 #[test]
-fn every_include_is_there() {
+fn every_code_that_is_shown_is_that_of_its_file() {
+    let mut blocks = 0;
     for (name, text) in pages() {
-        let folder = root().join("docs/src").join(&name);
-        for what in includes(&text) {
-            included(folder.parent().expect("a folder"), what)
-                .unwrap_or_else(|error| panic!("{name}: {error}"));
+        for (what, code) in shown(&text) {
+            let there = included(&root(), what).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(code, there, "{name} shows another text than {what}");
+            blocks += 1;
         }
     }
+    assert!(blocks >= 8, "{blocks} blocks");
 }
 
 #[test]
@@ -42,18 +44,21 @@ fn every_page_is_in_the_summary_once() {
     assert_eq!(listed, names);
 }
 
-/// `path/to/file.rs` and `mrroc::Item` in the tables for those who come from elsewhere.
+/// `path/to/file.rs`, `mrroc::Item` and `mrroc_robots::Item` in the tables for those who come from elsewhere.
 #[test]
 fn every_place_to_look_is_there() {
-    let interface = read(root().join("runtime/src/lib.rs"));
+    let interface = |krate: &str| read(root().join(krate).join("src/lib.rs"));
+    let crates = [("mrroc::", interface("runtime")), ("mrroc_robots::", interface("robots"))];
     for (name, text) in pages().into_iter().filter(|(name, _)| name.starts_with("from-")) {
         let mut found = 0;
         for row in text.lines().filter(|line| line.starts_with("| ")) {
             let place = row.trim_end_matches([' ', '|']).rsplit('|').next().expect("a cell");
             for code in place.split('`').skip(1).step_by(2) {
                 found += 1;
-                match code.strip_prefix("mrroc::") {
-                    Some(item) => assert!(words(&interface).any(|word| word == item), "{name}: no `{code}`"),
+                match crates.iter().find_map(|(krate, text)| Some((code.strip_prefix(krate)?, text))) {
+                    Some((item, text)) => {
+                        assert!(words(text).any(|word| word == item), "{name}: no `{code}`");
+                    }
                     None => assert!(root().join(code).is_file(), "{name}: no file {code}"),
                 }
             }

@@ -36,7 +36,7 @@ pub fn chapters() -> Vec<(String, String)> {
     pages().into_iter().filter(|(name, _)| name.starts_with("tutorial/")).collect()
 }
 
-/// What `{{#include path:anchor}}` stands for on a page in `folder`.
+/// What `path:anchor` stands for, a file below `folder` or the part of it between two comments.
 pub fn included(folder: &Path, what: &str) -> Result<String, String> {
     let (path, anchor) = what.split_once(':').map_or((what, None), |(path, anchor)| (path, Some(anchor)));
     let text = std::fs::read_to_string(folder.join(path)).map_err(|error| format!("{path}: {error}"))?;
@@ -61,9 +61,12 @@ pub fn included(folder: &Path, what: &str) -> Result<String, String> {
     Ok(kept)
 }
 
-/// The names in `{{#include ..}}` of a text.
-pub fn includes(text: &str) -> impl Iterator<Item = &str> {
-    text.split("{{#include ").skip(1).map(|rest| rest.split("}}").next().unwrap_or(rest).trim())
+/// The blocks of code that a page shows of a file, `<!-- code: path:anchor -->` before each: the file, and the code.
+pub fn shown(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    text.split("<!-- code: ").skip(1).map(|rest| {
+        let (what, block) = rest.split_once(" -->\n```rust\n").expect("a block of code below the comment");
+        (what, block.split("```").next().unwrap_or(block))
+    })
 }
 
 /// The targets of links, `[..](target)`, outside of code.
@@ -124,7 +127,6 @@ impl Edit {
 
 /// Reads a chapter; the next block of code belongs to the edit that ends with a colon.
 pub fn steps(name: &str, text: &str) -> Vec<Step> {
-    let folder = root().join("docs/src").join(name).parent().expect("a folder").to_owned();
     let mut steps = Vec::new();
     let mut waiting: Option<(String, Edit)> = None;
     for (i, part) in text.split("```").enumerate() {
@@ -146,12 +148,8 @@ pub fn steps(name: &str, text: &str) -> Vec<Step> {
             ("sh", _) => steps.push(Step::Run(lines(), Vec::new())),
             ("text", Some(Step::Run(_, shown))) => shown.extend(lines()),
             ("rust", _) => {
-                let code = match includes(body).next() {
-                    Some(what) => included(&folder, what).unwrap_or_else(|error| panic!("{name}: {error}")),
-                    None => body.to_owned(),
-                };
                 if let Some((file, edit)) = waiting.take() {
-                    steps.push(Step::Edit(file, with_code(edit, code)));
+                    steps.push(Step::Edit(file, with_code(edit, body.to_owned())));
                 }
             }
             (other, _) => panic!("{name}: a block of `{other}` out of place"),

@@ -38,7 +38,7 @@ pub enum CellError {
     },
     /// A sensor of the cell's file that no virtual sensor computes.
     #[error(
-        "sensor `{0}` of the cell's file has no VSP: add `.sensor(file.sensor(\"{0}\", ..)?)` to the cell, with the virtual sensor that computes it"
+        "sensor `{0}` of the cell's file has no VSP: add `.sensor(file.sensor(\"{0}\", ..)?)` to the cell, with the virtual sensor that computes it, or take [sensors.{0}] out of the file"
     )]
     NoVsp(String),
     /// What is wrong with the cell's file.
@@ -66,9 +66,14 @@ pub enum CellError {
         "the cell has no program: give one to the MP, `cell.program(coordinate)`, or to an ECP, `cell.ecp(\"arm\", arm)`"
     )]
     NoProgram,
+    /// A driver whose servo period takes no time.
+    #[error(
+        "robot `{0}`: its servo period is 0\n help: let `Driver::period` say how often the drives take a demand"
+    )]
+    NoServo(Name),
     /// A servo period that does not fit the step.
     #[error(
-        "robot `{robot}`: its servo period {servo:?} does not divide the step {step:?}, nor the step it\n help: write step_ms = {0}, or a multiple of it, in cell.toml",
+        "robot `{robot}`: the step, {step:?}, and its servo period, {servo:?}, must be multiples of one another\n help: write step_ms = {0}, or a multiple of it, in cell.toml",
         servo.as_secs_f64() * 1e3
     )]
     Period {

@@ -272,7 +272,9 @@ impl Cell {
             }
             let (servo, step) = (robot.servo_period(), self.step);
             let divides = |a: Duration, b: Duration| b.as_nanos().is_multiple_of(a.as_nanos());
-            if servo.is_zero() || !divides(servo, step) && !divides(step, servo) {
+            if servo.is_zero() {
+                errors.push(CellError::NoServo(name));
+            } else if !divides(servo, step) && !divides(step, servo) {
                 errors.push(CellError::Period { robot: name, servo, step });
             }
             errors.extend(robot.check_limits(name, step, self.stop_time));

@@ -2,6 +2,7 @@
 
 use core::fmt;
 use core::ops::Range;
+use std::io::ErrorKind;
 
 /// Everything that is wrong with a cell file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -31,7 +32,13 @@ impl fmt::Display for Complaint {
 
 impl CellFileError {
     pub(super) fn unreadable(name: &str, error: &std::io::Error) -> Self {
-        let help = "a task project has its cell.toml beside its Cargo.toml: run it there, or give the file by --cell";
+        let help = match error.kind() {
+            ErrorKind::NotFound => {
+                "a task project has its cell.toml beside its Cargo.toml: run it there, or give the file by --cell"
+            }
+            ErrorKind::InvalidData => "save it as plain text in UTF-8",
+            _ => "see whether it is a file, and who may read it",
+        };
         let what = format!("cannot be read: {error}");
         let (at, help) = (name.to_owned(), help.to_owned());
         CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
@@ -97,6 +104,11 @@ impl Source {
 /// What was probably meant by a word, if anything.
 pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let likeness = |known: &str| strsim::jaro_winkler(&word.to_lowercase(), &known.to_lowercase());
+    // One letter wrong, missing, or two in the wrong order: in short words a great part of them.
+    let slip = |known: &&&str| strsim::damerau_levenshtein(word, known) == 1 && known.len() > 2;
+    if let Some(slip) = known.iter().find(slip) {
+        return Some(slip);
+    }
     known
         .iter()
         .copied()

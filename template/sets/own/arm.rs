@@ -5,7 +5,7 @@ use std::time::Duration;
 use mrroc::{DriveFault, Driver, JointKind, Kinds, Limits, Measured, NoInverse, Pose, Robot, RobotSetup};
 use nalgebra::Vector3;
 
-/// FILL IN: as many numbers as the robot has joints.
+/// FILL IN: as many numbers as the robot has joints; `start` in cell.toml has as many.
 pub type Joints = Vector3<f64>;
 
 /// The robot's model: its geometry and limits.
@@ -68,7 +68,7 @@ impl Robot for Arm {
         Ok(X_BF.translation.vector)
     }
 
-    /// FILL IN: the frames of the links, for the picture.
+    /// FILL IN: the frames of the links from the base outwards, for the picture; the flange comes last.
     fn frames(&self, q: &Joints, visit: &mut dyn FnMut(&Pose)) {
         for frame in [[0.0, 0.0, 0.0], [q.x, 0.0, 0.0], [q.x, q.y, 0.0]] {
             visit(&(self.base * Pose::translation(frame[0], frame[1], frame[2])));
