@@ -1,7 +1,6 @@
 //! Motion generators for `mrroc`, and the mathematics under them.
 //!
 //! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
-//! - [`catalogue`]: their source text, for copying;
 //! - [`profile`]: how far along a path at which instant;
 //! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
@@ -15,7 +14,6 @@
 extern crate self as mrroc_generators;
 
 pub mod bspline;
-pub mod catalogue;
 pub mod feed;
 pub mod generators;
 pub mod line;

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{fs, iter};
 
-use mrroc::Level;
-use mrroc_generators::catalogue::{CATALOGUE, Entry};
 use toml::{Table, Value};
 
+use crate::catalogue::{CATALOGUE, Entry};
 use crate::error::Error;
 use crate::{name, suggestion};
 
@@ -202,7 +201,7 @@ impl Copy {
 
     /// What is missing for a Move of it in this project, if anything.
     fn caution(&self) -> &'static str {
-        if self.entry.class.level == Level::Ecp && !self.project.join("src/ecp.rs").is_file() {
+        if self.entry.is_of_an_ecp() && !self.project.join("src/ecp.rs").is_file() {
             "\nIt moves one robot, in the program of its ECP, which this project has none of: make a project with `--define levels=ecp` \
              or `levels=both`; or give the robot a program by `.ecp(..)` in src/lib.rs, in the place of `.program(..)`.\n"
         } else {
@@ -212,13 +211,13 @@ impl Copy {
 
     /// A Move of it, by its first constructor.
     fn example_call(&self) -> String {
-        let sensors = self.entry.class.first_uses().sensors || self.entry.class.next_uses().sensors;
-        let sensors = if sensors { "(&mut sensor,)" } else { "()" };
+        let sensors = if self.entry.reads_sensors() { "(&mut sensor,)" } else { "()" };
         let made = constructor(self.entry.source)
             .map_or_else(|| self.type_name.clone(), |call| format!("{}::{call}", self.type_name));
-        match self.entry.class.level {
-            Level::Mp => format!("mp.move_robots((&mut robot,), {sensors}, {made})?;"),
-            Level::Ecp => format!("ecp.move_robot({sensors}, {made})?;"),
+        if self.entry.is_of_an_ecp() {
+            format!("ecp.move_robot({sensors}, {made})?;")
+        } else {
+            format!("mp.move_robots((&mut robot,), {sensors}, {made})?;")
         }
     }
 }

@@ -5,9 +5,10 @@
 //! - [`choices`]: which of them are asked for, and what was chosen; [`source`]: the three about mrroc itself;
 //! - [`prompt`]: asking on the terminal;
 //! - [`project`]: the project, made by cargo-generate;
-//! - [`generator`]: the copy of a generator.
+//! - [`generator`]: the copy of a generator of the [`catalogue`].
 #![warn(missing_docs)]
 
+pub mod catalogue;
 pub mod choices;
 pub mod error;
 pub mod generator;

@@ -1,0 +1,119 @@
+//! The library's generators and their source text: what is copied into a project to be changed there.
+//!
+//! Classes stand here as text, so that a project is made without compiling the library first; a test compares them with
+//! those that the code has.
+
+/// One generator of the library.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Name of its module and, with `.rs`, of its file.
+    pub name: &'static str,
+    /// Name of its type.
+    pub type_name: &'static str,
+    /// Its class in the paper's classification, which does not depend on the kinds of robot and sensor.
+    pub class: &'static str,
+    /// The text of its file, on the public interface alone.
+    pub source: &'static str,
+}
+
+impl Entry {
+    /// What it does: the first line of its file.
+    #[must_use]
+    pub fn summary(&self) -> &'static str {
+        self.source.lines().next().unwrap_or_default().trim_start_matches("//!").trim()
+    }
+
+    /// Whether it moves one robot, in the program of its ECP.
+    #[must_use]
+    pub fn is_of_an_ecp(&self) -> bool {
+        self.class.starts_with("ECP")
+    }
+
+    /// Whether it reads sensors.
+    #[must_use]
+    pub fn reads_sensors(&self) -> bool {
+        self.class.split(['(', ',', ')']).any(|used| used.trim() == "v")
+    }
+}
+
+macro_rules! entry {
+    ($name:literal, $type_name:literal, $class:literal) => {
+        Entry {
+            name: $name,
+            type_name: $type_name,
+            class: $class,
+            source: include_str!(concat!("../../generators-lib/src/generators/", $name, ".rs")),
+        }
+    };
+}
+
+/// All generators of the library, by name.
+pub const CATALOGUE: &[Entry] = &[
+    entry!("guarded_approach", "GuardedApproach", "ECP f*1(c, v), first step f*3(c, e, v)"),
+    entry!("joint_move", "JointMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("spline_track", "SplineTrack", "ECP f*0(c)"),
+    entry!("straight_line", "StraightLine", "ECP f*0(c), first step f*2(c, e)"),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Generator, Payload, Sensor};
+    use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};
+    use mrroc_robots::Irp6;
+
+    struct Touch;
+
+    #[derive(Clone, Copy, Payload)]
+    struct Contact {
+        made: bool,
+    }
+
+    impl Sensor for Touch {
+        const KIND: &'static str = "touch";
+        type Reading = Contact;
+        type Configuration = ();
+    }
+
+    #[test]
+    fn the_classes_are_those_of_the_code() {
+        type Points = std::vec::IntoIter<nalgebra::Vector3<f64>>;
+        let classes = [
+            GuardedApproach::<Irp6, Touch>::CLASS,
+            JointMove::<Irp6>::CLASS,
+            SplineTrack::<Irp6, Points>::CLASS,
+            StraightLine::<Irp6>::CLASS,
+        ];
+        assert_eq!(CATALOGUE.len(), classes.len());
+        for (entry, class) in CATALOGUE.iter().zip(classes) {
+            assert_eq!(entry.class, class.to_string(), "{}", entry.name);
+            let sensors = class.first_uses().sensors || class.next_uses().sensors;
+            assert_eq!(
+                (entry.is_of_an_ecp(), entry.reads_sensors()),
+                (class.level == mrroc::Level::Ecp, sensors)
+            );
+        }
+    }
+
+    #[test]
+    fn every_generator_of_the_library_is_in_the_catalogue() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../generators-lib/src/generators");
+        let mut files: Vec<_> = std::fs::read_dir(folder)
+            .expect("the folder of the generators")
+            .map(|entry| entry.expect("an entry").file_name().into_string().expect("a plain name"))
+            .filter(|file| file != "mod.rs")
+            .collect();
+        files.sort();
+        assert_eq!(files, CATALOGUE.iter().map(|entry| format!("{}.rs", entry.name)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn every_entry_says_what_it_does_and_is_short() {
+        for entry in CATALOGUE {
+            assert!(entry.source.starts_with("//! ") && entry.summary().ends_with('.'), "{}", entry.name);
+            assert!(entry.source.contains(&format!("pub struct {}", entry.type_name)), "{}", entry.name);
+            let (generator, tests) = entry.source.split_once("#[cfg(test)]").expect("its test");
+            assert!(generator.lines().count() < 100 && tests.contains("#[test]"), "{}", entry.name);
+        }
+    }
+}
