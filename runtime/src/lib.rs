@@ -89,6 +89,7 @@ mod stopping;
 mod transparent;
 mod vsp;
 mod wire;
+mod wrench;
 
 pub use cell::{Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
 pub use cell_file::{CellFile, CellFileError, Kinds, RobotEntry};
@@ -116,6 +117,7 @@ pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;
 pub use vsp::{EffectorState, ReadingOrder, VirtualSensor, VspMode};
 pub use wire::{BadWords, WORDS, Wire};
+pub use wrench::Wrench;
 
 pub use mrroc_macros::{Payload, condition, generator};
 
