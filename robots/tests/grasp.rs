@@ -204,7 +204,7 @@ fn arms_whose_bases_are_off_squeeze_the_body_as_statics_says() {
                 let off = *reaction - *expected;
                 assert!(off.force.amax() < 0.1 && off.torque.amax() < 0.01, "{i}: {reaction:?} {expected:?}");
             }
-            // Where FK says they are, but for the drives: encoders of 2e-5 rad and friction leave 0.1 mm.
+            // Where the true base puts them, but for the drives: encoders of 2e-5 rad and friction leave 0.1 mm.
             let truly = arms()[1].forward(&start());
             let base = Pose::translation(0.6, 0.0, 0.0);
             let way = Translation3::from(Vector3::new(0.03, -0.05, 0.02) * if i == 0 { 0.0 } else { 1.0 });
@@ -213,12 +213,16 @@ fn arms_whose_bases_are_off_squeeze_the_body_as_statics_says() {
         }
         println!("internal force {:.2} N, then {:.2} N", moments[0].internal, moments[1].internal);
         for moment in &moments {
-            // Perfect bases leave what the drives are off by, k 0.1 mm / 2.
-            assert_eq!(moment.internal > 5.0, squeezes, "{}", moment.internal);
+            // Perfect bases leave what the drives are off by: a pulse, k 1e-5 m / 2.
+            assert!(
+                if squeezes { moment.internal > 15.0 } else { moment.internal < 0.5 },
+                "{}",
+                moment.internal
+            );
         }
         if error == along {
             // k delta / 2 = 25 N.
-            assert!((moments[0].internal - 25.0).abs() < 2.5, "{}", moments[0].internal);
+            assert!((moments[0].internal - 25.0).abs() < 0.5, "{}", moments[0].internal);
         }
     }
 }
@@ -349,9 +353,9 @@ fn a_held_body_loads_the_motors_by_its_weight() {
         (q, arm.drives().currents())
     };
     // Joint 4 lifts with d z / d q4 = u + 0.043 sin psi: kt di = m g (dz/dq4) / 2250, but for friction of 2e-3 N m.
-    let ((q, heavy), (_, light)) = (loaded(8.0), loaded(1e-3));
+    let ((q, heavy), (_, light)) = (loaded(8.0), loaded(0.5));
     let slope = Polycrank::stretch(&q) + 0.043 * (q[3] + q[4] + q[5]).sin();
-    let expected = 8.0 * GRAVITY * slope / 2250.0 / 0.02;
+    let expected = 7.5 * GRAVITY * slope / 2250.0 / 0.02;
     let difference = heavy[3] - light[3];
     assert!((difference - expected).abs() < 2.0 * 2e-3 / 0.02, "{difference} A for {expected} A");
     assert!(expected > 0.1 && difference > 0.0);
