@@ -104,8 +104,8 @@ pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use joints::{JointVector, MAX_JOINTS};
 pub use launch::{Recorder, launch};
 pub use list::{
-    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList,
-    SensorsOf,
+    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
+    SensorList, SensorsEach, SensorsOf,
 };
 pub use mp::Mp;
 pub use name::{BadName, MAX_NAME, Name};
