@@ -118,10 +118,10 @@ pub enum Cause {
 
 /// Why a motion of a body is refused: an arm cannot follow.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("{arm} cannot follow the body at {time:.3} s in {direction} of its tool: {cause}")]
+#[error("{} cannot follow in {direction} of its tool at {time:.3} s: {cause}", arm.as_ref().map_or("the arm", Name::as_str))]
 pub struct Unattainable {
-    /// The robot.
-    pub arm: Name,
+    /// The robot, if its model has a name.
+    pub arm: Option<Name>,
     /// Path time \[s\]; 0 at the start.
     pub time: f64,
     /// The direction that its joints give least where it fails.
@@ -171,8 +171,9 @@ pub trait ArmModel {
 #[derive(Clone, Debug)]
 #[allow(non_snake_case)]
 pub struct Arm<R: Robot> {
-    name: Name,
+    name: Option<Name>,
     robot: R,
+    start: Pose,
     joints: R::Joints,
     X_FE: Pose,
     free: Option<(FreeDirection, f64)>,
@@ -180,11 +181,17 @@ pub struct Arm<R: Robot> {
 
 #[allow(non_snake_case)]
 impl<R: Robot> Arm<R> {
-    /// The arm of this name and kinematics in this state, such as `(rnt.name(), robot, rnt.demanded())` of a handle.
+    /// The arm with these kinematics in this state, such as `rnt.demanded()` of a handle.
     #[must_use]
-    pub fn new(name: Name, robot: R, state: &RobotState<R>) -> Self {
+    pub fn new(robot: R, state: &RobotState<R>) -> Self {
         let X_FE = robot.forward(&state.joints).inv_mul(&state.pose);
-        Arm { name, robot, joints: state.joints, X_FE, free: None }
+        Arm { name: None, robot, start: state.pose, joints: state.joints, X_FE, free: None }
+    }
+
+    /// The same arm with a name for messages, such as `rnt.name()` of a handle.
+    #[must_use]
+    pub fn named(self, name: Name) -> Self {
+        Arm { name: Some(name), ..self }
     }
 
     /// The same arm with a grasp that transmits nothing in this direction.
@@ -197,6 +204,12 @@ impl<R: Robot> Arm<R> {
     #[must_use]
     pub const fn joints(&self) -> &R::Joints {
         &self.joints
+    }
+
+    /// `X_WE` of its tool in the state that it was made from.
+    #[must_use]
+    pub const fn start(&self) -> &Pose {
+        &self.start
     }
 
     /// How far its tool is in its free direction [rad or m].

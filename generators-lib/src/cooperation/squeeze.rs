@@ -205,7 +205,8 @@ mod tests {
                 let delay = f64::from(steps) * 2e-3;
                 let lag = delay / (1.0 - share);
                 let gains = gains(0.999 / lag, lag - delay);
-                let law = SqueezeLaw::new(gains, BOUNDS, delay).expect("reserve");
+                let wide = SqueezeBounds { speed: 10.0, turning: 10.0, way: 1.0, angle: 1.0 };
+                let law = SqueezeLaw::new(gains, wide, delay).expect("reserve");
                 // The step itself is the first of the delay's steps.
                 let (left, _) = relax(&law, 1.5, steps as usize - 1, 300 * steps as usize + 3000);
                 assert!(left < 1e-3, "{steps} steps, inertia {share}: {left}");

@@ -11,8 +11,8 @@ use mrroc_generators::cooperation::{BodyFrame, BodyPath, Grasps, Placed};
 /// The first step learns where each arm holds the body from the poses demanded last, at rest; only the path is
 /// followed from then on, so that a Suspend finds all arms on it. In the language [`Motion`] it demands poses of
 /// transparent ECPs; in the language [`Displacement`](mrroc_generators::cooperation::Displacement) it orders
-/// displacements, which [`Transmit`](mrroc_generators::generators::Transmit) or a program's own generator passes on.
-pub struct Carry<L: RobotList, P, O = Motion> {
+/// displacements, which [`TransmitDisplacement`](mrroc_generators::generators::TransmitDisplacement) or a program's own generator passes on.
+pub struct RigidCarry<L: RobotList, P, O = Motion> {
     body: BodyFrame,
     path: P,
     starts: L::Each<Pose>,
@@ -20,12 +20,12 @@ pub struct Carry<L: RobotList, P, O = Motion> {
     of: PhantomData<O>,
 }
 
-impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> Carry<L, P, O> {
+impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
     /// The body whose frame is `body` at the start along `path`.
     #[must_use]
     pub fn along(body: BodyFrame, path: P) -> Self {
         let starts = L::array(|_| Pose::identity());
-        Carry { body, path, starts, grasps: Grasps::close(&Pose::identity(), starts), of: PhantomData }
+        RigidCarry { body, path, starts, grasps: Grasps::close(&Pose::identity(), starts), of: PhantomData }
     }
 
     #[allow(non_snake_case)]
@@ -39,7 +39,7 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> Carry<L, P, O> {
 }
 
 #[generator(mp)]
-impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> Carry<L, P, O> {
+impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
     #[allow(non_snake_case)]
     fn first_step(&mut self, e: &State<L>, t: Tick) -> Result<Step<L, O>, Fault> {
         self.starts = e.demanded_poses();
