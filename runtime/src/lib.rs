@@ -108,8 +108,8 @@ pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
 pub use launch::{Recorder, launch};
 pub use list::{
-    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList,
-    SensorsOf,
+    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
+    SensorList, SensorsEach, SensorsOf,
 };
 pub use mp::Mp;
 pub use name::{BadName, MAX_NAME, Name};
