@@ -52,8 +52,8 @@ use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::plant::Encoder;
 use crate::regulator::Gains;
+use crate::sines::sin_cos;
 use crate::transmission::{GRAVITY, Linear, LinkState, Screw, Transmission};
-use crate::trig::sin_cos;
 use crate::wrist::{Side, Wrist};
 
 /// One entry per joint, or per motor, of the IRp-6.

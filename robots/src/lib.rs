@@ -58,7 +58,6 @@ mod simulated;
 mod sines;
 mod singular;
 mod transmission;
-mod trig;
 mod urdf;
 mod wrist;
 

@@ -46,8 +46,8 @@ use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6_track::Seven;
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
 use crate::plant::Encoder;
+use crate::sines::sin_cos;
 use crate::transmission::GRAVITY;
-use crate::trig::sin_cos;
 
 const A1: f64 = -0.299;
 const A2: f64 = 0.180;

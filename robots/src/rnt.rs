@@ -40,8 +40,8 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6::{Irp6, Six};
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
+use crate::sines::sin_cos;
 use crate::transmission::GRAVITY;
-use crate::trig::sin_cos;
 
 /// Shoulder in front of the column's axis \[m\].
 const A1: f64 = 0.12;
