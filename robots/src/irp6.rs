@@ -250,12 +250,12 @@ impl Geometry {
         let (s4, c4) = doubled(h4);
         let rho = a2 * c2 + a3 * c3 + d5 * c4;
         let position = Translation3::new(c1 * rho, s1 * rho, -a2 * s2 - a3 * s3 - d5 * s4);
-        // R_z(q1) R_y(theta4), then R_x(q5) P, then R_z(q6).
+        // R_z(q1) R_y(theta4), then R_x(q5) P R_z(q6), multiplied out.
         let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
         let (plus, minus) = (0.5 * (h5.1 + h5.0), 0.5 * (h5.1 - h5.0));
-        let roll = Quaternion::new(plus, -minus, -minus, -plus);
-        let turn = Quaternion::new(h6.1, 0.0, 0.0, h6.0);
-        let rotation = UnitQuaternion::new_unchecked(arm * roll * turn);
+        let (sum, difference) = (h6.1 + h6.0, h6.1 - h6.0);
+        let wrist = Quaternion::new(plus * sum, -minus * sum, -minus * difference, -plus * difference);
+        let rotation = UnitQuaternion::new_unchecked(arm * wrist);
         Pose::from_parts(position, rotation)
     }
 

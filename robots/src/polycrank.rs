@@ -403,22 +403,20 @@ impl Robot for Polycrank {
 
     fn forward(&self, q: &Seven) -> Pose {
         let (q12, q45) = (q[0] + q[1], q[3] + q[4]);
-        // An even number goes in pairs.
-        let [(s1, c1), (s12, c12), (s4, c4), (s45, c45), (hp_s, hp_c), (hs_s, hs_c), (h7_s, h7_c), _] =
-            sin_cos([q[0], q12, q[3], q45, 0.5 * (q12 + q[2]), 0.5 * (q45 + q[5]), 0.5 * q[6], 0.0]);
-        let ((sp, cp), (ss, cs)) = (doubled((hp_s, hp_c)), doubled((hs_s, hs_c)));
+        let (phi, psi) = (q12 + q[2], q45 + q[5]);
+        let (sum, difference) = (0.5 * (phi + q[6]), 0.5 * (phi - q[6]));
+        let [(s1, c1), (s12, c12), (s4, c4), (s45, c45), (sp, cp), h, plus, minus] =
+            sin_cos([q[0], q12, q[3], q45, phi, 0.5 * psi, sum, difference]);
+        let (ss, cs) = doubled(h);
         let (u, v) = (L * (c4 + c45) + TIP * ss, L * (s4 + s45) - TIP * cs);
         let position = Translation3::new(
             A1 * c1 + A2 * c12 + u * cp + ASIDE * sp,
             A1 * s1 + A2 * s12 + u * sp - ASIDE * cp,
             HEIGHT + v,
         );
-        // R_z(phi) R_x(90 deg) R_z(psi) R_x(90 deg) R_z(q7).
-        let heading = Quaternion::new(hp_c, 0.0, 0.0, hp_s);
-        // (1 + i)(c + s k)(1 + i) / 2 = c i + s k.
-        let tilt = Quaternion::new(0.0, hs_c, 0.0, hs_s);
-        let turn = Quaternion::new(h7_c, 0.0, 0.0, h7_s);
-        self.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(heading * tilt * turn))
+        // R_z(phi) R_x(90 deg) R_z(psi) R_x(90 deg) R_z(q7), multiplied out.
+        let rotation = Quaternion::new(-h.0 * plus.0, h.1 * minus.1, h.1 * minus.0, h.0 * plus.1);
+        self.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(rotation))
     }
 
     /// Visits the frames `X_WL` that the links carry, from base to flange: B, then Denavit-Hartenberg frames 1 to 7; the

@@ -112,12 +112,12 @@ impl Linkage {
         // T on the circles about R and E, on the side away from O.
         let between = elbow - tip;
         let square = between.norm_squared();
-        let along = (square + ROD * ROD - TAIL * TAIL) / (2.0 * square);
-        let across = ROD * ROD / square - along * along;
+        let along = 0.5 * (square + (ROD * ROD - TAIL * TAIL));
+        let across = ROD * ROD * square - along * along;
         if across.is_nan() || across < 0.0 {
             return None;
         }
-        let rod = between * along + left(&between) * across.sqrt();
+        let rod = (between * along + left(&between) * across.sqrt()) * (1.0 / square);
         let forearm = (elbow - tip - rod) * (1.0 / TAIL);
         Some(Self { upper, forearm, rocker, rod, sines: [sine2, sine3] })
     }
@@ -177,7 +177,7 @@ impl Linkage {
 #[inline]
 fn by_length(foot: (f64, f64, f64), crank: f64, length: f64, turn: f64) -> Option<(Vector2<f64>, f64)> {
     let (distance, c, s) = foot;
-    let cosine = (distance * distance + crank * crank - length * length) / (2.0 * distance * crank);
+    let cosine = (distance * distance + crank * crank - length * length) * (1.0 / (2.0 * distance * crank));
     let square = 1.0 - cosine * cosine;
     if square.is_nan() || square < 0.0 || length < 0.0 {
         return None;
@@ -368,20 +368,21 @@ impl Robot for Rnt {
         let nowhere = Vector2::new(f64::NAN, f64::NAN);
         let (upper, forearm) =
             Linkage::of(q[1], q[2]).map_or((nowhere, nowhere), |linkage| (linkage.upper, linkage.forearm));
-        let [h1, h4, h5, h6] = sin_cos([q[0], q[3], q[4], q[5]].map(|angle| 0.5 * angle));
-        let (s1, c1) = doubled(h1);
-        let (s4, c4) = doubled(h4);
-        let (s5, c5) = doubled(h5);
+        let [h1, h5, plus, minus] = sin_cos([q[0], q[4], q[3] + q[5], q[3] - q[5]].map(|angle| 0.5 * angle));
+        let ((s1, c1), (s5, c5)) = (doubled(h1), doubled(h5));
+        let s4 = plus.0 * minus.1 + plus.1 * minus.0;
+        let c4 = plus.1 * minus.1 - plus.0 * minus.0;
         // Half of the angle pi/2 - theta3, whose cosine and sine are the forearm's upward and forward parts.
-        let larger = (0.5 * (1.0 + forearm.y.abs())).sqrt();
-        let smaller = 0.5 * forearm.x / larger;
+        let square = 0.5 * (1.0 + forearm.y.abs());
+        let larger = square.sqrt();
+        let smaller = 0.5 * forearm.x * larger * (1.0 / square);
         let (half_cosine, half_sine) =
             if forearm.y >= 0.0 { (larger, smaller) } else { (smaller.abs(), larger.copysign(forearm.x)) };
         let arm =
             Quaternion::new(h1.1 * half_cosine, -h1.0 * half_sine, h1.1 * half_sine, h1.0 * half_cosine);
-        let pitch = Quaternion::new(h4.1 * h5.1, -h4.0 * h5.0, h4.1 * h5.0, h4.0 * h5.1);
-        let turn = Quaternion::new(h6.1, 0.0, 0.0, h6.0);
-        let rotation = UnitQuaternion::new_unchecked(arm * pitch * turn);
+        // R_z(q4) R_y(q5) R_z(q6), multiplied out.
+        let wrist = Quaternion::new(h5.1 * plus.1, -h5.0 * minus.0, h5.0 * minus.1, h5.1 * plus.0);
+        let rotation = UnitQuaternion::new_unchecked(arm * wrist);
         // z_F on the forearm's axes: x = (sf, -cf), z = (cf, sf) of the plane, y to the left.
         let (x, y, z) = (D6 * c4 * s5, D6 * s4 * s5, D6 * c5);
         let forwards = A1 + A2 * upper.x + A3 * forearm.x + forearm.y * x + forearm.x * z;
