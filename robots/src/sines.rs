@@ -57,21 +57,24 @@ const EVEN: [f64; 6] = [
 
 /// .. and of odd ones.
 #[allow(clippy::excessive_precision)]
-const ODD: [f64; 5] = [
+const ODD: [f64; 6] = [
     -1.999_999_999_987_648_324_76e-01,
     -1.111_111_040_546_235_578_8e-01,
     -7.691_876_205_044_829_994_95e-02,
     -5.833_570_133_790_573_486_45e-02,
     -3.653_157_274_421_691_552_7e-02,
+    0.0,
 ];
 
 /// tan(pi/8): above this ratio the arc tangent is taken from pi/4.
 const EIGHTH: f64 = core::f64::consts::SQRT_2 - 1.0;
 
-/// Value of a polynomial by Horner's rule, the constant first.
+/// Value of a polynomial, the constant first: pairs of terms apart from each other (Estrin 1960), which shortens the chain
+/// of sums that wait for each other.
 #[inline(always)]
-fn polynomial<const C: usize>(coefficients: &[f64; C], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
+fn polynomial([c0, c1, c2, c3, c4, c5]: &[f64; 6], x: f64) -> f64 {
+    let square = x * x;
+    (c0 + x * c1) + square * ((c2 + x * c3) + square * (c4 + x * c5))
 }
 
 /// Sine and cosine of each of the angles \[rad\]; NaN for an angle that is not finite.
@@ -79,12 +82,14 @@ fn polynomial<const C: usize>(coefficients: &[f64; C], x: f64) -> f64 {
 pub(crate) fn sin_cos<const L: usize>(angles: [f64; L]) -> [(f64, f64); L] {
     // Not-a-numbers are not small, either.
     let small = angles.iter().fold(true, |small, angle| small & (angle.abs() <= LARGEST));
-    if small { reduced(angles) } else { by_platform(angles) }
+    if small { reduced(angles) } else { angles.map(by_platform) }
 }
 
+/// By value, not as an array: an array that is handed on would be written to memory on the common way, too.
 #[cold]
-fn by_platform<const L: usize>(angles: [f64; L]) -> [(f64, f64); L] {
-    angles.map(f64::sin_cos)
+#[inline(never)]
+fn by_platform(angle: f64) -> (f64, f64) {
+    angle.sin_cos()
 }
 
 #[inline(always)]
