@@ -43,6 +43,7 @@
 pub mod conformance;
 mod conveyor;
 mod drives;
+pub mod grasp;
 mod gripper;
 mod irp6;
 mod irp6_five;
