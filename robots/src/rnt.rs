@@ -269,8 +269,8 @@ impl Robot for Rnt {
         let rotation = UnitQuaternion::new_unchecked(arm * wrist * shorten);
         // z_F on the forearm's axes: x = (sf, -cf), z = (cf, sf) of the plane, y to the left.
         let (x, y, z) = (D6 * c4 * s5, D6 * s4 * s5, D6 * c5);
-        let forwards = A1 + A2 * upper.x + A3 * forearm.x + forearm.y * x + forearm.x * z;
-        let up = D1 + A2 * upper.y + A3 * forearm.y - forearm.x * x + forearm.y * z;
+        let forwards = (A1 + A2 * upper.x) + (forearm.x * (A3 + z) + forearm.y * x);
+        let up = (D1 + A2 * upper.y) + (forearm.y * (A3 + z) - forearm.x * x);
         let position = Translation3::new(c1 * forwards - s1 * y, s1 * forwards + c1 * y, up);
         self.X_WB * Pose::from_parts(position, rotation)
     }

@@ -62,8 +62,10 @@ impl Linkage {
         if across.is_nan() || across < 0.0 {
             return None;
         }
-        let rod = (between * along + left(&between) * across.sqrt()) * (1.0 / square);
-        let forearm = (elbow - tip - rod) * (1.0 / TAIL);
+        let (inverse, aside) = (1.0 / square, left(&between) * across.sqrt());
+        let rod = (between * along + aside) * inverse;
+        // (T - E) / -TAIL, without waiting for the rod.
+        let forearm = (between * (square - along) - aside) * (inverse * (1.0 / TAIL));
         Some(Self { upper, forearm, rocker, rod, sines: [sine2, sine3] })
     }
 
