@@ -49,6 +49,12 @@ impl RobotEntry {
         self.base.unwrap_or_else(Pose::identity)
     }
 
+    /// `tool`: `X_FE`; the flange unless the file says so. The robot is given it whatever the set-up does with it.
+    #[must_use]
+    pub fn tool(&self) -> Pose {
+        self.tool.unwrap_or_else(Pose::identity)
+    }
+
     /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].
     ///
     /// # Errors
