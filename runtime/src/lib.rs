@@ -88,6 +88,7 @@ mod sensing;
 mod step;
 mod step_fn;
 mod stopping;
+mod suggestion;
 mod transparent;
 mod vsp;
 mod wire;

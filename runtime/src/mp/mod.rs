@@ -14,7 +14,6 @@ mod waiting;
 use core::any::TypeId;
 use core::time::Duration;
 
-use crate::cell_file::suggestion;
 use crate::ecp::MAX_REFUSALS;
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::feed::Feed;
@@ -25,6 +24,7 @@ use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
+use crate::suggestion::suggestion;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
@@ -71,9 +71,8 @@ impl<'w> Mp<'w> {
     /// `Config` when the cell has no robot of that name and kind, or when its handle is taken.
     pub fn robot<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
         let config = |text: &str| Fault::new(FaultKind::Config).in_process(ProcessId::MP).text(text);
-        let names: Vec<_> = self.robots.iter().map(|robot| robot.name.to_string()).collect();
         let Some(index) = self.robots.iter().position(|robot| robot.name.as_str() == name) else {
-            let names: Vec<_> = names.iter().map(String::as_str).collect();
+            let names: Vec<_> = self.robots.iter().map(|robot| robot.name.as_str()).collect();
             let there = suggestion(name, &names, "the cell has");
             return Err(config(&format!("there is no robot `{name}`: {there}")));
         };
