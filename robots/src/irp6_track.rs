@@ -263,7 +263,7 @@ impl Robot for Irp6Track {
         }
     }
 
-    /// `redundancy`: the track's position, q[0] \[m\]; the arm's branch as for [`Irp6`].
+    /// `redundancy`: the carriage's position d \[m\]; the arm's branch as for [`Irp6`].
     ///
     /// # Errors
     /// As [`Irp6`]: nothing is moved to make the pose reachable.

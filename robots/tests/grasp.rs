@@ -132,7 +132,9 @@ fn carried(error: Pose) -> ([Moment; 2], [Pose; 2]) {
             hands[1].close()?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
-            let from = arms().map(|arm| arm.forward(&start()));
+            // Where the arms are demanded to be: their encoders' steps beside the start.
+            let [first, second] = arms();
+            let from = [first.forward(&one.demanded().joints), second.forward(&two.demanded().joints)];
             mp.move_robots((&mut one, &mut two), (), Carry { from, t: 0.0 })?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
