@@ -9,7 +9,7 @@ use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World, WristForce};
 use mrroc_robots::{Polycrank, Seven, Simulated};
 use nalgebra::{Translation3, UnitQuaternion};
 
-/// Lifts both flanges by 10 cm in four seconds.
+/// Lifts both flanges by 5 cm in four seconds.
 struct Lift {
     from: [Pose; 2],
     t: f64,
@@ -25,7 +25,7 @@ fn lift(c: &mut Lift, v: &Reading<(WristForce,)>, t: Tick) -> Step<(Polycrank, P
         let [x, y, z]: [f64; 3] = wrench.force.into();
         println!("{:4.1} s: the second wrist feels ({x:6.2}, {y:6.2}, {z:6.2}) N", c.t);
     }
-    let height = 0.05 * (1.0 - (0.25 * std::f64::consts::PI * c.t).cos());
+    let height = 0.025 * (1.0 - (0.25 * std::f64::consts::PI * c.t).cos());
     let [one, two] = c.from.map(|from| Demand::pose(Translation3::new(0.0, 0.0, height) * from));
     Step::Next((one, two))
 }
