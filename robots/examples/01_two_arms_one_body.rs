@@ -21,7 +21,7 @@ fn lift(c: &mut Lift, v: &Reading<(WristForce,)>, t: Tick) -> Step<(Polycrank, P
         return Step::Done;
     }
     c.t = (c.t + t.dt).min(4.0);
-    if let Some(wrench) = v.0.reading().filter(|_| t.step % 250 == 0) {
+    if let Some(wrench) = v.0.reading().filter(|_| t.step.is_multiple_of(250)) {
         let [x, y, z]: [f64; 3] = wrench.force.into();
         println!("{:4.1} s: the second wrist feels ({x:6.2}, {y:6.2}, {z:6.2}) N", c.t);
     }
