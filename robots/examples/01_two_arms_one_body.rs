@@ -9,7 +9,7 @@ use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World, WristForce};
 use mrroc_robots::{Polycrank, Seven, Simulated};
 use nalgebra::{Translation3, UnitQuaternion};
 
-/// Lifts both flanges by 10 cm in four seconds.
+/// Lifts both flanges by 5 cm in four seconds.
 struct Lift {
     from: [Pose; 2],
     t: f64,
@@ -21,11 +21,11 @@ fn lift(c: &mut Lift, v: &Reading<(WristForce,)>, t: Tick) -> Step<(Polycrank, P
         return Step::Done;
     }
     c.t = (c.t + t.dt).min(4.0);
-    if let Some(wrench) = v.0.reading().filter(|_| t.step % 250 == 0) {
+    if let Some(wrench) = v.0.reading().filter(|_| t.step.is_multiple_of(250)) {
         let [x, y, z]: [f64; 3] = wrench.force.into();
         println!("{:4.1} s: the second wrist feels ({x:6.2}, {y:6.2}, {z:6.2}) N", c.t);
     }
-    let height = 0.05 * (1.0 - (0.25 * std::f64::consts::PI * c.t).cos());
+    let height = 0.025 * (1.0 - (0.25 * std::f64::consts::PI * c.t).cos());
     let [one, two] = c.from.map(|from| Demand::pose(Translation3::new(0.0, 0.0, height) * from));
     Step::Next((one, two))
 }

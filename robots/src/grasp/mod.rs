@@ -22,6 +22,7 @@ mod internal;
 mod noise;
 #[cfg(test)]
 mod tests;
+mod turn;
 mod world;
 mod wrist;
 

@@ -14,7 +14,6 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::noise::Noise;
 use super::world::Hand;
-use crate::transmission::GRAVITY;
 
 /// The kind of sensor: a force and torque sensor at an arm's wrist. Its reading is `F_E`, what the surroundings do to the
 /// tool, without the tool's weight: at the origin of the tool frame E and in its axes.
@@ -68,8 +67,8 @@ struct Load {
 impl Load {
     /// Its weight at E, with E turned by `R_WE`.
     #[allow(non_snake_case)]
-    fn weight(&self, R_WE: &UnitQuaternion<f64>) -> Wrench {
-        let force = R_WE.inverse_transform_vector(&Vector3::new(0.0, 0.0, -GRAVITY * self.mass));
+    fn weight(&self, gravity: &Vector3<f64>, R_WE: &UnitQuaternion<f64>) -> Wrench {
+        let force = R_WE.inverse_transform_vector(&(gravity * self.mass));
         Wrench::new(force, self.centre.cross(&force))
     }
 }
@@ -159,7 +158,8 @@ impl SimulatedWrist {
     /// What the strain gauges give, in S.
     #[allow(non_snake_case)]
     fn raw(&mut self) -> Wrench {
-        let load = self.hand.reaction() + self.tool.weight(&self.hand.pose().rotation);
+        let weight = self.tool.weight(&self.hand.world().gravity(), &self.hand.pose().rotation);
+        let load = self.hand.reaction() + weight;
         let mut raw = load.moved(&self.X_ES.inverse()) + self.bias;
         let measured = |values: &mut Vector3<f64>, deviation: f64, resolution: f64, random: &mut Noise| {
             for value in values.iter_mut() {
@@ -217,7 +217,7 @@ impl VirtualSensor for SimulatedWrist {
         })?;
         let raw = self.raw();
         self.check(&raw)?;
-        let weight = self.believed.weight(&arm.pose.rotation);
+        let weight = self.believed.weight(&self.hand.world().gravity(), &arm.pose.rotation);
         match order.configuration {
             WristOrder::Read => self.averaged = 0.0,
             WristOrder::MeasureBias => {
