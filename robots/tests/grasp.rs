@@ -133,7 +133,7 @@ fn carried(error: Pose) -> ([Moment; 2], [Pose; 2]) {
             hands[1].close()?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
-            let from = arms().map(|arm| arm.forward(&start()));
+            let from = [one.demanded().pose, two.demanded().pose];
             mp.move_robots((&mut one, &mut two), (), Carry { from, t: 0.0 })?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
