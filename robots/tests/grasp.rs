@@ -395,3 +395,11 @@ fn every_arm_carries_a_body_without_swinging_up() {
     // The regulators hold each motor to some pulses of its encoder.
     assert!(gave_way.iter().all(|way| *way < 2e-4), "{gave_way:?} m");
 }
+
+#[path = "../examples/01_two_arms_one_body.rs"]
+mod example_01;
+
+#[test]
+fn example_01_holds_a_body_with_two_arms() {
+    example_01::main().expect("runs without a fault");
+}

@@ -34,7 +34,7 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Grasping<R, N> {
     pub(super) fn new(world: &World, arm: Simulated<R, N>, grasp: Grasp) -> Result<Self, WorldError> {
         let (shaft, X_FE) = (arm.shaft(), grasp.X_FE);
         let X_WE = arm.robot().forward(&shaft.state().position) * X_FE;
-        let hand = world.hand(grasp, arm.period(), X_WE)?;
+        let hand = world.add_hand(grasp, arm.period(), X_WE)?;
         Ok(Self { arm, shaft, hand, X_FE })
     }
 
