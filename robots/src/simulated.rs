@@ -48,8 +48,7 @@ pub struct Simulated<R, const N: usize> {
     measured: Measured<SVector<f64, N>>,
     shaft: Shaft<N>,
     loads: SVector<f64, N>,
-    /// Loads from outside the robot, at the motors [N m].
-    external: SVector<f64, N>,
+    pushes: SVector<f64, N>,
     fault: Option<DriveFault>,
 }
 
@@ -84,8 +83,8 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             core::array::from_fn(|i| Drive::at_rest(&data[i], Plant::at_rest(&data[i], motors[i]), loads[i]));
         let at_rest = Measured { position: *q, velocity: SVector::zeros() };
         let shaft = Shaft(Rc::new(Cell::new(at_rest)));
-        let external = SVector::zeros();
-        let mut simulated = Self { robot, drives, measured: at_rest, shaft, loads, external, fault: None };
+        let mut simulated =
+            Self { robot, drives, measured: at_rest, shaft, loads, pushes: SVector::zeros(), fault: None };
         simulated.observe();
         simulated
     }
@@ -94,13 +93,6 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
     #[must_use]
     pub fn robot(&self) -> &R {
         &self.robot
-    }
-
-    /// Loads the joints with torques from outside the robot from now on [N m, or N on a prismatic joint], positive in the
-    /// direction of positive motion.
-    pub fn load_joints(&mut self, torques: &SVector<f64, N>) {
-        let angles = SVector::from_fn(|i, _| self.drives[i].plant.angle());
-        self.external = -self.robot.motor_torques(&angles, torques);
     }
 
     /// A look at the true joint state, as no encoder gives it.
@@ -129,11 +121,19 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         }
     }
 
+    /// Pushes the motor of `joint`, from 0, with a torque [N m] from outside until told otherwise; positive: against positive
+    /// motion.
+    pub fn push(&mut self, joint: usize, torque: f64) {
+        if joint < N {
+            self.pushes[joint] = torque;
+        }
+    }
+
     /// Takes back the trip and powers the drives where they stand, holding their load.
     pub fn reset(&mut self) {
         self.fault = None;
         for (i, drive) in self.drives.iter_mut().enumerate() {
-            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i] + self.external[i]);
+            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i] + self.pushes[i]);
         }
         self.observe();
     }
@@ -204,7 +204,7 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
             self.brake();
         } else {
             for (i, drive) in self.drives.iter_mut().enumerate() {
-                let tripped = drive.tick(i, motors[i], self.loads[i] + self.external[i]);
+                let tripped = drive.tick(i, motors[i], self.loads[i] + self.pushes[i]);
                 self.fault = self.fault.or(tripped);
             }
             self.observe();

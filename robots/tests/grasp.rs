@@ -133,9 +133,7 @@ fn carried(error: Pose) -> ([Moment; 2], [Pose; 2]) {
             hands[1].close()?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
-            // Where the arms are demanded to be: their encoders' steps beside the start.
-            let [first, second] = arms();
-            let from = [first.forward(&one.demanded().joints), second.forward(&two.demanded().joints)];
+            let from = [one.demanded().pose, two.demanded().pose];
             mp.move_robots((&mut one, &mut two), (), Carry { from, t: 0.0 })?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
@@ -396,4 +394,12 @@ fn every_arm_carries_a_body_without_swinging_up() {
     ];
     // The regulators hold each motor to some pulses of its encoder.
     assert!(gave_way.iter().all(|way| *way < 2e-4), "{gave_way:?} m");
+}
+
+#[path = "../examples/01_two_arms_one_body.rs"]
+mod example_01;
+
+#[test]
+fn example_01_holds_a_body_with_two_arms() {
+    example_01::main().expect("runs without a fault");
 }

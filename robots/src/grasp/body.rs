@@ -95,8 +95,7 @@ impl Moving {
         }
         let inertia = body.inertia;
         let asymmetry = (inertia - inertia.transpose()).amax();
-        // Also false for NaN.
-        let is_tensor = asymmetry <= 1e-9 * inertia.amax();
+        let is_tensor = inertia.iter().all(|x| x.is_finite()) && asymmetry <= 1e-9 * inertia.amax();
         if !is_tensor {
             return Err(WorldError::Inertia([f64::NAN; 3]));
         }

@@ -112,7 +112,7 @@ impl World {
 
     /// Puts a tool frame into the world that moves every `period`; `X_WE` is where it is.
     #[allow(non_snake_case)]
-    pub(super) fn hand(
+    pub(super) fn add_hand(
         &self,
         grasp: Grasp,
         period: core::time::Duration,
@@ -127,6 +127,12 @@ impl World {
         let longest = state.hands.iter().map(|hand| hand.period).max().unwrap_or(period);
         state.hands.iter_mut().for_each(|hand| hand.reserve(longest));
         Ok(Hand { world: self.clone(), index: state.hands.len() - 1 })
+    }
+
+    /// The gripper of an arm, counted from 0 in the order in which arms came into the world.
+    #[must_use]
+    pub fn hand(&self, arm: usize) -> Option<Hand> {
+        (arm < self.state().hands.len()).then(|| Hand { world: self.clone(), index: arm })
     }
 
     /// Where the body is and how it moves.

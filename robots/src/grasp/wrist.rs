@@ -5,7 +5,8 @@
 //! reading = low-pass(raw - measured bias - weight of the tool, as e_j says it hangs)    in E, the tool's frame
 //! ```
 //!
-//! The sensor sits between flange and tool, so the tool's weight is on it. It feels no inertia of the tool.
+//! The sensor sits between flange and tool, so the tool's weight is on it. It feels no inertia of the tool. E is the tool
+//! frame of the robot's set-up and of its grasp, which must be the same.
 
 use core::f64::consts::TAU;
 
@@ -155,6 +156,18 @@ impl SimulatedWrist {
         Self { corner: Some(corner), ..self }
     }
 
+    /// Whether all figures are what they must be.
+    fn check_settings(&self) -> Result<(), Fault> {
+        let is_positive = |value: f64| value > 0.0 && value.is_finite();
+        let resolves = is_positive(self.resolution.0) && is_positive(self.resolution.1);
+        let spreads = self.noise.0 >= 0.0 && self.noise.1 >= 0.0;
+        if resolves && spreads && self.corner.is_none_or(is_positive) {
+            return Ok(());
+        }
+        let text = "a wrist sensor needs resolutions and a corner frequency above 0, and noise of 0 or more";
+        Err(Fault::new(FaultKind::Config).text(text))
+    }
+
     /// What the strain gauges give, in S.
     #[allow(non_snake_case)]
     fn raw(&mut self) -> Wrench {
@@ -215,6 +228,7 @@ impl VirtualSensor for SimulatedWrist {
         let arm = order.robot.ok_or_else(|| {
             Fault::thrown("a wrist sensor must know how its tool hangs: give it its arm, `SensorSetup::of`")
         })?;
+        self.check_settings()?;
         let raw = self.raw();
         self.check(&raw)?;
         let weight = self.believed.weight(&self.hand.world().gravity(), &arm.pose.rotation);

@@ -160,3 +160,20 @@ fn a_grasp_that_closes_slowly_pulls_without_a_jerk() {
     let (sudden, slow) = (peak(0.0), peak(0.2));
     assert!(sudden > 35.0 && slow < 26.0, "{sudden} N and {slow} N");
 }
+
+#[test]
+fn four_grasps_carry_a_quarter_of_a_plate_each() {
+    let grasp = Grasp::new(5e4, 500.0);
+    let body = Body::block(8.0, [0.8, 0.6, 0.05]);
+    let mut bench = Bench::new(World::new(&body).expect("a body"));
+    for (x, y) in [(-0.4, -0.3), (0.4, -0.3), (0.4, 0.3), (-0.4, 0.3)] {
+        bench = bench.with_hand(grasp, at(x, y, 0.0));
+    }
+    bench.close();
+    bench.run(3.0);
+    for (hand, ..) in &bench.hands {
+        let force = hand.reaction().force;
+        assert!((force + Vector3::z() * (2.0 * GRAVITY)).amax() < 1e-6, "{force}");
+    }
+    assert!(bench.world.internal_force() < 1e-6);
+}
