@@ -96,6 +96,8 @@ fault_kinds! {
     DriveFault = 21: PowerOff, "drive fault";
     /// A step function panicked.
     GeneratorPanicked = 22: Stopped, "panic in the program";
+    /// A demand chooses a regulator's parameter set that the drive does not have.
+    NoRegulator = 25: Stopped, "the drive has no such regulator";
     /// The cell is closing: the MP's program is over.
     CellClosed = 24: Refused, "the MP's program is over";
     /// A message could not be read.

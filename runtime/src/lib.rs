@@ -95,9 +95,9 @@ pub use cell::{Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup}
 pub use cell_file::{CellFile, CellFileError, Kinds, RobotEntry};
 pub use class::{Class, Level, Uses};
 pub use demand::Demand;
-pub use driver::{DriveFault, Driver, Measured};
+pub use driver::{DriveFault, Driver, Homing, Measured, Regulators, Search};
 pub use ecp::Ecp;
-pub use edp::ServoRecord;
+pub use edp::{InterpolationSpace, ServoRecord};
 pub use fault::{Excess, Fault, FaultClass, FaultKind, ProcessId, Role};
 pub use generator::{Condition, Generator};
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};

@@ -200,6 +200,8 @@ impl Cell {
             names.iter().map(|_| Sensing { ports: Vec::new(), patience: shorter }).collect();
         // EDPs tick first half a servo period after a step's beginning.
         let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
+        let delay =
+            crate::interpolation::delay(self.step, self.robots.iter().map(|robot| robot.servo_period()));
         let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
             scheduler: &mut scheduler,
@@ -218,11 +220,11 @@ impl Cell {
             self.robots.into_iter().zip(&names).zip(ecps.iter().zip(ecp_sensing))
         {
             let (client, server) = scheduler.port(mp, ecp);
-            let steps = robot.stop_steps(self.step);
+            let steps = robot.stop_steps(self.step, delay.unwrap_or_default());
             ports.push(RobotPort::new(*name, (robot.kind(), robot.kind_name()), client, steps));
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps: steps };
-            let place = Place { name: *name, ecp, step: self.step, pace, nudged };
+            let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged };
             robot.spawn(&mut scheduler, place, server, sensing, Rc::clone(&outcomes))?;
         }
 

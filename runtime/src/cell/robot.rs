@@ -8,7 +8,7 @@ use std::rc::Rc;
 use super::{CellError, Outcomes, limits};
 use crate::driver::Driver;
 use crate::ecp::{Ecp, Pace};
-use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
+use crate::edp::{Edp, EdpConfig, InterpolationSpace, Observer, ServoRecord};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::joints::JointVector;
 use crate::link::Server;
@@ -28,6 +28,7 @@ pub struct RobotSetup<R: Robot> {
     robot: R,
     driver: Box<dyn Driver<R>>,
     tool: Pose,
+    space: InterpolationSpace,
     following_error: R::Joints,
     program: Option<EcpProgram<R>>,
     observers: Vec<Observer<R>>,
@@ -41,6 +42,7 @@ impl<R: Robot> RobotSetup<R> {
             name: name.to_owned(),
             driver: Box::new(driver),
             tool: Pose::identity(),
+            space: InterpolationSpace::Joints,
             following_error,
             program: None,
             observers: Vec::new(),
@@ -53,6 +55,13 @@ impl<R: Robot> RobotSetup<R> {
     #[allow(non_snake_case)]
     pub fn tool(mut self, X_FE: Pose) -> Self {
         self.tool = X_FE;
+        self
+    }
+
+    /// Where the EDP interpolates between the demands of two steps, in joints unless told otherwise.
+    #[must_use]
+    pub fn interpolation(mut self, space: InterpolationSpace) -> Self {
+        self.space = space;
         self
     }
 
@@ -91,6 +100,8 @@ pub(crate) struct Place {
     pub name: Name,
     pub ecp: usize,
     pub step: Duration,
+    /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
+    pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
 }
@@ -138,7 +149,7 @@ pub(crate) trait AnyRobot {
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
-    fn stop_steps(&self, step: Duration) -> u64;
+    fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
         scheduler: &mut Scheduler,
@@ -203,8 +214,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         )
     }
 
-    fn stop_steps(&self, step: Duration) -> u64 {
-        stop_steps(self.robot.limits(), step, self.driver.period())
+    fn stop_steps(&self, step: Duration, delay: Duration) -> u64 {
+        stop_steps(self.robot.limits(), step, delay)
     }
 
     fn spawn(
@@ -224,6 +235,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             driver: self.driver,
             tool: self.tool,
             step: place.step,
+            delay: place.delay,
+            space: self.space,
             following_error: self.following_error,
             observers: self.observers,
         };
