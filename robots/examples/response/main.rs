@@ -4,7 +4,7 @@
 //! cargo run -p mrroc-robots --example response -- irp6 [--out FILE]
 //! ```
 //!
-//! Names: those of [`KINDS`]. The default file is `response-NAME.svg`. The drives stand at rest and in equilibrium; one joint
+//! Names: those of [`KINDS`], and `urdf`: the weighted arm of the tests. The default file is `response-NAME.svg`. The drives stand at rest and in equilibrium; one joint
 //! is demanded at a time:
 //!
 //! - a step of 35 encoder pulses of its motor, to which the regulators answer with nearly full voltage;
@@ -17,7 +17,7 @@ use std::process::ExitCode;
 use chart::{Chart, Curve};
 use mrroc::{Driver, JointKind};
 use mrroc_robots::{
-    Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Simulated,
+    Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Serial, Simulated,
 };
 use nalgebra::SVector;
 
@@ -187,12 +187,19 @@ pub fn picture(kind: &str) -> Result<String, String> {
         "polycrank" => page(kind, &Polycrank::new(), [0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]),
         "gripper" => page(kind, &Gripper::new(), [0.07]),
         "conveyor" => page(kind, &Conveyor::new(), [0.0]),
-        name => Err(format!("no robot is called {name}; there are {}", KINDS.join(", "))),
+        "urdf" => {
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/urdf/weighted_arm.urdf");
+            let robot = Serial::<6>::from_urdf_file(path, "base_link", "tool0")
+                .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
+                .map_err(|why| why.to_string())?;
+            page(kind, &robot, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+        }
+        name => Err(format!("no robot is called {name}; there are {}, urdf", KINDS.join(", "))),
     }
 }
 
 fn write(mut arguments: impl Iterator<Item = String>) -> Result<String, String> {
-    let usage = || format!("usage: response {} [--out FILE]", KINDS.join("|"));
+    let usage = || format!("usage: response {}|urdf [--out FILE]", KINDS.join("|"));
     let kind = arguments.next().ok_or_else(usage)?;
     let out = match (arguments.next().as_deref(), arguments.next(), arguments.next()) {
         (None, ..) => format!("response-{kind}.svg"),
