@@ -72,7 +72,7 @@ pub use kinds::simulated;
 pub use kinematics::{Jacobian, Kinematics};
 pub use plant::{Encoder, Plant};
 pub use polycrank::Polycrank;
-pub use regulator::{Gains, Regulator};
+pub use regulator::{Gains, Regulator, RegulatorSet};
 pub use rnt::Rnt;
 pub use simulated::{Shaft, Simulated, SimulatedIrp6};
 pub use transmission::{Linear, LinkState, Screw, Transmission};

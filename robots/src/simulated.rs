@@ -4,13 +4,13 @@ use core::cell::Cell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use mrroc::{DriveFault, Driver, Measured};
+use mrroc::{DriveFault, Driver, Measured, Regulators};
 use nalgebra::SVector;
 
 use crate::drives::{Driven, MotorData, Overload};
 use crate::irp6::Irp6;
 use crate::plant::{PERIOD, Plant};
-use crate::regulator::Regulator;
+use crate::regulator::{Regulator, RegulatorSet};
 
 /// Share of a period's current in the mean that trips the amplifier: time constant 50 ms (assumed).
 const CURRENT_SHARE: f64 = PERIOD / 0.05;
@@ -41,6 +41,9 @@ impl<const N: usize> Shaft<N> {
 /// ([`Driven::motor_limits`]); and, unless it limits its current ([`Overload`]), on a following error above
 /// [`MotorData::following`] and on a mean current (50 ms) above what the motor bears. A trip is latched: every later
 /// tick brakes and reports the first cause, until [`reset`](Self::reset).
+///
+/// Every motor's regulator has the parameter sets of [`RegulatorSet`]: 0 usual, 1 soft, 2 springy. Where joints share motors,
+/// the set of a joint is that of the motor with its number.
 #[derive(Debug)]
 pub struct Simulated<R, const N: usize> {
     robot: R,
@@ -48,6 +51,7 @@ pub struct Simulated<R, const N: usize> {
     measured: Measured<SVector<f64, N>>,
     shaft: Shaft<N>,
     loads: SVector<f64, N>,
+    pushes: SVector<f64, N>,
     fault: Option<DriveFault>,
 }
 
@@ -82,7 +86,8 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             core::array::from_fn(|i| Drive::at_rest(&data[i], Plant::at_rest(&data[i], motors[i]), loads[i]));
         let at_rest = Measured { position: *q, velocity: SVector::zeros() };
         let shaft = Shaft(Rc::new(Cell::new(at_rest)));
-        let mut simulated = Self { robot, drives, measured: at_rest, shaft, loads, fault: None };
+        let mut simulated =
+            Self { robot, drives, measured: at_rest, shaft, loads, pushes: SVector::zeros(), fault: None };
         simulated.observe();
         simulated
     }
@@ -113,11 +118,21 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         }
     }
 
+    /// Pushes the motor of `joint`, from 0, with a torque [N m] from outside until told otherwise; positive: against positive
+    /// motion.
+    pub fn push(&mut self, joint: usize, torque: f64) {
+        if joint < N {
+            self.pushes[joint] = torque;
+        }
+    }
+
     /// Takes back the trip and powers the drives where they stand, holding their load.
     pub fn reset(&mut self) {
         self.fault = None;
         for (i, drive) in self.drives.iter_mut().enumerate() {
-            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i]);
+            let set = drive.regulator.set();
+            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i] + self.pushes[i]);
+            drive.regulator.choose(set);
         }
         self.observe();
     }
@@ -188,12 +203,25 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
             self.brake();
         } else {
             for (i, drive) in self.drives.iter_mut().enumerate() {
-                let tripped = drive.tick(i, motors[i], self.loads[i]);
+                let tripped = drive.tick(i, motors[i], self.loads[i] + self.pushes[i]);
                 self.fault = self.fault.or(tripped);
             }
             self.observe();
         }
         self.fault.map_or(Ok(self.measured), Err)
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        joint < N && RegulatorSet::numbered(set).is_some()
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        for (i, drive) in self.drives.iter_mut().enumerate() {
+            match RegulatorSet::numbered(sets.set(i)) {
+                Some(set) if set != drive.regulator.set() => drive.regulator.choose(set),
+                Some(_) | None => {}
+            }
+        }
     }
 }
 
