@@ -13,7 +13,7 @@ use crate::demand::Demand;
 use crate::driver::{Driver, Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, RobotState};
-use crate::interpolation::Interpolation;
+use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
@@ -51,18 +51,6 @@ pub(crate) struct EdpConfig<R: Robot> {
     /// Largest difference between demanded and measured joint positions [rad or m].
     pub following_error: R::Joints,
     pub observers: Vec<Observer<R>>,
-}
-
-/// Where an EDP interpolates between the demands of two steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum InterpolationSpace {
-    /// In joint positions: it never asks for more than the demands did.
-    #[default]
-    Joints,
-    /// In poses of the flange: a straight line stays straight between demands that are far apart, at the price of one
-    /// inverse kinematics in each servo period. For robots whose joints the pose determines. A servo period in which a
-    /// joint would exceed its velocity limit is a fault.
-    Task,
 }
 
 #[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
@@ -388,8 +376,7 @@ impl<'w, R: Robot> Edp<'w, R> {
             }
             Ok(Err(trip)) => {
                 self.mode = Mode::Off;
-                let fault = Fault::new(FaultKind::DriveFault).text(trip.what).at_joint(trip.joint);
-                Some(fault.exceeds(trip.actual, trip.limit, trip.unit))
+                Some(Fault::of_drive(&trip))
             }
         };
         let observed = self.observe(now, demanded);
@@ -403,7 +390,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     fn observe(&mut self, now: Nanos, demanded: R::Joints) -> Result<(), Fault> {
         if !self.config.observers.is_empty() {
             let record = ServoRecord {
-                time: (now + self.servo / 2) as f64 * 1e-9,
+                time: (now + self.servo) as f64 * 1e-9,
                 demanded,
                 measured: self.measured,
                 tool: *self.acceptor.tool(),
@@ -447,7 +434,7 @@ impl<'w, R: Robot> Edp<'w, R> {
 }
 
 /// Runs code of the user's, a driver, an observer, a robot's kinematics; its panic is a fault of the process.
-fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Fault> {
+pub(crate) fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Fault> {
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
     caught.map_err(|panic| crate::fault::panicked(&*panic))
 }

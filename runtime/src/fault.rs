@@ -262,6 +262,12 @@ impl Fault {
         self
     }
 
+    /// What a drive gave up for.
+    pub(crate) fn of_drive(trip: &crate::driver::DriveFault) -> Fault {
+        let fault = Fault::new(FaultKind::DriveFault).text(trip.what).at_joint(trip.joint);
+        fault.exceeds(trip.actual, trip.limit, trip.unit)
+    }
+
     /// A fault that a program throws: lower case, what is wrong, what to do (cut at 120 bytes).
     #[must_use]
     pub fn thrown(text: &str) -> Fault {

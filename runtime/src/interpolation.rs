@@ -42,6 +42,18 @@ pub(crate) fn delay(step: Duration, servos: impl Iterator<Item = Duration> + Clo
     servos.map(needs).max()
 }
 
+/// Where an EDP interpolates between the demands of two steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum InterpolationSpace {
+    /// In joint positions: it never asks for more than the demands did.
+    #[default]
+    Joints,
+    /// In poses of the flange: a straight line stays straight between demands that are far apart, at the price of one
+    /// inverse kinematics in each servo period. For robots whose joints the pose determines. A servo period in which a
+    /// joint would exceed its velocity limit is a fault.
+    Task,
+}
+
 /// The demands that the ticks follow.
 pub(crate) struct Interpolation<J> {
     /// Demands of past steps, that of step `k` at `k` modulo the length.
@@ -75,10 +87,11 @@ impl<J: JointVector> Interpolation<J> {
         self.demand(0)
     }
 
-    /// Steps after the last demand of a motion until the ticks have come to it.
+    /// Steps of standing demands after which the ticks have come to them.
     pub fn settling_steps(&self) -> u64 {
-        // Half a step behind, as with the servo periods of one robot, is at rest by the next step.
-        self.delay.map_or(0, |delay| (delay / self.step).saturating_sub(1))
+        // The spline is at the demand of step `k` half a step after it, and all ticks that begin in the delay after that
+        // are on their way there.
+        self.delay.map_or(0, |delay| (2 * delay).saturating_sub(self.step).div_ceil(2 * self.step))
     }
 
     /// The position for the end of a servo period.

@@ -221,7 +221,13 @@ impl Cell {
         {
             let (client, server) = scheduler.port(mp, ecp);
             let steps = robot.stop_steps(self.step, delay.unwrap_or_default());
-            ports.push(RobotPort::new(*name, (robot.kind(), robot.kind_name()), client, steps));
+            ports.push(RobotPort::new(
+                *name,
+                (robot.kind(), robot.kind_name()),
+                client,
+                steps,
+                robot.is_homed(),
+            ));
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps: steps };
             let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged };

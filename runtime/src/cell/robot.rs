@@ -6,13 +6,15 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::{CellError, Outcomes, limits};
-use crate::driver::Driver;
+use crate::driver::{Driver, Homing};
 use crate::ecp::{Ecp, Pace};
-use crate::edp::{Edp, EdpConfig, InterpolationSpace, Observer, ServoRecord};
+use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
 use crate::fault::{Fault, ProcessId, Role};
+use crate::homing::{Drives, home};
+use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
-use crate::link::Server;
 use crate::link::memory::{Scheduler, Stuck};
+use crate::link::{Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
@@ -26,7 +28,7 @@ type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
 pub struct RobotSetup<R: Robot> {
     name: String,
     robot: R,
-    driver: Box<dyn Driver<R>>,
+    drives: Drives<R>,
     tool: Pose,
     space: InterpolationSpace,
     following_error: R::Joints,
@@ -37,10 +39,23 @@ pub struct RobotSetup<R: Robot> {
 impl<R: Robot> RobotSetup<R> {
     /// A robot `name` with its drives. Its following error may be what its velocity limit covers in 50 ms.
     pub fn new(name: &str, robot: R, driver: impl Driver<R> + 'static) -> Self {
+        Self::with_drives(name, robot, Drives::Homed(Box::new(driver)))
+    }
+
+    /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts, and
+    /// the programs begin when all robots of the cell have found theirs.
+    pub fn unhomed<H>(name: &str, robot: R, homing: H) -> Self
+    where
+        H: Homing<R, Drives: 'static> + 'static,
+    {
+        Self::with_drives(name, robot, Drives::Unhomed(Box::new(Some(homing))))
+    }
+
+    fn with_drives(name: &str, robot: R, drives: Drives<R>) -> Self {
         let following_error = robot.limits().velocity * 0.05;
         RobotSetup {
             name: name.to_owned(),
-            driver: Box::new(driver),
+            drives,
             tool: Pose::identity(),
             space: InterpolationSpace::Joints,
             following_error,
@@ -148,6 +163,7 @@ pub(crate) trait AnyRobot {
     fn kind_name(&self) -> &'static str;
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
+    fn is_homed(&self) -> bool;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
@@ -201,7 +217,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn servo_period(&self) -> Duration {
-        self.driver.period()
+        self.drives.period()
+    }
+
+    fn is_homed(&self) -> bool {
+        matches!(self.drives, Drives::Homed(_))
     }
 
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
@@ -229,18 +249,31 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let name = place.name;
         let edp = scheduler.place(format!("edp {name}"));
         let (client, server) = scheduler.port(place.ecp, edp);
-        let config = EdpConfig {
-            process: ProcessId::new(Role::Edp, name),
-            robot: self.robot,
-            driver: self.driver,
-            tool: self.tool,
-            step: place.step,
-            delay: place.delay,
-            space: self.space,
-            following_error: self.following_error,
-            observers: self.observers,
+        let process = ProcessId::new(Role::Edp, name);
+        let (robot, drives, observers) = (self.robot, self.drives, self.observers);
+        let (tool, space, following_error) = (self.tool, self.space, self.following_error);
+        let run = move |waiter: &dyn Waiter| {
+            let driver = match drives {
+                Drives::Homed(driver) => Some(driver),
+                Drives::Unhomed(homing) => home(process, waiter, &*server, homing),
+            };
+            if let Some(driver) = driver {
+                let (step, delay) = (place.step, place.delay);
+                let config = EdpConfig {
+                    process,
+                    robot,
+                    driver,
+                    tool,
+                    step,
+                    delay,
+                    space,
+                    following_error,
+                    observers,
+                };
+                Edp::new(config, waiter, server).run();
+            }
         };
-        scheduler.body(edp, Box::new(move |waiter| Edp::new(config, waiter, server).run()))?;
+        scheduler.body(edp, Box::new(run))?;
         let (program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;

@@ -282,7 +282,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         if brakes || self.orders.is(flag::WANT_STATE) || flags & flag::ENDED != 0 {
             let kind = if brakes { RequestKind::Brake } else { RequestKind::Query };
             self.ask(kind, flag::WANT_STATE)?;
-            flags |= flag::STATE;
+            flags |= self.driver.reply().header.flags & flag::STATE;
         }
         if brakes {
             self.driver.moving = !self.driver.is_at_standstill();

@@ -24,6 +24,8 @@ pub(crate) struct RobotPort {
     pub kind_name: &'static str,
     pub client: Box<dyn Client>,
     pub taken: bool,
+    /// Whether its drives know where it is.
+    pub(super) homed: bool,
     /// Steps after which the robot must stand when it was told to stop.
     pub(super) stop_steps: u64,
     /// Whether the last instruction handed it over moving.
@@ -38,6 +40,7 @@ impl RobotPort {
         (kind, kind_name): (TypeId, &'static str),
         client: Box<dyn Client>,
         stop_steps: u64,
+        homed: bool,
     ) -> RobotPort {
         let (order, reply) = (Message::empty(), Message::empty());
         RobotPort {
@@ -46,6 +49,7 @@ impl RobotPort {
             kind_name,
             client,
             taken: false,
+            homed,
             stop_steps,
             handed_over: false,
             order,

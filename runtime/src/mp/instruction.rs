@@ -106,6 +106,20 @@ impl Mp<'_> {
         Ok(())
     }
 
+    /// Holds until the drives of every robot know where it is.
+    pub(super) fn home(&mut self) -> Result<(), Fault> {
+        let mut unhomed: Vec<_> = (0..self.robots.len()).filter(|&index| !self.robots[index].homed).collect();
+        while !unhomed.is_empty() {
+            self.begin_step()?;
+            if self.operator.is_aborting() {
+                return Err(self.aborted());
+            }
+            self.exchange(&unhomed, OrderKind::Query, flag::WANT_STATE)?;
+            unhomed.retain(|&index| self.robots[index].reply.is(flag::HOMING));
+        }
+        Ok(())
+    }
+
     /// Stops every robot of the cell and latches the first cause.
     pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
         let fault = self.latched.get_or_insert(fault).clone();

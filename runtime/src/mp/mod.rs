@@ -165,7 +165,10 @@ impl<'w> Mp<'w> {
         &mut self,
         program: impl FnOnce(&mut Self) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
-        let run = std::panic::AssertUnwindSafe(|| program(self));
+        let run = std::panic::AssertUnwindSafe(|| {
+            self.instruction(Self::home)?;
+            program(self)
+        });
         let outcome = match std::panic::catch_unwind(run) {
             Ok(outcome) => {
                 let settled = self.settle().map_err(|fault| self.stop(fault));
