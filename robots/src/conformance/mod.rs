@@ -9,10 +9,12 @@
 //! Each macro writes a module of tests whose names are sentences; the checks behind them return the first
 //! [`Violation`] with the numbers, among them the joint positions, and draw from a stated seed.
 
+mod cell;
 mod driver;
 mod homing;
 mod kinematics;
 
+pub use cell::{bears_lost_demands, ticks_once_a_period};
 pub use driver::{comes_to_rest, follows_slowly, is_deterministic, measures_at_rest, refuses};
 pub use homing::{finds_its_marks, searches_alike, trips_where_jammed};
 pub use kinematics::{
@@ -137,6 +139,16 @@ macro_rules! driver_conformance {
             #[test]
             fn equal_demands_give_equal_motion_to_the_bit() {
                 kept($crate::conformance::is_deterministic(&$robot, || $driver, &$start));
+            }
+
+            #[test]
+            fn a_cell_calls_it_once_a_period() {
+                kept($crate::conformance::ticks_once_a_period(&$robot, || $driver));
+            }
+
+            #[test]
+            fn it_bears_lost_demands_and_programs_that_give_up() {
+                kept($crate::conformance::bears_lost_demands(&$robot, || $driver, &$start));
             }
         }
     };
