@@ -102,6 +102,15 @@ pub trait Driven<const N: usize>: Robot<Joints = SVector<f64, N>> {
 
     /// The joints and the loads at motor angles \[rad\] and motor speeds [rad/s].
     fn shafts(&self, angles: &SVector<f64, N>, speeds: &SVector<f64, N>) -> Shafts<N>;
+
+    /// Torques at the motors [N m] that do the same work as `torques` do at the joints [N m, or N on a prismatic joint]:
+    /// `(dq/dm)^T torques`, with the columns of dq/dm as the joint speeds of one motor that turns alone.
+    fn motor_torques(&self, angles: &SVector<f64, N>, torques: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::from_fn(|i, _| {
+            let alone = SVector::from_fn(|j, _| if i == j { 1.0 } else { 0.0 });
+            self.shafts(angles, &alone).joints.velocity.dot(torques)
+        })
+    }
 }
 
 /// Whether the motors may go from joint positions `from` to `to` in `duration` \[s\].

@@ -37,8 +37,8 @@ use nalgebra::{Quaternion, Rotation3, SVector, Translation3, Unit, UnitQuaternio
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6::{Elbow, Geometry, Irp6, Six, arm_shafts, transmission, two_links};
 use crate::kinematics::{Jacobian, Kinematics, closest, doubled};
+use crate::sines::sin_cos;
 use crate::transmission::Transmission;
-use crate::trig::sin_cos;
 
 /// One entry per joint, or per motor, of a robot with five.
 pub type Five = SVector<f64, 5>;

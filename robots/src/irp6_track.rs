@@ -15,7 +15,7 @@
 //! **Redundancy.** Seven joints for six coordinates. [`Robot::inverse`] keeps the track where `near` has it; when the arm
 //! cannot reach from there, it moves the track the least that lets it reach, found to 1e-10 m by steps of
 //! [`Irp6Track::SEARCH_STEP`] and bisection: a stretch of the track that is shorter than a step may be missed. The arm
-//! then is stretched: a path that needs the track to move should say so, by [`Irp6Track::inverse_at`], which takes the
+//! then is stretched: a path that needs the track to move should say so, by [`Robot::inverse_at`], which takes the
 //! track's position as a parameter of the pose.
 //!
 //! **Limits.** Track -0.125..1.21 m, 0.159 m/s (250 rad/s at the motor), its acceleration 0.5 m/s² assumed; the arm's as
@@ -165,15 +165,6 @@ impl Irp6Track {
         &self.track
     }
 
-    /// The joints that put the flange at `X_WF` with the carriage at `track` \[m\]; the arm's branch as for [`Irp6`].
-    ///
-    /// # Errors
-    /// As [`Irp6`]: nothing is moved to make the pose reachable.
-    #[allow(non_snake_case)]
-    pub fn inverse_at(&self, X_WF: &Pose, track: f64, near: &Seven) -> Result<Seven, NoInverse> {
-        self.arm_at(&(self.X_BW * X_WF), track, near).map(|arm| joined(track, &arm))
-    }
-
     #[inline]
     #[allow(non_snake_case)]
     fn arm_at(&self, X_BF: &Pose, track: f64, near: &Seven) -> Result<Six, NoInverse> {
@@ -276,6 +267,15 @@ impl Robot for Irp6Track {
                 self.arm_at(&X_BF, track, near).map(|arm| joined(track, &arm))
             }
         }
+    }
+
+    /// `redundancy`: the track's position, q[0] \[m\]; the arm's branch as for [`Irp6`].
+    ///
+    /// # Errors
+    /// As [`Irp6`]: nothing is moved to make the pose reachable.
+    #[allow(non_snake_case)]
+    fn inverse_at(&self, X_WF: &Pose, redundancy: f64, near: &Seven) -> Result<Seven, NoInverse> {
+        self.arm_at(&(self.X_BW * X_WF), redundancy, near).map(|arm| joined(redundancy, &arm))
     }
 }
 

@@ -9,7 +9,7 @@
 //! | [`Irp6FiveDof`] | 5 | closed form, 4 solutions; the tool's axis stays in the arm's plane |
 //! | [`Irp6Track`] | 1 + 6 | closed form; the track by rule, or given |
 //! | [`Rnt`], a stand-in | 6, two of them linear actuators | closed form through three closed loops |
-//! | [`Polycrank`] | 7, endless | closed form, 8 families; the redundancy nearest to the seed |
+//! | [`Polycrank`] | 7, endless | closed form, 8 families; the stretch of the seed kept, or given |
 //! | [`Gripper`], [`Conveyor`] | 1 | one solution |
 //! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms with a spherical wrist, else iteration |
 //!
@@ -43,6 +43,7 @@
 pub mod conformance;
 mod conveyor;
 mod drives;
+pub mod grasp;
 mod gripper;
 mod homing;
 mod irp6;
@@ -59,7 +60,6 @@ mod simulated;
 mod sines;
 mod singular;
 mod transmission;
-mod trig;
 mod urdf;
 mod wrist;
 

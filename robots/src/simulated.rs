@@ -51,7 +51,8 @@ pub struct Simulated<R, const N: usize> {
     measured: Measured<SVector<f64, N>>,
     shaft: Shaft<N>,
     loads: SVector<f64, N>,
-    pushes: SVector<f64, N>,
+    /// Loads from outside the robot, at the motors [N m].
+    external: SVector<f64, N>,
     fault: Option<DriveFault>,
 }
 
@@ -88,10 +89,23 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             core::array::from_fn(|i| Drive::at_rest(&data[i], Plant::at_rest(&data[i], motors[i]), loads[i]));
         let at_rest = Measured { position: *q, velocity: SVector::zeros() };
         let shaft = Shaft(Rc::new(Cell::new(at_rest)));
-        let mut simulated =
-            Self { robot, drives, measured: at_rest, shaft, loads, pushes: SVector::zeros(), fault: None };
+        let external = SVector::zeros();
+        let mut simulated = Self { robot, drives, measured: at_rest, shaft, loads, external, fault: None };
         simulated.observe();
         simulated
+    }
+
+    /// The robot whose drives they are.
+    #[must_use]
+    pub fn robot(&self) -> &R {
+        &self.robot
+    }
+
+    /// Loads the joints with torques from outside the robot from now on [N m, or N on a prismatic joint], positive in the
+    /// direction of positive motion.
+    pub fn load_joints(&mut self, torques: &SVector<f64, N>) {
+        let angles = SVector::from_fn(|i, _| self.drives[i].plant.angle());
+        self.external = -self.robot.motor_torques(&angles, torques);
     }
 
     /// A look at the true joint state, as no encoder gives it.
@@ -120,20 +134,12 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         }
     }
 
-    /// Pushes the motor of `joint`, from 0, with a torque [N m] from outside until told otherwise; positive: against positive
-    /// motion.
-    pub fn push(&mut self, joint: usize, torque: f64) {
-        if joint < N {
-            self.pushes[joint] = torque;
-        }
-    }
-
     /// Takes back the trip and powers the drives where they stand, holding their load.
     pub fn reset(&mut self) {
         self.fault = None;
         for (i, drive) in self.drives.iter_mut().enumerate() {
             let (set, zero) = (drive.regulator.set(), drive.zero);
-            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i] + self.pushes[i]);
+            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i] + self.external[i]);
             drive.regulator.choose(set);
             drive.shift(-zero);
         }
@@ -178,7 +184,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
     /// One servo period towards the angles that the encoders are to read \[rad\], whatever these mean.
     pub(crate) fn follow(&mut self, angles: &SVector<f64, N>) -> Result<(), DriveFault> {
         for (i, drive) in self.drives.iter_mut().enumerate() {
-            let tripped = drive.tick(i, angles[i], self.loads[i] + self.pushes[i]);
+            let tripped = drive.tick(i, angles[i], self.loads[i] + self.external[i]);
             self.fault = self.fault.or(tripped);
         }
         self.observe();
@@ -259,7 +265,7 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
             self.brake();
         } else {
             for (i, drive) in self.drives.iter_mut().enumerate() {
-                let tripped = drive.tick(i, motors[i], self.loads[i] + self.pushes[i]);
+                let tripped = drive.tick(i, motors[i], self.loads[i] + self.external[i]);
                 self.fault = self.fault.or(tripped);
             }
             self.observe();

@@ -13,6 +13,7 @@ use std::rc::Rc;
 
 use crate::ecp::{Ecp, Pace};
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::guard::{Guard, RobotView};
 use crate::link::Nanos;
 use crate::link::memory::{MAX_PROCESSES, Scheduler};
 use crate::mp::{Mp, RobotPort, StepHook};
@@ -54,6 +55,7 @@ pub struct Cell {
     program: Option<MpProgram>,
     operator: Operator,
     hook: Option<StepHook>,
+    guard: Option<Guard>,
     /// Sensors that the cell's file names.
     expected_sensors: Vec<String>,
     /// What was found wrong while the cell was put together.
@@ -73,6 +75,7 @@ impl Cell {
             program: None,
             operator: Operator::new(),
             hook: None,
+            guard: None,
             expected_sensors: Vec::new(),
             errors: Vec::new(),
         }
@@ -174,6 +177,19 @@ impl Cell {
         self
     }
 
+    /// Lets `watch` look at all robots in every step whose index is a multiple of `every`, at least 1, while programs Move
+    /// and Wait. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
+    /// together, and the cell stops with the fault at standstill. One guard a cell: the last one given.
+    #[must_use]
+    pub fn guard(
+        mut self,
+        every: u32,
+        watch: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static,
+    ) -> Cell {
+        self.guard = Some(Guard::new(every, watch));
+        self
+    }
+
     /// The operator's handle of this cell.
     #[must_use]
     pub fn operator(&self) -> Operator {
@@ -235,14 +251,16 @@ impl Cell {
         }
 
         let close = scheduler.closer();
-        let (operator, step, rate_change, hook, program) =
-            (self.operator, self.step, self.rate_change, self.hook, self.program);
+        let (operator, step, rate_change, program) =
+            (self.operator, self.step, self.rate_change, self.program);
+        let (hook, guard) = (self.hook, self.guard);
         let steps = Rc::new(core::cell::Cell::new(0));
         let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
         scheduler.body(
             mp,
             Box::new(move |waiter| {
                 let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                mp.guard = guard;
                 let outcome = mp.run_program(|mp| match program {
                     Some(program) => program(mp),
                     None => mp.nudge(),

@@ -106,7 +106,7 @@ impl RobotEntry {
 
     pub(super) fn unknown_kind(&self, known: &[&str]) -> CellError {
         let what = format!("no kind of robot `{}`", self.kind());
-        let help = super::error::suggestion(self.kind(), known, "the program knows");
+        let help = crate::suggestion::suggestion(self.kind(), known, "the program knows");
         self.source.complain(&self.kind.span, what, help).into()
     }
 }

@@ -36,7 +36,6 @@ use crate::vsp::VirtualSensor;
 
 pub use entry::RobotEntry;
 pub use error::CellFileError;
-pub(crate) use error::suggestion;
 pub use kinds::Kinds;
 
 use entry::SensorEntry;

@@ -14,7 +14,8 @@ use crate::vsp::VspMode;
 
 use super::CellFile;
 use super::entry::{At, RobotEntry, SensorEntry};
-use super::error::{CellFileError, Source, suggestion};
+use super::error::{CellFileError, Source};
+use crate::suggestion::suggestion;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 
