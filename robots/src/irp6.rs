@@ -272,6 +272,10 @@ impl Driven<6> for Irp6 {
         &Self::MOTOR_LIMITS
     }
 
+    fn marks(&self) -> Six {
+        self.transmission.marks()
+    }
+
     fn motors(&self, q: &Six) -> Six {
         self.transmission.motors(q)
     }

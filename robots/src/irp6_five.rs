@@ -262,6 +262,10 @@ impl Driven<5> for Irp6FiveDof {
         &Self::MOTOR_LIMITS
     }
 
+    fn marks(&self) -> Five {
+        first_five(&self.transmission.marks())
+    }
+
     fn motors(&self, q: &Five) -> Five {
         first_five(&self.transmission.motors(&with_sixth(q)))
     }

@@ -311,6 +311,10 @@ impl Driven<7> for Irp6Track {
         &Self::MOTOR_LIMITS
     }
 
+    fn marks(&self) -> Seven {
+        joined(self.track.synchro, &self.transmission.marks())
+    }
+
     fn motors(&self, q: &Seven) -> Seven {
         joined(self.track.motor(q[0]), &self.transmission.motors(&arm_of(q)))
     }
