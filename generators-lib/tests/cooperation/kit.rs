@@ -61,7 +61,6 @@ pub fn apart(a: &Pose, b: &Pose) -> (f64, f64) {
 }
 
 /// The largest of both errors of a relation between the poses of two traces that is to be `X_AB` throughout.
-#[allow(non_snake_case)]
 pub fn relative_error(a: &[Pose], b: &[Pose], X_AB: &Pose) -> (f64, f64) {
     assert_eq!(a.len(), b.len());
     a.iter()

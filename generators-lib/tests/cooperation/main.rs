@@ -1,7 +1,8 @@
 //! Cooperating simulated arms in whole cells.
+#![allow(non_snake_case)]
 
 mod drive;
 //mod free;
 mod kit;
-//mod squeeze;
+mod squeeze;
 mod transfer;
