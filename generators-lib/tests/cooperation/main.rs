@@ -2,7 +2,7 @@
 #![allow(non_snake_case)]
 
 mod drive;
-//mod free;
+mod free;
 mod kit;
 mod squeeze;
 mod transfer;
