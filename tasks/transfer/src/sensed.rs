@@ -1,0 +1,65 @@
+//! The same program with force sensors at the wrists, which keep the stress in the body low.
+
+use mrroc::{Fault, Mp};
+use mrroc_generators::cooperation::{
+    BodyFrame, Displacement, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw,
+};
+use mrroc_generators::generators::SqueezedCarry;
+use mrroc_robots::grasp::WristForce;
+use mrroc_robots::{Gripper, Polycrank, Rnt};
+
+use crate::generators::Nudge;
+use crate::orders::{Arms, Hands, Phase};
+use crate::paths::soft;
+use crate::places::{bar, legs};
+
+/// Stiffness of a hand's grasp [N/m], [N m/rad].
+pub const STIFFNESS: GraspStiffness = GraspStiffness { force: 5e4, torque: 500.0 };
+/// From a demand to the reading that tells of it \[s\]: the step, the cell's delay of 7 ms, about 20 ms of the drives, 3 ms
+/// of the sensor's filter, a step until it is read.
+const DELAY: f64 = 0.034;
+/// Steps after which a reading is too old.
+const OLDEST: u32 = 1;
+
+/// The sensors at the wrists.
+pub type Wrists = (WristForce, WristForce);
+
+/// How the arms answer to stress: it decays at 18/s, which leaves a fifth of the delay's bound as reserve.
+///
+/// # Errors
+/// None: the figures are in range.
+pub fn law() -> Result<SqueezeLaw, Fault> {
+    let gains = SqueezeGains { stiffness: STIFFNESS, rate: 18.0, inertia: 0.01 };
+    let bounds = SqueezeBounds { speed: 0.02, turning: 0.2, way: 0.005, angle: 0.05 };
+    SqueezeLaw::new(gains, bounds, DELAY).map_err(|bad| Fault::thrown(&bad.to_string()))
+}
+
+/// The whole task.
+///
+/// # Errors
+/// The first fault of the cell.
+#[allow(non_snake_case)]
+pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
+    let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
+    let mut hands = (mp.robot::<Gripper>("rnt-hand")?, mp.robot::<Gripper>("polycrank-hand")?);
+    let mut wrists = (mp.sensor::<WristForce>("rnt-wrist")?, mp.sensor::<WristForce>("polycrank-wrist")?);
+    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
+    let mut X_WB = bar();
+    for (X_BsB, duration) in legs() {
+        let body = BodyFrame::InWorld(X_WB);
+        let carry = SqueezedCarry::<Arms, Wrists, _, Displacement>::along(
+            body,
+            soft(X_BsB, duration),
+            law()?,
+            STIFFNESS,
+            0.0,
+            OLDEST,
+        );
+        mp.move_robots((&mut rnt, &mut polycrank), (&mut wrists.0, &mut wrists.1), carry)?;
+        X_WB *= X_BsB;
+    }
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Open))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Withdraw))?;
+    Ok(())
+}
