@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Driver, Measured};
+use mrroc::{DriveFault, Driver, Measured, Regulators};
 
 use super::error::WorldError;
 use super::error::positive;
@@ -52,5 +52,13 @@ impl Driver<Gripper> for Fingers {
             self.drive.block(0);
         }
         self.drive.tick(demanded)
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.drive.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.drive.choose_regulators(sets);
     }
 }
