@@ -156,11 +156,11 @@ fn a_pushed_arm_gives_way_where_its_joint_is_springy() {
         let mut arm = SimulatedIrp6::new(Irp6::nominal(), &q);
         let shaft = arm.shaft();
         arm.choose_regulators(&sets);
-        // The column's motor turns backwards, 158 times as far.
-        arm.load_joints(&Six::new(push * 158.0, 0.0, 0.0, 0.0, 0.0, 0.0));
+        arm.push(0, push);
         for _ in 0..3000 {
             arm.tick(&q).expect("it bears that");
         }
+        // The column's motor turns backwards, 158 times as far.
         (shaft.state().position - q)[0] * -158.0
     };
     let data = Irp6::MOTORS[0];
