@@ -4,8 +4,7 @@ use core::time::Duration;
 
 use mrroc::{DriveFault, Driver, Measured, Regulators};
 
-use super::error::WorldError;
-use super::error::positive;
+use super::error::{WorldError, positive};
 use super::world::Hand;
 use crate::gripper::{Gripper, One};
 use crate::simulated::{Shaft, Simulated};
