@@ -403,3 +403,21 @@ mod example_01;
 fn example_01_holds_a_body_with_two_arms() {
     example_01::main().expect("runs without a fault");
 }
+
+/// An arm whose closed gripper holds 2 kg.
+fn holding() -> Grasping<Polycrank, 7> {
+    let body = Body::block(MASS, [0.2, 0.1, 0.1]).at(Polycrank::new().forward(&start()));
+    let world = World::new(&body).expect("a body");
+    let drives = Simulated::new(Polycrank::new(), &start());
+    let arm = world.arm(drives, Grasp::new(STIFFNESS.0, STIFFNESS.1)).expect("a good grasp");
+    arm.hand().close().expect("there");
+    arm
+}
+
+/// A gripper whose fingers have the body of a still arm between them.
+fn fingers() -> Fingers {
+    Fingers::new(Simulated::new(Gripper::new(), &One::new(0.07)), holding().hand(), 0.05).expect("a width")
+}
+
+mrroc_robots::driver_conformance!(an_arm_with_a_body, Polycrank::new(), holding(), start());
+mrroc_robots::driver_conformance!(open_fingers, Gripper::new(), fingers(), One::new(0.07));

@@ -6,7 +6,7 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Driver, Measured, Pose, Wrench};
+use mrroc::{DriveFault, Driver, Measured, Pose, Regulators, Wrench};
 use nalgebra::{SVector, Vector6};
 
 use super::compliance::Grasp;
@@ -91,5 +91,13 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
         let measured = self.arm.tick(demanded);
         self.hand.end(self.arm.robot().forward(&self.shaft.state().position) * self.X_FE);
         measured
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.arm.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.arm.choose_regulators(sets);
     }
 }
