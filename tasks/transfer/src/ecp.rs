@@ -2,14 +2,14 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Cell, Ecp, Fault, Pose, Robot};
+use mrroc::{Cell, Ecp, Fault, Robot};
 use mrroc_generators::cooperation::Displacement;
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Gripper, One, Polycrank, Rnt};
 
 use crate::generators::{Approach, Transmit};
 use crate::orders::Phase;
-use crate::places::{BACK, CLOSED, End, OPEN, bar, grasp, legs};
+use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs};
 
 /// Gives every robot its program.
 #[must_use]
@@ -23,21 +23,15 @@ pub fn programs(cell: Cell) -> Cell {
 /// An arm: loose to its grasp, tight with the body, loose again.
 #[allow(non_snake_case)]
 fn arm<R: Robot>(ecp: &mut Ecp<R>, end: End) -> Result<(), Fault> {
-    let (X_WE, back) = (bar() * grasp(end), Pose::translation(0.0, 0.0, -BACK));
-    let mut home = X_WE;
+    let X_WE = bar() * grasp(end);
     ecp.obey(|ecp, _: Phase| {
-        home = ecp.image().demanded().pose;
-        ecp.move_robot((), Approach::to(X_WE * back, 2.0))?;
+        ecp.move_robot((), Approach::to(X_WE * back(), 2.0))?;
         ecp.move_robot((), Approach::to(X_WE, 1.5)).map(drop)
     })?;
     for _ in legs() {
         ecp.obey(|ecp, _: Displacement| ecp.move_robot((), Transmit(PhantomData)).map(drop))?;
     }
-    ecp.obey(|ecp, _: Phase| {
-        let X_WE = ecp.image().demanded().pose;
-        ecp.move_robot((), Approach::to(X_WE * back, 1.5))?;
-        ecp.move_robot((), Approach::to(home, 6.0)).map(drop)
-    })
+    ecp.obey(|ecp, _: Phase| ecp.move_robot((), Approach::by(back(), 2.0)).map(drop))
 }
 
 /// A hand: closes and opens.

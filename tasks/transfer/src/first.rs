@@ -1,13 +1,13 @@
 //! The task as it was begun: every motion is a generator of the library.
 
-use mrroc::{Cell, Ecp, Fault, Mp, Pose, Robot};
+use mrroc::{Cell, Ecp, Fault, Mp, Robot};
 use mrroc_generators::cooperation::{BodyFrame, Displacement, StraightBody};
 use mrroc_generators::generators::{JointMove, RigidCarry, StraightLine, TransmitDisplacement};
 use mrroc_robots::{Gripper, One, Polycrank, Rnt};
 
 use crate::generators::Nudge;
 use crate::orders::{Arms, Hands, Phase};
-use crate::places::{BACK, CLOSED, End, OPEN, bar, grasp, legs, limits};
+use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs, limits};
 
 /// The whole task.
 ///
@@ -43,20 +43,15 @@ pub fn programs(cell: Cell) -> Cell {
 /// An arm: loose to its grasp, tight with the body, loose again.
 #[allow(non_snake_case)]
 fn arm<R: Robot>(ecp: &mut Ecp<R>, end: End) -> Result<(), Fault> {
-    let (X_WE, back) = (bar() * grasp(end), Pose::translation(0.0, 0.0, -BACK));
-    let mut home = X_WE;
+    let X_WE = bar() * grasp(end);
     ecp.obey(|ecp, _: Phase| {
-        home = ecp.image().demanded().pose;
-        ecp.move_robot((), StraightLine::to(X_WE * back, limits()))?;
+        ecp.move_robot((), StraightLine::to(X_WE * back(), limits()))?;
         ecp.move_robot((), StraightLine::to(X_WE, limits())).map(drop)
     })?;
     for _ in legs() {
         ecp.obey(|ecp, _: Displacement| ecp.move_robot((), TransmitDisplacement::new()).map(drop))?;
     }
-    ecp.obey(|ecp, _: Phase| {
-        ecp.move_robot((), StraightLine::by(back, limits()))?;
-        ecp.move_robot((), StraightLine::to(home, limits())).map(drop)
-    })
+    ecp.obey(|ecp, _: Phase| ecp.move_robot((), StraightLine::by(back(), limits())).map(drop))
 }
 
 /// A hand: closes and opens.

@@ -8,6 +8,7 @@
 pub mod ecp;
 pub mod first;
 pub mod generators;
+pub mod lines;
 pub mod mp;
 pub mod orders;
 pub mod paths;
@@ -15,6 +16,7 @@ pub mod places;
 pub mod plant;
 pub mod sensed;
 pub mod slow_fingers;
+pub mod variant;
 pub mod witness;
 
 use mrroc::{Cell, CellError, CellFile, CellFileError, Kinds};

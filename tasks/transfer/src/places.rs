@@ -22,8 +22,6 @@ pub const EDGES: [f64; 3] = [0.4, 0.06, 0.06];
 pub const TABLE: f64 = 0.87;
 /// Where the hands hold the bar: at this distance from its middle \[m\].
 pub const GRIP: f64 = 0.17;
-/// How far an arm goes back from its grasp before it goes elsewhere \[m\].
-pub const BACK: f64 = 0.1;
 /// Openings of a hand \[m\]: around the bar, and pressing on it, 60 mm wide.
 pub const OPEN: f64 = 0.075;
 /// See [`OPEN`].
@@ -58,6 +56,12 @@ pub fn grasp(end: End) -> Pose {
     Pose::from_parts(Translation3::new(side * GRIP, 0.0, 0.0), across * down * tilt)
 }
 
+/// Back from a grasp to where the fingers are clear of the bar, in the tool's axes.
+#[must_use]
+pub fn back() -> Pose {
+    Pose::translation(0.0, 0.0, -0.15)
+}
+
 /// The bar's way, leg by leg: `X_BsB` from the start of each leg, and how long it takes \[s\]. Up, over, where it is
 /// turned by 20 degrees, and down.
 #[must_use]
@@ -74,7 +78,7 @@ pub fn legs() -> [(Pose, f64); 3] {
 #[must_use]
 pub fn limits() -> ToolLimits {
     ToolLimits {
-        translation: ProfileLimits { velocity: 0.1, acceleration: 0.2 },
-        rotation: ProfileLimits { velocity: 0.3, acceleration: 0.6 },
+        translation: ProfileLimits { velocity: 0.08, acceleration: 0.12 },
+        rotation: ProfileLimits { velocity: 0.2, acceleration: 0.3 },
     }
 }

@@ -52,7 +52,7 @@ impl Plant {
     /// The bar on the table, with Polycrank's base this far off.
     ///
     /// # Errors
-    /// None: the figures of `places.rs` are in range.
+    /// A figure of `places.rs` is out of range.
     pub fn new(error: Pose) -> Result<Plant, WorldError> {
         let world = World::new(&Body::block(MASS, EDGES).at(bar()))?.with_table(Table::at(TABLE))?;
         Ok(Plant { world, hands: Rc::default(), error })
@@ -109,11 +109,16 @@ impl Plant {
     /// The cell with a force sensor at each arm's wrist, `ARM-wrist`.
     #[must_use]
     pub fn with_wrists(&self, cell: Cell) -> Cell {
+        let wrist = |hand, seed| SimulatedWrist::new(hand).with_noise(0.05, 2e-3, seed).with_low_pass(50.0);
+        self.with_wrists_of(cell, wrist)
+    }
+
+    /// The same with other sensors, made from a hand and a number.
+    #[must_use]
+    pub fn with_wrists_of(&self, cell: Cell, wrist: impl Fn(Hand, u64) -> SimulatedWrist) -> Cell {
         let hands = self.hands.borrow();
-        hands.iter().enumerate().fold(cell, |cell, (i, (arm, hand))| {
-            let wrist =
-                SimulatedWrist::new(hand.clone()).with_noise(0.05, 2e-3, i as u64).with_low_pass(50.0);
-            cell.sensor(SensorSetup::new(&format!("{arm}-wrist"), wrist).of(arm))
+        hands.iter().zip(0..).fold(cell, |cell, ((arm, hand), seed)| {
+            cell.sensor(SensorSetup::new(&format!("{arm}-wrist"), wrist(hand.clone(), seed)).of(arm))
         })
     }
 }

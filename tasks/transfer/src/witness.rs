@@ -5,7 +5,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, Fault, Observation, Pose, RobotView};
+use mrroc::{Cell, Observation, Pose, RobotView};
+use mrroc_robots::grasp::Hand;
 
 use crate::places::{CLOSED, End, grasp};
 use crate::plant::Plant;
@@ -24,8 +25,12 @@ impl Apart {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn of(X_WE: &[Pose; 2]) -> Apart {
-        let nominal = grasp(End::Near).inv_mul(&grasp(End::Far));
-        let error = nominal.inv_mul(&X_WE[0].inv_mul(&X_WE[1]));
+        Apart::between(&grasp(End::Near).inv_mul(&grasp(End::Far)), &X_WE[0].inv_mul(&X_WE[1]))
+    }
+
+    /// One pose from another.
+    fn between(nominal: &Pose, pose: &Pose) -> Apart {
+        let error = nominal.inv_mul(pose);
         Apart { distance: error.translation.vector.norm(), angle: error.rotation.scaled_axis().norm() }
     }
 
@@ -41,14 +46,12 @@ impl Apart {
 pub struct Sample {
     /// \[s\].
     pub time: f64,
-    /// Both hands hold the body.
-    pub held: bool,
-    /// Of the tools as the encoders say.
+    /// Relative pose error of the tools as the encoders say; none while a hand is open.
     pub measured: Apart,
+    /// By how much the true tools have left the relative pose in which their hands closed: what strains the body.
+    pub strain: Apart,
     /// The internal force \[N\].
     pub internal: f64,
-    /// `X_WB` of the body.
-    pub body: Pose,
 }
 
 /// What was seen of a run.
@@ -56,14 +59,18 @@ pub struct Sample {
 pub struct Seen {
     /// The largest relative pose error of the demands while the body was carried.
     pub demanded: Apart,
-    /// The same of what the encoders read.
+    /// The largest of each quantity of the samples, over all servo periods.
     pub measured: Apart,
-    /// Peak of the internal force \[N\].
+    /// See [`Sample::strain`].
+    pub strain: Apart,
+    /// See [`Sample::internal`].
     pub internal: f64,
     /// A sample every 10 ms.
     pub samples: Vec<Sample>,
     held: bool,
     rnt: Option<Pose>,
+    /// The true relative pose in which the hands closed.
+    closed: Option<Pose>,
     periods: u64,
 }
 
@@ -79,19 +86,21 @@ impl Witness {
     }
 
     /// What it has seen.
-    pub fn seen(&self) -> std::cell::Ref<'_, Seen> {
-        self.0.borrow()
+    #[must_use]
+    pub fn into_seen(self) -> Seen {
+        self.0.take()
     }
 
     /// Looks at a cell, and into the world of its plant if there is one.
     #[must_use]
-    pub fn watch(&self, cell: Cell, plant: Option<Plant>) -> Cell {
+    pub fn watch(&self, cell: Cell, plant: Option<&Plant>) -> Cell {
         let (demands, encoders) = (Rc::clone(&self.0), Rc::clone(&self.0));
+        let hands = plant.and_then(|plant| Some([plant.hand_of("rnt")?, plant.hand_of("polycrank")?]));
         cell.guard(1, move |robots| {
             demands.borrow_mut().see_demands(robots);
-            Ok::<(), Fault>(())
+            Ok(())
         })
-        .watch(move |robot| encoders.borrow_mut().see_period(robot, plant.as_ref()))
+        .watch(move |robot| encoders.borrow_mut().see_period(robot, hands.as_ref()))
     }
 }
 
@@ -106,30 +115,44 @@ impl Seen {
         }
     }
 
-    fn see_period(&mut self, robot: &Observation<'_>, plant: Option<&Plant>) {
-        let tool = || {
-            let mut tool = Pose::identity();
-            robot.frames(&mut |frame| tool = *frame);
-            tool
-        };
+    fn see_period(&mut self, robot: &Observation<'_>, hands: Option<&[Hand; 2]>) {
+        let mut tool = Pose::identity();
         match robot.robot {
-            "rnt" => self.rnt = Some(tool()),
+            "rnt" => {
+                robot.frames(&mut |frame| tool = *frame);
+                self.rnt = Some(tool);
+            }
             "polycrank" => {
-                let Some(rnt) = self.rnt else { return };
-                let measured = Apart::of(&[rnt, tool()]);
-                let internal = plant.map_or(0.0, |plant| plant.world.internal_force());
-                self.internal = self.internal.max(internal);
-                if self.held {
-                    self.measured = self.measured.max(measured);
+                robot.frames(&mut |frame| tool = *frame);
+                if let Some(rnt) = self.rnt {
+                    self.see_tools(robot.time, [rnt, tool], hands);
                 }
-                if self.periods.is_multiple_of(5) {
-                    let body = plant.map_or_else(Pose::identity, |plant| plant.world.body().pose);
-                    let (time, held) = (robot.time, self.held);
-                    self.samples.push(Sample { time, held, measured, internal, body });
-                }
-                self.periods += 1;
             }
             _ => {}
         }
+    }
+
+    fn see_tools(&mut self, time: f64, tools: [Pose; 2], hands: Option<&[Hand; 2]>) {
+        let measured = if self.held { Apart::of(&tools) } else { Apart::default() };
+        let (strain, internal) = hands.map_or_else(Default::default, |hands| self.stress(hands));
+        self.measured = self.measured.max(measured);
+        self.strain = self.strain.max(strain);
+        self.internal = self.internal.max(internal);
+        if self.periods.is_multiple_of(5) {
+            self.samples.push(Sample { time, measured, strain, internal });
+        }
+        self.periods += 1;
+    }
+
+    /// How far the true hands are from where they closed, and their internal force \[N\].
+    #[allow(non_snake_case)]
+    fn stress(&mut self, hands: &[Hand; 2]) -> (Apart, f64) {
+        if !hands.iter().all(Hand::is_closed) {
+            self.closed = None;
+            return Default::default();
+        }
+        let X_E1E2 = hands[0].pose().inv_mul(&hands[1].pose());
+        let closed = *self.closed.get_or_insert(X_E1E2);
+        (Apart::between(&closed, &X_E1E2), hands[0].world().internal_force())
     }
 }

@@ -7,27 +7,45 @@ use mrroc_generators::line::LinePath;
 
 use crate::paths::share;
 
-/// Moves the tool straight to a pose, from rest to rest, as softly as it can in its time.
+/// Moves the tool straight, from rest to rest, as softly as it can in its time.
 pub struct Approach<R> {
-    goal: Pose,
+    goal: Goal,
     duration: f64,
     t: f64,
     line: Option<LinePath>,
     of: PhantomData<R>,
 }
 
+enum Goal {
+    /// `X_WE` of the end.
+    Pose(Pose),
+    /// `X_EsE` of the end, from the start.
+    Displacement(Pose),
+}
+
+#[allow(non_snake_case)]
 impl<R: Robot> Approach<R> {
     /// To `X_WE`, in `duration` \[s\], > 0.
     #[must_use]
-    #[allow(non_snake_case)]
     pub fn to(X_WE: Pose, duration: f64) -> Self {
-        Approach { goal: X_WE, duration, t: 0.0, line: None, of: PhantomData }
+        Approach { goal: Goal::Pose(X_WE), duration, t: 0.0, line: None, of: PhantomData }
+    }
+
+    /// By `X_EsE`, in the tool's own axes, in `duration` \[s\], > 0.
+    #[must_use]
+    pub fn by(X_EsE: Pose, duration: f64) -> Self {
+        Approach { goal: Goal::Displacement(X_EsE), duration, t: 0.0, line: None, of: PhantomData }
     }
 }
 
 /// Learns where the tool is.
 fn begin<R: Robot>(c: &mut Approach<R>, e: &State<R>, t: Tick) -> Step<R> {
-    c.line = Some(LinePath::new(e.demanded().pose, c.goal));
+    let start = e.demanded().pose;
+    let end = match c.goal {
+        Goal::Pose(pose) => pose,
+        Goal::Displacement(displacement) => start * displacement,
+    };
+    c.line = Some(LinePath::new(start, end));
     approach(c, t)
 }
 
