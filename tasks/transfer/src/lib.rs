@@ -10,12 +10,15 @@ pub mod first;
 pub mod generators;
 pub mod lines;
 pub mod mp;
+pub mod options;
 pub mod orders;
 pub mod paths;
+pub mod pictures;
 pub mod places;
 pub mod plant;
 pub mod sensed;
 pub mod slow_fingers;
+pub mod summary;
 pub mod variant;
 pub mod witness;
 

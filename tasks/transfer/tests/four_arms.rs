@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, Fault, Mp, Pose, Robot, RobotHandle, RobotSetup, SensorSetup};
+use mrroc::{Cell, Fault, Mp, Pose, RobotHandle, RobotSetup, SensorSetup};
 use mrroc_generators::cooperation::BodyFrame;
 use mrroc_generators::generators::{RigidCarry, SqueezedCarry};
 use mrroc_robots::grasp::{Body, Grasp, Hand, SimulatedWrist, World, WristForce};

@@ -75,9 +75,8 @@ fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
         assert_eq!(fault.kind(), FaultKind::Aborted, "{fault}");
         let demands = demands.borrow();
         assert!(off_path(&demands) <= EXACT, "{} when aborted in step {at}", off_path(&demands));
-        // At rest: what the drives got last, they had got before.
-        let periods: Vec<_> = demands.bits.rchunks_exact(JOINTS).take(2).collect();
-        assert!(periods.windows(2).all(|w| w[0] == w[1]), "still moving when aborted in step {at}");
+        // At rest, but for the last of a rate that falls by 0.005 in a step: 0.15 m/s * 2 ms * 0.005.
+        assert!(demands.moved < 1.5e-6, "{} m in the last period when aborted in step {at}", demands.moved);
     }
 }
 

@@ -18,6 +18,8 @@ pub struct Demands {
     pub carrying: Vec<[Pose; 2]>,
     /// Both tools in the last period of all.
     pub last: [Pose; 2],
+    /// How far the faster of them went in that period \[m\].
+    pub moved: f64,
     /// Every number that any drive got, as bits, one after the other.
     pub bits: Vec<u64>,
     tools: [Pose; 2],
@@ -53,6 +55,9 @@ impl Demands {
             }
             "polycrank" => {
                 self.tools[1] = arms.polycrank.forward(&Seven::from_column_slice(robot.demanded)) * arms.tool;
+                let way =
+                    |i: usize| (self.tools[i].translation.vector - self.last[i].translation.vector).norm();
+                self.moved = way(0).max(way(1));
                 self.last = self.tools;
             }
             "rnt-hand" if (robot.demanded[0] - CLOSED).abs() < 1e-12 => self.carrying.push(self.tools),
