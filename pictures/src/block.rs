@@ -101,6 +101,11 @@ impl Block {
         });
     }
 
+    /// Whether it moved at all.
+    pub fn moved(&self) -> bool {
+        self.poses.windows(2).any(|w| w[0] != w[1])
+    }
+
     /// When it was seen first and last \[s\].
     pub fn run(&self) -> Option<(f64, f64)> {
         Some((*self.times.first()?, *self.times.last()?))

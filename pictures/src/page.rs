@@ -7,7 +7,7 @@ use nalgebra::Vector2;
 
 use crate::block::Block;
 use crate::chart::{self, Chart};
-use crate::curves::Timeline;
+use crate::curves::{LABELS, Timeline};
 use crate::palette::{self, GREY, INK, PAGE};
 use crate::playback::Playback;
 use crate::projection::Area;
@@ -60,7 +60,7 @@ pub(crate) fn svg(takes: &[Take], blocks: &[Block]) -> String {
     let charts: Vec<Vec<Chart>> = takes.iter().map(|(take, samples)| chart::charts(take, samples)).collect();
     let lines: usize = charts.iter().map(|charts| chart::lines(charts)).sum();
     let most = (MOST_POINTS / lines.max(1)).clamp(120, 600);
-    let timeline = Timeline { run, playback: playback.as_ref(), most };
+    let timeline = Timeline { run, playback: playback.as_ref(), most, labels: LABELS };
     let heights: Vec<f64> =
         takes.iter().zip(&charts).map(|((take, _), charts)| robot_height(take, charts)).collect();
 

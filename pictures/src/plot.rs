@@ -18,6 +18,9 @@ use crate::svg::{Anchor, Weight, Words};
 /// Height of a chart's curves \[px\].
 const HEIGHT: f64 = 150.0;
 
+/// Room for labels, of some words, and largest values \[px\].
+const LABELS: f64 = 170.0;
+
 /// The most points of a line.
 const MOST: usize = 1200;
 
@@ -66,7 +69,15 @@ impl Plot {
             peak: None,
         };
         let curves = lines.into_iter().enumerate().map(curve).collect();
-        self.charts.push(Chart { heading, unit, height: HEIGHT, least: 0.0, ends: Ends::Largest, times, curves });
+        self.charts.push(Chart {
+            heading,
+            unit,
+            height: HEIGHT,
+            least: 0.0,
+            ends: Ends::Largest,
+            times,
+            curves,
+        });
         self
     }
 
@@ -80,18 +91,26 @@ impl Plot {
             x: MARGIN,
             y: page::HEADING,
             width: WIDTH - 2.0 * MARGIN,
-            height: chart::height(&self.charts) + 2.0 * MARGIN,
+            height: chart::height(&self.charts) + 10.0,
         };
         page::document(&self.title, area.y + area.height + MARGIN, |svg| {
             page::heading(svg, &self.title, &self.subtitle);
             panel::ground(svg, area);
             if run.0 < run.1 {
-                let timeline = Timeline { run, playback: None, most: MOST };
-                timeline.draw(svg, area.inset(12.0, MARGIN, 60.0, MARGIN), &self.charts);
+                let timeline = Timeline { run, playback: None, most: MOST, labels: LABELS };
+                timeline.draw(svg, area.inset(12.0, 10.0, 12.0, 0.0), &self.charts);
             } else {
-                let words =
-                    Words { size: 13.0, colour: palette::GREY, anchor: Anchor::Start, weight: Weight::Normal };
-                svg.words(Vector2::new(area.x + MARGIN, area.y + MARGIN + 10.0), words, "No time has passed.");
+                let words = Words {
+                    size: 13.0,
+                    colour: palette::GREY,
+                    anchor: Anchor::Start,
+                    weight: Weight::Normal,
+                };
+                svg.words(
+                    Vector2::new(area.x + MARGIN, area.y + MARGIN + 10.0),
+                    words,
+                    "No time has passed.",
+                );
             }
         })
     }
@@ -120,7 +139,9 @@ mod tests {
         assert_eq!(lines.count(), 2);
         let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
         assert!(texts.contains(&"<down>") && texts.contains(&"up"));
-        assert!(texts.iter().any(|text| text.starts_with("3")) && texts.iter().any(|text| text.contains("7.0")));
+        assert!(
+            texts.iter().any(|text| text.starts_with("3")) && texts.iter().any(|text| text.contains("7.0"))
+        );
     }
 
     #[test]

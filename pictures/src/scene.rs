@@ -267,6 +267,10 @@ impl Scene<'_> {
         }
         for block in self.blocks {
             let Some((first, last)) = block.run() else { continue };
+            if !block.moved() {
+                block.draw(svg, on, first, None);
+                continue;
+            }
             for (class, time, opacity) in [("start", first, ".42"), ("end", last, "1")] {
                 svg.group("g", format_args!("class=\"{class}\" opacity=\"{opacity}\""), |svg| {
                     if self.playback.is_some() {
@@ -294,7 +298,7 @@ impl Scene<'_> {
         if let Some(playback) = self.playback {
             svg.group("g", format_args!("class=\"moving\" display=\"none\""), |svg| {
                 Playback::set(svg, "display", "inline");
-                for block in self.blocks {
+                for block in self.blocks.iter().filter(|block| block.moved()) {
                     block.draw(svg, on, f64::NEG_INFINITY, Some(playback));
                 }
                 for actor in self.actors {

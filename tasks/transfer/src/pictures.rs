@@ -1,12 +1,21 @@
 //! Pictures of the runs: the arms with the bar, moving; and what the bar bears, over time.
 
-use mrroc::{CellError, CellFile, Recorder};
+use mrroc::{CellError, CellFile, Pose, Recorder};
 use mrroc_pictures::{Film, Line, Plot};
 
-use crate::places::EDGES;
+use crate::places::{EDGES, TABLE, bar};
 use crate::summary::Summary;
 use crate::variant::{Bases, Sensors, Variant};
 use crate::witness::{Sample, Seen};
+
+/// The table as it is drawn \[m\]; nothing hits its edges.
+const TABLE_EDGES: [f64; 3] = [0.6, 0.9, 0.02];
+
+/// Where the table's middle is.
+fn table() -> Pose {
+    let bar = bar().translation;
+    Pose::translation(bar.x, bar.y + 0.125, TABLE - 0.5 * TABLE_EDGES[2])
+}
 
 /// A film of a run.
 ///
@@ -17,7 +26,7 @@ pub fn film(variant: Variant, file: &CellFile) -> Result<Film, CellError> {
     // The hands are on the arms, which show them.
     let mut film = Film::new().without(&["rnt-hand", "polycrank-hand"]);
     if let Some(plant) = ready.plant {
-        film = film.with_block(EDGES, move || plant.world.body().pose);
+        film = film.with_block(TABLE_EDGES, table).with_block(EDGES, move || plant.world.body().pose);
     }
     film.watch(ready.cell).run()?;
     Ok(film)
@@ -47,9 +56,9 @@ const CHARTS: [(&str, &str, Quantity); 5] = [
 #[must_use]
 pub fn plot(summary: &Summary) -> Plot {
     let variants = [
-        ("base off", Bases::Off, Sensors::Unused),
-        ("sensors", Bases::Off, Sensors::Used),
-        ("no error", Bases::Calibrated, Sensors::Unused),
+        ("without sensors", Bases::Off, Sensors::Unused),
+        ("with sensors", Bases::Off, Sensors::Used),
+        ("base not off", Bases::Calibrated, Sensors::Unused),
     ];
     let seen: Vec<(&str, &Seen)> = variants
         .into_iter()
@@ -59,8 +68,7 @@ pub fn plot(summary: &Summary) -> Plot {
     let longest = seen.iter().map(|(_, seen)| &seen.samples).max_by_key(|samples| samples.len());
     let times: Vec<f64> = longest.into_iter().flatten().map(|sample| sample.time).collect();
     let title = "What a bar between two arms bears";
-    let subtitle = "base off: Polycrank's base is 1 mm and 0.1 degree from where it is believed to be \u{b7} sensors: the same, with \
-                    force sensors at the wrists, whose arms give way \u{b7} no error: no error of calibration, no sensors";
+    let subtitle = "Polycrank's base is 1 mm and 0.1 degree off: without force sensors, and with them; or it is where it is believed to be";
     CHARTS.iter().fold(Plot::new(title, subtitle), |plot, (heading, unit, quantity)| {
         let line = |&(name, seen): &(&str, &Seen)| -> Line {
             (name.to_owned(), seen.samples.iter().map(quantity).collect())

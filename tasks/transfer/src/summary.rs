@@ -11,6 +11,8 @@ use crate::witness::Seen;
 /// Bounds of what is measured.
 const DEMANDED: f64 = 1e-9;
 const SHARE: f64 = 0.2;
+/// Runs of which the fastest counts.
+const RUNS: usize = 5;
 
 /// One line of the table.
 pub struct Row {
@@ -39,15 +41,20 @@ const VARIANTS: [(Variant, &str); 4] = [
 ];
 
 impl Summary {
-    /// Runs all variants of a cell, each twice: unwatched for its speed, then watched.
+    /// Runs all variants of a cell, unwatched for their speed, then watched.
     ///
     /// # Errors
     /// The first cause when a run ends with a fault.
     pub fn measure(file: &CellFile) -> Result<Summary, CellError> {
         let rows = VARIANTS.iter().map(|&(variant, _)| {
-            let outcome = variant.run(file)?;
+            // The best of some: what else the computer does is not to be measured.
+            let mut speed = 0.0_f64;
+            for _ in 0..RUNS {
+                speed = speed.max(variant.run(file)?.speed());
+            }
             let seen = variant.watched(file, |cell, _| cell)?;
-            Ok(Row { variant, seen, time: outcome.report.time.as_secs_f64(), speed: outcome.speed() })
+            let time = seen.samples.last().map_or(0.0, |sample| sample.time);
+            Ok(Row { variant, seen, time, speed })
         });
         Ok(Summary { rows: rows.collect::<Result<_, CellError>>()?, counts: Counts::of_this_task() })
     }
