@@ -137,7 +137,7 @@ fn cooperation_allocates_nothing() {
     let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, way: 1.0, angle: 1.0 };
     let law = SqueezeLaw::new(gains, bounds, 0.01).unwrap();
     let (body, squeeze) = (BodyFrame::InFirstTool(Pose::translation(0.1, 0.0, 0.0)), 5.0);
-    let squeezed = SqueezedCarry::<Two, [Wrist; 2], _>::along(body, path(), law, stiffness, squeeze, 0);
+    let squeezed = SqueezedCarry::<Two, [Wrist; 2], _>::along(body, path(), law, squeeze, 0);
     let load = Wrench::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.1, 0.2, 0.3));
     let v = Reading::new([SensorImage::new(load, 0); 2]);
     assert_eq!(stepped(squeezed, &e, &v, &no_order), 0);
