@@ -1,7 +1,7 @@
 //! What to do about a fault: a sentence for the person at the terminal.
 
 use crate::fault::{Fault, FaultKind, Role};
-use crate::limits::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND};
+use crate::limits::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 
 impl Fault {
     /// What to do about it, where its kind alone tells.
@@ -35,6 +35,11 @@ impl Fault {
             }
             K::NoInverseKinematics if self.message().starts_with(NOT_ATTAINABLE) => {
                 "demand a pose that the joints can give: the message names the direction in which the robot does not move"
+            }
+            K::NoInverseKinematics if self.message() == NOT_REDUNDANT => {
+                return Some(
+                    "leave `with_redundancy` out: the kind of robot has as many joints as a pose asks for",
+                );
             }
             K::NoInverseKinematics if self.message().starts_with(NOT_FOUND) => {
                 "demand poses close to each other: the search begins at the joints demanded last and keeps their limits; for \
@@ -90,6 +95,11 @@ impl Fault {
                      reading is None until the sensor has answered: write `is_some_and` or `match`",
                 );
             }
+            K::NoRegulator => {
+                return Some(
+                    "choose a parameter set that the driver's `has_regulator` knows; set 0 is always there",
+                );
+            }
             K::DriveFault => return Some("look at the drive: clear what tripped it, then start again"),
             K::PeerLost if self.process().is_some_and(|process| process.role == Role::Vsp) => {
                 return Some(
@@ -104,6 +114,9 @@ impl Fault {
             }
             K::TimedOut => {
                 return Some("allow the Wait more steps, or handle the time-out: match on `Fault::kind`");
+            }
+            K::ProtectiveStop => {
+                return Some("what the guard of the cell allows is written where `Cell::guard` is called");
             }
             K::Config
             | K::Program

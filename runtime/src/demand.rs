@@ -2,12 +2,14 @@
 
 use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use crate::driver::Regulators;
 use crate::joints::{JointVector, MAX_JOINTS};
 use crate::pose::{AngleAxis, Pose, Zyz};
 use crate::robot::Robot;
 use crate::wire::{BadWords, Wire};
 
-/// One representation of the next state of a robot of kind `R`, and optionally the tool that it refers to.
+/// One representation of the next state of a robot of kind `R`, and optionally the tool that it refers to, the value of
+/// the robot's redundancy, and the regulators' parameter sets.
 ///
 /// All poses are of the tool frame E in the world W, lengths in metres, angles in radians. The EDP converts;
 /// only joint coordinates depend on the kind of robot.
@@ -15,6 +17,8 @@ use crate::wire::{BadWords, Wire};
 pub struct Demand<R: Robot> {
     pub(crate) coordinates: Coordinates<R>,
     pub(crate) tool: Option<Pose>,
+    pub(crate) redundancy: Option<f64>,
+    pub(crate) regulators: Option<Regulators>,
 }
 
 /// The coordinates of a demand.
@@ -41,7 +45,8 @@ impl<R: Robot> Clone for Coordinates<R> {
 impl<R: Robot> Copy for Coordinates<R> {}
 impl<R: Robot> PartialEq for Demand<R> {
     fn eq(&self, other: &Self) -> bool {
-        self.tool == other.tool && self.coordinates == other.coordinates
+        (self.tool, self.redundancy, self.regulators) == (other.tool, other.redundancy, other.regulators)
+            && self.coordinates == other.coordinates
     }
 }
 impl<R: Robot> PartialEq for Coordinates<R> {
@@ -64,7 +69,7 @@ impl<R: Robot> PartialEq for Coordinates<R> {
 
 impl<R: Robot> Demand<R> {
     const fn of(coordinates: Coordinates<R>) -> Self {
-        Demand { coordinates, tool: None }
+        Demand { coordinates, tool: None, redundancy: None, regulators: None }
     }
 
     /// Stay at the state demanded last.
@@ -136,6 +141,22 @@ impl<R: Robot> Demand<R> {
         self.tool = Some(X_FE);
         self
     }
+
+    /// The same pose or displacement with the robot's redundancy at this value: a track's position, an elbow's angle,
+    /// as [`Robot::inverse_at`] of its kind says. Without it the joints stay near those demanded last.
+    #[must_use]
+    pub const fn with_redundancy(mut self, value: f64) -> Self {
+        self.redundancy = Some(value);
+        self
+    }
+
+    /// The same demand with these parameter sets in the regulators of the joints: the dynamic behaviour of the robot.
+    /// They stay in force until the next demand with others; a set that a drive does not have is a fault.
+    #[must_use]
+    pub const fn with_regulators(mut self, sets: Regulators) -> Self {
+        self.regulators = Some(sets);
+        self
+    }
 }
 
 /// The pose `X_WE` of the tool in the world: what can be demanded of every kind of robot.
@@ -147,6 +168,8 @@ impl<R: Robot> From<Pose> for Demand<R> {
 }
 
 const TOOL: u64 = 1 << 8;
+const REDUNDANCY: u64 = 1 << 9;
+const REGULATORS: u64 = 1 << 10;
 
 impl<R: Robot> Demand<R> {
     /// The layout depends on the kind of robot through its name and its number of joints.
@@ -154,12 +177,13 @@ impl<R: Robot> Demand<R> {
 }
 
 impl<R: Robot> Wire for Demand<R> {
-    const LEN: usize = 1 + MAX_JOINTS + 7;
+    const LEN: usize = 1 + MAX_JOINTS + 7 + 2;
     const LAYOUT: u64 = crate::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::Demand");
 
     fn put(&self, words: &mut [u64]) {
         let (head, body) = words.split_at_mut(1);
         let (body, tool) = body.split_at_mut(MAX_JOINTS);
+        let (tool, choices) = tool.split_at_mut(7);
         let kind = match &self.coordinates {
             Coordinates::Hold => 0,
             Coordinates::Joints(q) => {
@@ -182,14 +206,22 @@ impl<R: Robot> Wire for Demand<R> {
             head[0] |= TOOL;
             pose.put(tool);
         }
+        if let Some(redundancy) = self.redundancy {
+            head[0] |= REDUNDANCY;
+            choices[0] = redundancy.to_bits();
+        }
+        if let Some(regulators) = self.regulators {
+            head[0] |= REGULATORS;
+            choices[1] = regulators.to_word();
+        }
     }
 
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let (&head, body) = words.split_first().ok_or(BadWords)?;
-        if body.len() < MAX_JOINTS + 7 {
+        if body.len() < MAX_JOINTS + 7 + 2 {
             return Err(BadWords);
         }
-        let coordinates = match head & !TOOL {
+        let coordinates = match head & !(TOOL | REDUNDANCY | REGULATORS) {
             0 => Coordinates::Hold,
             1 => Coordinates::Joints(R::Joints::from_joints(|i| f64::from_bits(body[i.min(MAX_JOINTS - 1)]))),
             2 => Coordinates::Pose(Pose::get(body)?),
@@ -197,6 +229,8 @@ impl<R: Robot> Wire for Demand<R> {
             _ => return Err(BadWords),
         };
         let tool = if head & TOOL == 0 { None } else { Some(Pose::get(&body[MAX_JOINTS..])?) };
-        Ok(Demand { coordinates, tool })
+        let redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(body[MAX_JOINTS + 7]));
+        let regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(body[MAX_JOINTS + 8]));
+        Ok(Demand { coordinates, tool, redundancy, regulators })
     }
 }

@@ -1,7 +1,11 @@
 //! What an EDP drives: a real robot's drives or a simulated plant.
+//!
+//! Drives begin as [`Homing`] where their encoders do not know where the robot is, and become a [`Driver`] once they do.
+//! Only a `Driver` takes joint positions: before homing there is nothing that could move the robot by a demand.
 
 use core::time::Duration;
 
+use crate::joints::MAX_JOINTS;
 use crate::robot::Robot;
 
 /// Joint state as the encoders give it.
@@ -27,6 +31,76 @@ pub trait Driver<R: Robot> {
     /// # Errors
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
+
+    /// Whether the regulator of `joint` has a parameter set of this number. Set 0, the usual one, is always there.
+    fn has_regulator(&self, _joint: usize, set: u8) -> bool {
+        set == 0
+    }
+
+    /// Chooses the parameter sets of the regulators from the next tick on: only sets that there are.
+    fn choose_regulators(&mut self, _sets: &Regulators) {}
+}
+
+/// Which parameter set the regulator of each joint works with: the dynamic behaviour of a robot.
+///
+/// Set 0 is the usual one; what the others are, the driver says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Regulators([u8; MAX_JOINTS]);
+
+impl Regulators {
+    /// The same set for every joint.
+    #[must_use]
+    pub const fn uniform(set: u8) -> Self {
+        Regulators([set; MAX_JOINTS])
+    }
+
+    /// Another set for `joint`, from 0; beyond [`MAX_JOINTS`] there is none.
+    #[must_use]
+    pub const fn with(mut self, joint: usize, set: u8) -> Self {
+        if joint < MAX_JOINTS {
+            self.0[joint] = set;
+        }
+        self
+    }
+
+    /// The set of `joint`; 0 beyond [`MAX_JOINTS`].
+    #[must_use]
+    pub const fn set(&self, joint: usize) -> u8 {
+        if joint < MAX_JOINTS { self.0[joint] } else { 0 }
+    }
+
+    pub(crate) const fn to_word(self) -> u64 {
+        u64::from_le_bytes(self.0)
+    }
+
+    pub(crate) const fn from_word(word: u64) -> Self {
+        Regulators(word.to_le_bytes())
+    }
+}
+
+/// The drives of a robot that does not know where it is: they can look for their reference marks and nothing else.
+pub trait Homing<R: Robot>: Sized {
+    /// The drives once they know.
+    type Drives: Driver<R>;
+
+    /// The servo period, also that of the drives; it divides the step, or the step divides it.
+    fn period(&self) -> Duration;
+
+    /// One servo period of the search. A search that is called no more must come to rest by itself within a period, as
+    /// drives must whose demands stop.
+    ///
+    /// # Errors
+    /// [`DriveFault`] when a mark is not where it should be or a drive trips; the drives then apply their brakes.
+    fn search(self) -> Result<Search<Self, Self::Drives>, DriveFault>;
+}
+
+/// What a servo period of homing came to.
+#[derive(Debug)]
+pub enum Search<H, D> {
+    /// The search goes on.
+    Searching(H),
+    /// All marks are found, and the robot stands.
+    Found(D),
 }
 
 /// A drive that gave up.

@@ -1,17 +1,19 @@
 //! EDP: the effector driver process of one robot.
 //!
 //! In: demands of the ECP, one per step. Out: the joint positions that the drives get, one per servo period,
-//! and the robot's image in every reply. Ticks come half a servo period after the steps, so that the demand of
-//! a step is there before the drives ask for it; servo periods within a step get positions interpolated in joints.
+//! and the robot's image in every reply. Servo periods begin half a period after the steps, so that the demand of a step
+//! is there before the drives ask for it; each gets the position for its end, interpolated in joints or in the task
+//! space ([`Interpolation`]). The reply to a demand leaves as soon as the demand is accepted: the next one is computed
+//! while the robot moves.
 
 use core::time::Duration;
 
 use crate::braking::Braking;
 use crate::demand::Demand;
-use crate::driver::{Driver, Measured};
+use crate::driver::{Driver, Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, RobotState};
-use crate::interpolation::Interpolation;
+use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
@@ -43,6 +45,9 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub driver: Box<dyn Driver<R>>,
     pub tool: Pose,
     pub step: Duration,
+    /// The cell's delay between demands and drives; `None`: drives take each demand as it is.
+    pub delay: Option<Duration>,
+    pub space: InterpolationSpace,
     /// Largest difference between demanded and measured joint positions [rad or m].
     pub following_error: R::Joints,
     pub observers: Vec<Observer<R>>,
@@ -67,14 +72,21 @@ pub(crate) struct Edp<'w, R: Robot> {
     port: Box<dyn Server>,
     acceptor: Acceptor<R>,
     mode: Mode<R::Joints>,
-    /// Accepted for the step that the ticks have not begun.
+    /// Accepted for the step that is about to begin, and the regulators chosen with it.
     next: Option<AcceptedDemand<R>>,
+    regulators: Option<Regulators>,
     /// What the ticks make of the demands.
     interpolation: Interpolation<R::Joints>,
-    /// The first step whose ticks have not begun, and the step at whose end the robot is at the last demand.
+    /// What the drives were told last.
+    commanded: R::Joints,
+    /// The first step that has not begun here, and when it does; when the next servo period begins \[ns\].
     due: u64,
-    attained: u64,
+    next_step: Nanos,
+    next_tick: Nanos,
+    step: Nanos,
     servo: Nanos,
+    /// Steps for which the demands have stood still.
+    still: u64,
     measured: Measured<R::Joints>,
     stopped: bool,
     fault: Option<Fault>,
@@ -85,20 +97,29 @@ pub(crate) struct Edp<'w, R: Robot> {
 impl<'w, R: Robot> Edp<'w, R> {
     pub fn new(config: EdpConfig<R>, waiter: &'w dyn Waiter, port: Box<dyn Server>) -> Self {
         let measured = config.driver.measured();
-        let servo = config.driver.period();
-        let ticks_per_step = (config.step.as_nanos() / servo.as_nanos().max(1)).max(1) as u32;
+        let (step, servo) = (config.step.as_nanos() as Nanos, config.driver.period().as_nanos() as Nanos);
         let reaction = detection_time(config.step);
         let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
+        let (now, shorter) = (waiter.now(), servo.min(step));
+        // Half a period after multiples of the period, from now on.
+        let due = (now + step - shorter / 2).div_ceil(step.max(1)).saturating_sub(1);
+        let tick = now.saturating_sub(servo / 2).div_ceil(servo.max(1));
+        let interpolation = Interpolation::new(measured.position, due, config.step, config.delay);
         let mut edp = Edp {
             waiter,
             port,
             acceptor,
             mode: Mode::Holding,
             next: None,
-            interpolation: Interpolation::new(measured.position, ticks_per_step),
-            due: 0,
-            attained: 0,
-            servo: servo.as_nanos() as Nanos,
+            regulators: None,
+            still: interpolation.settling_steps(),
+            interpolation,
+            commanded: measured.position,
+            due,
+            next_step: due * step + shorter / 2,
+            next_tick: tick * servo + servo / 2,
+            step,
+            servo,
             measured,
             stopped: false,
             fault: None,
@@ -121,15 +142,24 @@ impl<'w, R: Robot> Edp<'w, R> {
 
     /// Serves until the cell closes.
     pub fn run(mut self) {
-        let mut next_tick = self.waiter.now() + self.servo / 2;
-        while self.waiter.wait(Some(next_tick)) != Err(Closed) {
+        while self.waiter.wait(Some(self.next_step.min(self.next_tick))) != Err(Closed) {
             while self.port.receive(&mut self.request) {
                 self.serve();
             }
-            while self.waiter.now() >= next_tick {
-                self.tick(next_tick);
-                next_tick += self.servo;
+            while self.waiter.now() >= self.next_step.min(self.next_tick) {
+                self.advance();
             }
+        }
+    }
+
+    /// The step or servo period that begins next; a step before the servo period that begins with it.
+    fn advance(&mut self) {
+        if self.next_step <= self.next_tick {
+            self.begin_step();
+            self.next_step += self.step;
+        } else {
+            self.tick(self.next_tick);
+            self.next_tick += self.servo;
         }
     }
 
@@ -205,27 +235,37 @@ impl<'w, R: Robot> Edp<'w, R> {
             self.acceptor.begin();
         }
         // What was to be done in a step that is over has been bridged, and is never made up for.
-        let moving = matches!(self.mode, Mode::Moving { .. });
-        if header.step < self.due || (moving && header.step <= self.attained) {
+        if header.step < self.due {
             return Ok(());
         }
         let demand = Demand::get(self.request.words()).map_err(|_| Fault::new(FaultKind::Message))?;
-        // The time that the drives have, which bridged steps have not shortened: a late demand's own count of
-        // periods says how far its path has come. From a standstill it is one step.
-        let steps = if moving { header.step - self.attained } else { 1 };
-        let rate = header.dt / header.duration;
-        let duration = steps as f64 * self.config.step.as_secs_f64();
-        let accepted = self.acceptor.accept(&demand, rate * duration, duration);
-        let first = self.request.is(flag::FIRST) && !moving;
+        if let Some(sets) = &demand.regulators {
+            self.check_regulators(sets)?;
+        }
+        // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
+        let duration = self.config.step.as_secs_f64();
+        let accepted = self.acceptor.accept(&demand, header.dt / header.duration * duration, duration);
+        let first = self.request.is(flag::FIRST) && !matches!(self.mode, Mode::Moving { .. });
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
-        self.attained = header.step;
+        self.regulators = demand.regulators.or(self.regulators);
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
     }
 
+    fn check_regulators(&self, sets: &Regulators) -> Result<(), Fault> {
+        let driver = &self.config.driver;
+        match (0..R::Joints::LEN).find(|&joint| !driver.has_regulator(joint, sets.set(joint))) {
+            Some(joint) => {
+                let text = format!("parameter set {}", sets.set(joint));
+                Err(Fault::new(FaultKind::NoRegulator).at_joint(joint).text(&text))
+            }
+            None => Ok(()),
+        }
+    }
+
     fn brake(&mut self) {
         match self.mode {
-            Mode::Moving { .. } if self.acceptor.can_hold(self.shortest_period()) => {
+            Mode::Moving { .. } if self.acceptor.can_hold(self.config.step.as_secs_f64()) => {
                 self.mode = Mode::Holding
             }
             Mode::Moving { .. } => self.mode = Mode::Braking(self.acceptor.braking()),
@@ -233,29 +273,22 @@ impl<'w, R: Robot> Edp<'w, R> {
         }
     }
 
-    /// Time within which the velocity may have to go: the next motion's first demand may come after a step, a hold
-    /// after a servo period \[s\].
-    fn shortest_period(&self) -> f64 {
-        self.demand_period().min(self.config.step.as_secs_f64())
-    }
-
-    /// Time between two demands that the ticks follow \[s\].
-    fn demand_period(&self) -> f64 {
-        self.servo as f64 * 1e-9 * f64::from(self.interpolation.ticks_per_step())
-    }
-
-    /// Steps between two demands that the ticks follow: more than one where a servo period is longer.
-    fn steps_per_demand(&self) -> u32 {
-        let steps = self.config.driver.period().as_nanos() / self.config.step.as_nanos().max(1);
-        u32::try_from(steps.max(1)).unwrap_or(u32::MAX)
+    /// Whether the robot stands, and its drives have come to the last demand.
+    fn is_at_standstill(&self) -> bool {
+        match self.mode {
+            Mode::Holding => self.still >= self.interpolation.settling_steps(),
+            Mode::Off => true,
+            Mode::Moving { .. } | Mode::Braking(_) => false,
+        }
     }
 
     fn answer(&mut self) {
+        let at_standstill = self.is_at_standstill();
         let reply = &mut self.reply;
         reply.header.step = self.request.header.step;
         reply.header.instruction = self.request.header.instruction;
         reply.header.flags = 0;
-        if matches!(self.mode, Mode::Holding | Mode::Off) {
+        if at_standstill {
             reply.header.flags |= flag::STANDSTILL;
         }
         if let Some(fault) = &self.fault {
@@ -281,19 +314,56 @@ impl<'w, R: Robot> Edp<'w, R> {
         self.port.reply(reply);
     }
 
+    /// A step begins: its demand, or what replaces it, is what the drives are on their way to.
+    fn begin_step(&mut self) {
+        if !matches!(self.mode, Mode::Off) {
+            let demand = *self.next_demand().joints();
+            self.still = if demand == *self.interpolation.goal() { self.still + 1 } else { 0 };
+            self.interpolation.push(demand);
+            if let Some(sets) = self.regulators.take() {
+                let chosen = guarded(|| self.config.driver.choose_regulators(&sets));
+                if let Err(panic) = chosen {
+                    self.mode = Mode::Off;
+                    self.latch(panic, self.due);
+                }
+            }
+        }
+        self.due += 1;
+    }
+
+    /// What the drives are told for the end of a servo period.
+    fn position_at(&mut self, end: Nanos) -> R::Joints {
+        let joints = self.interpolation.at(end);
+        match (self.config.space, &self.mode) {
+            (InterpolationSpace::Joints, _) | (InterpolationSpace::Task, Mode::Braking(_) | Mode::Off) => {
+                joints
+            }
+            (InterpolationSpace::Task, Mode::Holding | Mode::Moving { .. }) => {
+                let position = guarded(|| self.position_in_task_space(end)).and_then(|position| position);
+                position.unwrap_or_else(|fault| {
+                    self.latch(fault, self.due);
+                    self.brake();
+                    joints
+                })
+            }
+        }
+    }
+
+    fn position_in_task_space(&self, end: Nanos) -> Result<R::Joints, Fault> {
+        let robot = &self.config.robot;
+        let pose = self.interpolation.pose_at(end, |joints| robot.forward(joints));
+        let joints = self.acceptor.flange_joints(&pose, &self.commanded)?;
+        self.acceptor.check_speed(&self.commanded, &joints, self.servo as f64 * 1e-9)?;
+        Ok(joints)
+    }
+
     /// One servo period.
     fn tick(&mut self, now: Nanos) {
         if matches!(self.mode, Mode::Off) {
             return;
         }
-        if self.interpolation.begins_step() {
-            let step = now / (self.config.step.as_nanos() as Nanos).max(1);
-            let demand = *self.next_demand(step).joints();
-            self.interpolation.push(demand);
-            // A servo period that is longer than a step takes the demands of steps after its middle, too.
-            self.due = (now - self.servo / 2) / (self.config.step.as_nanos() as Nanos).max(1) + 1;
-        }
-        let demanded = self.interpolation.tick();
+        let demanded = self.position_at(now + self.servo);
+        self.commanded = demanded;
         let fault = match guarded(|| self.config.driver.tick(&demanded)) {
             Ok(Ok(measured)) => {
                 self.measured = measured;
@@ -306,13 +376,12 @@ impl<'w, R: Robot> Edp<'w, R> {
             }
             Ok(Err(trip)) => {
                 self.mode = Mode::Off;
-                let fault = Fault::new(FaultKind::DriveFault).text(trip.what).at_joint(trip.joint);
-                Some(fault.exceeds(trip.actual, trip.limit, trip.unit))
+                Some(Fault::of_drive(&trip))
             }
         };
         let observed = self.observe(now, demanded);
         if let Some(fault) = fault.or(observed.err()) {
-            self.latch(fault, now / (self.config.step.as_nanos() as Nanos).max(1));
+            self.latch(fault, now / self.step.max(1));
             self.brake();
         }
     }
@@ -321,7 +390,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     fn observe(&mut self, now: Nanos, demanded: R::Joints) -> Result<(), Fault> {
         if !self.config.observers.is_empty() {
             let record = ServoRecord {
-                time: (now + self.servo / 2) as f64 * 1e-9,
+                time: (now + self.servo) as f64 * 1e-9,
                 demanded,
                 measured: self.measured,
                 tool: *self.acceptor.tool(),
@@ -337,24 +406,23 @@ impl<'w, R: Robot> Edp<'w, R> {
     }
 
     /// The demand of the step that begins: the one that came, or what replaces it.
-    fn next_demand(&mut self, step_index: u64) -> AcceptedDemand<R> {
+    fn next_demand(&mut self) -> AcceptedDemand<R> {
         // A demand accepted before a stop is still the state that the stop begins at.
         if let Some(next) = self.next.take() {
             return next;
         }
-        self.attained = step_index;
-        let (step, missing) = (self.demand_period(), self.steps_per_demand());
+        let step = self.config.step.as_secs_f64();
         match &mut self.mode {
             Mode::Holding | Mode::Off => self.acceptor.hold(step),
             Mode::Moving { missed } => {
-                *missed = missed.saturating_add(missing);
+                *missed = missed.saturating_add(1);
                 if *missed <= missed_step_budget(self.config.step) {
                     return self.acceptor.extrapolate(step);
                 }
                 let lost = Fault::new(FaultKind::PeerLost).in_process(self.config.process);
                 self.fault.get_or_insert(lost.text("no demand from the ECP"));
                 self.mode = Mode::Braking(self.acceptor.braking());
-                self.next_demand(step_index)
+                self.next_demand()
             }
             Mode::Braking(braking) if braking.is_over() => {
                 self.mode = Mode::Holding;
@@ -366,7 +434,7 @@ impl<'w, R: Robot> Edp<'w, R> {
 }
 
 /// Runs code of the user's, a driver, an observer, a robot's kinematics; its panic is a fault of the process.
-fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Fault> {
+pub(crate) fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Fault> {
     let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
     caught.map_err(|panic| crate::fault::panicked(&*panic))
 }
@@ -456,6 +524,8 @@ mod tests {
             driver: Box::new(Exact(servo, Measured { position: zero, velocity: zero })),
             tool: Pose::identity(),
             step: Duration::from_millis(1),
+            delay: crate::interpolation::delay(Duration::from_millis(1), [servo].into_iter()),
+            space: InterpolationSpace::Joints,
             following_error: Vector1::new(1.0),
             observers: Vec::new(),
         };
@@ -472,17 +542,16 @@ mod tests {
             edp.request.header.len = <Demand<Slide> as Wire>::LEN as u32;
             Demand::<Slide>::joints(Vector1::new(1e-6)).put(&mut edp.request.body);
             edp.serve();
-            let tick = |edp: &mut Edp<'_, Slide>, k: u64| edp.tick((2 * k + 1) * millis * 500_000);
             // The demand itself, and then nothing.
-            tick(&mut edp, 0);
+            edp.begin_step();
             let mut bridged = 0;
             while matches!(edp.mode, Mode::Moving { .. }) {
                 bridged += 1;
                 assert!(bridged < 1000, "never brakes");
-                tick(&mut edp, bridged);
+                edp.begin_step();
             }
             // The last of them is the one that no longer bridges.
-            assert_eq!(bridged - 1, 20 / millis, "servo period {millis} ms");
+            assert_eq!(bridged - 1, 20, "servo period {millis} ms");
             assert_eq!(edp.fault.as_ref().map(Fault::kind), Some(FaultKind::PeerLost));
         }
     }

@@ -13,8 +13,9 @@ use std::time::{Duration, Instant};
 use lexopt::prelude::*;
 
 use crate::cell::{Cell, CellError, RunReport};
-use crate::cell_file::{CellFile, suggestion};
+use crate::cell_file::CellFile;
 use crate::operator::Operator;
+use crate::suggestion::suggestion;
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
 pub trait Recorder {

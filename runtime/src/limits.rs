@@ -219,14 +219,19 @@ impl<R: Robot> Acceptor<R> {
             Some(tool) => valid_frame(tool)?,
             None => self.tool,
         };
+        let redundancy = demand.redundancy;
         let position = match &demand.coordinates {
+            Coordinates::Hold | Coordinates::Joints(_) if redundancy.is_some() => {
+                let text = "a redundancy is chosen for a pose or a displacement, not for joint positions";
+                return Err(Fault::thrown(text));
+            }
             Coordinates::Hold => self.position,
             Coordinates::Joints(joints) => *joints,
-            Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool)?,
+            Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool, redundancy)?,
             Coordinates::Displacement(displacement) => {
                 let displacement = valid_frame(displacement)?;
                 let start = *self.start.get_or_insert_with(|| self.robot.forward(&self.origin));
-                self.joints_at(&(start * tool * displacement), &tool)?
+                self.joints_at(&(start * tool * displacement), &tool, redundancy)?
             }
         };
         if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
@@ -285,26 +290,33 @@ impl<R: Robot> Acceptor<R> {
         })
     }
 
-    fn joints_at(&self, pose: &Pose, tool: &Pose) -> Result<R::Joints, Fault> {
-        self.robot.inverse(&(pose * tool.inverse()), &self.position).map_err(|error| {
-            let fault = Fault::new(FaultKind::NoInverseKinematics);
-            let Translation3 { vector: p } = pose.translation;
-            let at = format!("tool demanded at ({:.4}, {:.4}, {:.4}) m", p.x, p.y, p.z);
-            match error {
-                NoInverse::OutOfReach { distance, min, max } => {
-                    let limit = if distance > max { max } else { min };
-                    let text = format!("out of reach, {at}: wrist to shoulder");
-                    fault.text(&text).exceeds(distance, limit, "m")
-                }
-                NoInverse::Singular { name } => fault.text(&format!("at a singularity ({name}), {at}")),
-                NoInverse::NotAttainable { what, actual, tolerance, unit } => {
-                    fault.text(&format!("{NOT_ATTAINABLE}, {at}: {what}")).exceeds(actual, tolerance, unit)
-                }
-                NoInverse::NotConverged { error, tolerance } => {
-                    fault.text(&format!("{NOT_FOUND}, {at}: off by {error:.1e}, at most {tolerance:.0e}"))
-                }
+    fn joints_at(&self, pose: &Pose, tool: &Pose, redundancy: Option<f64>) -> Result<R::Joints, Fault> {
+        let flange = pose * tool.inverse();
+        let joints = match redundancy {
+            None => self.robot.inverse(&flange, &self.position),
+            Some(value) if value.is_finite() => self.robot.inverse_at(&flange, value, &self.position),
+            Some(_) => return Err(Fault::new(FaultKind::DemandNotFinite).text("the redundancy")),
+        };
+        joints.map_err(|error| no_inverse(&error, pose, "tool"))
+    }
+
+    /// The joints that put the flange at `pose`, for a servo period between two demands.
+    pub fn flange_joints(&self, pose: &Pose, near: &R::Joints) -> Result<R::Joints, Fault> {
+        self.robot.inverse(pose, near).map_err(|error| no_inverse(&error, pose, "flange"))
+    }
+
+    /// Whether the joints may go from one position to another in `duration` \[s\].
+    pub fn check_speed(&self, from: &R::Joints, to: &R::Joints, duration: f64) -> Result<(), Fault> {
+        for i in 0..R::Joints::LEN {
+            let (speed, limit) = ((to[i] - from[i]).abs() / duration, self.robot.limits().velocity[i]);
+            // A NaN is no small speed.
+            let is_small = speed <= limit * (1.0 + RELATIVE) + ROUND_OFF / duration;
+            if !is_small {
+                let fault = Fault::new(FaultKind::DemandedVelocity).at_joint(i).text("between two demands");
+                return Err(fault.exceeds(speed, limit, self.robot.joint(i).unit(1)));
             }
-        })
+        }
+        Ok(())
     }
 
     /// Position `q`, velocity `v` and acceleration `a` against the limits; `held` is the velocity that is held when
@@ -428,6 +440,28 @@ impl<R: Robot> Acceptor<R> {
     }
 }
 
+/// The fault that a pose without joint positions is; `frame` is what was to go there.
+fn no_inverse(error: &NoInverse, pose: &Pose, frame: &str) -> Fault {
+    let fault = Fault::new(FaultKind::NoInverseKinematics);
+    let Translation3 { vector: p } = pose.translation;
+    let at = format!("{frame} demanded at ({:.4}, {:.4}, {:.4}) m", p.x, p.y, p.z);
+    match *error {
+        NoInverse::OutOfReach { distance, min, max } => {
+            let limit = if distance > max { max } else { min };
+            let text = format!("out of reach, {at}: wrist to shoulder");
+            fault.text(&text).exceeds(distance, limit, "m")
+        }
+        NoInverse::Singular { name } => fault.text(&format!("at a singularity ({name}), {at}")),
+        NoInverse::NotAttainable { what, actual, tolerance, unit } => {
+            fault.text(&format!("{NOT_ATTAINABLE}, {at}: {what}")).exceeds(actual, tolerance, unit)
+        }
+        NoInverse::NotRedundant => fault.text(NOT_REDUNDANT),
+        NoInverse::NotConverged { error, tolerance } => {
+            fault.text(&format!("{NOT_FOUND}, {at}: off by {error:.1e}, at most {tolerance:.0e}"))
+        }
+    }
+}
+
 /// The speed that a joint with a jerk limit has once its demands have been lost: its acceleration `a` fades.
 fn speed_when_lost(v: f64, a: f64, jerk: f64) -> f64 {
     v.abs() + if a * v > 0.0 { a * a / (2.0 * jerk) } else { 0.0 }
@@ -448,6 +482,9 @@ pub(crate) const DISAGREEMENT: &str = "`forward` of the joints that `inverse` gi
 
 /// How the message of [`NoInverse::NotAttainable`] begins.
 pub(crate) const NOT_ATTAINABLE: &str = "not attainable";
+
+/// The message of [`NoInverse::NotRedundant`].
+pub(crate) const NOT_REDUNDANT: &str = "a redundancy is demanded of a robot that has none";
 
 /// How the message of [`NoInverse::NotConverged`] begins.
 pub(crate) const NOT_FOUND: &str = "no joints found from here";

@@ -69,6 +69,8 @@ pub mod flag {
     pub const BLEND: u32 = 1 << 6;
     /// The operator has suspended the cell: a Wait waits on without looking.
     pub const SUSPENDED: u32 = 1 << 7;
+    /// The robot's drives still look for their reference marks: it has no state yet.
+    pub const HOMING: u32 = 1 << 8;
 }
 
 /// The head of a message.

@@ -59,6 +59,21 @@ pub trait Robot: Clone + 'static {
     /// no continuous answer.
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse>;
+
+    /// Inverse kinematics of a redundant robot with its redundancy at a value: a track's position \[m\], an elbow's angle
+    /// \[rad\]; the kind says what it is. On the branch nearest to `near`.
+    ///
+    /// # Errors
+    /// [`NoInverse`], as of [`inverse`](Robot::inverse); `NotRedundant` unless a robot says more.
+    #[allow(non_snake_case)]
+    fn inverse_at(
+        &self,
+        _X_WF: &Pose,
+        _redundancy: f64,
+        _near: &Self::Joints,
+    ) -> Result<Self::Joints, NoInverse> {
+        Err(NoInverse::NotRedundant)
+    }
 }
 
 /// A limit that several joints share, broken.
@@ -133,6 +148,9 @@ pub enum NoInverse {
         /// The unit of both: `"m"` or `"rad"`.
         unit: &'static str,
     },
+    /// A value of its redundancy was chosen for a robot that has none.
+    #[error("the robot has no redundancy to choose")]
+    NotRedundant,
     /// Iteration from the joint positions to stay near came to none that give the pose: there may be some elsewhere.
     #[error(
         "no joint positions were found from here: the pose nearest to the demanded one is off by {error:.1e}"

@@ -24,7 +24,7 @@ impl Smooth {
         Smooth { end, duration, t: 0.0, start: 0.0 }
     }
 
-    fn advance(&mut self, dt: f64) -> Option<f64> {
+    pub fn advance(&mut self, dt: f64) -> Option<f64> {
         if self.t >= self.duration {
             return None;
         }

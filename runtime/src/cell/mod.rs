@@ -13,6 +13,7 @@ use std::rc::Rc;
 
 use crate::ecp::{Ecp, Pace};
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::guard::{Guard, RobotView};
 use crate::link::Nanos;
 use crate::link::memory::{MAX_PROCESSES, Scheduler};
 use crate::mp::{Mp, RobotPort, StepHook};
@@ -54,6 +55,7 @@ pub struct Cell {
     program: Option<MpProgram>,
     operator: Operator,
     hook: Option<StepHook>,
+    guard: Option<Guard>,
     /// Sensors that the cell's file names.
     expected_sensors: Vec<String>,
     /// What was found wrong while the cell was put together.
@@ -73,6 +75,7 @@ impl Cell {
             program: None,
             operator: Operator::new(),
             hook: None,
+            guard: None,
             expected_sensors: Vec::new(),
             errors: Vec::new(),
         }
@@ -174,6 +177,19 @@ impl Cell {
         self
     }
 
+    /// Lets `watch` look at all robots in every step whose index is a multiple of `every`, at least 1, while programs Move
+    /// and Wait. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
+    /// together, and the cell stops with the fault at standstill. One guard a cell: the last one given.
+    #[must_use]
+    pub fn guard(
+        mut self,
+        every: u32,
+        watch: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static,
+    ) -> Cell {
+        self.guard = Some(Guard::new(every, watch));
+        self
+    }
+
     /// The operator's handle of this cell.
     #[must_use]
     pub fn operator(&self) -> Operator {
@@ -200,6 +216,8 @@ impl Cell {
             names.iter().map(|_| Sensing { ports: Vec::new(), patience: shorter }).collect();
         // EDPs tick first half a servo period after a step's beginning.
         let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
+        let delay =
+            crate::interpolation::delay(self.step, self.robots.iter().map(|robot| robot.servo_period()));
         let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
             scheduler: &mut scheduler,
@@ -218,23 +236,31 @@ impl Cell {
             self.robots.into_iter().zip(&names).zip(ecps.iter().zip(ecp_sensing))
         {
             let (client, server) = scheduler.port(mp, ecp);
-            let steps = robot.stop_steps(self.step);
-            ports.push(RobotPort::new(*name, (robot.kind(), robot.kind_name()), client, steps));
+            let steps = robot.stop_steps(self.step, delay.unwrap_or_default());
+            ports.push(RobotPort::new(
+                *name,
+                (robot.kind(), robot.kind_name()),
+                client,
+                steps,
+                robot.is_homed(),
+            ));
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps: steps };
-            let place = Place { name: *name, ecp, step: self.step, pace, nudged };
+            let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged };
             robot.spawn(&mut scheduler, place, server, sensing, Rc::clone(&outcomes))?;
         }
 
         let close = scheduler.closer();
-        let (operator, step, rate_change, hook, program) =
-            (self.operator, self.step, self.rate_change, self.hook, self.program);
+        let (operator, step, rate_change, program) =
+            (self.operator, self.step, self.rate_change, self.program);
+        let (hook, guard) = (self.hook, self.guard);
         let steps = Rc::new(core::cell::Cell::new(0));
         let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
         scheduler.body(
             mp,
             Box::new(move |waiter| {
                 let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                mp.guard = guard;
                 let outcome = mp.run_program(|mp| match program {
                     Some(program) => program(mp),
                     None => mp.nudge(),

@@ -6,13 +6,15 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::{CellError, Outcomes, limits};
-use crate::driver::Driver;
+use crate::driver::{Driver, Homing};
 use crate::ecp::{Ecp, Pace};
 use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
 use crate::fault::{Fault, ProcessId, Role};
+use crate::homing::{Drives, home};
+use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
-use crate::link::Server;
 use crate::link::memory::{Scheduler, Stuck};
+use crate::link::{Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
@@ -26,8 +28,9 @@ type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
 pub struct RobotSetup<R: Robot> {
     name: String,
     robot: R,
-    driver: Box<dyn Driver<R>>,
+    drives: Drives<R>,
     tool: Pose,
+    space: InterpolationSpace,
     following_error: R::Joints,
     program: Option<EcpProgram<R>>,
     observers: Vec<Observer<R>>,
@@ -36,11 +39,30 @@ pub struct RobotSetup<R: Robot> {
 impl<R: Robot> RobotSetup<R> {
     /// A robot `name` with its drives. Its following error may be what its velocity limit covers in 50 ms.
     pub fn new(name: &str, robot: R, driver: impl Driver<R> + 'static) -> Self {
+        Self::with_drives(name, robot, Drives::Homed(Box::new(driver)))
+    }
+
+    /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts, and
+    /// the programs begin when all robots of the cell have found theirs.
+    pub fn unhomed<H>(name: &str, robot: R, homing: H) -> Self
+    where
+        H: Homing<R, Drives: 'static> + 'static,
+    {
+        Self::with_drives(name, robot, Drives::Unhomed(Box::new(Some(homing))))
+    }
+
+    /// Whether its drives know where it is.
+    pub(crate) fn is_homed(&self) -> bool {
+        matches!(self.drives, Drives::Homed(_))
+    }
+
+    fn with_drives(name: &str, robot: R, drives: Drives<R>) -> Self {
         let following_error = robot.limits().velocity * 0.05;
         RobotSetup {
             name: name.to_owned(),
-            driver: Box::new(driver),
+            drives,
             tool: Pose::identity(),
+            space: InterpolationSpace::Joints,
             following_error,
             program: None,
             observers: Vec::new(),
@@ -53,6 +75,13 @@ impl<R: Robot> RobotSetup<R> {
     #[allow(non_snake_case)]
     pub fn tool(mut self, X_FE: Pose) -> Self {
         self.tool = X_FE;
+        self
+    }
+
+    /// Where the EDP interpolates between the demands of two steps, in joints unless told otherwise.
+    #[must_use]
+    pub fn interpolation(mut self, space: InterpolationSpace) -> Self {
+        self.space = space;
         self
     }
 
@@ -91,6 +120,8 @@ pub(crate) struct Place {
     pub name: Name,
     pub ecp: usize,
     pub step: Duration,
+    /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
+    pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
 }
@@ -137,8 +168,9 @@ pub(crate) trait AnyRobot {
     fn kind_name(&self) -> &'static str;
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
+    fn is_homed(&self) -> bool;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
-    fn stop_steps(&self, step: Duration) -> u64;
+    fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
         scheduler: &mut Scheduler,
@@ -190,7 +222,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn servo_period(&self) -> Duration {
-        self.driver.period()
+        self.drives.period()
+    }
+
+    fn is_homed(&self) -> bool {
+        matches!(self.drives, Drives::Homed(_))
     }
 
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
@@ -203,8 +239,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         )
     }
 
-    fn stop_steps(&self, step: Duration) -> u64 {
-        stop_steps(self.robot.limits(), step, self.driver.period())
+    fn stop_steps(&self, step: Duration, delay: Duration) -> u64 {
+        stop_steps(self.robot.limits(), step, delay)
     }
 
     fn spawn(
@@ -218,16 +254,31 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let name = place.name;
         let edp = scheduler.place(format!("edp {name}"));
         let (client, server) = scheduler.port(place.ecp, edp);
-        let config = EdpConfig {
-            process: ProcessId::new(Role::Edp, name),
-            robot: self.robot,
-            driver: self.driver,
-            tool: self.tool,
-            step: place.step,
-            following_error: self.following_error,
-            observers: self.observers,
+        let process = ProcessId::new(Role::Edp, name);
+        let (robot, drives, observers) = (self.robot, self.drives, self.observers);
+        let (tool, space, following_error) = (self.tool, self.space, self.following_error);
+        let run = move |waiter: &dyn Waiter| {
+            let driver = match drives {
+                Drives::Homed(driver) => Some(driver),
+                Drives::Unhomed(homing) => home(process, waiter, &*server, homing),
+            };
+            if let Some(driver) = driver {
+                let (step, delay) = (place.step, place.delay);
+                let config = EdpConfig {
+                    process,
+                    robot,
+                    driver,
+                    tool,
+                    step,
+                    delay,
+                    space,
+                    following_error,
+                    observers,
+                };
+                Edp::new(config, waiter, server).run();
+            }
         };
-        scheduler.body(edp, Box::new(move |waiter| Edp::new(config, waiter, server).run()))?;
+        scheduler.body(edp, Box::new(run))?;
         let (program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;

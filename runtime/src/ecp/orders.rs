@@ -192,7 +192,7 @@ impl Orders {
         let answer = &mut self.answer;
         answer.header = self.order.header;
         answer.header.kind = Kind::Reply;
-        answer.header.flags = flags | driver.header.flags & flag::STANDSTILL;
+        answer.header.flags = flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING);
         answer.header.headroom = driver.header.headroom;
         answer.header.len = 0;
         if flags & flag::STATE != 0 {

@@ -6,6 +6,7 @@
 use core::any::TypeId;
 
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::guard::RobotView;
 use crate::image::State;
 use crate::link::Client;
 use crate::list::{RobotList, SensorList, SensorsOf};
@@ -24,6 +25,8 @@ pub(crate) struct RobotPort {
     pub kind_name: &'static str,
     pub client: Box<dyn Client>,
     pub taken: bool,
+    /// Whether its drives know where it is.
+    pub(super) homed: bool,
     /// Steps after which the robot must stand when it was told to stop.
     pub(super) stop_steps: u64,
     /// Whether the last instruction handed it over moving.
@@ -38,6 +41,7 @@ impl RobotPort {
         (kind, kind_name): (TypeId, &'static str),
         client: Box<dyn Client>,
         stop_steps: u64,
+        homed: bool,
     ) -> RobotPort {
         let (order, reply) = (Message::empty(), Message::empty());
         RobotPort {
@@ -46,11 +50,20 @@ impl RobotPort {
             kind_name,
             client,
             taken: false,
+            homed,
             stop_steps,
             handed_over: false,
             order,
             reply,
         }
+    }
+
+    /// What its EDP reported in the last exchange, if it was asked.
+    pub(super) fn view(&self) -> Option<RobotView> {
+        let words = self.reply.is(flag::STATE).then(|| self.reply.words())?;
+        let (measured, demanded) = words.split_at_checked(EffectorState::LEN)?;
+        let state = |words: &[u64]| EffectorState::get(words).ok();
+        Some(RobotView { name: self.name, measured: state(measured)?, demanded: state(demanded)? })
     }
 
     pub(super) fn process(&self) -> ProcessId {
@@ -62,6 +75,9 @@ impl Mp<'_> {
     /// Scatter and gather: sends every robot its order, then collects every reply.
     pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
         self.clock.spend();
+        let looks = matches!(kind, OrderKind::Step | OrderKind::Query)
+            && self.guard.as_ref().is_some_and(|guard| guard.is_due(self.clock.step()));
+        let flags = if looks { flags | flag::WANT_STATE } else { flags };
         let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
         for &index in indices {
             let robot = &mut self.robots[index];
@@ -110,7 +126,10 @@ impl Mp<'_> {
         }
         match first {
             Some(fault) => Err(fault),
-            None => Ok(()),
+            None => {
+                self.let_guard_look();
+                Ok(())
+            }
         }
     }
 
