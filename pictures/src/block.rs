@@ -8,7 +8,7 @@ use std::fmt;
 use mrroc::Pose;
 use nalgebra::Vector3;
 
-use crate::palette::BLOCK;
+use crate::palette::{BLOCK, RULE};
 use crate::playback::Playback;
 use crate::projection::Projection;
 use crate::svg::{Points, Svg};
@@ -86,8 +86,10 @@ impl Block {
             let corners = self.corners(pose);
             Points(&face.map(|corner| on.at(corners[corner]))).to_string()
         };
+        // What never moves is less to look at.
+        let (colour, opacity) = if self.moved() { (BLOCK, ".3") } else { (RULE, ".15") };
         let look = format_args!(
-            "class=\"block\" fill=\"{BLOCK}\" fill-opacity=\".3\" stroke=\"{BLOCK}\" stroke-width=\"1\" stroke-linejoin=\"round\""
+            "class=\"block\" fill=\"{colour}\" fill-opacity=\"{opacity}\" stroke=\"{colour}\" stroke-width=\"1\" stroke-linejoin=\"round\""
         );
         svg.group("g", look, |svg| {
             for face in &FACES {

@@ -19,7 +19,7 @@ use crate::svg::{Anchor, Weight, Words};
 const HEIGHT: f64 = 150.0;
 
 /// Room for labels, of some words, and largest values \[px\].
-const LABELS: f64 = 170.0;
+const LABELS: f64 = 190.0;
 
 /// The most points of a line.
 const MOST: usize = 1200;

@@ -9,7 +9,7 @@ use mrroc_robots::{Gripper, One, Polycrank, Rnt};
 
 use crate::generators::{Approach, Transmit};
 use crate::orders::Phase;
-use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs};
+use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs, limits};
 
 /// Gives every robot its program.
 #[must_use]
@@ -25,13 +25,13 @@ pub fn programs(cell: Cell) -> Cell {
 fn arm<R: Robot>(ecp: &mut Ecp<R>, end: End) -> Result<(), Fault> {
     let X_WE = bar() * grasp(end);
     ecp.obey(|ecp, _: Phase| {
-        ecp.move_robot((), Approach::to(X_WE * back(), 2.0))?;
-        ecp.move_robot((), Approach::to(X_WE, 1.5)).map(drop)
+        ecp.move_robot((), Approach::to(X_WE * back(), limits()))?;
+        ecp.move_robot((), Approach::to(X_WE, limits())).map(drop)
     })?;
     for _ in legs() {
         ecp.obey(|ecp, _: Displacement| ecp.move_robot((), Transmit(PhantomData)).map(drop))?;
     }
-    ecp.obey(|ecp, _: Phase| ecp.move_robot((), Approach::by(back(), 2.0)).map(drop))
+    ecp.obey(|ecp, _: Phase| ecp.move_robot((), Approach::by(back(), limits())).map(drop))
 }
 
 /// A hand: closes and opens.

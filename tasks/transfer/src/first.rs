@@ -20,7 +20,7 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
     mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
     let mut X_WB = bar();
-    for (X_BsB, _) in legs() {
+    for X_BsB in legs() {
         let path = StraightBody::by(X_BsB, limits());
         let carry = RigidCarry::<Arms, _, Displacement>::along(BodyFrame::InWorld(X_WB), path);
         mp.move_robots((&mut rnt, &mut polycrank), (), carry)?;

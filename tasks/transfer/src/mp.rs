@@ -6,7 +6,7 @@ use mrroc_robots::{Gripper, Polycrank, Rnt};
 use crate::generators::{Carry, Nudge};
 use crate::orders::{Arms, Hands, Phase};
 use crate::paths::soft;
-use crate::places::{bar, legs};
+use crate::places::{bar, legs, limits};
 
 /// The whole task.
 ///
@@ -19,8 +19,9 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
     mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
     let mut X_WB = bar();
-    for (X_BsB, duration) in legs() {
-        mp.move_robots((&mut rnt, &mut polycrank), (), Carry::along(X_WB, soft(X_BsB, duration)))?;
+    for X_BsB in legs() {
+        let carry = Carry::along(X_WB, soft(X_BsB, limits()));
+        mp.move_robots((&mut rnt, &mut polycrank), (), carry)?;
         X_WB *= X_BsB;
     }
     mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Open))?;

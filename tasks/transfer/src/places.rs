@@ -5,7 +5,7 @@
 //!
 //! The numbers come from a search over places of the bar and of Polycrank's base for the way of both tools that stays
 //! farthest from singularities: Polycrank's is at least 0.09 away from one (of 0.11 at best; it has one where the tool is
-//! vertical), RNT's 0.16 (it has one where tool and forearm are in line), and no joint needs more than 0.84 of its velocity.
+//! vertical), RNT's 0.16 (it has one where tool and forearm are in line); lengths counted in the arm's reach.
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -62,23 +62,22 @@ pub fn back() -> Pose {
     Pose::translation(0.0, 0.0, -0.15)
 }
 
-/// The bar's way, leg by leg: `X_BsB` from the start of each leg, and how long it takes \[s\]. Up, over, where it is
-/// turned by 20 degrees, and down.
+/// The bar's way, leg by leg: `X_BsB` from the start of each. Up, over, where it is turned by 20 degrees, and down.
 #[must_use]
-pub fn legs() -> [(Pose, f64); 3] {
+pub fn legs() -> [Pose; 3] {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 20_f64.to_radians());
     [
-        (Pose::translation(0.0, 0.0, 0.12), 2.0),
-        (Pose::from_parts(Translation3::new(0.0, 0.25, 0.0), turn), 5.0),
-        (Pose::translation(0.0, 0.0, -0.12), 2.0),
+        Pose::translation(0.0, 0.0, 0.12),
+        Pose::from_parts(Translation3::new(0.0, 0.25, 0.0), turn),
+        Pose::translation(0.0, 0.0, -0.12),
     ]
 }
 
-/// How fast a tool or the bar may move where nothing else says so.
+/// How fast a tool or the bar may move: so that Polycrank, which has most to do, keeps a fifth of its limits in reserve.
 #[must_use]
 pub fn limits() -> ToolLimits {
     ToolLimits {
-        translation: ProfileLimits { velocity: 0.08, acceleration: 0.12 },
-        rotation: ProfileLimits { velocity: 0.2, acceleration: 0.3 },
+        translation: ProfileLimits { velocity: 0.1, acceleration: 0.15 },
+        rotation: ProfileLimits { velocity: 0.3, acceleration: 0.5 },
     }
 }

@@ -1,8 +1,8 @@
 //! The same program with force sensors at the wrists, which keep the stress in the body low.
 
-use mrroc::{Fault, Mp};
+use mrroc::{Fault, Mp, Pose};
 use mrroc_generators::cooperation::{
-    BodyFrame, Displacement, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw,
+    BodyFrame, BodyPath, Displacement, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw,
 };
 use mrroc_generators::generators::SqueezedCarry;
 use mrroc_robots::grasp::WristForce;
@@ -11,7 +11,7 @@ use mrroc_robots::{Gripper, Polycrank, Rnt};
 use crate::generators::Nudge;
 use crate::orders::{Arms, Hands, Phase};
 use crate::paths::soft;
-use crate::places::{bar, legs};
+use crate::places::{bar, legs, limits};
 
 /// Stiffness of a hand's grasp [N/m], [N m/rad].
 pub const STIFFNESS: GraspStiffness = GraspStiffness { force: 5e4, torque: 500.0 };
@@ -24,14 +24,21 @@ const OLDEST: u32 = 1;
 /// The sensors at the wrists.
 pub type Wrists = (WristForce, WristForce);
 
-/// How the arms answer to stress: it decays at 18/s, which leaves a fifth of the delay's bound as reserve.
+/// How the arms answer to stress: it decays at 18/s, so that `rate * (delay + inertia)` is 0.8, where the law asks for less
+/// than 1.
 ///
 /// # Errors
-/// None: the figures are in range.
+/// A figure is out of range.
 pub fn law() -> Result<SqueezeLaw, Fault> {
     let gains = SqueezeGains { stiffness: STIFFNESS, rate: 18.0, inertia: 0.01 };
     let bounds = SqueezeBounds { speed: 0.02, turning: 0.2, way: 0.005, angle: 0.05 };
     SqueezeLaw::new(gains, bounds, DELAY).map_err(|bad| Fault::thrown(&bad.to_string()))
+}
+
+/// Carries the body at `X_WB` along `path`, and gives way to stress: the library's generator.
+#[allow(non_snake_case)]
+fn squeezed<P: BodyPath>(X_WB: Pose, path: P) -> Result<SqueezedCarry<Arms, Wrists, P, Displacement>, Fault> {
+    Ok(SqueezedCarry::along(BodyFrame::InWorld(X_WB), path, law()?, 0.0, OLDEST))
 }
 
 /// The whole task.
@@ -46,16 +53,8 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
     mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
     let mut X_WB = bar();
-    for (X_BsB, duration) in legs() {
-        let body = BodyFrame::InWorld(X_WB);
-        let carry = SqueezedCarry::<Arms, Wrists, _, Displacement>::along(
-            body,
-            soft(X_BsB, duration),
-            law()?,
-            STIFFNESS,
-            0.0,
-            OLDEST,
-        );
+    for X_BsB in legs() {
+        let carry = squeezed(X_WB, soft(X_BsB, limits()))?;
         mp.move_robots((&mut rnt, &mut polycrank), (&mut wrists.0, &mut wrists.1), carry)?;
         X_WB *= X_BsB;
     }

@@ -24,7 +24,7 @@ fn run(bases: Bases, sensors: Sensors) -> (Seen, mrroc::Pose) {
 /// The bar stands where the legs lead, as far as bases that are off let it: they were off when it was grasped, too.
 #[allow(non_snake_case)]
 fn stands(pose: &mrroc::Pose) {
-    let X_WB = legs().iter().fold(bar(), |X_WB, (X_BsB, _)| X_WB * X_BsB);
+    let X_WB = legs().iter().fold(bar(), |X_WB, X_BsB| X_WB * X_BsB);
     let error = X_WB.inv_mul(pose);
     assert!(error.translation.vector.norm() < 2e-3 && error.rotation.angle() < 5e-3, "{error}");
 }

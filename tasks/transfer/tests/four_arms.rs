@@ -12,7 +12,7 @@ use mrroc_robots::{Driven, Kinematics, Polycrank, Rnt, Simulated};
 use nalgebra::{SVector, UnitQuaternion, Vector3};
 use transfer::file;
 use transfer::paths::soft;
-use transfer::places::{End, bar, grasp};
+use transfer::places::{End, bar, grasp, limits};
 use transfer::plant::calibration_error;
 use transfer::sensed::{STIFFNESS, law};
 
@@ -119,7 +119,7 @@ fn way() -> Pose {
 #[test]
 fn four_arms_of_two_kinds_carry_one_body() {
     let rigid = run(|mp, robots| {
-        let carry = RigidCarry::<Four, _>::along(BodyFrame::InWorld(bar()), soft(way(), 6.0));
+        let carry = RigidCarry::<Four, _>::along(BodyFrame::InWorld(bar()), soft(way(), limits()));
         mp.move_robots(robots, (), carry).map(drop)
     });
     assert!(rigid.apart <= 1e-9, "{rigid:?}");
@@ -128,8 +128,7 @@ fn four_arms_of_two_kinds_carry_one_body() {
         let (mut a, mut b, mut c, mut d) =
             (wrist("a-wrist")?, wrist("b-wrist")?, wrist("c-wrist")?, wrist("d-wrist")?);
         let body = BodyFrame::InWorld(bar());
-        let carry =
-            SqueezedCarry::<Four, Wrists, _>::along(body, soft(way(), 6.0), law()?, STIFFNESS, 0.0, 1);
+        let carry = SqueezedCarry::<Four, Wrists, _>::along(body, soft(way(), limits()), law()?, 0.0, 1);
         mp.move_robots(robots, (&mut a, &mut b, &mut c, &mut d), carry).map(drop)
     });
     println!("internal force: {:.2} N, with sensors {:.2} N", rigid.internal, squeezed.internal);

@@ -20,11 +20,15 @@ fn both_tools_carry_the_body_along_its_path_and_leave_it_where_it_belongs() {
     let (cell, demands) = task();
     let report = cell.run().expect("within all limits");
     let demands = demands.borrow();
-    // Nine seconds along the legs, and what the hands take besides.
-    assert!(demands.carrying.len() > 4500 && report.time.as_secs_f64() < 21.0, "{report:?}");
+    // Legs of 0.12, 0.25 and 0.12 m at 15/8 of the mean velocity: 1.875 * 0.49 m / 0.1 m/s = 9.19 s, and some steps between.
+    let carried = demands.carrying.len() as f64 * 2e-3;
+    assert!(
+        (9.19..9.3).contains(&carried) && report.time.as_secs_f64() > carried + 8.0,
+        "{carried} s, {report:?}"
+    );
     assert!(off_path(&demands) <= EXACT, "{}", off_path(&demands));
     // The last of the bar is where the legs lead; the tools have gone back from it.
-    let X_WB = legs().iter().fold(bar(), |X_WB, (X_BsB, _)| X_WB * X_BsB);
+    let X_WB = legs().iter().fold(bar(), |X_WB, X_BsB| X_WB * X_BsB);
     for (tool, end) in demands.last.iter().zip([End::Near, End::Far]) {
         let (distance, angle) = apart(tool, &(X_WB * grasp(end) * back()));
         assert!(distance < EXACT && angle < EXACT, "{distance} {angle}");
@@ -62,7 +66,7 @@ fn wherever_the_operator_suspends_and_resumes_both_arms_stay_on_the_bodys_path()
 fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
     let (undisturbed, _) = task();
     let steps = undisturbed.run().expect("within all limits").steps;
-    for at in (1..steps).step_by(97) {
+    for at in (10..steps).step_by(97) {
         let (cell, demands) = task();
         let outcome = cell
             .on_step(move |step, operator| {
@@ -75,8 +79,8 @@ fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
         assert_eq!(fault.kind(), FaultKind::Aborted, "{fault}");
         let demands = demands.borrow();
         assert!(off_path(&demands) <= EXACT, "{} when aborted in step {at}", off_path(&demands));
-        // At rest, but for the last of a rate that falls by 0.005 in a step: 0.15 m/s * 2 ms * 0.005.
-        assert!(demands.moved < 1.5e-6, "{} m in the last period when aborted in step {at}", demands.moved);
+        // At rest, but for the last of a rate that falls by 5/s, 0.01 in a step: 0.125 m/s * 2 ms * 0.01.
+        assert!(demands.moved < 2.5e-6, "{} m in the last period when aborted in step {at}", demands.moved);
     }
 }
 

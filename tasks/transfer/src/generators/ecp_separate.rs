@@ -3,16 +3,16 @@
 use core::marker::PhantomData;
 
 use mrroc::{Demand, Pose, Robot, State, Step, Tick, generator};
-use mrroc_generators::line::LinePath;
+use mrroc_generators::line::ToolLimits;
 
-use crate::paths::share;
+use crate::paths::Soft;
 
-/// Moves the tool straight, from rest to rest, as softly as it can in its time.
+/// Moves the tool softly along a straight line, from rest to rest.
 pub struct Approach<R> {
     goal: Goal,
-    duration: f64,
+    limits: ToolLimits,
     t: f64,
-    line: Option<LinePath>,
+    way: Option<Soft>,
     of: PhantomData<R>,
 }
 
@@ -25,16 +25,16 @@ enum Goal {
 
 #[allow(non_snake_case)]
 impl<R: Robot> Approach<R> {
-    /// To `X_WE`, in `duration` \[s\], > 0.
+    /// To `X_WE`, within `limits`.
     #[must_use]
-    pub fn to(X_WE: Pose, duration: f64) -> Self {
-        Approach { goal: Goal::Pose(X_WE), duration, t: 0.0, line: None, of: PhantomData }
+    pub fn to(X_WE: Pose, limits: ToolLimits) -> Self {
+        Approach { goal: Goal::Pose(X_WE), limits, t: 0.0, way: None, of: PhantomData }
     }
 
-    /// By `X_EsE`, in the tool's own axes, in `duration` \[s\], > 0.
+    /// By `X_EsE`, in the tool's own axes, within `limits`.
     #[must_use]
-    pub fn by(X_EsE: Pose, duration: f64) -> Self {
-        Approach { goal: Goal::Displacement(X_EsE), duration, t: 0.0, line: None, of: PhantomData }
+    pub fn by(X_EsE: Pose, limits: ToolLimits) -> Self {
+        Approach { goal: Goal::Displacement(X_EsE), limits, t: 0.0, way: None, of: PhantomData }
     }
 }
 
@@ -45,14 +45,14 @@ fn begin<R: Robot>(c: &mut Approach<R>, e: &State<R>, t: Tick) -> Step<R> {
         Goal::Pose(pose) => pose,
         Goal::Displacement(displacement) => start * displacement,
     };
-    c.line = Some(LinePath::new(start, end));
+    c.way = Some(Soft::between(start, end, c.limits));
     approach(c, t)
 }
 
 /// The next pose on the line.
 #[generator(ecp, first = begin)]
 fn approach<R: Robot>(c: &mut Approach<R>, t: Tick) -> Step<R> {
-    let Some(line) = c.line.filter(|_| c.t < c.duration) else { return Step::Done };
+    let Some(way) = c.way.filter(|way| c.t < way.duration()) else { return Step::Done };
     c.t += t.dt;
-    Step::Next(Demand::pose(line.pose(share(c.t / c.duration))))
+    Step::Next(Demand::pose(way.pose(c.t)))
 }

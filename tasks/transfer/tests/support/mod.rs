@@ -102,7 +102,7 @@ pub fn off_path(demands: &Demands) -> f64 {
 fn off_legs(X_WB: &Pose) -> f64 {
     let mut start = bar();
     let mut least = f64::INFINITY;
-    for (X_BsB, _) in legs() {
+    for X_BsB in legs() {
         let end = start * X_BsB;
         let way = end.translation.vector - start.translation.vector;
         // The share of the way, by the nearest point of the line; the turn must be the same share of the leg's.
