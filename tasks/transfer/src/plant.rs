@@ -4,7 +4,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, CellError, Kinds, Pose, Robot, RobotEntry, RobotSetup, SensorSetup};
+use mrroc::{Cell, CellError, Kinds, Pose, Robot, RobotEntry, RobotSetup, SensorSetup, Wrench};
 use mrroc_robots::grasp::{Body, Fingers, Grasp, Hand, SimulatedWrist, Table, World, WorldError};
 use mrroc_robots::{Driven, Gripper, Kinematics, One, Polycrank, Rnt, Simulated, simulated};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
@@ -106,11 +106,18 @@ impl Plant {
         self.hands.borrow().iter().find(|(name, _)| name == arm).map(|(_, hand)| hand.clone())
     }
 
-    /// The cell with a force sensor at each arm's wrist, `ARM-wrist`.
+    /// The cell with a force sensor at each arm's wrist, `ARM-wrist`: with noise, with a bias that it does not know, and with
+    /// a hand of 0.8 kg on it, whose weight it takes off (all assumed).
     #[must_use]
     pub fn with_wrists(&self, cell: Cell) -> Cell {
-        let wrist = |hand, seed| SimulatedWrist::new(hand).with_noise(0.05, 2e-3, seed).with_low_pass(50.0);
-        self.with_wrists_of(cell, wrist)
+        let bias = Wrench::new(Vector3::new(2.0, -1.0, 3.0), Vector3::new(0.1, 0.2, -0.1));
+        self.with_wrists_of(cell, |hand, seed| {
+            SimulatedWrist::new(hand)
+                .with_tool(0.8, Vector3::new(0.0, 0.0, -0.08))
+                .with_bias(bias)
+                .with_noise(0.05, 2e-3, seed)
+                .with_low_pass(50.0)
+        })
     }
 
     /// The same with other sensors, made from a hand and a number.

@@ -1,11 +1,11 @@
 //! The same program with force sensors at the wrists, which keep the stress in the body low.
 
-use mrroc::{Fault, Mp, Pose};
+use mrroc::{Fault, Mp, Pose, Reading, RobotHandle, SensorHandle, condition};
 use mrroc_generators::cooperation::{
     BodyFrame, BodyPath, Displacement, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw,
 };
 use mrroc_generators::generators::SqueezedCarry;
-use mrroc_robots::grasp::WristForce;
+use mrroc_robots::grasp::{WristForce, WristOrder};
 use mrroc_robots::{Gripper, Polycrank, Rnt};
 
 use crate::generators::Nudge;
@@ -18,6 +18,8 @@ pub const STIFFNESS: GraspStiffness = GraspStiffness { force: 5e4, torque: 500.0
 /// From a demand to the reading that tells of it \[s\]: the step, the cell's delay of 7 ms, about 20 ms of the drives, 3 ms
 /// of the sensor's filter, a step until it is read.
 const DELAY: f64 = 0.034;
+/// Readings of which the bias is the mean.
+const AVERAGED: u32 = 100;
 /// Steps after which a reading is too old.
 const OLDEST: u32 = 1;
 
@@ -41,6 +43,30 @@ fn squeezed<P: BodyPath>(X_WB: Pose, path: P) -> Result<SqueezedCarry<Arms, Wris
     Ok(SqueezedCarry::along(BodyFrame::InWorld(X_WB), path, law()?, 0.0, OLDEST))
 }
 
+/// Waits until all sensors have given so many readings.
+struct Readings(u32);
+
+#[condition(mp)]
+fn readings(c: &mut Readings, v: &Reading<(WristForce, WristForce)>) -> bool {
+    let given = v.0.reading().is_some() && v.1.reading().is_some();
+    c.0 = c.0.saturating_sub(u32::from(given));
+    c.0 == 0
+}
+
+/// Measures the bias of the sensors, while nothing touches the tools.
+fn zero(
+    mp: &mut Mp,
+    (rnt, polycrank): (&mut RobotHandle<Rnt>, &mut RobotHandle<Polycrank>),
+    wrists: &mut (SensorHandle<WristForce>, SensorHandle<WristForce>),
+) -> Result<(), Fault> {
+    for order in [WristOrder::MeasureBias, WristOrder::Read] {
+        wrists.0.configure(order);
+        wrists.1.configure(order);
+        mp.wait_until((&mut *rnt, &mut *polycrank), (&mut wrists.0, &mut wrists.1), Readings(AVERAGED))?;
+    }
+    Ok(())
+}
+
 /// The whole task.
 ///
 /// # Errors
@@ -50,6 +76,7 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
     let mut hands = (mp.robot::<Gripper>("rnt-hand")?, mp.robot::<Gripper>("polycrank-hand")?);
     let mut wrists = (mp.sensor::<WristForce>("rnt-wrist")?, mp.sensor::<WristForce>("polycrank-wrist")?);
+    zero(mp, (&mut rnt, &mut polycrank), &mut wrists)?;
     mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
     mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
     let mut X_WB = bar();

@@ -12,7 +12,7 @@ use crate::witness::Seen;
 const DEMANDED: f64 = 1e-9;
 const SHARE: f64 = 0.2;
 /// Runs of which the fastest counts.
-const RUNS: usize = 5;
+const RUNS: usize = 3;
 
 /// One line of the table.
 pub struct Row {

@@ -44,6 +44,26 @@ fn force_sensors_take_at_least_four_fifths_of_the_stress_that_a_base_out_of_plac
 }
 
 #[test]
+fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
+    let file = file().expect("in order");
+    let variant = Variant::Bar { bases: Bases::Off, sensors: Sensors::Used };
+    // As in tests/task.rs, but less often.
+    const PERIOD: u64 = 1160;
+    for offset in (0..PERIOD).step_by(145) {
+        let seen = variant.watched(&file, |cell, _| {
+            cell.on_step(move |step, operator| match (step + PERIOD - offset) % PERIOD {
+                0 => operator.suspend(),
+                400 => operator.resume(),
+                _ => {}
+            })
+        });
+        let seen = seen.unwrap_or_else(|error| panic!("suspended in step {offset} and later: {error}"));
+        // A fifth of what it is without sensors.
+        assert!(seen.internal < 27.0 / 5.0, "{} N when suspended in step {offset}", seen.internal);
+    }
+}
+
+#[test]
 fn bases_where_they_are_believed_to_be_leave_what_the_drives_are_off_by() {
     let (seen, end) = run(Bases::Calibrated, Sensors::Unused);
     stands(&end);

@@ -27,6 +27,9 @@ fn both_tools_carry_the_body_along_its_path_and_leave_it_where_it_belongs() {
         "{carried} s, {report:?}"
     );
     assert!(off_path(&demands) <= EXACT, "{}", off_path(&demands));
+    // As src/places.rs says.
+    let [rnt, polycrank] = demands.singularity;
+    assert!(rnt > 0.15 && polycrank > 0.085, "{rnt} {polycrank}");
     // The last of the bar is where the legs lead; the tools have gone back from it.
     let X_WB = legs().iter().fold(bar(), |X_WB, X_BsB| X_WB * X_BsB);
     for (tool, end) in demands.last.iter().zip([End::Near, End::Far]) {

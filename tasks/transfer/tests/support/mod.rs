@@ -7,7 +7,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use mrroc::{Cell, CellFile, Observation, Pose, Robot};
-use mrroc_robots::{Polycrank, Rnt, Seven, Six};
+use mrroc_robots::{Kinematics, Polycrank, Rnt, Seven, Six};
 use transfer::places::{CLOSED, End, bar, grasp, legs};
 use transfer::{cell, file, mp, plant};
 
@@ -20,6 +20,8 @@ pub struct Demands {
     pub last: [Pose; 2],
     /// How far the faster of them went in that period \[m\].
     pub moved: f64,
+    /// How far both arms are from a singularity at least.
+    pub singularity: [f64; 2],
     /// Every number that any drive got, as bits, one after the other.
     pub bits: Vec<u64>,
     tools: [Pose; 2],
@@ -51,10 +53,14 @@ impl Demands {
         self.bits.extend(robot.demanded.iter().map(|x| x.to_bits()));
         match robot.robot {
             "rnt" => {
-                self.tools[0] = arms.rnt.forward(&Six::from_column_slice(robot.demanded)) * arms.tool;
+                let q = Six::from_column_slice(robot.demanded);
+                self.tools[0] = arms.rnt.forward(&q) * arms.tool;
+                self.note_singularity(0, || arms.rnt.singularity_distance(&q));
             }
             "polycrank" => {
-                self.tools[1] = arms.polycrank.forward(&Seven::from_column_slice(robot.demanded)) * arms.tool;
+                let q = Seven::from_column_slice(robot.demanded);
+                self.tools[1] = arms.polycrank.forward(&q) * arms.tool;
+                self.note_singularity(1, || arms.polycrank.singularity_distance(&q));
                 let way =
                     |i: usize| (self.tools[i].translation.vector - self.last[i].translation.vector).norm();
                 self.moved = way(0).max(way(1));
@@ -62,6 +68,17 @@ impl Demands {
             }
             "rnt-hand" if (robot.demanded[0] - CLOSED).abs() < 1e-12 => self.carrying.push(self.tools),
             _ => {}
+        }
+    }
+}
+
+impl Demands {
+    /// Every 64th number is enough: it takes longer than all else.
+    fn note_singularity(&mut self, arm: usize, distance: impl FnOnce() -> f64) {
+        if self.bits.len().is_multiple_of(64) {
+            let least = &mut self.singularity[arm];
+            let distance = distance();
+            *least = if *least == 0.0 { distance } else { least.min(distance) };
         }
     }
 }
