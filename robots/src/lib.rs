@@ -40,6 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod clearance;
 pub mod conformance;
 mod conveyor;
 mod drives;

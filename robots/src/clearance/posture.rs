@@ -1,0 +1,192 @@
+//! A robot of any kind as the clearance sees it: capsules where they are, and how far each may still get.
+
+use mrroc::{JointVector, MAX_JOINTS, Name, Pose, Robot};
+use nalgebra::Vector3;
+
+use super::capsule::Capsule;
+use super::outline::{Link, Motion, Outline};
+use super::stopping::{Pace, Stopping};
+
+/// Joint positions or velocities of a robot of any kind, as the runtime passes them.
+pub(super) type Joints = [f64; MAX_JOINTS];
+
+/// The most motions that a robot's outline may have.
+const MOTIONS: usize = 16;
+
+/// An [`Outline`] without its type.
+pub(super) trait Shape {
+    fn links(&self) -> Vec<Link>;
+    fn capsules(&self, q: &Joints, visit: &mut dyn FnMut(Capsule));
+    fn motions(&self, q: &Joints, way: &Joints, visit: &mut dyn FnMut(Motion));
+    fn flange(&self, q: &Joints) -> Pose;
+    fn flange_motions(&self) -> u32;
+    fn pace(&self, stopping: &Stopping, velocity: &Joints) -> Pace;
+    fn ways(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints;
+    /// The position that lies `part` (0 to 1 each) of the way between the limits; endless joints within a turn.
+    fn between_limits(&self, part: &dyn Fn(usize) -> f64) -> Joints;
+    /// Whether the position keeps the limits that joints share.
+    fn is_possible(&self, q: &Joints) -> bool;
+}
+
+impl<O: Outline> Shape for O {
+    fn links(&self) -> Vec<Link> {
+        Outline::links(self)
+    }
+
+    fn capsules(&self, q: &Joints, visit: &mut dyn FnMut(Capsule)) {
+        Outline::capsules(self, &JointVector::from_joints(|i| q[i]), visit);
+    }
+
+    fn motions(&self, q: &Joints, way: &Joints, visit: &mut dyn FnMut(Motion)) {
+        let joints = |values: &Joints| JointVector::from_joints(|i| values[i]);
+        Outline::motions(self, &joints(q), &joints(way), visit);
+    }
+
+    fn flange(&self, q: &Joints) -> Pose {
+        self.robot().forward(&JointVector::from_joints(|i| q[i]))
+    }
+
+    fn flange_motions(&self) -> u32 {
+        Outline::flange_motions(self)
+    }
+
+    fn pace(&self, stopping: &Stopping, velocity: &Joints) -> Pace {
+        stopping.pace(self.robot().limits(), velocity)
+    }
+
+    fn ways(&self, stopping: &Stopping, velocity: &Joints, cell: &Pace) -> Joints {
+        let ways: <O::Robot as Robot>::Joints = stopping.ways(self.robot().limits(), velocity, cell);
+        padded(&ways)
+    }
+
+    fn between_limits(&self, part: &dyn Fn(usize) -> f64) -> Joints {
+        const TURN: f64 = core::f64::consts::PI;
+        let limits = self.robot().limits();
+        let q: <O::Robot as Robot>::Joints = JointVector::from_joints(|i| {
+            let (mut lower, mut upper) = (limits.lower[i], limits.upper[i]);
+            if self.robot().joint(i) == mrroc::JointKind::Revolute && lower < -TURN && upper > TURN {
+                (lower, upper) = (-TURN, TURN);
+            }
+            lower + (upper - lower) * part(i)
+        });
+        padded(&q)
+    }
+
+    fn is_possible(&self, q: &Joints) -> bool {
+        let q = JointVector::from_joints(|i| q[i]);
+        self.robot().check_coupled(&q, &q, 1.0).is_ok()
+    }
+}
+
+fn padded<J: JointVector>(joints: &J) -> Joints {
+    let mut all = [0.0; MAX_JOINTS];
+    for (place, value) in all.iter_mut().zip(joints.as_slice()) {
+        *place = *value;
+    }
+    all
+}
+
+/// A capsule where it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed {
+    pub(super) capsule: Capsule,
+    pub(super) centre: Vector3<f64>,
+    pub(super) around: f64,
+    /// How far any of its points may still get \[m\] by the motions from the `i`th on.
+    pub(super) travel: [f64; MOTIONS + 1],
+}
+
+impl Placed {
+    pub(super) fn new(capsule: Capsule) -> Self {
+        let (centre, around) = capsule.ball();
+        Self { capsule, centre, around, travel: [0.0; MOTIONS + 1] }
+    }
+}
+
+/// A robot, what it carries, and where it is.
+pub(super) struct Placement {
+    pub(super) name: Name,
+    shape: Box<dyn Shape>,
+    /// The robot's own links, then what it carries.
+    pub(super) links: Vec<Link>,
+    own: usize,
+    /// Capsules in the flange's frame.
+    carried: Vec<Capsule>,
+    pub(super) placed: Vec<Placed>,
+    motions: Vec<Motion>,
+}
+
+impl Placement {
+    pub(super) fn new(name: Name, shape: Box<dyn Shape>) -> Self {
+        let links = shape.links();
+        let own = links.len();
+        let placed = Vec::with_capacity(own);
+        Self { name, shape, links, own, carried: Vec::new(), placed, motions: Vec::with_capacity(MOTIONS) }
+    }
+
+    /// Number of the robot's own links.
+    pub(super) const fn own(&self) -> usize {
+        self.own
+    }
+
+    pub(super) fn shape(&self) -> &dyn Shape {
+        &*self.shape
+    }
+
+    /// Fixes a capsule, given in F, to the flange.
+    pub(super) fn carry(&mut self, link: Link, capsule: Capsule) {
+        self.links.push(link);
+        self.carried.push(capsule);
+        self.placed.reserve(self.links.len() - self.placed.len());
+    }
+
+    /// Takes away what is carried under this name; whether there was any.
+    pub(super) fn drop_carried(&mut self, name: &str) -> bool {
+        let before = self.carried.len();
+        for i in (self.own..self.links.len()).rev() {
+            if &*self.links[i].name == name {
+                self.links.remove(i);
+                self.carried.remove(i - self.own);
+            }
+        }
+        self.carried.len() != before
+    }
+
+    /// Stands the robot at `q`, its joints moving by at most `way` more; whether it can stand there.
+    #[allow(non_snake_case)]
+    pub(super) fn stand(&mut self, q: &Joints, way: Option<&Joints>) -> bool {
+        let Self { shape, links, own, carried, placed, motions, .. } = self;
+        placed.clear();
+        shape.capsules(q, &mut |capsule| {
+            if placed.len() < *own {
+                placed.push(Placed::new(capsule));
+            }
+        });
+        if placed.len() != *own {
+            return false;
+        }
+        if !carried.is_empty() {
+            let X_WF = shape.flange(q);
+            placed.extend(carried.iter().map(|capsule| Placed::new(capsule.moved(&X_WF))));
+        }
+        if let Some(way) = way {
+            motions.clear();
+            shape.motions(q, way, &mut |motion| {
+                if motions.len() < MOTIONS {
+                    motions.push(motion);
+                }
+            });
+            for (link, placed) in links.iter().zip(placed.iter_mut()) {
+                // Seen from now, the last joint moves first; those before carry on what it did.
+                for (i, motion) in motions.iter().enumerate().rev() {
+                    let moved = placed.travel[i + 1];
+                    let is_moved = link.moved_by >> i & 1 == 1;
+                    let more = if is_moved { motion.travel(&placed.capsule, moved) } else { 0.0 };
+                    placed.travel[i] = moved + more;
+                }
+            }
+        }
+        placed.iter().all(|placed| placed.around.is_finite() && placed.centre.sum().is_finite())
+            && placed.iter().all(|placed| placed.travel[0].is_finite())
+    }
+}

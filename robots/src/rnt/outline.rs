@@ -1,0 +1,128 @@
+//! The shape of RNT, whose arm, rod, rocker and actuators form closed loops.
+//!
+//! Its joints are lengths; what turns the links follows from the loops. With the elevation `theta2` of the upper arm and
+//! `rho` of the rocker within `w2`, `w3` of now, `b = E - R` has a length between those at `theta2 - rho +- (w2 + w3)` (law of
+//! cosines), and turns by at most `w2 + |OR| (w2 + w3) / b`; the forearm stands at an angle to `b` that grows with its length.
+
+use core::f64::consts::PI;
+
+use mrroc::Pose;
+use nalgebra::{Vector2, Vector3};
+
+use super::linkage::{CRANK, FOOT2, FOOT3, Linkage, ROCKER, ROD, TAIL};
+use super::{A1, A2, Rnt};
+use crate::clearance::arms::{frames, origin, turn};
+use crate::clearance::{Capsule, Link, Motion, Outline};
+use crate::irp6::Six;
+
+/// Radius of the column \[m\] (assumed).
+const COLUMN: f64 = 0.12;
+/// Radii of upper arm, forearm and wrist \[m\] (assumed).
+const ARM: [f64; 3] = [0.07, 0.06, 0.05];
+/// Radius of the actuators and of the rod \[m\] (assumed).
+const BARS: f64 = 0.04;
+/// Frames that RNT shows where its linkages can be closed.
+const FRAME_COUNT: usize = 8;
+/// The rocker's turn stands behind those of the six joints.
+const ROCKING: u32 = 1 << 6;
+
+/// Where an actuator is fixed to the column, in the frame of the column at the shoulder's height.
+fn foot((distance, cosine, sine): (f64, f64, f64)) -> Vector3<f64> {
+    Vector3::new(A1 + distance * cosine, 0.0, distance * sine)
+}
+
+/// Largest turns of upper arm, forearm (against the upper arm) and rocker \[rad\], when the actuators' lengths change by at
+/// most `way2`, `way3` \[m\].
+fn turns(linkage: &Linkage, q2: f64, q3: f64, way2: f64, way3: f64) -> [f64; 3] {
+    let w2 = by_length(FOOT2.0, CRANK, q2, way2);
+    let w3 = by_length(FOOT3.0, ROCKER, q3, way3);
+    let between = linkage.upper * A2 - linkage.rocker * ROCKER;
+    let apart = angle(&linkage.upper, &linkage.rocker);
+    let length = |apart: f64| {
+        (A2 * A2 + ROCKER * ROCKER - 2.0 * A2 * ROCKER * apart.clamp(0.0, PI).cos()).max(0.0).sqrt()
+    };
+    let (shortest, longest) = (length(apart - w2 - w3), length(apart + w2 + w3));
+    // Angle between the forearm's tail and b.
+    let leaning = |b: f64| ((b * b + TAIL * TAIL - ROD * ROD) / (2.0 * TAIL * b)).clamp(-1.0, 1.0).acos();
+    let now = leaning(between.norm());
+    let lean = (leaning(shortest) - now).abs().max((leaning(longest) - now).abs());
+    let forearm = w2 + ROCKER * (w2 + w3) / shortest.max(1e-6) + lean;
+    [w2, (forearm + w2).min(PI), w3]
+}
+
+/// The angle between two directions, 0 to pi.
+fn angle(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
+    a.perp(b).abs().atan2(a.dot(b))
+}
+
+/// Largest turn of a crank \[rad\] when the bar from a foot at `distance` that turns it is `length` long, give or take `way`
+/// \[m\]; all that it can, where the bar could be too short or too long.
+fn by_length(distance: f64, crank: f64, length: f64, way: f64) -> f64 {
+    let at = |length: f64| {
+        let cosine = (distance * distance + crank * crank - length * length) / (2.0 * distance * crank);
+        if cosine.abs() <= 1.0 { cosine.acos() } else { f64::NAN }
+    };
+    let now = at(length);
+    let (less, more) = ((at(length - way) - now).abs(), (at(length + way) - now).abs());
+    if less.is_nan() || more.is_nan() { PI } else { less.max(more) }
+}
+
+/// Column, radius 0.12 m, from the floor to the shoulder; upper arm 0.07 m; forearm with its tail 0.06 m; wrist 0.05 m; rod and
+/// actuators 0.04 m. All within the linkage counts as joined.
+impl Outline for Rnt {
+    type Robot = Self;
+
+    fn robot(&self) -> &Self {
+        self
+    }
+
+    fn links(&self) -> Vec<Link> {
+        let rocking = Link::first(1) | ROCKING;
+        let link = |name: &str, rank, moved_by| Link { name: name.into(), rank, moved_by };
+        vec![
+            link("column", 0, Link::first(1)),
+            link("shoulder actuator", 0, Link::first(2)),
+            link("elbow actuator", 0, rocking),
+            link("upper arm", 1, Link::first(2)),
+            // Its ends are moved by the rocker and by the forearm: by no more than by both.
+            link("rod", 1, Link::first(3) | ROCKING),
+            link("forearm", 2, Link::first(3)),
+            link("wrist", 3, Link::first(5)),
+        ]
+    }
+
+    fn capsules(&self, q: &Six, visit: &mut dyn FnMut(Capsule)) {
+        let (frames, count) = frames(self, q);
+        if count != FRAME_COUNT {
+            return;
+        }
+        let [base, column, o, r, t, e, c, f] = frames.map(|frame| origin(&frame));
+        let up = frames[1].rotation * Vector3::z();
+        let fixed = |p: Vector3<f64>| column + frames[1].rotation * p;
+        visit(Capsule::new(base + up * COLUMN, column - up * COLUMN, COLUMN));
+        visit(Capsule::new(fixed(foot(FOOT2)), o + (e - o) * (CRANK / A2), BARS));
+        visit(Capsule::new(fixed(foot(FOOT3)), r, BARS));
+        visit(Capsule::new(o, e, ARM[0]));
+        visit(Capsule::new(r, t, BARS));
+        visit(Capsule::new(t, c, ARM[1]));
+        visit(Capsule::new(c, f, ARM[2]));
+    }
+
+    fn motions(&self, q: &Six, way: &Six, visit: &mut dyn FnMut(Motion)) {
+        let (frames, count) = frames(self, q);
+        let Some(linkage) = Linkage::of(q[1], q[2]).filter(|_| count == FRAME_COUNT) else { return };
+        let [upper, forearm, rocker] = turns(&linkage, q[1], q[2], way[1], way[2]);
+        let [shoulder, elbow, centre, flange]: [&Pose; 4] = [&frames[2], &frames[5], &frames[6], &frames[7]];
+        visit(turn(&frames[1], Vector3::z(), way[0]));
+        visit(turn(shoulder, Vector3::y(), upper));
+        visit(turn(elbow, Vector3::y(), forearm));
+        visit(turn(elbow, Vector3::x(), way[3]));
+        visit(Motion::Turn { point: origin(centre), axis: None, way: way[4] });
+        visit(turn(flange, Vector3::z(), way[5]));
+        visit(turn(shoulder, Vector3::y(), rocker));
+    }
+
+    fn flange_motions(&self) -> u32 {
+        Link::first(6)
+    }
+}
