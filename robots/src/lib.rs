@@ -77,4 +77,4 @@ pub use regulator::{Gains, Regulator};
 pub use rnt::Rnt;
 pub use simulated::{Shaft, Simulated, SimulatedIrp6};
 pub use transmission::{Linear, LinkState, Screw, Transmission};
-pub use urdf::{Serial, SerialBuilder, UrdfError};
+pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError};

@@ -108,7 +108,7 @@ impl ClearanceBuilder {
             Stop::Braking => true,
             Stop::OnPath { rate_change, step } => positive(rate_change) && positive(step),
         };
-        if !sound || !(stopping.reaction.is_finite() && stopping.reaction >= 0.0) {
+        if !(sound && stopping.reaction.is_finite() && stopping.reaction >= 0.0) {
             return Err(ClearanceError::BadStopping);
         }
         let named = self.clearance.margins.iter().flat_map(|(a, b, _)| [a, b]);

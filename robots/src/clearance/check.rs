@@ -67,7 +67,8 @@ impl Clearance {
         if nearest.slack() < 0.0 { Err(TooClose(nearest).into()) } else { Ok(nearest) }
     }
 
-    /// The two bodies that are nearest to one another at the demanded positions, whatever the margins and velocities.
+    /// The two bodies that are nearest to one another at the demanded positions, whatever the margins and velocities. Links
+    /// of one robot count where they overlap, or where there is nothing else.
     ///
     /// # Errors
     /// [`CheckError`], but never that something is too close.
@@ -248,11 +249,29 @@ impl Clearance {
         [limb(&pair.limb, gap.points[0]), other]
     }
 
-    /// The pair that has least, and how much. Balls around the bodies tell of most pairs that they have more.
+    /// The pair that has least, and how much.
     fn search(&self, purpose: Purpose) -> Result<Nearest, CheckError> {
+        let nearest = match purpose {
+            Purpose::Slack => self.least(purpose, |_| true, f64::INFINITY),
+            Purpose::Distance => {
+                let between = self.least(purpose, |pair| !pair.is_own(), f64::INFINITY);
+                let own =
+                    self.least(purpose, Pair::is_own, if between.is_some() { 0.0 } else { f64::INFINITY });
+                match (between, own) {
+                    (Some(between), Some(own)) if between.distance <= own.distance => Some(between),
+                    (between, own) => own.or(between),
+                }
+            }
+        };
+        nearest.ok_or(CheckError::NothingToCheck)
+    }
+
+    /// The pair of those that are wanted that has least, if less than `least` \[m\]. Balls around the bodies tell of most pairs
+    /// that they have more.
+    fn least(&self, purpose: Purpose, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
         let mut best: Option<(f64, f64, &Pair, Gap)> = None;
-        let mut least = f64::INFINITY;
-        for pair in &self.pairs {
+        let mut least = least;
+        for pair in self.pairs.iter().filter(|pair| is_wanted(pair)) {
             let own = &self.robots[pair.limb.robot].placed[pair.limb.link];
             let (around, mut travel) = match &pair.other {
                 Other::Limb(limb) => {
@@ -277,8 +296,12 @@ impl Clearance {
                 best = Some((travel, if purpose == Purpose::Slack { pair.margin } else { 0.0 }, pair, gap));
             }
         }
-        let (travel, margin, pair, gap) = best.ok_or(CheckError::NothingToCheck)?;
-        Ok(Nearest { distance: gap.distance, travel, margin, sides: self.sides(pair, &gap) })
+        best.map(|(travel, margin, pair, gap)| Nearest {
+            distance: gap.distance,
+            travel,
+            margin,
+            sides: self.sides(pair, &gap),
+        })
     }
 }
 

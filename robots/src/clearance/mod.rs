@@ -44,6 +44,9 @@
 //! **What it does not see.** The demanded state is looked at, which the drives follow some way behind; the capsules' radii of
 //! this crate's arms are assumed; cables, people and what no one told it of are not there. This is no certified safety function.
 
+// Errors hold both bodies and their points; in a box they would have to be allocated within a step.
+#![allow(clippy::result_large_err)]
+
 pub(crate) mod arms;
 mod builder;
 mod capsule;

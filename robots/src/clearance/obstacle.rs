@@ -110,3 +110,41 @@ fn nearest_to_box(a: &Vector3<f64>, d: &Vector3<f64>, half: &Vector3<f64>) -> Ve
     let t = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
     a + d * t
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn above_a_table_the_lower_end_counts() {
+        let capsule = Capsule::new(Vector3::new(0.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 0.7), 0.1);
+        let gap = Obstacle::table(0.2).gap(&capsule);
+        assert!((gap.distance - 0.4).abs() < 1e-15);
+        assert!((gap.points[0] - Vector3::new(1.0, 0.0, 0.6)).amax() < 1e-15);
+        assert!((gap.points[1] - Vector3::new(1.0, 0.0, 0.2)).amax() < 1e-15);
+    }
+
+    proptest! {
+        #[test]
+        fn the_distance_to_a_box_is_the_least_of_all_points(
+            a in proptest::array::uniform3(-2.0..2.0_f64), b in proptest::array::uniform3(-2.0..2.0_f64),
+            turn in proptest::array::uniform3(-3.0..3.0_f64),
+        ) {
+            const N: usize = 2000;
+            let half = Vector3::new(0.3, 0.5, 0.2);
+            let place = Pose::new(Vector3::new(0.1, -0.2, 0.3), Vector3::from(turn));
+            let (a, b) = (Vector3::from(a), Vector3::from(b));
+            let distance = Obstacle::Box { X_WO: place, half }.gap(&Capsule::new(a, b, 0.05)).distance + 0.05;
+            let sampled = (0..=N).map(|k| {
+                let p = a + (b - a) * (k as f64 / N as f64);
+                let p = place.inverse() * Point3::from(p);
+                // Outside a box, what each coordinate is beyond its face.
+                p.coords.zip_map(&half, |x, h| (x.abs() - h).max(0.0)).norm()
+            });
+            let sampled = sampled.fold(f64::INFINITY, f64::min);
+            prop_assert!(distance <= sampled + 1e-12);
+            prop_assert!(distance >= sampled - 0.5 * (b - a).norm() / N as f64);
+        }
+    }
+}

@@ -35,6 +35,13 @@ pub(super) struct Pair {
     pub(super) margin: f64,
 }
 
+impl Pair {
+    /// Whether both are links of one robot.
+    pub(super) fn is_own(&self) -> bool {
+        matches!(self.other, Other::Limb(limb) if limb.robot == self.limb.robot)
+    }
+}
+
 /// The first motion that moves only one of two links of a robot; `None` when none does.
 fn first_apart(a: &Link, b: &Link) -> Option<usize> {
     let apart = a.moved_by ^ b.moved_by;

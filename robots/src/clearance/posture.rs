@@ -190,3 +190,86 @@ impl Placement {
             && placed.iter().all(|placed| placed.travel[0].is_finite())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt};
+    use nalgebra::Point3;
+    use proptest::prelude::*;
+
+    fn arms() -> Vec<Placement> {
+        let base = Pose::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.2, 0.4, -1.0));
+        let shapes: [Box<dyn Shape>; 5] = [
+            Box::new(Irp6::nominal().with_base(base)),
+            Box::new(Irp6FiveDof::nominal().with_base(base)),
+            Box::new(Irp6Track::nominal().with_base(base)),
+            Box::new(Rnt::new().with_base(base)),
+            Box::new(Polycrank::new().with_base(base)),
+        ];
+        shapes.map(|shape| Placement::new(Name::new("arm").unwrap(), shape)).into_iter().collect()
+    }
+
+    proptest! {
+        /// Wherever the joints go within their ways, no end of a capsule gets farther than its travel, and no two links of one
+        /// robot nearer than by the travels of the motions between.
+        #[test]
+        fn no_end_of_a_link_gets_farther_than_its_travel(
+            part in proptest::array::uniform8(0.05..0.95_f64),
+            way in proptest::array::uniform8(0.0..0.5_f64),
+            to in proptest::array::uniform8(-1.0..1.0_f64),
+        ) {
+            for mut arm in arms() {
+                arm.carry(
+                    Link { name: "tool".into(), rank: 9, moved_by: arm.shape().flange_motions() },
+                    Capsule::new(Vector3::new(0.0, 0.0, 0.1), Vector3::new(0.1, -0.05, 0.25), 0.03),
+                );
+                let q = arm.shape().between_limits(&|i| part[i]);
+                // Lengths of RNT's actuators change by a tenth of what angles do.
+                let is_short = |i: usize| arm.own() == 7 && (i == 1 || i == 2);
+                let way: Joints = core::array::from_fn(|i| if is_short(i) { 0.1 * way[i] } else { way[i] });
+                let moved: Joints = core::array::from_fn(|i| q[i] + way[i] * to[i]);
+                if !arm.stand(&moved, None) {
+                    continue;
+                }
+                let after: Vec<Capsule> = arm.placed.iter().map(|placed| placed.capsule).collect();
+                if !arm.stand(&q, Some(&way)) {
+                    continue;
+                }
+                for ((link, placed), after) in arm.links.iter().zip(&arm.placed).zip(&after) {
+                    for (end, there) in placed.capsule.ends.iter().zip(&after.ends) {
+                        prop_assert!((end - there).norm() <= placed.travel[0] + 1e-9, "{}", link.name);
+                    }
+                }
+                // Pairs that are checked.
+                let n = arm.links.len();
+                for (a, b) in (0..n).flat_map(|a| (0..n).map(move |b| (a, b))) {
+                    let apart = arm.links[a].moved_by ^ arm.links[b].moved_by;
+                    if apart == 0 || arm.links[a].rank.abs_diff(arm.links[b].rank) < 2 { continue }
+                    let since = apart.trailing_zeros() as usize;
+                    let (one, other) = (&arm.placed[a], &arm.placed[b]);
+                    let before = one.capsule.gap(&other.capsule).distance;
+                    let now = after[a].gap(&after[b]).distance;
+                    let bound = one.travel[since] + other.travel[since];
+                    prop_assert!(now >= before - bound - 1e-9, "{} {}", arm.links[a].name, arm.links[b].name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_carried_hangs_on_the_flange() {
+        for mut arm in arms() {
+            let q = arm.shape().between_limits(&|i| 0.3 + 0.05 * i as f64);
+            let end = Vector3::new(0.0, 0.1, 0.2);
+            arm.carry(Link::new("tool", 9, 16), Capsule::new(Vector3::zeros(), end, 0.03));
+            assert!(arm.stand(&q, None));
+            let flange = arm.shape().flange(&q);
+            let tool = arm.placed.last().unwrap().capsule;
+            assert!((tool.ends[0] - flange.translation.vector).amax() < 1e-14);
+            assert!((tool.ends[1] - (flange * Point3::from(end)).coords).amax() < 1e-14);
+            assert!(arm.drop_carried("tool"));
+            assert!(!arm.drop_carried("tool"));
+        }
+    }
+}

@@ -127,3 +127,81 @@ impl Pace {
         Self { slowest: self.slowest.max(other.slowest), jerkiest: self.jerkiest.max(other.jerkiest) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::SVector;
+
+    fn limits(jerk: Option<f64>) -> Limits<SVector<f64, 2>> {
+        Limits {
+            lower: SVector::repeat(-9.0),
+            upper: SVector::repeat(9.0),
+            velocity: SVector::repeat(3.0),
+            acceleration: SVector::from([7.0, 2.0]),
+            jerk: jerk.map(SVector::repeat),
+        }
+    }
+
+    fn ways(stopping: Stopping, limits: &Limits<SVector<f64, 2>>, v: [f64; 2]) -> SVector<f64, 2> {
+        stopping.ways(limits, &v, &stopping.pace(limits, &v))
+    }
+
+    #[test]
+    fn braking_takes_half_of_v_t_with_the_time_of_the_slowest_joint() {
+        // Joint 2 needs 0.5 s, joint 1 would need 0.2 s: 1.4 x 0.5 / 2 and 1 x 0.5 / 2.
+        let way = ways(Stopping { reaction: 0.0, stop: Stop::Braking }, &limits(None), [-1.4, 1.0]);
+        assert!((way - SVector::from([0.35, 0.25])).amax() < 1e-15);
+    }
+
+    #[test]
+    fn a_joint_may_gain_speed_before_the_stop_begins() {
+        // In 0.1 s from rest to 0.7 and 0.2 rad/s, after 0.035 and 0.01 rad; both then need 0.1 s.
+        let way = ways(Stopping { reaction: 0.1, stop: Stop::Braking }, &limits(None), [0.0, 0.0]);
+        assert!((way - SVector::from([0.07, 0.02])).amax() < 1e-15);
+    }
+
+    #[test]
+    fn braking_with_limited_jerk_takes_no_longer_way_than_the_bound() {
+        // From v with the acceleration a still driving: it fades within a/j; then the time-optimal way to rest, with or
+        // without reaching the largest deceleration, 2 rad/s^2.
+        for (v, a, jerk) in [(1.0, 2.0, 50.0), (0.05, 2.0, 5.0), (2.0, 1.0, 20.0), (0.5, 0.0, 100.0)] {
+            let fading: f64 = a / jerk;
+            let fastest = v + 0.5 * a * fading;
+            let fades = v * fading + a * fading * fading / 3.0;
+            let time = if fastest >= 4.0 / jerk {
+                fastest / 2.0 + 2.0 / jerk
+            } else {
+                2.0 * (fastest / jerk).sqrt()
+            };
+            let exact = fades + 0.5 * fastest * time;
+            let stopping = Stopping { reaction: 0.0, stop: Stop::Braking };
+            let way = ways(stopping, &limits(Some(jerk)), [0.0, v])[1];
+            assert!(way >= exact, "{v} {a} {jerk}: {way} {exact}");
+        }
+    }
+
+    #[test]
+    fn on_the_path_the_way_covers_the_integral_of_the_rate() {
+        let step = 0.002;
+        for change in [0.5, 5.0, 50.0] {
+            for v in [[0.01, 0.0], [1.0, 0.3], [0.2, 2.0], [3.0, 3.0]] {
+                // dr/dt as the feed has it, from rate 1.
+                let slowest: f64 = (v[0] / 7.0_f64).max(v[1] / 2.0);
+                let (mut rate, mut path, dt) = (1.0_f64, 0.0, 1e-5);
+                while rate > 0.0 {
+                    path += rate * dt;
+                    rate -= dt * ((0.98 - 0.9 * rate * rate) / (slowest + step)).min(change);
+                }
+                let stopping = Stopping { reaction: 0.0, stop: Stop::OnPath { rate_change: change, step } };
+                let way = ways(stopping, &limits(None), v);
+                for i in 0..2 {
+                    let exact = v[i] * path;
+                    assert!(way[i] >= exact * (1.0 - 1e-3), "{change} {v:?}: {} {exact}", way[i]);
+                    // One of the two bounds may be taken in vain.
+                    assert!(way[i] <= 2.0 * exact + 1e-12, "{change} {v:?}: {} {exact}", way[i]);
+                }
+            }
+        }
+    }
+}

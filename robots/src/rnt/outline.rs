@@ -1,8 +1,8 @@
 //! The shape of RNT, whose arm, rod, rocker and actuators form closed loops.
 //!
-//! Its joints are lengths; what turns the links follows from the loops. With the elevation `theta2` of the upper arm and
-//! `rho` of the rocker within `w2`, `w3` of now, `b = E - R` has a length between those at `theta2 - rho +- (w2 + w3)` (law of
-//! cosines), and turns by at most `w2 + |OR| (w2 + w3) / b`; the forearm stands at an angle to `b` that grows with its length.
+//! Its joints are lengths; what turns the links follows from the loops. The forearm's angle to the upper arm depends on the
+//! angle `delta = theta2 - rho` between upper arm and rocker alone, and grows or falls with it as long as the rod does not
+//! pass a dead centre: within `w2`, `w3` of now it is between its values at `delta +- (w2 + w3)`.
 
 use core::f64::consts::PI;
 
@@ -23,8 +23,15 @@ const ARM: [f64; 3] = [0.07, 0.06, 0.05];
 const BARS: f64 = 0.04;
 /// Frames that RNT shows where its linkages can be closed.
 const FRAME_COUNT: usize = 8;
-/// The rocker's turn stands behind those of the six joints.
-const ROCKING: u32 = 1 << 6;
+/// The motions, as bits: column; rocker; upper arm, forearm, and the wrist's three. What has ends on two links is moved by no
+/// more than by the motions of both; the rocker's stands before the others, so that, seen from any link behind the column,
+/// none of them counts as carried along by it.
+const COLUMN_TURN: u32 = 1 << 0;
+const ROCKING: u32 = 1 << 1;
+const UPPER_ARM: u32 = 1 << 2;
+const FOREARM: u32 = 1 << 3;
+const WRIST: u32 = 0b11 << 4;
+const FLANGE: u32 = 1 << 6;
 
 /// Where an actuator is fixed to the column, in the frame of the column at the shoulder's height.
 fn foot((distance, cosine, sine): (f64, f64, f64)) -> Vector3<f64> {
@@ -36,23 +43,29 @@ fn foot((distance, cosine, sine): (f64, f64, f64)) -> Vector3<f64> {
 fn turns(linkage: &Linkage, q2: f64, q3: f64, way2: f64, way3: f64) -> [f64; 3] {
     let w2 = by_length(FOOT2.0, CRANK, q2, way2);
     let w3 = by_length(FOOT3.0, ROCKER, q3, way3);
-    let between = linkage.upper * A2 - linkage.rocker * ROCKER;
-    let apart = angle(&linkage.upper, &linkage.rocker);
-    let length = |apart: f64| {
-        (A2 * A2 + ROCKER * ROCKER - 2.0 * A2 * ROCKER * apart.clamp(0.0, PI).cos()).max(0.0).sqrt()
+    let delta = linkage.rocker.perp(&linkage.upper).atan2(linkage.rocker.dot(&linkage.upper));
+    let bends = [0.0, -w2 - w3, w2 + w3].map(|change| bend(delta + change));
+    let forearm = match bends {
+        [Some(now), Some(less), Some(more)] => (less - now).abs().max((more - now).abs()),
+        _ => PI,
     };
-    let (shortest, longest) = (length(apart - w2 - w3), length(apart + w2 + w3));
-    // Angle between the forearm's tail and b.
-    let leaning = |b: f64| ((b * b + TAIL * TAIL - ROD * ROD) / (2.0 * TAIL * b)).clamp(-1.0, 1.0).acos();
-    let now = leaning(between.norm());
-    let lean = (leaning(shortest) - now).abs().max((leaning(longest) - now).abs());
-    let forearm = w2 + ROCKER * (w2 + w3) / shortest.max(1e-6) + lean;
-    [w2, (forearm + w2).min(PI), w3]
+    [w2, forearm, w3]
 }
 
-/// The angle between two directions, 0 to pi.
-fn angle(a: &Vector2<f64>, b: &Vector2<f64>) -> f64 {
-    a.perp(b).abs().atan2(a.dot(b))
+/// Angle of the forearm against the upper arm \[rad\] when that stands at `delta` against the rocker; `None` where the loop
+/// cannot be closed, or is at a dead centre or beyond.
+fn bend(delta: f64) -> Option<f64> {
+    let rocker = Vector2::new(delta.cos(), -delta.sin());
+    let between = Vector2::new(A2, 0.0) - rocker * ROCKER;
+    let square = between.norm_squared();
+    let along = (square + ROD * ROD - TAIL * TAIL) / (2.0 * square);
+    let across = ROD * ROD / square - along * along;
+    if across.is_nan() || across <= 0.0 {
+        return None;
+    }
+    let rod = between * along + Vector2::new(-between.y, between.x) * across.sqrt();
+    let forearm = between - rod;
+    (rod.perp(&rocker) > 0.0).then(|| forearm.y.atan2(forearm.x))
 }
 
 /// Largest turn of a crank \[rad\] when the bar from a foot at `distance` that turns it is `length` long, give or take `way`
@@ -77,17 +90,16 @@ impl Outline for Rnt {
     }
 
     fn links(&self) -> Vec<Link> {
-        let rocking = Link::first(1) | ROCKING;
         let link = |name: &str, rank, moved_by| Link { name: name.into(), rank, moved_by };
+        let upper = COLUMN_TURN | UPPER_ARM;
         vec![
-            link("column", 0, Link::first(1)),
-            link("shoulder actuator", 0, Link::first(2)),
-            link("elbow actuator", 0, rocking),
-            link("upper arm", 1, Link::first(2)),
-            // Its ends are moved by the rocker and by the forearm: by no more than by both.
-            link("rod", 1, Link::first(3) | ROCKING),
-            link("forearm", 2, Link::first(3)),
-            link("wrist", 3, Link::first(5)),
+            link("column", 0, COLUMN_TURN),
+            link("shoulder actuator", 0, upper | ROCKING),
+            link("elbow actuator", 0, COLUMN_TURN | ROCKING),
+            link("upper arm", 1, upper),
+            link("rod", 1, upper | FOREARM | ROCKING),
+            link("forearm", 2, upper | FOREARM),
+            link("wrist", 3, upper | FOREARM | WRIST),
         ]
     }
 
@@ -114,15 +126,15 @@ impl Outline for Rnt {
         let [upper, forearm, rocker] = turns(&linkage, q[1], q[2], way[1], way[2]);
         let [shoulder, elbow, centre, flange]: [&Pose; 4] = [&frames[2], &frames[5], &frames[6], &frames[7]];
         visit(turn(&frames[1], Vector3::z(), way[0]));
+        visit(turn(shoulder, Vector3::y(), rocker));
         visit(turn(shoulder, Vector3::y(), upper));
         visit(turn(elbow, Vector3::y(), forearm));
         visit(turn(elbow, Vector3::x(), way[3]));
         visit(Motion::Turn { point: origin(centre), axis: None, way: way[4] });
         visit(turn(flange, Vector3::z(), way[5]));
-        visit(turn(shoulder, Vector3::y(), rocker));
     }
 
     fn flange_motions(&self) -> u32 {
-        Link::first(6)
+        COLUMN_TURN | UPPER_ARM | FOREARM | WRIST | FLANGE
     }
 }
