@@ -7,11 +7,12 @@ use std::time::Duration;
 use mrroc::{Cell, Demand, Pose, Reading, Robot, RobotSetup, SensorSetup, Step, Tick, generator};
 use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World, WristForce};
 use mrroc_robots::{Polycrank, Seven, Simulated};
-use nalgebra::{Translation3, UnitQuaternion};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-/// Lifts both flanges by 10 cm in four seconds.
+/// Lifts both flanges by 5 cm in four seconds.
 struct Lift {
-    from: [Pose; 2],
+    /// Upwards, in the axes of both tools.
+    up: Vector3<f64>,
     t: f64,
 }
 
@@ -21,13 +22,13 @@ fn lift(c: &mut Lift, v: &Reading<(WristForce,)>, t: Tick) -> Step<(Polycrank, P
         return Step::Done;
     }
     c.t = (c.t + t.dt).min(4.0);
-    if let Some(wrench) = v.0.reading().filter(|_| t.step % 250 == 0) {
+    if let Some(wrench) = v.0.reading().filter(|_| t.step.is_multiple_of(250)) {
         let [x, y, z]: [f64; 3] = wrench.force.into();
         println!("{:4.1} s: the second wrist feels ({x:6.2}, {y:6.2}, {z:6.2}) N", c.t);
     }
-    let height = 0.05 * (1.0 - (0.25 * std::f64::consts::PI * c.t).cos());
-    let [one, two] = c.from.map(|from| Demand::pose(Translation3::new(0.0, 0.0, height) * from));
-    Step::Next((one, two))
+    let height = 0.025 * (1.0 - (0.25 * std::f64::consts::PI * c.t).cos());
+    let way = Pose::from_parts((c.up * height).into(), UnitQuaternion::identity());
+    Step::Next((Demand::displacement(way), Demand::displacement(way)))
 }
 
 /// Runs the example.
@@ -39,6 +40,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bases = [Pose::identity(), Pose::translation(0.6, 0.0, 0.0)];
     let [one, two] = bases.map(|base| Polycrank::new().with_base(base));
     let flanges = [one.forward(&start), two.forward(&start)];
+    let up = flanges[0].rotation.inverse() * Vector3::z();
 
     // A bar of 3 kg between the flanges.
     let middle = Translation3::from(flanges[0].translation.vector.lerp(&flanges[1].translation.vector, 0.5));
@@ -61,7 +63,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
             let mut force = mp.sensor::<WristForce>("force")?;
             hands[0].close()?;
             hands[1].close()?;
-            mp.move_robots((&mut one, &mut two), (&mut force,), Lift { from: flanges, t: 0.0 })?;
+            mp.move_robots((&mut one, &mut two), (&mut force,), Lift { up, t: 0.0 })?;
             let squeeze = hands[0].world().internal_force();
             println!("the hands squeeze the body with {squeeze:.1} N");
             // k delta / 2, two springs of 5e4 N/m in series.

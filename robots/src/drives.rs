@@ -90,6 +90,13 @@ pub trait Driven<const N: usize>: Robot<Joints = SVector<f64, N>> {
     /// What the motors bear.
     fn motor_limits(&self) -> &MotorLimits<N>;
 
+    /// Motor angles of the index lines at which the motors are synchronised \[rad\]: of the first line above each motor's
+    /// switch. In the middle of the joint limits unless the robot says otherwise (assumed).
+    fn marks(&self) -> SVector<f64, N> {
+        let limits = self.limits();
+        self.motors(&((limits.lower + limits.upper) * 0.5))
+    }
+
     /// Motor angles \[rad\] of the joint positions `q` [rad or m].
     fn motors(&self, q: &SVector<f64, N>) -> SVector<f64, N>;
 

@@ -122,16 +122,7 @@ impl Irp6 {
     /// The arm with its design dimensions, its base at the world's origin.
     #[must_use]
     pub fn nominal() -> Self {
-        Self::new(
-            Geometry { a2: 0.455, a3: 0.67, d5: 0.19 },
-            transmission(
-                77895.25,
-                [60902.55, -29346.68, 220.3374],
-                [-44100.0, -51240.0, 183.8348],
-                [-15.9, -5.0, -8.527, 151.31, 435.25, 791.0],
-                [0.0, 0.0, 0.0],
-            ),
-        )
+        Self::new(Geometry::NOMINAL, nominal_transmission([-15.9, -5.0, -8.527, 151.31, 435.25, 791.0]))
     }
 
     /// The arm on the postument with its calibrated dimensions, its base at the world's origin.
@@ -281,6 +272,10 @@ impl Driven<6> for Irp6 {
         &Self::MOTOR_LIMITS
     }
 
+    fn marks(&self) -> Six {
+        self.transmission.marks()
+    }
+
     fn motors(&self, q: &Six) -> Six {
         self.transmission.motors(q)
     }
@@ -309,6 +304,12 @@ fn loads(lower: &LinkState, upper: &LinkState) -> [f64; 2] {
         -GRAVITY * lower_moment * lower.cosine / lower.ratio,
         -GRAVITY * upper_moment * upper.cosine / upper.ratio,
     ]
+}
+
+/// The drives with the design's screws, from the synchronisation positions.
+pub(crate) fn nominal_transmission(synchro: [f64; 6]) -> Transmission {
+    let (lower, upper) = ([60902.55, -29346.68, 220.3374], [-44100.0, -51240.0, 183.8348]);
+    transmission(77895.25, lower, upper, synchro, [0.0; 3])
 }
 
 /// The drives, from the terms of the screws, the synchronisation positions and the offsets of q1, q5, q6.

@@ -28,7 +28,7 @@ use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Matrix3, SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
-use crate::irp6::{Geometry, Irp6, Six, arm_shafts, transmission};
+use crate::irp6::{Geometry, Irp6, Six, arm_shafts, nominal_transmission, transmission};
 use crate::kinematics::{Jacobian, Kinematics, column};
 use crate::regulator::Gains;
 use crate::transmission::{Linear, Transmission};
@@ -84,15 +84,9 @@ impl Irp6Track {
     #[must_use]
     pub fn nominal() -> Self {
         Self::new(
-            Geometry { a2: 0.455, a3: 0.67, d5: 0.19 },
+            Geometry::NOMINAL,
             0.0,
-            transmission(
-                77895.25,
-                [60902.55, -29346.68, 220.3374],
-                [-44100.0, -51240.0, 183.8348],
-                [-10.819, -4.012, -6.219, 158.997, 479.5, 769.7],
-                [0.0, 0.0, 0.0],
-            ),
+            nominal_transmission([-10.819, -4.012, -6.219, 158.997, 479.5, 769.7]),
         )
     }
 
@@ -269,7 +263,7 @@ impl Robot for Irp6Track {
         }
     }
 
-    /// `redundancy`: the track's position, q[0] \[m\]; the arm's branch as for [`Irp6`].
+    /// `redundancy`: the carriage's position d \[m\]; the arm's branch as for [`Irp6`].
     ///
     /// # Errors
     /// As [`Irp6`]: nothing is moved to make the pose reachable.
@@ -315,6 +309,10 @@ impl Driven<7> for Irp6Track {
 
     fn motor_limits(&self) -> &MotorLimits<7> {
         &Self::MOTOR_LIMITS
+    }
+
+    fn marks(&self) -> Seven {
+        joined(self.track.synchro, &self.transmission.marks())
     }
 
     fn motors(&self, q: &Seven) -> Seven {

@@ -250,9 +250,11 @@ impl Robot for Rnt {
 
     /// Where the actuators' lengths close no loop (far outside the limits), NaN.
     fn forward(&self, q: &Six) -> Pose {
-        let nowhere = Vector2::new(f64::NAN, f64::NAN);
-        let (upper, forearm) =
-            Linkage::of(q[1], q[2]).map_or((nowhere, nowhere), |linkage| (linkage.upper, linkage.forearm));
+        let Some(Linkage { upper, forearm, .. }) = Linkage::of(q[1], q[2]) else {
+            let nan = f64::NAN;
+            let rotation = UnitQuaternion::new_unchecked(Quaternion::new(nan, nan, nan, nan));
+            return Pose::from_parts(Translation3::new(nan, nan, nan), rotation);
+        };
         let [h1, h5, plus, minus] = sin_cos([q[0], q[4], q[3] + q[5], q[3] - q[5]].map(|angle| 0.5 * angle));
         let ((s1, c1), (s5, c5)) = (doubled(h1), doubled(h5));
         let s4 = plus.0 * minus.1 + plus.1 * minus.0;

@@ -11,7 +11,8 @@ use mrroc::{
 };
 use mrroc_robots::grasp::{Body, Fingers, Grasp, Grasping, Hand, SimulatedWrist, Table, World, WristForce};
 use mrroc_robots::{
-    Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, One, Polycrank, Rnt, Seven, Simulated, Six,
+    Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven,
+    Simulated, Six,
 };
 use nalgebra::{Matrix6, SVector, Translation3, UnitQuaternion, Vector3, Vector6};
 
@@ -132,7 +133,7 @@ fn carried(error: Pose) -> ([Moment; 2], [Pose; 2]) {
             hands[1].close()?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
-            let from = arms().map(|arm| arm.forward(&start()));
+            let from = [one.demanded().pose, two.demanded().pose];
             mp.move_robots((&mut one, &mut two), (), Carry { from, t: 0.0 })?;
             mp.wait_until((&mut one, &mut two), (), Pause(1000))?;
             record.borrow_mut().push(look(&world, &hands));
@@ -360,3 +361,63 @@ fn a_held_body_loads_the_motors_by_its_weight() {
     assert!((difference - expected).abs() < 2.0 * 2e-3 / 0.02, "{difference} A for {expected} A");
     assert!(expected > 0.1 && difference > 0.0);
 }
+
+/// Holds 2 kg beside the tool for three seconds; returns how far the tool gave way \[m\].
+fn holds<const N: usize, R: Driven<N> + Kinematics<N>>(robot: R, q: SVector<f64, N>) -> f64 {
+    let flange = robot.forward(&q);
+    let body = Body::block(MASS, [0.2, 0.1, 0.1]).at(Translation3::new(0.1, 0.0, 0.0) * flange);
+    let world = World::new(&body).expect("a body");
+    let mut arm = world.arm(Simulated::new(robot, &q), Grasp::new(5e4, 500.0)).expect("a grasp");
+    let hand = arm.hand();
+    hand.close().expect("there");
+    let periods = (3.0 / arm.period().as_secs_f64()) as usize;
+    for _ in 0..periods {
+        arm.tick(&q).expect("no drive trips");
+    }
+    let force = hand.pose().rotation * hand.reaction().force;
+    assert!((force + Vector3::z() * (MASS * GRAVITY)).amax() < 0.2, "{}: {force}", R::KIND);
+    let torque = hand.pose().rotation * hand.reaction().torque;
+    // m g of lever, and what the grasp sags.
+    assert!((torque.y - 0.1 * MASS * GRAVITY).abs() < 0.05, "{}: {torque}", R::KIND);
+    (hand.pose().translation.vector - flange.translation.vector).norm()
+}
+
+#[test]
+fn every_arm_carries_a_body_without_swinging_up() {
+    let arm = Six::new(0.1, -1.55, 0.1, -0.1, 4.6, 0.2);
+    let gave_way = [
+        holds(Irp6::nominal(), arm),
+        holds(Irp6FiveDof::nominal(), Five::new(0.3, -1.6, 0.1, 0.2, 1.0)),
+        holds(Irp6Track::nominal(), Seven::from([0.5, arm[0], arm[1], arm[2], arm[3], arm[4], arm[5]])),
+        holds(Rnt::new(), Six::new(0.1, 0.5, 0.55, 0.2, 1.3, 0.3)),
+        holds(Polycrank::new(), start()),
+    ];
+    // The regulators hold each motor to some pulses of its encoder.
+    assert!(gave_way.iter().all(|way| *way < 2e-4), "{gave_way:?} m");
+}
+
+#[path = "../examples/01_two_arms_one_body.rs"]
+mod example_01;
+
+#[test]
+fn example_01_holds_a_body_with_two_arms() {
+    example_01::main().expect("runs without a fault");
+}
+
+/// An arm whose closed gripper holds 2 kg.
+fn holding() -> Grasping<Polycrank, 7> {
+    let body = Body::block(MASS, [0.2, 0.1, 0.1]).at(Polycrank::new().forward(&start()));
+    let world = World::new(&body).expect("a body");
+    let drives = Simulated::new(Polycrank::new(), &start());
+    let arm = world.arm(drives, Grasp::new(STIFFNESS.0, STIFFNESS.1)).expect("a good grasp");
+    arm.hand().close().expect("there");
+    arm
+}
+
+/// A gripper whose fingers have the body of a still arm between them.
+fn fingers() -> Fingers {
+    Fingers::new(Simulated::new(Gripper::new(), &One::new(0.07)), holding().hand(), 0.05).expect("a width")
+}
+
+mrroc_robots::driver_conformance!(an_arm_with_a_body, Polycrank::new(), holding(), start());
+mrroc_robots::driver_conformance!(open_fingers, Gripper::new(), fingers(), One::new(0.07));

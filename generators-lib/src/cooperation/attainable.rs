@@ -12,7 +12,8 @@
 //!
 //! Least changes of `q` and `x` (Gauss-Newton, lengths in metres and angles in radians alike), so that redundant arms are
 //! resolved as well; `J` is the Jacobian of the tool, from central differences of the direct kinematics. The direction in
-//! which an arm fails is the one that `J` gives least: the eigenvector of the smallest eigenvalue of `J J^T` (Yoshikawa 1985).
+//! which an arm fails is the one that `J` gives least: the eigenvector of the smallest eigenvalue of `J J^T` (Yoshikawa 1985),
+//! with a turn of 1 rad counted like a way of 0.1 m, about the size of a gripper: what is asked of a grasp is first its place.
 
 use core::fmt;
 
@@ -26,6 +27,8 @@ use super::{BodyFrame, BodyPath};
 const DIFFERENCE: f64 = 1e-5;
 /// What remains of an error of the pose when it is solved [m, rad].
 const SOLVED: f64 = 1e-11;
+/// The way that counts like a turn of 1 rad \[m\].
+const GRIPPER: f64 = 0.1;
 /// Iterations, from the step before: two or three are needed.
 const ITERATIONS: usize = 30;
 
@@ -80,7 +83,7 @@ pub struct Direction {
 /// `turning about (0.00, 1.00, 0.00)`, or what is the greater part of it.
 impl fmt::Display for Direction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (how, v) = if self.turning.norm() >= self.moving.norm() {
+        let (how, v) = if self.turning.norm() * GRIPPER >= self.moving.norm() {
             ("turning about", self.turning.normalize())
         } else {
             ("moving along", self.moving.normalize())
@@ -181,7 +184,8 @@ pub struct Arm<R: Robot> {
 
 #[allow(non_snake_case)]
 impl<R: Robot> Arm<R> {
-    /// The arm with these kinematics in this state, such as `rnt.demanded()` of a handle.
+    /// The arm with these kinematics in this state, such as `rnt.demanded()` of a handle; a handle knows it from the first
+    /// Move or Wait on that names the robot.
     #[must_use]
     pub fn new(robot: R, state: &RobotState<R>) -> Self {
         let X_FE = robot.forward(&state.joints).inv_mul(&state.pose);
@@ -237,8 +241,10 @@ impl<R: Robot> Arm<R> {
 
     /// The direction that the joints give least.
     fn weakest(&self, q: &R::Joints) -> Direction {
-        let eigen = SymmetricEigen::new(self.mobility(q));
-        let v = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+        let scale = Matrix6::from_diagonal(&Vector6::new(GRIPPER, GRIPPER, GRIPPER, 1.0, 1.0, 1.0));
+        let unscale = Matrix6::from_diagonal(&scale.diagonal().map(f64::recip));
+        let eigen = SymmetricEigen::new(unscale * self.mobility(q) * unscale);
+        let v = scale * eigen.eigenvectors.column(eigen.eigenvalues.imin());
         Direction { moving: v.fixed_rows::<3>(0).into(), turning: v.fixed_rows::<3>(3).into() }
     }
 

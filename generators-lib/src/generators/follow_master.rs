@@ -65,3 +65,33 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> FollowMaster<L, P, O> {
         self.advance(&e.measured_poses().as_ref()[0], t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState};
+    use mrroc_generators::cooperation::TimedBody;
+    use mrroc_robots::{Irp6, Six};
+
+    fn image(measured: Pose, demanded: Pose) -> RobotImage<Irp6> {
+        let state = |pose| RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
+        RobotImage::new(state(measured), state(demanded))
+    }
+
+    #[test]
+    fn slaves_go_where_the_master_is_pushed() {
+        let (one, two) = (Pose::translation(0.5, 0.0, 0.25), Pose::translation(0.875, 0.125, 0.25));
+        let at = |push: f64| {
+            let measured = Pose::translation(0.0, push, 0.0) * one;
+            State::<[Irp6; 2]>::new([image(measured, one), image(two, two)])
+        };
+        let rest = TimedBody::new(1.0, |_| Pose::identity());
+        let mut generator = FollowMaster::<[Irp6; 2], _>::along(rest, 0.0);
+        let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
+        let Ok(Step::Next([master, slave])) = generator.first_step(&at(0.0), t) else { panic!("ended") };
+        assert_eq!((master, slave), (mrroc::Demand::pose(one), mrroc::Demand::pose(two)));
+        let Ok(Step::Next([master, slave])) = generator.next_step(&at(0.0625), t) else { panic!("ended") };
+        let pushed = Pose::translation(0.875, 0.1875, 0.25);
+        assert_eq!((master, slave), (mrroc::Demand::pose(one), mrroc::Demand::pose(pushed)));
+    }
+}

@@ -53,3 +53,44 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
         self.advance(t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_generators::cooperation::StraightBody;
+    use mrroc_generators::line::ToolLimits;
+    use mrroc_generators::profile::ProfileLimits;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
+    use std::time::Duration;
+
+    #[test]
+    fn two_arms_lift_a_body_in_the_closed_form_time() {
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let (left, right) = (Irp6::nominal(), Irp6::nominal().with_base(Pose::translation(1.8, 0.3, 0.0)));
+        let arms = [SimulatedIrp6::new(left.clone(), &start), SimulatedIrp6::new(right.clone(), &start)];
+        let shafts = arms.each_ref().map(|arm| arm.shaft());
+        let [one, two] = arms;
+        let cell = Cell::new(Duration::from_millis(2))
+            .robot(RobotSetup::new("left", left.clone(), one))
+            .robot(RobotSetup::new("right", right.clone(), two));
+        let cell = cell.program(|mp| {
+            let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+            let limits = ToolLimits { translation: limits, rotation: limits };
+            let path = StraightBody::by(Pose::translation(0.0, 0.0, 0.05), limits);
+            let (mut one, mut two) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
+            let lift = RigidCarry::<(Irp6, Irp6), _>::along(BodyFrame::Centroid, path);
+            mp.move_robots((&mut one, &mut two), (), lift).map(drop)
+        });
+        let report = cell.run().expect("within the limits");
+        // T = D / V + V / A = 0.05 / 0.1 + 0.1 / 0.5.
+        let duration = report.time.as_secs_f64();
+        assert!((0.70..0.72).contains(&duration), "{duration} s");
+        for (robot, shaft) in [left, right].iter().zip(&shafts) {
+            let up = mrroc::Robot::forward(robot, &shaft.state().position).translation.vector
+                - mrroc::Robot::forward(robot, &start).translation.vector;
+            assert!((up - Vector3::z() * 0.05).norm() < 1e-3, "{up}");
+        }
+    }
+}

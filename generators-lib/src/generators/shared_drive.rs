@@ -95,3 +95,43 @@ where
         self.advance(t)
     }
 }
+
+#[cfg(test)]
+#[allow(non_snake_case)]
+mod tests {
+    use super::*;
+    use mrroc::{Demand, RobotImage, RobotState};
+    use mrroc_generators::cooperation::TimedBody;
+    use mrroc_generators::profile::ProfileLimits;
+    use mrroc_robots::{Irp6, Six};
+
+    fn image(pose: Pose) -> RobotImage<Irp6> {
+        let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
+        RobotImage::new(state, state)
+    }
+
+    #[test]
+    fn the_drive_frame_starts_when_the_last_arm_has_engaged() {
+        let (one, two, X_WD) =
+            (Pose::translation(0.5, 0.0, 0.3), Pose::translation(0.9, 0.1, 0.3), Pose::identity());
+        let up = Pose::translation(0.0, 0.0, 0.01);
+        let loops = [KinematicLoop::held(&X_WD, &one), KinematicLoop::held(&X_WD, &(up * two))];
+        let limits = ProfileLimits { velocity: 0.1, acceleration: 1.0 };
+        let limits = ToolLimits { translation: limits, rotation: limits };
+        let path = TimedBody::new(0.01, |t| Pose::translation(t, 0.0, 0.0));
+        let mut generator = SharedDrive::<[Irp6; 2], _>::from(X_WD, path, loops, limits);
+        let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
+        let mut step = generator.first_step(&State::new([image(one), image(two)]), t);
+        let mut demands = Vec::new();
+        while let Ok(Step::Next(both)) = step {
+            demands.push(both);
+            step = generator.next_step(t);
+        }
+        // 10 mm by the triangle of 2 sqrt(D / A) = 0.2 s, then 10 ms.
+        assert_eq!(demands.len(), 100 + 5);
+        assert!(demands[..100].iter().all(|both| both[0] == Demand::pose(one)));
+        assert_eq!(demands[99][1], Demand::pose(up * two));
+        let along = |pose: Pose| Demand::pose(Pose::translation(0.01, 0.0, 0.0) * pose);
+        assert_eq!(demands[104], [along(one), along(up * two)]);
+    }
+}

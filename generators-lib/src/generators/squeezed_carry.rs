@@ -86,3 +86,55 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, P: BodyPath, O: 'static> 
         self.advance(v, t)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState, Sensor, SensorImage};
+    use mrroc_generators::cooperation::{SqueezeBounds, SqueezeGains, TimedBody};
+    use mrroc_robots::{Irp6, Six};
+    use nalgebra::Vector3;
+
+    struct Wrist;
+
+    impl Sensor for Wrist {
+        const KIND: &'static str = "wrist";
+        type Reading = Wrench;
+        type Configuration = ();
+    }
+
+    fn image(x: f64) -> RobotImage<Irp6> {
+        let pose = Pose::translation(x, 0.0, 0.3);
+        let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
+        RobotImage::new(state, state)
+    }
+
+    #[test]
+    fn arms_yield_to_a_squeeze_and_not_to_a_weight() {
+        let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
+        let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
+        let bounds = SqueezeBounds { speed: 0.01, turning: 0.1, way: 1e-3, angle: 0.01 };
+        let law = SqueezeLaw::new(gains, bounds, 0.01).expect("reserve");
+        let rest = TimedBody::new(1.0, |_| Pose::identity());
+        let mut generator = SqueezedCarry::<[Irp6; 2], [Wrist; 2], _>::along(
+            BodyFrame::Centroid,
+            rest,
+            law,
+            stiffness,
+            0.0,
+            1,
+        );
+        let load = |x| SensorImage::new(Wrench::new(Vector3::new(x, 0.0, -15.0), Vector3::zeros()), 0);
+        let (e, v) =
+            (State::new([image(0.5), image(0.9)]), Reading::<[Wrist; 2]>::new([load(-25.0), load(25.0)]));
+        let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
+        let Ok(Step::Next(demands)) = generator.first_step(&e, &v, t) else { panic!("a fault or the end") };
+        // F / K a T = 25 / 5e4 * 5 * 2e-3 outwards, and nothing downwards.
+        for (demand, x) in demands.iter().zip([0.5 - 5e-6, 0.9 + 5e-6]) {
+            assert_eq!(*demand, mrroc::Demand::pose(Pose::translation(x, 0.0, 0.3)));
+        }
+        let old = Reading::new([SensorImage::new(Wrench::default(), 2); 2]);
+        let fault = generator.next_step(&old, t).expect_err("two steps old");
+        assert_eq!(fault.kind(), FaultKind::SensorStale);
+    }
+}

@@ -12,7 +12,7 @@ pub struct TransmitDisplacement<R>(PhantomData<R>);
 impl<R: Robot> TransmitDisplacement<R> {
     /// For a robot of kind `R`.
     #[must_use]
-    pub const fn new() -> Self {
+    pub fn new() -> Self {
         TransmitDisplacement(PhantomData)
     }
 }
@@ -27,5 +27,19 @@ impl<R: Robot> Default for TransmitDisplacement<R> {
 impl<R: Robot> TransmitDisplacement<R> {
     fn next_step(order: &Order<Displacement>) -> Always<R> {
         Always(Demand::displacement(order.value().pose))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::Pose;
+    use mrroc_robots::Irp6;
+
+    #[test]
+    fn what_is_ordered_is_demanded() {
+        let pose = Pose::translation(0.1, 0.2, 0.3);
+        let Always(demand) = TransmitDisplacement::<Irp6>::next_step(&Order::new(Displacement { pose }));
+        assert_eq!(demand, Demand::displacement(pose));
     }
 }

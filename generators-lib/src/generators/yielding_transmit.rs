@@ -18,7 +18,7 @@ pub struct YieldingTransmit<R: Robot> {
 impl<R: Robot> YieldingTransmit<R> {
     /// For a robot with these kinematics, whose grasp is free in a direction of the tool's frame.
     #[must_use]
-    pub const fn by(robot: R, free: FreeDirection) -> Self {
+    pub fn by(robot: R, free: FreeDirection) -> Self {
         YieldingTransmit { robot, free, arm: None }
     }
 }
@@ -36,5 +36,32 @@ impl<R: Robot> YieldingTransmit<R> {
         let X_WE = arm.start() * order.value().pose;
         arm.follow(&X_WE).map_err(|refused| Fault::thrown(&refused.to_string()))?;
         Ok(Step::Next(Demand::joints(*arm.joints())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Pose, RobotImage, RobotState};
+    use mrroc_robots::{Five, Irp6FiveDof};
+    use nalgebra::Vector3;
+
+    #[test]
+    #[allow(non_snake_case)]
+    fn an_arm_of_five_joints_goes_aside_and_turns_where_it_may() {
+        // The tool is level; its x axis is upright.
+        let (robot, q) = (Irp6FiveDof::nominal(), Five::new(0.0, -1.5, 0.1, -0.170_796_326_794_896_6, 0.0));
+        let X_WE = robot.forward(&q);
+        let state = RobotState { joints: q, velocity: Five::zeros(), pose: X_WE };
+        let aside = X_WE.inverse() * Pose::translation(0.0, 0.02, 0.0) * X_WE;
+        let order = Order::new(Displacement { pose: aside });
+        let mut generator = YieldingTransmit::by(robot.clone(), FreeDirection::Turn(Vector3::x_axis()));
+        let step = generator.first_step(&order, &State::new(RobotImage::new(state, state)));
+        let angle = (0.02 / X_WE.translation.x).atan();
+        let arm = generator.arm.as_ref().expect("made in the first step");
+        assert_eq!(step.expect("attainable"), Step::Next(Demand::joints(*arm.joints())));
+        assert!((arm.joints()[0] - angle).abs() < 1e-9);
+        let reached = robot.forward(arm.joints()).translation.vector - X_WE.translation.vector;
+        assert!((reached - Vector3::y() * 0.02).norm() < 1e-9, "{reached}");
     }
 }

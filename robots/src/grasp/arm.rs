@@ -6,7 +6,7 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Driver, Measured, Pose, Wrench};
+use mrroc::{DriveFault, Driver, Measured, Pose, Regulators, Wrench};
 use nalgebra::{SVector, Vector6};
 
 use super::compliance::Grasp;
@@ -34,8 +34,26 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Grasping<R, N> {
     pub(super) fn new(world: &World, arm: Simulated<R, N>, grasp: Grasp) -> Result<Self, WorldError> {
         let (shaft, X_FE) = (arm.shaft(), grasp.X_FE);
         let X_WE = arm.robot().forward(&shaft.state().position) * X_FE;
-        let hand = world.hand(grasp, arm.period(), X_WE)?;
+        let hand = world.add_hand(grasp, arm.period(), X_WE)?;
         Ok(Self { arm, shaft, hand, X_FE })
+    }
+
+    /// Loads the motors with what the body does to the gripper: at E, along the world's axes.
+    #[allow(non_snake_case)]
+    fn load(&mut self, F_E: &Wrench) {
+        if *F_E == Wrench::default() {
+            (0..N).for_each(|i| self.arm.push(i, 0.0));
+            return;
+        }
+        let q = self.shaft.state().position;
+        let robot = self.arm.robot();
+        // From the tool's origin to the flange's, where the Jacobian is taken.
+        let lever = robot.forward(&q).rotation * self.X_FE.translation.vector;
+        let (f, t) = (F_E.force, F_E.torque + lever.cross(&F_E.force));
+        let torques = robot.jacobian(&q).tr_mul(&Vector6::new(f.x, f.y, f.z, t.x, t.y, t.z));
+        let at_motors = robot.motor_torques(&robot.motors(&q), &torques);
+        // A drive's load counts against its motion.
+        (0..N).for_each(|i| self.arm.push(i, -at_motors[i]));
     }
 
     /// Its gripper.
@@ -69,20 +87,17 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
     #[allow(non_snake_case)]
     fn tick(&mut self, demanded: &SVector<f64, N>) -> Result<Measured<SVector<f64, N>>, DriveFault> {
         let reaction = self.hand.begin();
-        if reaction == Wrench::default() {
-            self.arm.load_joints(&SVector::zeros());
-        } else {
-            let q = self.shaft.state().position;
-            let robot = self.arm.robot();
-            // From the tool's origin to the flange's.
-            let lever = robot.forward(&q).rotation * self.X_FE.translation.vector;
-            let torque = reaction.torque + lever.cross(&reaction.force);
-            let (f, t) = (reaction.force, torque);
-            let torques = robot.jacobian(&q).tr_mul(&Vector6::new(f.x, f.y, f.z, t.x, t.y, t.z));
-            self.arm.load_joints(&torques);
-        }
+        self.load(&reaction);
         let measured = self.arm.tick(demanded);
         self.hand.end(self.arm.robot().forward(&self.shaft.state().position) * self.X_FE);
         measured
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.arm.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.arm.choose_regulators(sets);
     }
 }

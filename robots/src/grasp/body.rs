@@ -8,10 +8,11 @@
 //! Position and attitude drift with constant momenta, momenta are kicked at constant position: the leapfrog scheme, of
 //! second order, which conserves both momenta in free flight to round-off. The attitude drifts by the midpoint rule.
 
-use mrroc::{AngleAxis, Pose, Wrench};
+use mrroc::{Pose, Wrench};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::error::{WorldError, positive};
+use super::turn;
 
 /// A rigid body at rest. Its frame B lies in its centre of mass.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,8 +95,7 @@ impl Moving {
         }
         let inertia = body.inertia;
         let asymmetry = (inertia - inertia.transpose()).amax();
-        // Also false for NaN.
-        let is_tensor = asymmetry <= 1e-9 * inertia.amax();
+        let is_tensor = inertia.iter().all(|x| x.is_finite()) && asymmetry <= 1e-9 * inertia.amax();
         if !is_tensor {
             return Err(WorldError::Inertia([f64::NAN; 3]));
         }
@@ -142,6 +142,7 @@ impl Moving {
     }
 
     /// The angular velocity that the angular momentum is at an attitude.
+    #[inline]
     fn turning_at(&self, rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
         rotation * (self.inverse * rotation.inverse_transform_vector(&self.angular_momentum))
     }
@@ -156,8 +157,8 @@ impl Moving {
     pub fn drift(&mut self, h: f64) {
         self.position += self.momentum * (h / self.mass);
         let before = self.angular_velocity();
-        let half = AngleAxis(before * (0.5 * h)).rotation() * self.rotation;
-        self.rotation = AngleAxis(self.turning_at(&half) * h).rotation() * self.rotation;
+        let half = turn::by(&(before * (0.5 * h))) * self.rotation;
+        self.rotation = turn::by(&(self.turning_at(&half) * h)) * self.rotation;
         // Products of rotations lose their unit length by round-off alone: one step of Newton's takes it back.
         self.rotation.renormalize_fast();
     }

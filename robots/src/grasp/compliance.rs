@@ -8,12 +8,15 @@
 //! energy = k d^2 / 2 + kappa theta^2 / 2
 //! ```
 //!
+//! While a gripper closes, all four constants grow evenly from 0.
+//!
 //! The gradient of `theta^2 / 2` over turns is theta itself, so the spring conserves energy at any angle below pi.
 
-use mrroc::{AngleAxis, Pose, Wrench};
+use mrroc::{Pose, Wrench};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::{WorldError, not_negative, positive};
+use super::turn;
 
 /// How a gripper holds the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +26,7 @@ pub struct Grasp {
     pub(super) rotational_stiffness: f64,
     pub(super) damping: f64,
     pub(super) rotational_damping: f64,
+    pub(super) closing: f64,
     pub(super) X_FE: Pose,
     pub(super) X_BG: Option<Pose>,
 }
@@ -44,6 +48,7 @@ impl Grasp {
             rotational_stiffness: rotational,
             damping: Self::DAMPING * stiffness,
             rotational_damping: Self::DAMPING * rotational,
+            closing: 0.0,
             X_FE: Pose::identity(),
             X_BG: None,
         }
@@ -53,6 +58,13 @@ impl Grasp {
     #[must_use]
     pub fn with_damping(self, damping: f64, rotational: f64) -> Self {
         Self { damping, rotational_damping: rotational, ..self }
+    }
+
+    /// The same grasp, tightened evenly over this time when it closes \[s\], >= 0; without it, at once. Meanwhile something
+    /// else must carry the body.
+    #[must_use]
+    pub fn closing_over(self, duration: f64) -> Self {
+        Self { closing: duration, ..self }
     }
 
     /// The same grasp with the tool frame E at `X_FE` in the flange's; without it E is F.
@@ -75,6 +87,10 @@ impl Grasp {
         positive("the grasp's rotational stiffness", self.rotational_stiffness, "N m/rad")?;
         not_negative("the grasp's damping", self.damping, "N s/m")?;
         not_negative("the grasp's rotational damping", self.rotational_damping, "N m s/rad")?;
+        not_negative("the time in which the grasp closes", self.closing, "s")?;
+        if !self.X_FE.to_homogeneous().iter().all(|x| x.is_finite()) {
+            return Err(WorldError::NotFinite("the tool frame"));
+        }
         Ok(())
     }
 
@@ -108,6 +124,6 @@ impl Deflection {
         (p_e, r_e): (&Vector3<f64>, &UnitQuaternion<f64>),
         (p_g, r_g): (&Vector3<f64>, &UnitQuaternion<f64>),
     ) -> Self {
-        Self { displacement: p_g - p_e, turn: AngleAxis::of(&(r_g * r_e.inverse())).0 }
+        Self { displacement: p_g - p_e, turn: turn::of(&(r_g * r_e.inverse())) }
     }
 }

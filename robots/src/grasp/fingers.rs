@@ -2,10 +2,9 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Driver, Measured};
+use mrroc::{DriveFault, Driver, Measured, Regulators};
 
-use super::error::WorldError;
-use super::error::positive;
+use super::error::{WorldError, positive};
 use super::world::Hand;
 use crate::gripper::{Gripper, One};
 use crate::simulated::{Shaft, Simulated};
@@ -52,5 +51,13 @@ impl Driver<Gripper> for Fingers {
             self.drive.block(0);
         }
         self.drive.tick(demanded)
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.drive.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.drive.choose_regulators(sets);
     }
 }

@@ -2,12 +2,13 @@
 
 use std::collections::VecDeque;
 
-use mrroc::{AngleAxis, Pose, Wrench};
+use mrroc::{Pose, Wrench};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::body::Moving;
 use super::compliance::{Deflection, Grasp};
 use super::contact::at_lever;
+use super::turn;
 
 /// Time on the world's clock \[ns\].
 pub(super) type Nanos = u64;
@@ -36,6 +37,10 @@ struct Held {
     stiffness: f64,
     /// The same of its damping [1/s].
     damping: f64,
+    /// When it began to close.
+    since: Nanos,
+    /// How tight it is, 0 to 1.
+    tightness: f64,
 }
 
 /// What an arm's gripper is to the world.
@@ -116,6 +121,10 @@ impl HandState {
 
     /// Sets E and its motion for an interval that begins at `now`.
     pub fn enter(&mut self, now: Nanos) {
+        if let Some(held) = &mut self.held {
+            let closing = seconds(now - held.since);
+            held.tightness = if closing < self.grasp.closing { closing / self.grasp.closing } else { 1.0 };
+        }
         while self.knots.get(1).is_some_and(|next| next.time <= now) {
             self.knots.pop_front();
         }
@@ -138,12 +147,12 @@ impl HandState {
     /// Moves E on for `h` \[s\].
     pub fn drift(&mut self, h: f64) {
         self.position += self.velocity * h;
-        self.rotation = AngleAxis(self.turning * h).rotation() * self.rotation;
+        self.rotation = turn::by(&(self.turning * h)) * self.rotation;
     }
 
-    /// Closes at the frame G of the body, given as a pose in B.
+    /// Closes at the time `now` at the frame G of the body, given as a pose in B.
     #[allow(non_snake_case)]
-    pub fn close(&mut self, body: &Moving, X_BG: &Pose) {
+    pub fn close(&mut self, now: Nanos, body: &Moving, X_BG: &Pose) {
         let (at, grasp) = (X_BG.translation.vector, &self.grasp);
         let bound = |linear: f64, angular: f64| linear * body.yielding(&at) + angular * body.turning();
         self.held = Some(Held {
@@ -151,6 +160,8 @@ impl HandState {
             rotation: X_BG.rotation,
             stiffness: bound(grasp.stiffness, grasp.rotational_stiffness),
             damping: bound(grasp.damping, grasp.rotational_damping),
+            since: now,
+            tightness: 0.0,
         });
     }
 
@@ -173,7 +184,8 @@ impl HandState {
     }
 
     /// What the grasp does to the body now: a wrench about its centre of mass. Its opposite, for `h` \[s\], goes to the hand.
-    pub fn pull(&mut self, body: &Moving, h: f64) -> Wrench {
+    /// `rate` is how fast the body moves and turns.
+    pub fn pull(&mut self, body: &Moving, rate: &Deflection, h: f64) -> Wrench {
         self.elapsed += h;
         let Some(held) = self.held else { return Wrench::default() };
         let lever = body.rotation * held.at;
@@ -181,13 +193,13 @@ impl HandState {
             (&self.position, &self.rotation),
             (&(body.position + lever), &(body.rotation * held.rotation)),
         );
-        let omega = body.angular_velocity();
-        let arm = deflection.displacement;
+        let (arm, omega) = (deflection.displacement, rate.turn);
         let rate = Deflection {
-            displacement: body.velocity() + omega.cross(&lever) - (self.velocity + self.turning.cross(&arm)),
+            displacement: rate.displacement + omega.cross(&lever)
+                - (self.velocity + self.turning.cross(&arm)),
             turn: omega - self.turning,
         };
-        let wrench = self.grasp.wrench(&deflection, &rate);
+        let wrench = self.grasp.wrench(&deflection, &rate) * held.tightness;
         let back = at_lever(-wrench.force, &arm);
         self.impulse = self.impulse + Wrench::new(back.force, back.torque - wrench.torque) * h;
         let moved = at_lever(wrench.force, &lever);
@@ -201,7 +213,7 @@ impl HandState {
                 (&self.position, &self.rotation),
                 (&(body.position + body.rotation * held.at), &(body.rotation * held.rotation)),
             );
-            self.grasp.energy(&deflection)
+            self.grasp.energy(&deflection) * held.tightness
         })
     }
 

@@ -24,7 +24,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::arm::Grasping;
 use super::body::{Body, BodyState, Moving};
-use super::compliance::Grasp;
+use super::compliance::{Deflection, Grasp};
 use super::contact::{Point, Table, at_lever};
 use super::error::{OutOfReach, WorldError, positive};
 use super::hand::{HandState, Nanos, seconds};
@@ -112,7 +112,7 @@ impl World {
 
     /// Puts a tool frame into the world that moves every `period`; `X_WE` is where it is.
     #[allow(non_snake_case)]
-    pub(super) fn hand(
+    pub(super) fn add_hand(
         &self,
         grasp: Grasp,
         period: core::time::Duration,
@@ -129,6 +129,12 @@ impl World {
         Ok(Hand { world: self.clone(), index: state.hands.len() - 1 })
     }
 
+    /// The gripper of an arm, counted from 0 in the order in which arms came into the world.
+    #[must_use]
+    pub fn hand(&self, arm: usize) -> Option<Hand> {
+        (arm < self.state().hands.len()).then(|| Hand { world: self.clone(), index: arm })
+    }
+
     /// Where the body is and how it moves.
     #[must_use]
     pub fn body(&self) -> BodyState {
@@ -138,6 +144,12 @@ impl World {
     /// Gives the body a velocity of its centre of mass [m/s] and an angular velocity [rad/s], along the world's axes.
     pub fn push(&self, velocity: Vector3<f64>, angular_velocity: Vector3<f64>) {
         self.state_mut().body.set_velocity(velocity, angular_velocity);
+    }
+
+    /// Gravity [m/s²].
+    #[must_use]
+    pub fn gravity(&self) -> Vector3<f64> {
+        self.state().gravity
     }
 
     /// Time on the world's clock \[s\].
@@ -199,7 +211,7 @@ impl Hand {
     #[allow(non_snake_case)]
     pub fn close(&self) -> Result<(), OutOfReach> {
         let state = &mut *self.world.state_mut();
-        let (body, hand) = (&state.body, &mut state.hands[self.index]);
+        let (now, body, hand) = (state.time, &state.body, &mut state.hands[self.index]);
         if hand.is_closed() {
             return Ok(());
         }
@@ -212,7 +224,7 @@ impl Hand {
         if !is_there {
             return Err(OutOfReach { distance, angle, reach, turn });
         }
-        hand.close(body, &X_BG);
+        hand.close(now, body, &X_BG);
         Ok(())
     }
 
@@ -349,11 +361,12 @@ impl State {
     fn wrench(&mut self, h: f64, touching: bool) -> Wrench {
         let body = &self.body;
         let mut sum = Wrench::new(body.mass * self.gravity, Vector3::zeros());
+        let (velocity, omega) = (body.velocity(), body.angular_velocity());
+        let rate = Deflection { displacement: velocity, turn: omega };
         for hand in &mut self.hands {
-            sum = sum + hand.pull(body, h);
+            sum = sum + hand.pull(body, &rate, h);
         }
         if let Some(table) = self.table.filter(|_| touching) {
-            let (velocity, omega) = (body.velocity(), body.angular_velocity());
             for point in &mut self.points {
                 let lever = body.rotation * point.at;
                 let speed = velocity + omega.cross(&lever);

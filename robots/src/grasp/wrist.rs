@@ -5,7 +5,8 @@
 //! reading = low-pass(raw - measured bias - weight of the tool, as e_j says it hangs)    in E, the tool's frame
 //! ```
 //!
-//! The sensor sits between flange and tool, so the tool's weight is on it. It feels no inertia of the tool.
+//! The sensor sits between flange and tool, so the tool's weight is on it. It feels no inertia of the tool. E is the tool
+//! frame of the robot's set-up and of its grasp, which must be the same.
 
 use core::f64::consts::TAU;
 
@@ -14,7 +15,6 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::noise::Noise;
 use super::world::Hand;
-use crate::transmission::GRAVITY;
 
 /// The kind of sensor: a force and torque sensor at an arm's wrist. Its reading is `F_E`, what the surroundings do to the
 /// tool, without the tool's weight: at the origin of the tool frame E and in its axes.
@@ -68,8 +68,8 @@ struct Load {
 impl Load {
     /// Its weight at E, with E turned by `R_WE`.
     #[allow(non_snake_case)]
-    fn weight(&self, R_WE: &UnitQuaternion<f64>) -> Wrench {
-        let force = R_WE.inverse_transform_vector(&Vector3::new(0.0, 0.0, -GRAVITY * self.mass));
+    fn weight(&self, gravity: &Vector3<f64>, R_WE: &UnitQuaternion<f64>) -> Wrench {
+        let force = R_WE.inverse_transform_vector(&(gravity * self.mass));
         Wrench::new(force, self.centre.cross(&force))
     }
 }
@@ -156,10 +156,23 @@ impl SimulatedWrist {
         Self { corner: Some(corner), ..self }
     }
 
+    /// Whether all figures are what they must be.
+    fn check_settings(&self) -> Result<(), Fault> {
+        let is_positive = |value: f64| value > 0.0 && value.is_finite();
+        let resolves = is_positive(self.resolution.0) && is_positive(self.resolution.1);
+        let spreads = self.noise.0 >= 0.0 && self.noise.1 >= 0.0;
+        if resolves && spreads && self.corner.is_none_or(is_positive) {
+            return Ok(());
+        }
+        let text = "a wrist sensor needs resolutions and a corner frequency above 0, and noise of 0 or more";
+        Err(Fault::new(FaultKind::Config).text(text))
+    }
+
     /// What the strain gauges give, in S.
     #[allow(non_snake_case)]
     fn raw(&mut self) -> Wrench {
-        let load = self.hand.reaction() + self.tool.weight(&self.hand.pose().rotation);
+        let weight = self.tool.weight(&self.hand.world().gravity(), &self.hand.pose().rotation);
+        let load = self.hand.reaction() + weight;
         let mut raw = load.moved(&self.X_ES.inverse()) + self.bias;
         let measured = |values: &mut Vector3<f64>, deviation: f64, resolution: f64, random: &mut Noise| {
             for value in values.iter_mut() {
@@ -215,9 +228,10 @@ impl VirtualSensor for SimulatedWrist {
         let arm = order.robot.ok_or_else(|| {
             Fault::thrown("a wrist sensor must know how its tool hangs: give it its arm, `SensorSetup::of`")
         })?;
+        self.check_settings()?;
         let raw = self.raw();
         self.check(&raw)?;
-        let weight = self.believed.weight(&arm.pose.rotation);
+        let weight = self.believed.weight(&self.hand.world().gravity(), &arm.pose.rotation);
         match order.configuration {
             WristOrder::Read => self.averaged = 0.0,
             WristOrder::MeasureBias => {

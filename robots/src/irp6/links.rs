@@ -34,6 +34,9 @@ pub(crate) enum Elbow {
 }
 
 impl Geometry {
+    /// The design's dimensions.
+    pub(crate) const NOMINAL: Self = Self { a2: 0.455, a3: 0.67, d5: 0.19 };
+
     /// Length of the stretched arm \[m\].
     pub(crate) fn length(&self) -> f64 {
         self.a2 + self.a3 + self.d5

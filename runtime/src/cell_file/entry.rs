@@ -26,6 +26,7 @@ pub struct RobotEntry {
     pub(super) name: At<String>,
     pub(super) kind: At<String>,
     pub(super) start: Option<At<Vec<At<f64>>>>,
+    pub(super) homed: Option<At<bool>>,
     pub(super) base: Option<Pose>,
     pub(super) tool: Option<Pose>,
 }
@@ -47,6 +48,19 @@ impl RobotEntry {
     #[must_use]
     pub fn base(&self) -> Pose {
         self.base.unwrap_or_else(Pose::identity)
+    }
+
+    /// `homed`: whether the drives know where the robot is when the cell starts; they do unless the file says otherwise.
+    #[must_use]
+    pub fn is_homed(&self) -> bool {
+        self.homed.as_ref().is_none_or(|homed| homed.value)
+    }
+
+    /// Refuses `homed = false` for a kind whose drives know where the robot is anyway.
+    pub(super) fn refuse_unhomed(&self) -> CellError {
+        let span = self.homed.as_ref().map_or(&self.kind.span, |homed| &homed.span);
+        let what = format!("the drives of kind `{}` know where the robot is", self.kind());
+        self.source.complain(span, what, "leave `homed` out, or write homed = true".to_owned()).into()
     }
 
     /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].

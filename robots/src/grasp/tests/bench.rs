@@ -27,7 +27,7 @@ impl Bench {
     #[allow(non_snake_case)]
     pub fn with_hand_every(mut self, millis: u64, grasp: Grasp, X_WE: Pose) -> Self {
         let period = Duration::from_millis(millis);
-        let hand = self.world.hand(grasp, period, X_WE).expect("a good grasp");
+        let hand = self.world.add_hand(grasp, period, X_WE).expect("a good grasp");
         self.hands.push((hand, period, X_WE));
         self
     }

@@ -155,3 +155,30 @@ fn a_free_symmetric_top_precesses_as_euler_says() {
     assert!(error < 20.0 * (6e-3_f64).powi(2) / 12.0, "{error} rad");
     assert!(PI > error);
 }
+
+#[test]
+fn grippers_take_what_momentum_the_body_loses() {
+    let edges = [0.6, 0.2, 0.1];
+    let body = Body::block(4.0, edges);
+    let inertia = body.inertia;
+    let bench = held(&body, Grasp::new(5e4, 500.0));
+    bench.world.push(Vector3::new(0.2, -0.1, 0.3), Vector3::new(1.0, 2.0, -1.5));
+    let momenta = |state: &BodyState| {
+        let p = 4.0 * state.velocity;
+        (p, angular_momentum(&inertia, state) + state.pose.translation.vector.cross(&p))
+    };
+    bench.tick();
+    let (mut p, mut l) = momenta(&bench.world.body());
+    for _ in 0..500 {
+        bench.tick();
+        // Both stand without turn: their axes are the world's.
+        for (hand, _, pose) in &bench.hands {
+            let reaction = hand.reaction();
+            p -= reaction.force * 2e-3;
+            l -= (reaction.torque + pose.translation.vector.cross(&reaction.force)) * 2e-3;
+        }
+        let (left, turning) = momenta(&bench.world.body());
+        assert!((left - p).amax() < 1e-12 && (turning - l).amax() < 1e-12, "{left} {p} {turning} {l}");
+    }
+    assert!(p.norm() < 0.1, "it was worth looking at: {p}");
+}

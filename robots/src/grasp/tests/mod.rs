@@ -4,6 +4,7 @@ mod bench;
 mod contact;
 mod dynamics;
 mod internal;
+mod refusals;
 mod statics;
 mod time;
 mod wrist;

@@ -137,3 +137,43 @@ fn a_grasp_that_turns_far_stores_the_energy_of_its_angle() {
     let energy = bench.world.energy();
     assert!((energy / (0.5 * 500.0 * 1.5 * 1.5) - 1.0).abs() < 0.02, "{energy}");
 }
+
+#[test]
+fn a_grasp_that_closes_slowly_pulls_without_a_jerk() {
+    // 1 mm off at one end: with k(t) alike at both, 25 N at the end in either way; suddenly, nearly twice as much first.
+    let peak = |closing: f64| {
+        let (left, right) = (at(-0.3, 0.0, 0.0), at(0.3, 0.0, 0.0));
+        let grasp = Grasp::new(5e4, 500.0).closing_over(closing);
+        let bench = Bench::new(World::new(&bar()).expect("a body").with_gravity(Vector3::zeros()))
+            .with_hand(grasp.at(left), left)
+            .with_hand(grasp.at(right), right * at(1e-3, 0.0, 0.0));
+        bench.close();
+        let mut peak = 0.0_f64;
+        for _ in 0..1000 {
+            bench.tick();
+            peak = peak.max(bench.hands[0].0.reaction().force.norm());
+        }
+        let last = bench.hands[0].0.reaction().force.norm();
+        assert!((last - 25.0).abs() < 1e-6, "{last}");
+        peak
+    };
+    let (sudden, slow) = (peak(0.0), peak(0.2));
+    assert!(sudden > 35.0 && slow < 26.0, "{sudden} N and {slow} N");
+}
+
+#[test]
+fn four_grasps_carry_a_quarter_of_a_plate_each() {
+    let grasp = Grasp::new(5e4, 500.0);
+    let body = Body::block(8.0, [0.8, 0.6, 0.05]);
+    let mut bench = Bench::new(World::new(&body).expect("a body"));
+    for (x, y) in [(-0.4, -0.3), (0.4, -0.3), (0.4, 0.3), (-0.4, 0.3)] {
+        bench = bench.with_hand(grasp, at(x, y, 0.0));
+    }
+    bench.close();
+    bench.run(3.0);
+    for (hand, ..) in &bench.hands {
+        let force = hand.reaction().force;
+        assert!((force + Vector3::z() * (2.0 * GRAVITY)).amax() < 1e-6, "{force}");
+    }
+    assert!(bench.world.internal_force() < 1e-6);
+}

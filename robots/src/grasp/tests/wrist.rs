@@ -143,3 +143,23 @@ fn noise_is_the_same_for_the_same_seed_and_averaged_out_of_a_measured_bias() {
     let left = read(measuring.with_noise(0.0, 0.0, 0));
     assert!(left.force.amax() < 5.0 * 0.025, "{left:?}");
 }
+
+#[test]
+fn a_sensor_without_resolution_or_of_a_negative_corner_is_refused() {
+    let pose = at(0.0, 0.0, 0.0);
+    let bench = bench(pose);
+    let sensor = || SimulatedWrist::new(bench.hands[0].0.clone());
+    let wrong = [
+        sensor().with_resolution(0.0, 1.0),
+        sensor().with_resolution(1.0, f64::NAN),
+        sensor().with_low_pass(-1.0),
+        sensor().with_noise(-1.0, 0.0, 0),
+    ];
+    for mut sensor in wrong {
+        let fault = sensor.aggregate(&order(WristOrder::Read, pose)).expect_err("refused");
+        assert_eq!(fault.kind(), FaultKind::Config);
+    }
+    let mut of_no_robot = order(WristOrder::Read, pose);
+    of_no_robot.robot = None;
+    assert!(sensor().aggregate(&of_no_robot).is_err());
+}
