@@ -38,7 +38,26 @@ fn measure(what: &str, build: ClearanceBuilder, states: &[RobotView]) {
     println!("{what:30} {pairs:4} pairs: check {check:6.2} us, nearest {nearest:6.2} us");
 }
 
+/// One pair of capsules, of many.
+fn gap() {
+    let at = |k: f64| Vector3::new((1.3 * k).sin(), (2.1 * k).cos(), (0.7 * k).sin());
+    let capsules: Vec<Capsule> =
+        (0..200).map(|k| Capsule::new(at(f64::from(k)), at(f64::from(k) + 0.5), 0.01)).collect();
+    let mut best = f64::INFINITY;
+    for _ in 0..MEASUREMENTS {
+        let start = Instant::now();
+        for one in &capsules {
+            for other in &capsules {
+                black_box(one.gap(other).distance);
+            }
+        }
+        best = best.min(start.elapsed().as_secs_f64() / (200.0 * 200.0));
+    }
+    println!("{:30} {:6.1} ns", "gap of two capsules", 1e9 * best);
+}
+
 fn main() {
+    gap();
     let rod = [Capsule::new(Vector3::zeros(), Vector3::new(0.0, 0.0, 0.2), 0.02)];
     let arm = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0, 0.0, 0.0];
     let across = |x: f64| Pose::new(Vector3::new(x, 0.0, 0.8), Vector3::z() * core::f64::consts::PI);

@@ -66,8 +66,10 @@ fn a_mesh_and_a_file_without_shapes_are_refused() {
     let text = urdf(r#"<sphere radius="0"/>"#);
     let refused = SerialOutline::from_urdf(robot(&text), &text, "base", "tool").unwrap_err();
     assert!(matches!(refused, UrdfError::BadValue { .. }), "{refused}");
-    let bare = include_str!("reference/urdf/scara.urdf");
-    assert!(!bare.contains("<collision"));
+    let text = r#"<robot name="r"><link name="base"/><link name="tool"/><joint name="turn" type="revolute">
+        <parent link="base"/><child link="tool"/><limit lower="-2" upper="2" velocity="2"/></joint></robot>"#;
+    let refused = SerialOutline::from_urdf(robot(text), text, "base", "tool").unwrap_err();
+    assert!(matches!(refused, UrdfError::NoCollision { .. }), "{refused}");
 }
 
 #[test]

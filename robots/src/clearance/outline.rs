@@ -126,7 +126,7 @@ pub trait Outline: 'static {
     fn capsules(&self, q: &<Self::Robot as Robot>::Joints, visit: &mut dyn FnMut(Capsule));
 
     /// Visits the motions that moving every joint from `q` by at most `way` [rad or m, >= 0] either way consists of, from
-    /// base to flange; at most 16.
+    /// base to flange; at most 17.
     fn motions(
         &self,
         q: &<Self::Robot as Robot>::Joints,

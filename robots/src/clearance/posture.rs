@@ -11,7 +11,7 @@ use super::stopping::{Pace, Stopping};
 pub(super) type Joints = [f64; MAX_JOINTS];
 
 /// The most motions that a robot's outline may have.
-const MOTIONS: usize = 16;
+const MOTIONS: usize = 17;
 
 /// An [`Outline`] without its type.
 pub(super) trait Shape {
@@ -194,18 +194,27 @@ impl Placement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt};
+    use crate::{Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Serial, SerialOutline};
     use nalgebra::Point3;
     use proptest::prelude::*;
 
+    /// An arm read from a file of `tests/reference/urdf`, with stout links.
+    fn read<const N: usize>(text: &str, ends: [&str; 2], base: Pose) -> Box<dyn Shape> {
+        let builder = Serial::<N>::from_urdf(text, ends[0], ends[1]).unwrap();
+        let robot = builder.with_acceleration(nalgebra::SVector::repeat(0.5)).unwrap();
+        Box::new(SerialOutline::new(robot.with_base(base), 0.05))
+    }
+
     fn arms() -> Vec<Placement> {
         let base = Pose::new(Vector3::new(0.3, -0.2, 0.1), Vector3::new(0.2, 0.4, -1.0));
-        let shapes: [Box<dyn Shape>; 5] = [
+        let shapes: [Box<dyn Shape>; 7] = [
             Box::new(Irp6::nominal().with_base(base)),
             Box::new(Irp6FiveDof::nominal().with_base(base)),
             Box::new(Irp6Track::nominal().with_base(base)),
             Box::new(Rnt::new().with_base(base)),
             Box::new(Polycrank::new().with_base(base)),
+            read::<4>(include_str!("../../tests/reference/urdf/gantry.urdf"), ["bed", "tool"], base),
+            read::<4>(include_str!("../../tests/reference/urdf/palletiser.urdf"), ["base", "tool"], base),
         ];
         shapes.map(|shape| Placement::new(Name::new("arm").unwrap(), shape)).into_iter().collect()
     }
@@ -226,7 +235,8 @@ mod tests {
                 );
                 let q = arm.shape().between_limits(&|i| part[i]);
                 // Lengths of RNT's actuators change by a tenth of what angles do.
-                let is_short = |i: usize| arm.own() == 7 && (i == 1 || i == 2);
+                let is_rnt = &*arm.links[0].name == "column" && arm.own() == 7;
+                let is_short = |i: usize| is_rnt && (i == 1 || i == 2);
                 let way: Joints = core::array::from_fn(|i| if is_short(i) { 0.1 * way[i] } else { way[i] });
                 let moved: Joints = core::array::from_fn(|i| q[i] + way[i] * to[i]);
                 if !arm.stand(&moved, None) {

@@ -24,6 +24,10 @@ pub struct SerialOutline<const N: usize> {
     shape: Shape,
 }
 
+/// The first motion moves nothing. Bars that end on a slide count as moved by it: they are drawn out, so that no joint before
+/// carries them and what stands behind the slide along as one.
+const STRETCHING: u32 = 1;
+
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
     /// Bars of this radius between the frames \[m\].
@@ -153,13 +157,22 @@ impl<const N: usize> Outline for SerialOutline<N> {
     }
 
     fn links(&self) -> Vec<Link> {
-        let link = |name: &str, joints: u32| Link::new(name, joints, joints);
+        let link =
+            |name: &str, joints: usize, moved_by| Link { name: name.into(), rank: joints as u32, moved_by };
+        let behind = |joints: usize| Link::first(joints as u32 + 1) & !STRETCHING;
         match &self.shape {
             Shape::Bars(_) => {
-                let count = self.robot.segments().len() as u32;
-                (0..=count).map(|i| link(&format!("link {i}"), i)).collect()
+                let segments = self.robot.segments();
+                let links = (0..=segments.len()).map(|i| {
+                    let is_slide = segments.get(i).is_some_and(|next| next.kind == JointKind::Prismatic);
+                    let moved_by = if is_slide { behind(i + 1) | STRETCHING } else { behind(i) };
+                    link(&format!("link {i}"), i, moved_by)
+                });
+                links.collect()
             }
-            Shape::Bodies(bodies) => bodies.iter().map(|body| link(&body.link, body.joints as u32)).collect(),
+            Shape::Bodies(bodies) => {
+                bodies.iter().map(|body| link(&body.link, body.joints, behind(body.joints))).collect()
+            }
         }
     }
 
@@ -181,6 +194,7 @@ impl<const N: usize> Outline for SerialOutline<N> {
 
     fn motions(&self, q: &SVector<f64, N>, way: &SVector<f64, N>, visit: &mut dyn FnMut(Motion)) {
         let (frames, _) = self.frames(q);
+        visit(Motion::Slide { way: 0.0 });
         for (segment, frame) in self.robot.segments().iter().zip(&frames[1..]) {
             let way = segment.multiplier.abs() * way[segment.leader];
             visit(match segment.kind {
@@ -192,5 +206,9 @@ impl<const N: usize> Outline for SerialOutline<N> {
                 JointKind::Prismatic => Motion::Slide { way },
             });
         }
+    }
+
+    fn flange_motions(&self) -> u32 {
+        !STRETCHING
     }
 }
