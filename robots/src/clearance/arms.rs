@@ -152,7 +152,7 @@ const LEVEL: f64 = 0.04;
 /// Distance of a joint's frame from the one before, along the joint's axis \[m\]: the rows `d`.
 const SHAFTS: [f64; 7] = [0.925 + 0.220, 0.152, 0.335, 0.120, 0.116, 0.060, 0.043];
 /// The links of Polycrank with their ranks and how many joints move them. A shaft lies on its joint's axis, which does
-/// not move it. The ranks of what is joined differ by 1 at most.
+/// not move it. The ranks of what is joined differ by 1 at most; the wrist is so short that a tool is beside all of it.
 const POLYCRANK: [(&str, u32, u32); 11] = [
     ("column", 0, 0),
     ("crank 1", 1, 1),
@@ -163,8 +163,8 @@ const POLYCRANK: [(&str, u32, u32); 11] = [
     ("crank 4", 6, 4),
     ("shaft 5", 7, 4),
     ("crank 5", 8, 5),
-    ("shaft 6", 9, 5),
-    ("tip", 10, 6),
+    ("shaft 6", 8, 5),
+    ("tip", 8, 6),
 ];
 
 /// Column, radius 0.10 m, from the floor up to the first crank; cranks and shafts about upright axes 0.05 m, about level axes

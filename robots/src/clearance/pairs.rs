@@ -6,10 +6,19 @@ use super::obstacle::Obstacle;
 use super::outline::Link;
 use super::posture::{Joints, Placed, Placement};
 
-/// Postures of every robot that tell which bodies always overlap.
-const POSTURES: usize = 64;
+/// Postures of every robot that tell which bodies always overlap and which never meet.
+const POSTURES: usize = 2000;
 /// How many are tried to find them among those that linkages and drives allow.
-const TRIES: usize = 1024;
+const TRIES: usize = 20_000;
+/// Links of one robot that come no nearer than this in any of these postures never meet \[m\].
+const NEVER_NEARER: f64 = 0.01;
+
+/// Why a pair is not checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unchecked {
+    AlwaysOverlap,
+    NeverMeet,
+}
 
 /// A link of a robot, by its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,15 +82,17 @@ pub(super) fn possible(robots: &[Placement], obstacles: usize) -> Vec<Pair> {
     pairs
 }
 
-/// Removes, and gives back, the pairs of a robot with itself or with obstacles that overlap in each of 64 postures spread
-/// over its joints' ranges: what is mounted there, or modelled too stout for a check to mean anything. Pairs of two robots
-/// stay whatever they do.
-pub(super) fn without_always_overlapping(
+/// Removes, and gives back, pairs of which a check would mean nothing, as 2000 postures spread over the joints' ranges show.
+///
+/// Those of a robot with itself or with obstacles that overlap in all postures: what is mounted there, or modelled too
+/// stout. And links of one robot that stay 10 mm apart in all of them, such as cranks in planes side by side: the way to
+/// a standstill, which knows no directions, would stop the robot for nothing. Pairs of two robots stay whatever they do.
+pub(super) fn without_meaningless(
     pairs: &mut Vec<Pair>,
     robots: &mut [Placement],
     obstacles: &[Obstacle],
-) -> Vec<Pair> {
-    let mut overlapping = vec![true; pairs.len()];
+) -> Vec<(Pair, Unchecked)> {
+    let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); pairs.len()];
     for (robot, placement) in robots.iter_mut().enumerate() {
         let mut stood = 0;
         for sample in 1..=TRIES {
@@ -93,28 +104,34 @@ pub(super) fn without_always_overlapping(
                 continue;
             }
             stood += 1;
-            for (pair, always) in
-                pairs.iter().zip(&mut overlapping).filter(|(pair, _)| pair.limb.robot == robot)
-            {
-                let own = &placement.placed[pair.limb.link];
-                *always &= match pair.other {
+            for (pair, (least, most)) in pairs.iter().zip(&mut ranges) {
+                let own = placement.placed.get(pair.limb.link).filter(|_| pair.limb.robot == robot);
+                let Some(own) = own else { continue };
+                let distance = match pair.other {
                     Other::Limb(limb) if limb.robot == robot => {
-                        own.capsule.gap(&placement.placed[limb.link].capsule).distance < 0.0
+                        own.capsule.gap(&placement.placed[limb.link].capsule).distance
                     }
-                    Other::Limb(_) => false,
-                    Other::Obstacle(o) => obstacles[o].gap(&own.capsule).distance < 0.0,
+                    Other::Limb(_) => continue,
+                    Other::Obstacle(o) => obstacles[o].gap(&own.capsule).distance,
                 };
+                (*least, *most) = (least.min(distance), most.max(distance));
             }
         }
-        if stood == 0 {
-            let own = pairs.iter().zip(&mut overlapping).filter(|(pair, _)| pair.limb.robot == robot);
-            own.for_each(|(_, always)| *always = false);
-        }
     }
-    let mut always = overlapping.iter();
-    let removed =
-        pairs.iter().zip(&overlapping).filter(|(_, always)| **always).map(|(pair, _)| *pair).collect();
-    pairs.retain(|_| !always.next().copied().unwrap_or_default());
+    let mut removed = Vec::new();
+    let mut ranges = ranges.into_iter();
+    pairs.retain(|pair| {
+        // Without a posture that was seen, least is above most.
+        let why = match ranges.next() {
+            Some((least, most)) if least <= most && most < 0.0 => Some(Unchecked::AlwaysOverlap),
+            Some((least, most)) if least <= most && pair.is_own() && least > NEVER_NEARER => {
+                Some(Unchecked::NeverMeet)
+            }
+            _ => None,
+        };
+        removed.extend(why.map(|why| (*pair, why)));
+        why.is_none()
+    });
     removed
 }
 
