@@ -1,21 +1,12 @@
 //! Pictures of the runs: the arms with the bar, moving; and what the bar bears, over time.
 
-use mrroc::{CellError, CellFile, Pose, Recorder};
+use mrroc::{CellError, CellFile, Recorder};
 use mrroc_pictures::{Film, Line, Plot};
 
-use crate::places::{EDGES, TABLE, bar};
+use crate::places::{EDGES, TABLE_EDGES, table};
 use crate::summary::Summary;
 use crate::variant::{Bases, Sensors, Variant};
 use crate::witness::{Sample, Seen};
-
-/// The table as it is drawn \[m\]; nothing hits its edges.
-const TABLE_EDGES: [f64; 3] = [0.6, 0.9, 0.02];
-
-/// Where the table's middle is.
-fn table() -> Pose {
-    let bar = bar().translation;
-    Pose::translation(bar.x, bar.y + 0.125, TABLE - 0.5 * TABLE_EDGES[2])
-}
 
 /// A film of a run.
 ///

@@ -20,12 +20,21 @@ pub const MASS: f64 = 2.0;
 pub const EDGES: [f64; 3] = [0.4, 0.06, 0.06];
 /// Height of the table \[m\].
 pub const TABLE: f64 = 0.87;
+/// The table's edges along x, y, z \[m\].
+pub const TABLE_EDGES: [f64; 3] = [0.6, 0.9, 0.02];
 /// Where the hands hold the bar: at this distance from its middle \[m\].
 pub const GRIP: f64 = 0.17;
 /// Openings of a hand \[m\]: around the bar, and pressing on it, 60 mm wide.
 pub const OPEN: f64 = 0.075;
 /// See [`OPEN`].
 pub const CLOSED: f64 = 0.057;
+
+/// Where the table's middle is: half-way between where the bar lies first and last.
+#[must_use]
+pub fn table() -> Pose {
+    let bar = bar().translation;
+    Pose::translation(bar.x, bar.y + 0.125, TABLE - 0.5 * TABLE_EDGES[2])
+}
 
 /// `X_WB` of the bar on the table, to begin with.
 #[must_use]

@@ -6,7 +6,7 @@ use mrroc::{Cell, CellError, CellFile, Fault, Pose, RunReport};
 
 use crate::plant::{Plant, calibration_error, drives};
 use crate::witness::{Seen, Witness};
-use crate::{cell, mp, sensed};
+use crate::{cell, clear, mp, sensed};
 
 /// What the arms do it with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,7 +109,8 @@ impl Variant {
     ) -> Result<Seen, CellError> {
         let Ready { cell, plant } = self.ready(file)?;
         let witness = Witness::new();
-        also(witness.watch(cell, plant.as_ref()), plant.as_ref()).run()?;
+        let guard = clear::guard(clear::clearance(file)?, clear::MARGIN);
+        also(witness.watch(cell, plant.as_ref(), guard), plant.as_ref()).run()?;
         Ok(witness.into_seen())
     }
 }

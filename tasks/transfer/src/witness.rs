@@ -5,9 +5,10 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, Observation, Pose, RobotView};
+use mrroc::{Cell, Fault, Observation, Pose, RobotView};
 use mrroc_robots::grasp::Hand;
 
+use crate::clear::EVERY;
 use crate::places::{CLOSED, End, grasp};
 use crate::plant::Plant;
 
@@ -91,14 +92,22 @@ impl Witness {
         self.0.take()
     }
 
-    /// Looks at a cell, and into the world of its plant if there is one.
+    /// Looks at a cell, and into the world of its plant if there is one; the guard `clear` looks on, as often as before.
     #[must_use]
-    pub fn watch(&self, cell: Cell, plant: Option<&Plant>) -> Cell {
+    pub fn watch(
+        &self,
+        cell: Cell,
+        plant: Option<&Plant>,
+        mut clear: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static,
+    ) -> Cell {
         let (demands, encoders) = (Rc::clone(&self.0), Rc::clone(&self.0));
         let hands = plant.and_then(|plant| Some([plant.hand_of("rnt")?, plant.hand_of("polycrank")?]));
+        let mut looks = 0_u32;
+        // A cell has one guard: this one takes the place of its own.
         cell.guard(1, move |robots| {
             demands.borrow_mut().see_demands(robots);
-            Ok(())
+            looks += 1;
+            if looks.is_multiple_of(EVERY) { clear(robots) } else { Ok(()) }
         })
         .watch(move |robot| encoders.borrow_mut().see_period(robot, hands.as_ref()))
     }
