@@ -6,7 +6,12 @@
 
 pub mod memory;
 
+use std::rc::Rc;
+
+use crate::fault::ProcessId;
 use crate::message::Message;
+
+use memory::Stuck;
 
 /// Monotonic time since the cell started \[ns\].
 pub type Nanos = u64;
@@ -52,4 +57,28 @@ pub trait Board {
 
     /// Reads the message shown last; `false` when there was none yet.
     fn read(&self, message: &mut Message) -> bool;
+}
+
+/// A process's body. It runs once the link does, and cannot keep the waiter.
+pub type Body = Box<dyn for<'w> FnOnce(&'w dyn Waiter)>;
+
+/// Where the processes of a cell are put. The same calls in the same order make the same cell, wherever they run.
+pub trait Link {
+    /// A place for a process, which ports can name before its body is known.
+    fn place(&mut self, process: ProcessId) -> usize;
+
+    /// A request-reply port between two places.
+    fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>);
+
+    /// A board that one place writes and another one reads.
+    fn board(&mut self, writer: usize, reader: usize) -> Rc<dyn Board>;
+
+    /// Gives the process at `place` its body.
+    ///
+    /// # Errors
+    /// [`Stuck`] when it cannot have one.
+    fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck>;
+
+    /// What closes the cell when the MP's program is over: every wait returns [`Closed`] from then on.
+    fn closer(&self) -> Box<dyn Fn()>;
 }
