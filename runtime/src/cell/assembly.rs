@@ -14,7 +14,7 @@ use crate::sensing::Sensing;
 use crate::stopping::missed_step_budget;
 
 /// What the processes of a cell leave behind.
-pub(super) struct Assembly {
+pub(crate) struct Assembly {
     /// How their programs ended.
     pub outcomes: Outcomes,
     /// Steps that the MP began.
@@ -22,6 +22,16 @@ pub(super) struct Assembly {
 }
 
 impl Cell {
+    /// Puts every process of the cell on `link`.
+    ///
+    /// # Errors
+    /// [`CellError`]: what is wrong with the set-up.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) fn put_on(mut self, link: &mut dyn Link) -> Result<Assembly, CellError> {
+        let names = self.check()?;
+        self.assemble(&names, link)
+    }
+
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
     pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
         let nudged = self.program.is_none();

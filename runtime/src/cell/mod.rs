@@ -179,6 +179,12 @@ impl Cell {
         self.operator.clone()
     }
 
+    /// How long a stop of one of its robots may take.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn stop_limit(&self) -> Duration {
+        self.stop_time
+    }
+
     /// Runs the cell on the memory link, under the virtual clock, until the MP's program is over.
     ///
     /// # Errors
@@ -249,7 +255,7 @@ impl Cell {
 }
 
 /// The MP's fault, or else the first of an ECP's.
-fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault> {
+pub(crate) fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault> {
     let mp = outcomes.iter().filter(|(process, _)| process.role == Role::Mp);
     let others = outcomes.iter().filter(|(process, _)| process.role != Role::Mp);
     for (process, outcome) in mp.chain(others) {

@@ -252,6 +252,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let (client, server) = link.port(place.ecp, edp);
         let (robot, drives, observers) = (self.robot, self.drives, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
+        let ended = Rc::clone(&outcomes);
         let run = move |waiter: &dyn Waiter| {
             let driver = match drives {
                 Drives::Homed(driver) => Some(driver),
@@ -270,7 +271,9 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     following_error,
                     observers,
                 };
-                Edp::new(config, waiter, server).run();
+                if let Err(fault) = Edp::new(config, waiter, server).run() {
+                    ended.borrow_mut().push((process, Err(fault)));
+                }
             }
         };
         link.body(edp, Box::new(run))?;

@@ -4,6 +4,8 @@
 //! of the paper), and a free-running virtual sensor shows its last reading on a board. User programs never see
 //! which link they run on.
 
+#[cfg(all(feature = "processes", target_os = "linux"))]
+pub mod iceoryx;
 pub mod memory;
 
 use std::rc::Rc;
@@ -30,6 +32,28 @@ pub trait Waiter {
     /// # Errors
     /// [`Closed`] when the cell is closing.
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed>;
+
+    /// Waits until a time although the cell is closing: a robot that still moves is braked first.
+    ///
+    /// # Errors
+    /// [`Closed`] where time stands still then, as the virtual clock's does.
+    fn wait_closing(&self, _until: Nanos) -> Result<(), Closed> {
+        Err(Closed)
+    }
+
+    /// What has happened outside of the cell's own messages, once.
+    fn news(&self) -> Option<News> {
+        None
+    }
+}
+
+/// What an MP is told from outside of its cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum News {
+    /// A process of the cell is gone.
+    Lost(ProcessId),
+    /// The operator aborts.
+    Abort,
 }
 
 /// The asking end of a request-reply port.
