@@ -258,6 +258,10 @@ impl<'w, R: Robot> Edp<'w, R> {
             return Err(Fault::new(FaultKind::StoppedByCell));
         }
         let header = self.request.header;
+        // Woken late: what was due before the demand's step comes before the demand.
+        while self.due < header.step && self.waiter.now() >= self.next_step.min(self.next_tick) {
+            self.advance();
+        }
         if self.request.is(flag::FIRST) {
             self.acceptor.begin();
         }

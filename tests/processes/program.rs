@@ -141,7 +141,7 @@ fn swing(c: &mut Swing, v: &Reading<(Count,)>, t: Tick) -> Step<(Irp6, Irp6), Tu
     }
     c.t = (c.t + t.dt).min(1.0);
     let counted = v.0.reading().map_or(0.0, |reading| 1e-9 * reading.column);
-    let by = 0.05 * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t)) + counted * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
+    let by = 0.002 * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t)) + counted * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
     Step::Next((Turned { by }, Turned { by: -by }))
 }
 
@@ -154,7 +154,7 @@ fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let go = |angle, duration| GoTo { angle, duration, from, t: 0.0 };
     for _ in 0..2 {
         ecp.obey(|ecp, phase: Phase| match phase {
-            Phase::Out => ecp.move_robot((), go(0.3, 1.0)).map(drop),
+            Phase::Out => ecp.move_robot((), go(0.01, 1.0)).map(drop),
             Phase::Back => ecp.move_robot((), go(0.0, 1.5)).map(drop),
         })?;
     }
