@@ -162,8 +162,10 @@ impl<'w, R: Robot> Edp<'w, R> {
         self.stopped = true;
         self.brake();
         let delay = self.config.delay.unwrap_or_default();
-        let last = self.due + stop_steps(self.config.robot.limits(), self.config.step, delay);
-        while !self.is_at_standstill() {
+        let began = self.due;
+        let last = began + stop_steps(self.config.robot.limits(), self.config.step, delay);
+        // The demand that holds is one of the next step, and the drives are there at the end of that step.
+        while !self.is_at_standstill() || self.due <= began + 2 {
             if self.due > last {
                 let text = "the cell closed while the robot moved, and it does not come to a standstill";
                 return Err(Fault::new(FaultKind::PeerLost).in_process(self.config.process).text(text));

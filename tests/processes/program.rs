@@ -141,7 +141,8 @@ fn swing(c: &mut Swing, v: &Reading<(Count,)>, t: Tick) -> Step<(Irp6, Irp6), Tu
     }
     c.t = (c.t + t.dt).min(1.0);
     let counted = v.0.reading().map_or(0.0, |reading| 1e-9 * reading.column);
-    let by = 0.002 * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t)) + counted * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
+    let by =
+        0.002 * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t)) + counted * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
     Step::Next((Turned { by }, Turned { by: -by }))
 }
 

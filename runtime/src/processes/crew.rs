@@ -145,24 +145,40 @@ impl Crew {
         plan: &Plan,
     ) -> Result<Crew, NoStart> {
         let mut crew = Crew(Vec::new());
-        let seal = Seal { session: session.number(), epoch };
         for &id in places {
             let member = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
             crew.0.push(Rc::new(member));
         }
-        crew.tell(&Frame::Welcome { seal, clock: plan.clock, spin: plan.spin });
-        for member in &crew.0 {
+        match crew.set_up(fingerprint, Seal { session: session.number(), epoch }, plan) {
+            Ok(()) => Ok(crew),
+            // One that died explains what another one lacks.
+            Err(error) => Err(crew.first_dead().unwrap_or(error)),
+        }
+    }
+
+    fn set_up(&self, fingerprint: u64, seal: Seal, plan: &Plan) -> Result<(), NoStart> {
+        self.tell(&Frame::Welcome { seal, clock: plan.clock, spin: plan.spin });
+        for member in &self.0 {
             if member.expect()? != (Frame::Created { fingerprint }) {
                 return Err(NoStart::OtherCell(member.id));
             }
         }
-        crew.tell(&Frame::Connect);
-        for member in &crew.0 {
+        self.tell(&Frame::Connect);
+        for member in &self.0 {
             if member.expect()? != Frame::Ready {
                 return Err(NoStart::OtherCell(member.id));
             }
         }
-        Ok(crew)
+        Ok(())
+    }
+
+    /// A process that has ended while it was set up.
+    fn first_dead(&self) -> Option<NoStart> {
+        self.0.iter().filter(|member| !member.gone.get()).find_map(|member| {
+            let status = member.child.borrow_mut().try_wait().ok()??;
+            // One that refused has said so, and ends by itself.
+            status.signal().map(|_| NoStart::Died(member.id, how(status)))
+        })
     }
 
     /// Tells all that are still at work. Whoever is gone does not hear it; that it is gone is seen elsewhere.

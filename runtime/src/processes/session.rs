@@ -15,8 +15,11 @@ use std::time::{Duration, Instant};
 /// Where segments of shared memory lie.
 const SHARED_MEMORY: &str = "/dev/shm";
 
-/// The longest root path: names of sockets in it have 108 bytes.
-const MAX_ROOT: usize = 70;
+/// The longest root path: a socket in it has 57 bytes more, and the system allows it 107.
+const MAX_ROOT: usize = 50;
+
+/// A session's number has so many bits: every byte of its name is one of each socket's.
+const NUMBER_BITS: u32 = 48;
 
 /// The longest time that processes of a crashed launch may still brake their robots.
 const BRAKING: Duration = Duration::from_secs(3);
@@ -37,7 +40,7 @@ pub(crate) enum SessionError {
     NotPrivate(PathBuf),
     /// Its path is too long for sockets.
     #[error(
-        "the path {0} is too long for sockets: at most 30 bytes\n help: set XDG_RUNTIME_DIR to a shorter one"
+        "the path {0} is too long for sockets: at most 28 bytes\n help: set XDG_RUNTIME_DIR to a shorter one"
     )]
     TooLong(PathBuf),
     /// Reading or writing failed.
@@ -150,8 +153,8 @@ pub(super) struct Session {
 impl Session {
     fn make(base: &Path, cell: u32) -> Result<Session, SessionError> {
         // The seeds of hash tables come from the system's random numbers.
-        let number = RandomState::new().build_hasher().finish();
-        let folder = base.join(format!("{cell:08x}-{number:016x}"));
+        let number = RandomState::new().build_hasher().finish() >> (u64::BITS - NUMBER_BITS);
+        let folder = base.join(format!("{cell:08x}-{number:012x}"));
         if folder.as_os_str().len() > MAX_ROOT {
             return Err(SessionError::TooLong(base.to_owned()));
         }
@@ -199,13 +202,13 @@ impl Membership {
 
 /// What the names of a session's segments begin with.
 pub(super) fn prefix(number: u64) -> String {
-    format!("mrroc_{number:016x}_")
+    format!("mrroc_{number:012x}_")
 }
 
-/// `0123abcd-0123456789abcdef`: the cell and the number of a session.
+/// `0123abcd-0123456789ab`: the cell and the number of a session.
 fn read_name(name: &str) -> Option<(u32, u64)> {
     let (cell, number) = name.split_once('-')?;
-    let right = cell.len() == 8 && number.len() == 16;
+    let right = cell.len() == 8 && number.len() == 12;
     Some((u32::from_str_radix(cell, 16).ok()?, u64::from_str_radix(number, 16).ok()?)).filter(|_| right)
 }
 
@@ -250,10 +253,8 @@ mod tests {
 
     #[test]
     fn only_names_of_sessions_are_read_as_such() {
-        assert_eq!(read_name("0123abcd-00000000000000ff"), Some((0x0123_abcd, 0xff)));
-        for other in
-            ["0123abcd.cell", "making", "0123abcd-ff", "-0123456789abcdef", "0123abcd-0123456789abcdeg"]
-        {
+        assert_eq!(read_name("0123abcd-0000000000ff"), Some((0x0123_abcd, 0xff)));
+        for other in ["0123abcd.cell", "making", "0123abcd-ff", "-0123456789ab", "0123abcd-0123456789ag"] {
             assert_eq!(read_name(other), None, "{other}");
         }
     }
