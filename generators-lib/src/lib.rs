@@ -4,7 +4,8 @@
 //! - [`profile`]: how far along a path at which instant;
 //! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
-//! - [`feed`]: how fast along such a spline.
+//! - [`feed`]: how fast along such a spline;
+//! - [`cooperation`]: several arms on one body.
 //!
 //! Units are SI throughout; lengths in metres unless a path says otherwise. Stepping functions neither allocate nor
 //! panic.
@@ -14,6 +15,7 @@
 extern crate self as mrroc_generators;
 
 pub mod bspline;
+pub mod cooperation;
 pub mod feed;
 pub mod generators;
 pub mod line;

@@ -49,20 +49,38 @@ macro_rules! entry {
 
 /// All generators of the library, by name.
 pub const CATALOGUE: &[Entry] = &[
+    entry!("follow_master", "FollowMaster", "MP f*2(c0, e)"),
     entry!("guarded_approach", "GuardedApproach", "ECP f*1(c, v), first step f*3(c, e, v)"),
     entry!("joint_move", "JointMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("rigid_carry", "RigidCarry", "MP f*0(c0), first step f*2(c0, e)"),
+    entry!("shared_drive", "SharedDrive", "MP f*0(c0), first step f*2(c0, e)"),
     entry!("spline_track", "SplineTrack", "ECP f*0(c)"),
+    entry!("squeezed_carry", "SqueezedCarry", "MP f*1(c0, v), first step f*3(c0, e, v)"),
     entry!("straight_line", "StraightLine", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("transmit_displacement", "TransmitDisplacement", "ECP f*4(c0, c)"),
+    entry!("yielding_transmit", "YieldingTransmit", "ECP f*4(c0, c), first step f*6(c0, c, e)"),
 ];
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use mrroc::{Generator, Payload, Sensor};
-    use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};
+    use mrroc_generators::cooperation::StraightBody;
+    use mrroc_generators::generators::{
+        FollowMaster, GuardedApproach, JointMove, RigidCarry, SharedDrive, SplineTrack, SqueezedCarry,
+        StraightLine, TransmitDisplacement, YieldingTransmit,
+    };
     use mrroc_robots::Irp6;
 
     struct Touch;
+
+    struct Wrist;
+
+    impl Sensor for Wrist {
+        const KIND: &'static str = "wrist";
+        type Reading = mrroc::Wrench;
+        type Configuration = ();
+    }
 
     #[derive(Clone, Copy, Payload)]
     struct Contact {
@@ -78,11 +96,18 @@ mod tests {
     #[test]
     fn the_classes_are_those_of_the_code() {
         type Points = std::vec::IntoIter<nalgebra::Vector3<f64>>;
+        type Two = [Irp6; 2];
         let classes = [
+            FollowMaster::<Two, StraightBody>::CLASS,
             GuardedApproach::<Irp6, Touch>::CLASS,
             JointMove::<Irp6>::CLASS,
+            RigidCarry::<Two, StraightBody>::CLASS,
+            SharedDrive::<Two, StraightBody>::CLASS,
             SplineTrack::<Irp6, Points>::CLASS,
+            SqueezedCarry::<Two, [Wrist; 2], StraightBody>::CLASS,
             StraightLine::<Irp6>::CLASS,
+            TransmitDisplacement::<Irp6>::CLASS,
+            YieldingTransmit::<Irp6>::CLASS,
         ];
         assert_eq!(CATALOGUE.len(), classes.len());
         for (entry, class) in CATALOGUE.iter().zip(classes) {

@@ -90,11 +90,27 @@ pub trait Driven<const N: usize>: Robot<Joints = SVector<f64, N>> {
     /// What the motors bear.
     fn motor_limits(&self) -> &MotorLimits<N>;
 
+    /// Motor angles of the index lines at which the motors are synchronised \[rad\]: of the first line above each motor's
+    /// switch. In the middle of the joint limits unless the robot says otherwise (assumed).
+    fn marks(&self) -> SVector<f64, N> {
+        let limits = self.limits();
+        self.motors(&((limits.lower + limits.upper) * 0.5))
+    }
+
     /// Motor angles \[rad\] of the joint positions `q` [rad or m].
     fn motors(&self, q: &SVector<f64, N>) -> SVector<f64, N>;
 
     /// The joints and the loads at motor angles \[rad\] and motor speeds [rad/s].
     fn shafts(&self, angles: &SVector<f64, N>, speeds: &SVector<f64, N>) -> Shafts<N>;
+
+    /// Torques at the motors [N m] that do the same work as `torques` do at the joints [N m, or N on a prismatic joint]:
+    /// `(dq/dm)^T torques`, with the columns of dq/dm as the joint speeds of one motor that turns alone.
+    fn motor_torques(&self, angles: &SVector<f64, N>, torques: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::from_fn(|i, _| {
+            let alone = SVector::from_fn(|j, _| if i == j { 1.0 } else { 0.0 });
+            self.shafts(angles, &alone).joints.velocity.dot(torques)
+        })
+    }
 }
 
 /// Whether the motors may go from joint positions `from` to `to` in `duration` \[s\].

@@ -35,10 +35,10 @@ use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Quaternion, Rotation3, SVector, Translation3, Unit, UnitQuaternion, Vector3};
 
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
-use crate::irp6::{Elbow, Geometry, Irp6, Six, arm_shafts, transmission, two_links};
+use crate::irp6::{Elbow, Geometry, Irp6, Six, arm_shafts, nominal_transmission, two_links};
 use crate::kinematics::{Jacobian, Kinematics, closest, doubled};
+use crate::sines::sin_cos;
 use crate::transmission::Transmission;
-use crate::trig::sin_cos;
 
 /// One entry per joint, or per motor, of a robot with five.
 pub type Five = SVector<f64, 5>;
@@ -79,14 +79,8 @@ impl Irp6FiveDof {
         let arm = *Irp6::nominal().limits();
         let five = first_five;
         Self {
-            geometry: Geometry { a2: 0.455, a3: 0.67, d5: 0.095 },
-            transmission: transmission(
-                77895.25,
-                [60902.55, -29346.68, 220.3374],
-                [-44100.0, -51240.0, 183.8348],
-                [-15.9, -5.0, -8.527, 151.31, 314.665, 0.0],
-                [0.0, 0.0, 0.0],
-            ),
+            geometry: Geometry { d5: 0.095, ..Geometry::NOMINAL },
+            transmission: nominal_transmission([-15.9, -5.0, -8.527, 151.31, 314.665, 0.0]),
             X_WB: Pose::identity(),
             X_BW: Pose::identity(),
             limits: Limits {
@@ -266,6 +260,10 @@ impl Driven<5> for Irp6FiveDof {
 
     fn motor_limits(&self) -> &MotorLimits<5> {
         &Self::MOTOR_LIMITS
+    }
+
+    fn marks(&self) -> Five {
+        first_five(&self.transmission.marks())
     }
 
     fn motors(&self, q: &Five) -> Five {

@@ -15,7 +15,7 @@
 //! **Redundancy.** Seven joints for six coordinates. [`Robot::inverse`] keeps the track where `near` has it; when the arm
 //! cannot reach from there, it moves the track the least that lets it reach, found to 1e-10 m by steps of
 //! [`Irp6Track::SEARCH_STEP`] and bisection: a stretch of the track that is shorter than a step may be missed. The arm
-//! then is stretched: a path that needs the track to move should say so, by [`Irp6Track::inverse_at`], which takes the
+//! then is stretched: a path that needs the track to move should say so, by [`Robot::inverse_at`], which takes the
 //! track's position as a parameter of the pose.
 //!
 //! **Limits.** Track -0.125..1.21 m, 0.159 m/s (250 rad/s at the motor), its acceleration 0.5 m/s² assumed; the arm's as
@@ -28,7 +28,7 @@ use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Matrix3, SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
-use crate::irp6::{Geometry, Irp6, Six, arm_shafts, transmission};
+use crate::irp6::{Geometry, Irp6, Six, arm_shafts, nominal_transmission, transmission};
 use crate::kinematics::{Jacobian, Kinematics, column};
 use crate::regulator::Gains;
 use crate::transmission::{Linear, Transmission};
@@ -84,15 +84,9 @@ impl Irp6Track {
     #[must_use]
     pub fn nominal() -> Self {
         Self::new(
-            Geometry { a2: 0.455, a3: 0.67, d5: 0.19 },
+            Geometry::NOMINAL,
             0.0,
-            transmission(
-                77895.25,
-                [60902.55, -29346.68, 220.3374],
-                [-44100.0, -51240.0, 183.8348],
-                [-10.819, -4.012, -6.219, 158.997, 479.5, 769.7],
-                [0.0, 0.0, 0.0],
-            ),
+            nominal_transmission([-10.819, -4.012, -6.219, 158.997, 479.5, 769.7]),
         )
     }
 
@@ -163,15 +157,6 @@ impl Irp6Track {
     #[must_use]
     pub fn track(&self) -> &Linear {
         &self.track
-    }
-
-    /// The joints that put the flange at `X_WF` with the carriage at `track` \[m\]; the arm's branch as for [`Irp6`].
-    ///
-    /// # Errors
-    /// As [`Irp6`]: nothing is moved to make the pose reachable.
-    #[allow(non_snake_case)]
-    pub fn inverse_at(&self, X_WF: &Pose, track: f64, near: &Seven) -> Result<Seven, NoInverse> {
-        self.arm_at(&(self.X_BW * X_WF), track, near).map(|arm| joined(track, &arm))
     }
 
     #[inline]
@@ -277,6 +262,15 @@ impl Robot for Irp6Track {
             }
         }
     }
+
+    /// `redundancy`: the carriage's position d \[m\]; the arm's branch as for [`Irp6`].
+    ///
+    /// # Errors
+    /// As [`Irp6`]: nothing is moved to make the pose reachable.
+    #[allow(non_snake_case)]
+    fn inverse_at(&self, X_WF: &Pose, redundancy: f64, near: &Seven) -> Result<Seven, NoInverse> {
+        self.arm_at(&(self.X_BW * X_WF), redundancy, near).map(|arm| joined(redundancy, &arm))
+    }
 }
 
 /// The solutions of the arm, eight as for [`Irp6`], with the track where `near` has it; the least moved from there when
@@ -315,6 +309,10 @@ impl Driven<7> for Irp6Track {
 
     fn motor_limits(&self) -> &MotorLimits<7> {
         &Self::MOTOR_LIMITS
+    }
+
+    fn marks(&self) -> Seven {
+        joined(self.track.synchro, &self.transmission.marks())
     }
 
     fn motors(&self, q: &Seven) -> Seven {

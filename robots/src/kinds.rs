@@ -1,14 +1,18 @@
 //! The kinds of robots that a `cell.toml` may name, simulated.
 
+use core::f64::consts::PI;
+
 use mrroc::{CellError, CoupledLimit, Kinds, Robot, RobotEntry, RobotSetup};
 use nalgebra::SVector;
 
 use crate::conveyor::Conveyor;
 use crate::drives::Driven;
 use crate::gripper::{Gripper, One};
+use crate::homing::Unhomed;
 use crate::irp6::Irp6;
 use crate::irp6_five::Irp6FiveDof;
 use crate::irp6_track::Irp6Track;
+use crate::kinematics::Kinematics;
 use crate::polycrank::Polycrank;
 use crate::rnt::Rnt;
 use crate::simulated::Simulated;
@@ -26,6 +30,9 @@ use crate::simulated::Simulated;
 /// | `polycrank` | [`Polycrank`] | 7 x rad |
 /// | `gripper` | [`Gripper`], which an object may stop anywhere | m |
 /// | `conveyor` | [`Conveyor`]; it needs `stop_ms = 5000` | m |
+///
+/// With `homed = false` the drives do not know where the robot is, which is near `start`, and look for their marks first
+/// ([`Unhomed`]).
 ///
 /// A `start` that the drives cannot take is refused, as one beyond the joint limits is. [`Kinds::with`] puts the drives of
 /// a real robot in the place of simulated ones.
@@ -60,7 +67,7 @@ pub fn simulated() -> Kinds {
 }
 
 /// A robot with its simulated drives at the `start` of its entry; `example` is one that they can take.
-fn set_up<const N: usize, R: Driven<N>>(
+fn set_up<const N: usize, R: Driven<N> + Kinematics<N>>(
     entry: &RobotEntry,
     robot: R,
     example: [f64; N],
@@ -75,6 +82,30 @@ fn set_up<const N: usize, R: Driven<N>>(
         );
         entry.refuse_start(what, format!("write joint positions that they can take, such as {example:?}"))
     })?;
-    let drives = Simulated::new(robot.clone(), &start);
-    Ok(RobotSetup::new(entry.name(), robot, drives))
+    if entry.is_homed() {
+        let drives = Simulated::new(robot.clone(), &start);
+        return Ok(RobotSetup::new(entry.name(), robot, drives));
+    }
+    let drives = Unhomed::new(robot.clone(), &hidden(&robot, &start, entry.name()));
+    Ok(RobotSetup::unhomed(entry.name(), robot, drives))
+}
+
+/// A place near `start` that the file does not tell: every motor up to half a turn from there, by the robot's name.
+fn hidden<const N: usize, R: Driven<N> + Kinematics<N>>(
+    robot: &R,
+    start: &SVector<f64, N>,
+    name: &str,
+) -> SVector<f64, N> {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut aside = || {
+        // FNV-1a, once around the name for each motor.
+        for byte in name.bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+        PI * (2.0 * ((hash >> 11) as f64 / (1_u64 << 53) as f64) - 1.0)
+    };
+    let motors = robot.motors(start);
+    let aside = SVector::from_fn(|_, _| aside());
+    let there = |sign: f64| robot.shafts(&(motors + aside * sign), &SVector::zeros()).joints.position;
+    [1.0, -1.0].into_iter().map(there).find(|q| robot.is_attainable(q)).unwrap_or(*start)
 }

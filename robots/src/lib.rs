@@ -9,7 +9,7 @@
 //! | [`Irp6FiveDof`] | 5 | closed form, 4 solutions; the tool's axis stays in the arm's plane |
 //! | [`Irp6Track`] | 1 + 6 | closed form; the track by rule, or given |
 //! | [`Rnt`], a stand-in | 6, two of them linear actuators | closed form through three closed loops |
-//! | [`Polycrank`] | 7, endless | closed form, 8 families; the redundancy nearest to the seed |
+//! | [`Polycrank`] | 7, endless | closed form, 8 families; the stretch of the seed kept, or given |
 //! | [`Gripper`], [`Conveyor`] | 1 | one solution |
 //! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms with a spherical wrist, else iteration |
 //!
@@ -43,7 +43,9 @@
 pub mod conformance;
 mod conveyor;
 mod drives;
+pub mod grasp;
 mod gripper;
+mod homing;
 mod irp6;
 mod irp6_five;
 mod irp6_track;
@@ -58,13 +60,13 @@ mod simulated;
 mod sines;
 mod singular;
 mod transmission;
-mod trig;
 mod urdf;
 mod wrist;
 
 pub use conveyor::Conveyor;
 pub use drives::{Driven, MotorData, MotorLimits, Overload, Shafts};
 pub use gripper::{Gripper, One};
+pub use homing::Unhomed;
 pub use irp6::{Irp6, Six};
 pub use irp6_five::{Five, Irp6FiveDof};
 pub use irp6_track::{Irp6Track, Seven};
@@ -72,7 +74,7 @@ pub use kinds::simulated;
 pub use kinematics::{Jacobian, Kinematics};
 pub use plant::{Encoder, Plant};
 pub use polycrank::Polycrank;
-pub use regulator::{Gains, Regulator};
+pub use regulator::{Gains, Regulator, RegulatorSet};
 pub use rnt::Rnt;
 pub use simulated::{Shaft, Simulated, SimulatedIrp6};
 pub use transmission::{Linear, LinkState, Screw, Transmission};

@@ -25,7 +25,8 @@ use core::f64::consts::PI;
 use mrroc::{NoInverse, Pose};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use crate::sines::{atan2, closest, sin_cos};
+use crate::kinematics::{closest, doubled};
+use crate::sines::{atan2, sin_cos};
 
 /// Distance of the wrist centre from axis 1, or from axis 2, below which these joints are undetermined \[m\].
 const CENTRE_SINGULAR: f64 = 1e-9;
@@ -91,7 +92,7 @@ struct Direction {
 impl Direction {
     #[inline(always)]
     fn of(angle: f64) -> Self {
-        let ([sine], [cosine]) = sin_cos([angle]);
+        let [(sine, cosine)] = sin_cos([angle]);
         Self { sine, cosine }
     }
 
@@ -125,7 +126,7 @@ impl OrthoParallel {
         let [o1, o2, o23, o4, o5, o6] = self.offsets;
         let theta23 = q[1] + self.third * q[2] + o23;
         let (theta4, theta6) = (q[3] + o4, q[5] + o6);
-        let (s, c) = sin_cos([
+        let [h1, h23, h5, plus, minus, (s2, c2)] = sin_cos([
             0.5 * (q[0] + o1),
             0.5 * theta23,
             0.5 * (q[4] + o5),
@@ -133,16 +134,15 @@ impl OrthoParallel {
             0.5 * (theta4 - theta6),
             q[1] + o2,
         ]);
-        let (s1, c1) = doubled(s[0], c[0]);
-        let (s23, c23) = doubled(s[1], c[1]);
+        let ((s1, c1), (s23, c23)) = (doubled(h1), doubled(h23));
         let (sine, cosine) = self.delta_sin_cos;
         let (s3, c3) = (s23 * cosine + c23 * sine, c23 * cosine - s23 * sine);
-        let forward = self.a1 + self.l * s[5] + self.k * s3;
+        let forward = self.a1 + self.l * s2 + self.k * s3;
         let centre =
-            Vector3::new(forward * c1 - self.b * s1, forward * s1 + self.b * c1, self.l * c[5] + self.k * c3);
+            Vector3::new(forward * c1 - self.b * s1, forward * s1 + self.b * c1, self.l * c2 + self.k * c3);
         // R_z(theta1) R_y(theta23), then R_z(theta4) R_y(theta5) R_z(theta6).
-        let arm = Quaternion::new(c[0] * c[1], -s[0] * s[1], c[0] * s[1], s[0] * c[1]);
-        let wrist = Quaternion::new(c[2] * c[3], -s[2] * s[4], s[2] * c[4], c[2] * s[3]);
+        let arm = Quaternion::new(h1.1 * h23.1, -h1.0 * h23.0, h1.1 * h23.0, h1.0 * h23.1);
+        let wrist = Quaternion::new(h5.1 * plus.1, -h5.0 * minus.0, h5.0 * minus.1, h5.1 * plus.0);
         let R_OC = UnitQuaternion::new_unchecked(arm * wrist);
         let position = self.X_WO * nalgebra::Point3::from(centre + R_OC * self.p_CF);
         let rotation = self.X_WO.rotation * (R_OC * self.R_CF);
@@ -161,7 +161,7 @@ impl OrthoParallel {
     #[allow(non_snake_case)]
     pub(crate) fn inverse(&self, X_WF: &Pose, near: &Joints) -> Result<Joints, NoInverse> {
         let wanted = self.wanted(X_WF);
-        let ([s1, s2], [c1, c2]) = sin_cos([near[0] + self.offsets[0], near[1] + self.offsets[1]]);
+        let [(s1, c1), (s2, c2)] = sin_cos([near[0] + self.offsets[0], near[1] + self.offsets[1]]);
         let (at1, at2) = (Direction { sine: s1, cosine: c1 }, Direction { sine: s2, cosine: c2 });
         let shoulders =
             self.shoulders(&wanted.centre, at1).ok_or_else(|| self.out_of_reach(&wanted.centre))?;
@@ -389,9 +389,4 @@ fn nearest([a, b]: [Joints; 2], near: &Joints) -> (Joints, f64) {
 /// Both of two, or the one that they are.
 fn distinct<T: PartialEq>(both: &[T; 2]) -> &[T] {
     if both[0] == both[1] { &both[..1] } else { both }
-}
-
-/// Sine and cosine of an angle from those of its half.
-fn doubled(sine: f64, cosine: f64) -> (f64, f64) {
-    (2.0 * sine * cosine, (cosine - sine) * (cosine + sine))
 }

@@ -1,16 +1,27 @@
 //! One simulated drive: a voltage-fed DC motor with its load, its friction, its brake and its encoder.
 //!
 //! ```text
-//! i      = (U pwm / 255 - ke omega) / R,      limited to twice the lasting current, or to it (`Overload`)
+//! i      = (U - ke omega) / R,  U = 96 V pwm / 255,      limited to twice the lasting current, or to it (`Overload`)
 //! J alpha = kt i - b omega - tau_load - tau_c sign(omega),      alpha = 0 in stiction
 //! ```
 //!
-//! Integrated with [`Plant::SUBSTEPS`] semi-implicit steps per servo period; Coulomb friction is taken
-//! implicitly (the speed shrinks towards zero by `tau_c h / J` and sticks there), so that a motor at rest is at
-//! rest. The armature's inductance is left out: the current follows the voltage at once. Coupling inertias
+//! Integrated with [`Plant::SUBSTEPS`] implicit steps of length h per servo period: current, viscous and Coulomb
+//! friction are those at the step's *end*, and the shaft turns by `h omega` of that moment. With `kt = ke` each step then
+//! keeps, exactly,
+//!
+//! ```text
+//! J omega'^2 / 2 - J omega^2 / 2 = h (U_m i - R i^2 - b omega'^2 - tau_load omega' - tau_f omega') - J (omega' - omega)^2 / 2
+//! ```
+//!
+//! where `U_m = R i + ke omega'` is the voltage at the motor (`U`, unless the current is limited) and `tau_f omega' >= 0`
+//! what Coulomb friction takes. The last term is what the integration loses: it creates no energy, ever. A motor at rest
+//! is at rest. The armature's inductance is left out: the current follows the voltage at once. Coupling inertias
 //! between the links are left out; their weight comes in as `tau_load`.
 
 use core::f64::consts::{PI, TAU};
+
+#[cfg(test)]
+mod energy;
 
 use crate::drives::{MotorData, Overload};
 use crate::regulator::Regulator;
@@ -58,7 +69,7 @@ pub struct Plant {
     model: Model,
 }
 
-/// Coefficients of one integration step.
+/// Coefficients of one integration step: torques as the changes of speed that they make in it [rad/s].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Model {
     current_per_pwm: f64,
@@ -114,13 +125,32 @@ impl Plant {
             return;
         }
         for _ in 0..Self::SUBSTEPS {
-            self.current = self.current_at(pwm);
-            let free = self.speed + self.model.speed_per_current * self.current
-                - self.model.viscous * self.speed
-                - self.model.speed_per_load * load;
-            self.speed = towards_zero(free, self.model.friction);
-            self.angle += H * self.speed;
+            self.step(pwm, load);
         }
+    }
+
+    /// One integration step. The torque that drives the shaft falls with the speed at the step's end: there is one speed
+    /// that solves it, its sign that of the torque at standstill.
+    fn step(&mut self, pwm: f64, load: f64) {
+        let model = &self.model;
+        let free = self.speed - model.speed_per_load * load;
+        let pushed = free + model.speed_per_current * self.limited(model.current_per_pwm * pwm);
+        self.speed = if pushed.abs() <= model.friction {
+            0.0
+        } else {
+            let free = free - model.friction.copysign(pushed);
+            let back = 1.0 + model.viscous + model.speed_per_current * model.current_per_speed;
+            let speed = (free + model.speed_per_current * model.current_per_pwm * pwm) / back;
+            let current = model.current_per_pwm * pwm - model.current_per_speed * speed;
+            let limited = self.limited(current);
+            if limited == current {
+                speed
+            } else {
+                (free + model.speed_per_current * limited) / (1.0 + model.viscous)
+            }
+        };
+        self.current = self.current_at(pwm);
+        self.angle += H * self.speed;
     }
 
     /// One servo period without power and with the brake applied.
@@ -156,8 +186,12 @@ impl Plant {
     }
 
     fn current_at(&self, pwm: f64) -> f64 {
-        let free = self.model.current_per_pwm * pwm - self.model.current_per_speed * self.speed;
-        free.clamp(-self.model.peak, self.model.peak)
+        self.limited(self.model.current_per_pwm * pwm - self.model.current_per_speed * self.speed)
+    }
+
+    /// What the amplifier gives of a current \[A\].
+    fn limited(&self, current: f64) -> f64 {
+        current.clamp(-self.model.peak, self.model.peak)
     }
 }
 

@@ -32,6 +32,8 @@
 //! [`Rnt::TRANSMISSION`] keeps away: a way nearer to one is refused as a limit that joints share. The wrist is singular at
 //! `q5 = 0` (forearm's and flange's axes in line).
 
+mod linkage;
+
 use core::f64::consts::PI;
 
 use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
@@ -40,8 +42,9 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 use crate::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::irp6::{Irp6, Six};
 use crate::kinematics::{Jacobian, Kinematics, closest, column, doubled};
+use crate::sines::sin_cos;
 use crate::transmission::GRAVITY;
-use crate::trig::sin_cos;
+use linkage::{Linkage, ROCKER, TAIL, left};
 
 /// Shoulder in front of the column's axis \[m\].
 const A1: f64 = 0.12;
@@ -53,19 +56,6 @@ const A2: f64 = 0.50;
 const A3: f64 = 0.60;
 /// Wrist centre to flange \[m\].
 const D6: f64 = 0.12;
-/// Foot of the shoulder's actuator from O: distance \[m\] and its direction's cosine and sine (-20 deg).
-const FOOT2: (f64, f64, f64) = (0.40, 0.939_692_620_785_908_4, -0.342_020_143_325_668_7);
-/// Foot of the elbow's actuator from O: distance \[m\] and its direction's cosine and sine (250 deg).
-const FOOT3: (f64, f64, f64) = (0.55, -0.342_020_143_325_668_7, -0.939_692_620_785_908_4);
-/// Where the shoulder's actuator takes the upper arm, from O \[m\].
-const CRANK: f64 = 0.25;
-/// Rocker, O to R \[m\].
-const ROCKER: f64 = 0.20;
-/// Forearm behind the elbow, E to T \[m\].
-const TAIL: f64 = 0.20;
-/// Rod, R to T \[m\].
-const ROD: f64 = 0.52;
-
 /// Distance of the wrist centre from the column axis below which q1 is undetermined \[m\].
 const SHOULDER_SINGULAR: f64 = 1e-9;
 /// Sine of q5 below which the wrist counts as singular; the pose then errs by no more than this \[rad\].
@@ -78,112 +68,6 @@ pub struct Rnt {
     X_WB: Pose,
     X_BW: Pose,
     limits: Limits<Six>,
-}
-
-/// The linkages as the actuators set them, in the arm's plane: first coordinate forwards, second upwards, from O.
-#[derive(Clone, Copy)]
-pub(crate) struct Linkage {
-    /// Direction of the upper arm.
-    pub(crate) upper: Vector2<f64>,
-    /// Direction of the forearm.
-    pub(crate) forearm: Vector2<f64>,
-    /// Direction of the rocker.
-    rocker: Vector2<f64>,
-    /// From R to T \[m\].
-    rod: Vector2<f64>,
-    /// Sine of the angle between the foot's direction and the crank, and between the rocker and its foot's.
-    sines: [f64; 2],
-}
-
-/// A vector turned by 90 deg upwards.
-fn left(v: &Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(-v.y, v.x)
-}
-
-impl Linkage {
-    /// Solves the loops; `None` where they cannot be closed.
-    #[inline]
-    pub(crate) fn of(q2: f64, q3: f64) -> Option<Self> {
-        // The crank stands counter-clockwise of its foot, the rocker clockwise of its own.
-        let (upper, sine2) = by_length(FOOT2, CRANK, q2, 1.0)?;
-        let (rocker, sine3) = by_length(FOOT3, ROCKER, q3, -1.0)?;
-        let elbow = upper * A2;
-        let tip = rocker * ROCKER;
-        // T on the circles about R and E, on the side away from O.
-        let between = elbow - tip;
-        let square = between.norm_squared();
-        let along = (square + ROD * ROD - TAIL * TAIL) / (2.0 * square);
-        let across = ROD * ROD / square - along * along;
-        if across.is_nan() || across < 0.0 {
-            return None;
-        }
-        let rod = between * along + left(&between) * across.sqrt();
-        let forearm = (elbow - tip - rod) * (1.0 / TAIL);
-        Some(Self { upper, forearm, rocker, rod, sines: [sine2, sine3] })
-    }
-
-    /// Derivatives of theta2 by q2 and of theta3 by q2 and q3 [rad/m].
-    pub(crate) fn rates(&self, q2: f64, q3: f64) -> (f64, f64, f64) {
-        let theta2 = q2 / (FOOT2.0 * CRANK * self.sines[0]);
-        let rho = -q3 / (FOOT3.0 * ROCKER * self.sines[1]);
-        // (T - R) . (dT - dR) = 0 with dT = a2 left(upper) dtheta2 - tail left(forearm) dtheta3.
-        let of_tail = self.rod.dot(&left(&self.forearm)) * TAIL;
-        let by_upper = self.rod.dot(&left(&self.upper)) * A2 / of_tail;
-        let by_rocker = -self.rod.dot(&left(&self.rocker)) * ROCKER / of_tail;
-        (theta2, by_upper * theta2, by_rocker * rho)
-    }
-
-    /// The least sine of the angles at which the linkages drive their links; below 0 in another assembly.
-    fn transmission(&self) -> f64 {
-        let sine = |a: &Vector2<f64>, b: &Vector2<f64>| (a.x * b.y - a.y * b.x) / ROD;
-        let (at_tail, at_rocker) = (sine(&self.rod, &self.forearm), sine(&self.rod, &self.rocker));
-        at_tail.abs().min(at_rocker).min(self.sines[0]).min(self.sines[1])
-    }
-
-    /// The actuators' lengths for elevations with the cosines and sines `upper`, `forearm`.
-    ///
-    /// # Errors
-    /// The linkages cannot be assembled so, as they are built: they would have to go through a dead centre.
-    #[inline]
-    fn lengths(upper: &Vector2<f64>, forearm: &Vector2<f64>) -> Result<(f64, f64), NoInverse> {
-        let tail = upper * A2 - forearm * TAIL;
-        // R on the circles about O and T; behind the line from O to T.
-        let square = tail.norm_squared();
-        let along = (square + ROCKER * ROCKER - ROD * ROD) / (2.0 * square);
-        let across = ROCKER * ROCKER / square - along * along;
-        if across.is_nan() || across < 0.0 {
-            let length = square.sqrt();
-            let actual = (length - ROD - ROCKER).max(ROD - ROCKER - length);
-            let what = "way beyond the linkage's dead centre";
-            return Err(NoInverse::NotAttainable { what, actual, tolerance: 0.0, unit: "m" });
-        }
-        let rocker = (tail * along + left(&tail) * across.sqrt()) * (1.0 / ROCKER);
-        let foot2 = Vector2::new(FOOT2.1, FOOT2.2) * FOOT2.0;
-        let foot3 = Vector2::new(FOOT3.1, FOOT3.2) * FOOT3.0;
-        let (q2, q3) = ((upper * CRANK - foot2).norm(), (rocker * ROCKER - foot3).norm());
-        // Assembled otherwise, the same lengths give another posture.
-        let built = Self::of(q2, q3).ok_or(NoInverse::Singular { name: "dead centre of the linkage" })?;
-        let (off, tolerance) = ((built.upper - upper).amax().max((built.forearm - forearm).amax()), 1e-6);
-        if off < tolerance {
-            return Ok((q2, q3));
-        }
-        let what = "turn beyond the linkage's dead centre";
-        Err(NoInverse::NotAttainable { what, actual: off, tolerance, unit: "rad" })
-    }
-}
-
-/// Direction of a crank of length `crank` whose end lies `length` from a foot, on the side `turn` of it, and the sine of
-/// the angle between them.
-#[inline]
-fn by_length(foot: (f64, f64, f64), crank: f64, length: f64, turn: f64) -> Option<(Vector2<f64>, f64)> {
-    let (distance, c, s) = foot;
-    let cosine = (distance * distance + crank * crank - length * length) / (2.0 * distance * crank);
-    let square = 1.0 - cosine * cosine;
-    if square.is_nan() || square < 0.0 || length < 0.0 {
-        return None;
-    }
-    let sine = square.sqrt();
-    Some((Vector2::new(c * cosine - turn * s * sine, s * cosine + turn * c * sine), sine))
 }
 
 /// The wrist's angles that the pose gives once the forearm is known.
@@ -365,27 +249,30 @@ impl Robot for Rnt {
 
     /// Where the actuators' lengths close no loop (far outside the limits), NaN.
     fn forward(&self, q: &Six) -> Pose {
-        let nowhere = Vector2::new(f64::NAN, f64::NAN);
-        let (upper, forearm) =
-            Linkage::of(q[1], q[2]).map_or((nowhere, nowhere), |linkage| (linkage.upper, linkage.forearm));
-        let [h1, h4, h5, h6] = sin_cos([q[0], q[3], q[4], q[5]].map(|angle| 0.5 * angle));
-        let (s1, c1) = doubled(h1);
-        let (s4, c4) = doubled(h4);
-        let (s5, c5) = doubled(h5);
-        // Half of the angle pi/2 - theta3, whose cosine and sine are the forearm's upward and forward parts.
-        let larger = (0.5 * (1.0 + forearm.y.abs())).sqrt();
-        let smaller = 0.5 * forearm.x / larger;
+        let Some(Linkage { upper, forearm, .. }) = Linkage::of(q[1], q[2]) else {
+            let nan = f64::NAN;
+            let rotation = UnitQuaternion::new_unchecked(Quaternion::new(nan, nan, nan, nan));
+            return Pose::from_parts(Translation3::new(nan, nan, nan), rotation);
+        };
+        let [h1, h5, plus, minus] = sin_cos([q[0], q[4], q[3] + q[5], q[3] - q[5]].map(|angle| 0.5 * angle));
+        let ((s1, c1), (s5, c5)) = (doubled(h1), doubled(h5));
+        let s4 = plus.0 * minus.1 + plus.1 * minus.0;
+        let c4 = plus.1 * minus.1 - plus.0 * minus.0;
+        // Half of the angle pi/2 - theta3, whose cosine and sine are the forearm's upward and forward parts, as a
+        // direction whose length is divided off at the end, meanwhile computed.
+        let (square, part) = (0.5 * (1.0 + forearm.y.abs()), 0.5 * forearm.x);
+        let shorten = square.sqrt() * (1.0 / square);
         let (half_cosine, half_sine) =
-            if forearm.y >= 0.0 { (larger, smaller) } else { (smaller.abs(), larger.copysign(forearm.x)) };
+            if forearm.y >= 0.0 { (square, part) } else { (part.abs(), square.copysign(part)) };
         let arm =
             Quaternion::new(h1.1 * half_cosine, -h1.0 * half_sine, h1.1 * half_sine, h1.0 * half_cosine);
-        let pitch = Quaternion::new(h4.1 * h5.1, -h4.0 * h5.0, h4.1 * h5.0, h4.0 * h5.1);
-        let turn = Quaternion::new(h6.1, 0.0, 0.0, h6.0);
-        let rotation = UnitQuaternion::new_unchecked(arm * pitch * turn);
+        // R_z(q4) R_y(q5) R_z(q6), multiplied out.
+        let wrist = Quaternion::new(h5.1 * plus.1, -h5.0 * minus.0, h5.0 * minus.1, h5.1 * plus.0);
+        let rotation = UnitQuaternion::new_unchecked(arm * wrist * shorten);
         // z_F on the forearm's axes: x = (sf, -cf), z = (cf, sf) of the plane, y to the left.
         let (x, y, z) = (D6 * c4 * s5, D6 * s4 * s5, D6 * c5);
-        let forwards = A1 + A2 * upper.x + A3 * forearm.x + forearm.y * x + forearm.x * z;
-        let up = D1 + A2 * upper.y + A3 * forearm.y - forearm.x * x + forearm.y * z;
+        let forwards = (A1 + A2 * upper.x) + (forearm.x * (A3 + z) + forearm.y * x);
+        let up = (D1 + A2 * upper.y) + (forearm.y * (A3 + z) - forearm.x * x);
         let position = Translation3::new(c1 * forwards - s1 * y, s1 * forwards + c1 * y, up);
         self.X_WB * Pose::from_parts(position, rotation)
     }

@@ -4,13 +4,13 @@ use core::cell::Cell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use mrroc::{DriveFault, Driver, Measured};
+use mrroc::{DriveFault, Driver, Measured, Regulators};
 use nalgebra::SVector;
 
-use crate::drives::{Driven, MotorData, Overload};
+use crate::drives::{Driven, MotorData, MotorLimits, Overload};
 use crate::irp6::Irp6;
 use crate::plant::{PERIOD, Plant};
-use crate::regulator::Regulator;
+use crate::regulator::{Regulator, RegulatorSet};
 
 /// Share of a period's current in the mean that trips the amplifier: time constant 50 ms (assumed).
 const CURRENT_SHARE: f64 = PERIOD / 0.05;
@@ -41,6 +41,9 @@ impl<const N: usize> Shaft<N> {
 /// ([`Driven::motor_limits`]); and, unless it limits its current ([`Overload`]), on a following error above
 /// [`MotorData::following`] and on a mean current (50 ms) above what the motor bears. A trip is latched: every later
 /// tick brakes and reports the first cause, until [`reset`](Self::reset).
+///
+/// Every motor's regulator has the parameter sets of [`RegulatorSet`]: 0 usual, 1 soft, 2 springy. Where joints share motors,
+/// the set of a joint is that of the motor with its number.
 #[derive(Debug)]
 pub struct Simulated<R, const N: usize> {
     robot: R,
@@ -48,6 +51,7 @@ pub struct Simulated<R, const N: usize> {
     measured: Measured<SVector<f64, N>>,
     shaft: Shaft<N>,
     loads: SVector<f64, N>,
+    pushes: SVector<f64, N>,
     fault: Option<DriveFault>,
 }
 
@@ -61,6 +65,8 @@ struct Drive {
     plant: Plant,
     regulator: Regulator,
     pulse: f64,
+    /// What the encoder's count is short of the shaft's angle: 0 once the angle is known.
+    zero: f64,
     count: f64,
     demanded: f64,
     previous: f64,
@@ -82,9 +88,16 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             core::array::from_fn(|i| Drive::at_rest(&data[i], Plant::at_rest(&data[i], motors[i]), loads[i]));
         let at_rest = Measured { position: *q, velocity: SVector::zeros() };
         let shaft = Shaft(Rc::new(Cell::new(at_rest)));
-        let mut simulated = Self { robot, drives, measured: at_rest, shaft, loads, fault: None };
+        let mut simulated =
+            Self { robot, drives, measured: at_rest, shaft, loads, pushes: SVector::zeros(), fault: None };
         simulated.observe();
         simulated
+    }
+
+    /// The robot whose drives they are.
+    #[must_use]
+    pub fn robot(&self) -> &R {
+        &self.robot
     }
 
     /// A look at the true joint state, as no encoder gives it.
@@ -113,11 +126,22 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         }
     }
 
+    /// Pushes the motor of `joint`, from 0, with a torque [N m] from outside until told otherwise; positive: against positive
+    /// motion.
+    pub fn push(&mut self, joint: usize, torque: f64) {
+        if joint < N {
+            self.pushes[joint] = torque;
+        }
+    }
+
     /// Takes back the trip and powers the drives where they stand, holding their load.
     pub fn reset(&mut self) {
         self.fault = None;
         for (i, drive) in self.drives.iter_mut().enumerate() {
-            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i]);
+            let (set, zero) = (drive.regulator.set(), drive.zero);
+            *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i] + self.pushes[i]);
+            drive.regulator.choose(set);
+            drive.shift(-zero);
         }
         self.observe();
     }
@@ -131,6 +155,59 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         }
         self.observe();
         self.measured
+    }
+
+    /// Counts the encoders from 0 where the motors are, as at power-up.
+    pub(crate) fn forget(&mut self) {
+        for drive in &mut self.drives {
+            let count = drive.count;
+            drive.shift(-count);
+            // Where a drive holds is a demand like any other.
+            drive.demanded = 0.0;
+            drive.previous = 0.0;
+        }
+        self.observe();
+    }
+
+    /// Makes the encoder of `motor` read `angle` \[rad\] where the true shaft is at `line` \[rad\]; returns by how much more it
+    /// reads from now on \[rad\].
+    pub(crate) fn learn(&mut self, motor: usize, line: f64, angle: f64) -> f64 {
+        let drive = &mut self.drives[motor];
+        let encoder = drive.data.encoder;
+        let latched = encoder.count(line) - drive.zero;
+        let more = encoder.count(angle) - latched;
+        drive.shift(more);
+        self.observe();
+        more * encoder.pulse()
+    }
+
+    /// One servo period towards the angles that the encoders are to read \[rad\], whatever these mean.
+    pub(crate) fn follow(&mut self, angles: &SVector<f64, N>) -> Result<(), DriveFault> {
+        for (i, drive) in self.drives.iter_mut().enumerate() {
+            let tripped = drive.tick(i, angles[i], self.loads[i] + self.pushes[i]);
+            self.fault = self.fault.or(tripped);
+        }
+        self.observe();
+        if self.fault.is_some() {
+            self.brake();
+        }
+        self.fault.map_or(Ok(()), Err)
+    }
+
+    pub(crate) fn true_angle(&self, motor: usize) -> f64 {
+        self.drives[motor].plant.angle()
+    }
+
+    pub(crate) fn motor_data(&self, motor: usize) -> &MotorData {
+        &self.drives[motor].data
+    }
+
+    pub(crate) fn motor_limits(&self) -> &MotorLimits<N> {
+        self.robot.motor_limits()
+    }
+
+    pub(crate) fn servo_period(&self) -> Duration {
+        Duration::from_millis(2)
     }
 
     /// The first drive that cannot take the motor angles `motors` \[rad\], with the reason.
@@ -172,7 +249,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
 
 impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
     fn period(&self) -> Duration {
-        Duration::from_millis(2)
+        self.servo_period()
     }
 
     fn measured(&self) -> Measured<SVector<f64, N>> {
@@ -188,12 +265,25 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
             self.brake();
         } else {
             for (i, drive) in self.drives.iter_mut().enumerate() {
-                let tripped = drive.tick(i, motors[i], self.loads[i]);
+                let tripped = drive.tick(i, motors[i], self.loads[i] + self.pushes[i]);
                 self.fault = self.fault.or(tripped);
             }
             self.observe();
         }
         self.fault.map_or(Ok(self.measured), Err)
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        joint < N && RegulatorSet::numbered(set).is_some()
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        for (i, drive) in self.drives.iter_mut().enumerate() {
+            match RegulatorSet::numbered(sets.set(i)) {
+                Some(set) if set != drive.regulator.set() => drive.regulator.choose(set),
+                Some(_) | None => {}
+            }
+        }
     }
 }
 
@@ -206,6 +296,7 @@ impl Drive {
             plant,
             regulator: Regulator::holding(data.gains, plant.holding(load)),
             pulse,
+            zero: 0.0,
             count: data.encoder.count(plant.angle()),
             demanded,
             previous: demanded,
@@ -213,6 +304,14 @@ impl Drive {
             speed: 0.0,
             mean_current: 0.0,
         }
+    }
+
+    /// Calls the same place by another count.
+    fn shift(&mut self, pulses: f64) {
+        self.zero -= pulses;
+        self.count += pulses;
+        self.demanded += pulses;
+        self.previous += pulses;
     }
 
     /// The motor angle demanded last \[rad\].
@@ -250,7 +349,7 @@ impl Drive {
     }
 
     fn read_encoder(&mut self) {
-        let count = self.data.encoder.count(self.plant.angle());
+        let count = self.data.encoder.count(self.plant.angle()) - self.zero;
         self.increment = count - self.count;
         self.count = count;
         self.speed += SPEED_SHARE * (self.increment * self.pulse / PERIOD - self.speed);

@@ -125,6 +125,19 @@ impl Transmission {
         )
     }
 
+    /// Motor angles at the synchronisation position \[rad\] (MRROC++).
+    #[must_use]
+    pub fn marks(&self) -> Six {
+        Six::new(
+            self.column.synchro,
+            self.lower.synchro,
+            self.upper.synchro,
+            self.t.synchro,
+            self.v.synchro,
+            self.n.synchro,
+        )
+    }
+
     /// Joint angles \[rad\] of the motor angles `m` \[rad\]; NaN where a screw's linkage cannot be closed.
     #[must_use]
     pub fn joints(&self, m: &Six) -> Six {

@@ -2,8 +2,8 @@
 
 mod support;
 
-use mrroc::{CoupledLimit, DriveFault, Driver, Limits, Measured, NoInverse, Pose, Robot};
-use mrroc_robots::{Irp6, Jacobian, Kinematics, SimulatedIrp6, Six, conformance};
+use mrroc::{CoupledLimit, DriveFault, Driver, Homing, Limits, Measured, NoInverse, Pose, Robot, Search};
+use mrroc_robots::{Irp6, Jacobian, Kinematics, SimulatedIrp6, Six, Unhomed, conformance};
 use support::engraving;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -122,6 +122,8 @@ enum Slip {
     Swallows,
     /// Measures what is demanded a tenth of a second late.
     Lags,
+    /// Stays where it is after half a second.
+    Sticks,
 }
 
 /// A simulated arm with a slip.
@@ -147,6 +149,10 @@ impl Driver<Irp6> for Slipping {
                 let refused = !demanded.iter().all(|q| q.is_finite());
                 self.arm.tick(&if refused { self.arm.measured().position } else { *demanded })
             }
+            Slip::Sticks => {
+                self.late.push(*demanded);
+                self.arm.tick(&self.late[(self.late.len() - 1).min(250)])
+            }
             Slip::Lags => {
                 self.late.push(*demanded);
                 let then = self.late.len().saturating_sub(50);
@@ -170,4 +176,55 @@ fn every_slip_of_a_driver_is_caught() {
     assert!(conformance::comes_to_rest(&robot, make(Slip::Forgets)(), &engraving()).is_err());
     assert!(conformance::refuses(&robot, make(Slip::Swallows), &engraving()).is_err());
     assert!(conformance::follows_slowly(&robot, make(Slip::Lags), &engraving()).is_err());
+    assert!(conformance::bears_lost_demands(&robot, make(Slip::Sticks), &engraving()).is_err());
+    assert!(conformance::bears_lost_demands(&robot, make(Slip::Forgets), &engraving()).is_ok());
+}
+
+/// A search with a slip: it is over at once, or its drives tick at another pace than they say.
+struct Hasty(Unhomed<Irp6, 6>, bool);
+
+impl Homing<Irp6> for Hasty {
+    type Drives = SimulatedIrp6;
+
+    fn period(&self) -> std::time::Duration {
+        if self.1 { std::time::Duration::from_millis(1) } else { self.0.period() }
+    }
+
+    fn search(self) -> Result<Search<Self, SimulatedIrp6>, DriveFault> {
+        if !self.1 {
+            // Where the drives are told to be at the edge of their limits, there is no robot.
+            let edge = Six::new(3.5, -1.57, 0.16, -0.16, 4.71, 0.0);
+            return Ok(Search::Found(SimulatedIrp6::new(Irp6::nominal(), &edge)));
+        }
+        self.0.search().map(|outcome| match outcome {
+            Search::Searching(on) => Search::Searching(Hasty(on, true)),
+            Search::Found(drives) => Search::Found(drives),
+        })
+    }
+}
+
+#[test]
+fn every_slip_of_homing_is_caught() {
+    let robot = Irp6::nominal();
+    let starts = [engraving(), engraving() + Six::repeat(0.05)];
+    let unhomed = |q: &Six| Unhomed::new(Irp6::nominal(), q);
+    let caught = |outcome: Result<(), conformance::Violation>, told: &str| {
+        let why = outcome.expect_err("a slip").to_string();
+        assert!(why.contains(told), "{why}");
+    };
+    caught(conformance::finds_its_marks(&robot, |q| Hasty(unhomed(q), false), &starts), "outside of");
+    caught(conformance::finds_its_marks(&robot, |q| Hasty(unhomed(q), true), &starts), "it searches every");
+    let other = |joint: usize| {
+        let mut homing = unhomed(&engraving());
+        homing.block((joint + 1) % 6);
+        homing
+    };
+    caught(conformance::trips_where_jammed(&robot, other), "is jammed, and joint");
+    caught(conformance::trips_where_jammed(&robot, |_| unhomed(&engraving())), "is jammed, and found");
+    let places = std::cell::Cell::new(0.0);
+    let elsewhere = |q: &Six| {
+        places.set(places.get() + 0.01);
+        unhomed(&(q + Six::repeat(places.get())))
+    };
+    assert!(conformance::searches_alike(&robot, elsewhere, &starts).is_err());
 }

@@ -3,12 +3,13 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use mrroc::Driver;
+use mrroc::{Driver, EffectorState, MAX_JOINTS, Pose, ReadingOrder, Robot, VirtualSensor};
+use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, Table, World, WristOrder};
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven,
     Simulated, Six,
 };
-use nalgebra::SVector;
+use nalgebra::{SVector, Vector3};
 
 thread_local! {
     static COUNT: Cell<usize> = const { Cell::new(0) };
@@ -63,4 +64,41 @@ fn kinematics_and_servo_periods_of_every_robot_allocate_nothing() {
     counted(Polycrank::new(), Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]));
     counted(Gripper::new(), One::new(0.07));
     counted(Conveyor::new(), One::new(0.5));
+}
+
+#[test]
+fn servo_periods_of_arms_that_hold_a_body_and_readings_of_a_wrist_allocate_nothing() {
+    let start = Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]);
+    let flange = Polycrank::new().forward(&start);
+    let body = Body::block(2.0, [0.6, 0.1, 0.1]).at(Pose::translation(
+        flange.translation.x + 0.3,
+        flange.translation.y,
+        flange.translation.z,
+    ));
+    // The body's corners touch the table, too.
+    let table = Table::at(flange.translation.z - 0.05);
+    let world = World::new(&body).and_then(|world| world.with_table(table)).expect("a world");
+    let arm = |x: f64| {
+        let robot = Polycrank::new().with_base(Pose::translation(x, 0.0, 0.0));
+        world.arm(Simulated::new(robot, &start), Grasp::new(5e4, 500.0)).expect("a grasp")
+    };
+    let (mut one, mut two) = (arm(0.0), arm(0.6));
+    let hands = [one.hand(), two.hand()];
+    let wrist = SimulatedWrist::new(one.hand()).with_tool(1.0, Vector3::zeros()).with_noise(0.1, 0.01, 1);
+    let mut wrist = wrist.with_low_pass(20.0);
+    let before = COUNT.with(Cell::get);
+    let mut sum = 0.0;
+    for k in 0..200 {
+        if k == 10 {
+            hands.iter().for_each(|hand| hand.close().expect("there"));
+        }
+        sum += one.tick(&start).map_or(0.0, |measured| measured.position[0]);
+        sum += two.tick(&start).map_or(0.0, |measured| measured.position[0]);
+        let robot = EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: flange };
+        let order = ReadingOrder { configuration: WristOrder::Read, robot: Some(robot), step: k };
+        sum += wrist.aggregate(&order).map_or(0.0, |wrench| wrench.force.x);
+        sum += world.energy() + world.internal_force() + hands[0].internal().torque.x;
+    }
+    assert!(world.table_force().norm() > 0.0, "it touches");
+    assert_eq!(COUNT.with(Cell::get) - before, 0, "{sum}");
 }

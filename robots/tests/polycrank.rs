@@ -61,6 +61,27 @@ fn a_straight_line_is_continuous_and_its_joint_steps_shrink_with_the_line_s() {
     assert!((end - fine_end).amax() < 1e-2, "{end}{fine_end}: the way hardly depends on the step");
 }
 
+/// With its stretch of 0.128 m the arm with level axes would be straight after 5 cm (v from 0.223 to 0.273 m): the stretch
+/// gives way before, and the speeds stay continuous while it begins to.
+#[test]
+fn a_line_that_the_kept_stretch_does_not_reach_goes_on_with_another() {
+    let start = Polycrank::new().forward(&bent());
+    let line = |steps: u32| {
+        follow(
+            &bent(),
+            (1..=steps).map(move |i| {
+                let up = Vector3::new(0.0, 0.0, 0.065 * f64::from(i) / f64::from(steps));
+                Pose::from_parts(Translation3::from(start.translation.vector + up), start.rotation)
+            }),
+        )
+    };
+    let ((coarse, _, _), (fine, bend, end)) = (line(300), line(3000));
+    println!("largest step {coarse:.2e}, ten times finer {fine:.2e}, its largest change {bend:.1e} rad");
+    assert!(Polycrank::stretch(&end) < 0.105, "the arm reaches 0.302 m: {}", Polycrank::stretch(&end));
+    assert!(fine < 0.12 * coarse, "{fine} {coarse}");
+    assert!(bend < 0.03 * fine, "{bend} {fine}: the speeds are continuous, too");
+}
+
 /// Where the published range of 3600 deg would not matter: ten turns of the tool about the vertical.
 #[test]
 fn turning_the_pose_unwraps_the_joints() {

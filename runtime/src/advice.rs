@@ -115,6 +115,9 @@ impl Fault {
             K::TimedOut => {
                 return Some("allow the Wait more steps, or handle the time-out: match on `Fault::kind`");
             }
+            K::ProtectiveStop => {
+                return Some("what the guard of the cell allows is written where `Cell::guard` is called");
+            }
             K::Config
             | K::Program
             | K::Aborted

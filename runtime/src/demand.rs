@@ -159,6 +159,14 @@ impl<R: Robot> Demand<R> {
     }
 }
 
+/// The pose `X_WE` of the tool in the world: what can be demanded of every kind of robot.
+#[allow(non_snake_case)]
+impl<R: Robot> From<Pose> for Demand<R> {
+    fn from(X_WE: Pose) -> Self {
+        Demand::pose(X_WE)
+    }
+}
+
 const TOOL: u64 = 1 << 8;
 const REDUNDANCY: u64 = 1 << 9;
 const REGULATORS: u64 = 1 << 10;

@@ -98,6 +98,8 @@ fault_kinds! {
     GeneratorPanicked = 22: Stopped, "panic in the program";
     /// A demand chooses a regulator's parameter set that the drive does not have.
     NoRegulator = 25: Stopped, "the drive has no such regulator";
+    /// A guard of the cell saw what must not go on: a protective stop on the path.
+    ProtectiveStop = 26: Stopped, "protective stop";
     /// The cell is closing: the MP's program is over.
     CellClosed = 24: Refused, "the MP's program is over";
     /// A message could not be read.
@@ -260,6 +262,15 @@ impl Fault {
             self.0.kind = FaultKind::Program;
         }
         self
+    }
+
+    /// The fault for which a guard stops the cell.
+    pub(crate) fn of_guard(self) -> Fault {
+        let mut fault = self.thrown_by_program();
+        if fault.kind() == FaultKind::Program {
+            fault.0.kind = FaultKind::ProtectiveStop;
+        }
+        fault
     }
 
     /// What a drive gave up for.

@@ -4,7 +4,7 @@ use core::fmt;
 use core::ops::{Deref, DerefMut};
 
 use crate::joints::{JointVector, MAX_JOINTS};
-use crate::list::{RobotList, SensorList};
+use crate::list::{RobotList, SensorList, SensorsEach};
 use crate::payload::Payload;
 use crate::pose::Pose;
 use crate::robot::Robot;
@@ -194,6 +194,20 @@ impl<L: RobotList> State<L> {
     pub const fn new(images: L::Images) -> Self {
         State { images }
     }
+
+    /// `X_WE` of every robot's tool as demanded last, in the list's order, whatever form the list has.
+    #[must_use]
+    pub fn demanded_poses(&self) -> L::Each<Pose> {
+        let poses = L::poses(&self.images);
+        L::array(|i| poses.as_ref()[i].1)
+    }
+
+    /// `X_WE` of every robot's tool as measured last, in the list's order, whatever form the list has.
+    #[must_use]
+    pub fn measured_poses(&self) -> L::Each<Pose> {
+        let poses = L::poses(&self.images);
+        L::array(|i| poses.as_ref()[i].0)
+    }
 }
 
 impl<L: RobotList> Deref for State<L> {
@@ -221,6 +235,16 @@ impl<L: SensorList> Reading<L> {
     #[must_use]
     pub const fn new(images: L::Images) -> Self {
         Reading { images }
+    }
+
+    /// The last reading of every sensor as a `T`, with its age when it was collected \[steps\], in the list's order;
+    /// `None` before the first one of a sensor with delay has arrived.
+    #[must_use]
+    pub fn each<T: Copy>(&self) -> L::Each<Option<(T, u32)>>
+    where
+        L: SensorsEach<T>,
+    {
+        L::readings(&self.images)
     }
 }
 

@@ -13,12 +13,13 @@ use std::time::{Duration, Instant};
 use lexopt::prelude::*;
 
 use crate::cell::{Cell, CellError, RunReport};
-use crate::cell_file::{CellFile, suggestion};
+use crate::cell_file::CellFile;
 use crate::fault::{Fault, ProcessId, Role};
 use crate::name::Name;
 use crate::operator::Operator;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 use crate::processes::NoPart;
+use crate::suggestion::suggestion;
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
 pub trait Recorder {

@@ -69,6 +69,7 @@ mod edp;
 mod fault;
 mod feed;
 mod generator;
+mod guard;
 mod homing;
 mod image;
 mod interpolation;
@@ -90,6 +91,7 @@ mod sensing;
 mod step;
 mod step_fn;
 mod stopping;
+mod suggestion;
 mod transparent;
 mod vsp;
 mod wire;
@@ -104,13 +106,14 @@ pub use ecp::Ecp;
 pub use edp::ServoRecord;
 pub use fault::{Excess, Fault, FaultClass, FaultKind, ProcessId, Role};
 pub use generator::{Condition, Generator};
+pub use guard::RobotView;
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
 pub use launch::{Recorder, launch};
 pub use list::{
-    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList,
-    SensorsOf,
+    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
+    SensorList, SensorsEach, SensorsOf,
 };
 pub use mp::Mp;
 pub use name::{BadName, MAX_NAME, Name};

@@ -165,13 +165,13 @@ impl<R: Robot> Acceptor<R> {
         }
     }
 
-    /// Stay: the state demanded last is demanded again.
+    /// Stay: the state demanded last is demanded again. The path's speed is kept: a robot whose ECP transmits orders is
+    /// held so in a suspension.
     pub fn hold(&mut self, duration: f64) -> AcceptedDemand<R> {
         let zeros = R::Joints::zeros();
         self.acceleration = (zeros - self.velocity) * duration.recip();
         self.velocity = zeros;
         (self.demanded, self.path_velocity, self.missing) = (self.position, zeros, 0.0);
-        self.path_speed = zeros;
         AcceptedDemand::new(self.position)
     }
 

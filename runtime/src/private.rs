@@ -3,6 +3,7 @@
 
 use crate::image::Sensor;
 use crate::list::{RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList, SensorsOf};
+use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::wire::{BadWords, WORDS, Wire};
 
@@ -66,9 +67,16 @@ pub struct Anything;
 impl RobotList for Anything {
     const LEN: usize = 0;
     type Images = ();
+    type Each<T: Copy> = [T; 0];
+    fn array<T: Copy>(_: impl FnMut(usize) -> T) -> [T; 0] {
+        []
+    }
     fn unknown() {}
     fn read(_: &mut (), _: usize, _: &[u64]) -> Result<(), BadWords> {
         Err(BadWords)
+    }
+    fn poses((): &()) -> [(Pose, Pose); 0] {
+        []
     }
 }
 

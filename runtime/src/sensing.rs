@@ -2,13 +2,13 @@
 
 use core::any::TypeId;
 
-use crate::cell_file::suggestion;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::image::{Reading, Sensor, SensorImage};
 use crate::link::{Client, Nanos, Waiter};
 use crate::list::{SensorHandle, SensorList, SensorsOf};
 use crate::message::{Kind, Message};
 use crate::name::Name;
+use crate::suggestion::suggestion;
 use crate::vsp::{Boards, CONFIGURATION_WORDS, MAX_AGE};
 
 /// How a virtual sensor is asked.
@@ -143,9 +143,8 @@ impl Sensing {
         process: ProcessId,
     ) -> Result<SensorHandle<S>, Fault> {
         let config = |text: &str| Fault::new(FaultKind::Config).in_process(process).text(text);
-        let names: Vec<_> = self.ports.iter().map(|port| port.name.to_string()).collect();
         let Some(index) = self.ports.iter().position(|port| port.name.as_str() == name) else {
-            let names: Vec<_> = names.iter().map(String::as_str).collect();
+            let names: Vec<_> = self.ports.iter().map(|port| port.name.as_str()).collect();
             let there = match (names.as_slice(), process.name) {
                 ([], Some(robot)) => format!("write of = \"{robot}\" in its table of cell.toml"),
                 ([], None) => "write its table in cell.toml, and give the cell its VSP".to_owned(),

@@ -177,6 +177,32 @@ fn a_kind_of_the_users_own_takes_the_place_of_a_simulated_one() {
 }
 
 #[test]
+fn homed_is_true_or_false_and_only_for_drives_that_can_be_unhomed() {
+    let told = complaints(&GOOD.replacen("tool =", "homed = \"no\"\ntool =", 1));
+    assert!(told.contains("cell.toml:7:9: a string where true or false is due"), "{told}");
+    let told = complaints(&GOOD.replacen("tool =", "home = false\ntool =", 1));
+    assert!(told.contains("did you mean `homed`?"), "{told}");
+    let kinds = || {
+        Kinds::new().with("slides", |entry| {
+            let robot = Gantry::default();
+            let drives = ExactDrive::new(entry.start(&robot)?, mrroc_tests::MS);
+            Ok(RobotSetup::new(entry.name(), robot, drives))
+        })
+    };
+    for (homed, taken) in [("true", true), ("false", false)] {
+        let text =
+            format!("step_ms = 1\n[robots.g]\nkind = \"slides\"\nstart = [0, 0, 0]\nhomed = {homed}\n");
+        let made = CellFile::parse("cell.toml", &text).expect("well-formed").cell(&kinds());
+        assert_eq!(made.is_ok(), taken);
+        if let Err(why) = made {
+            let why = why.to_string();
+            assert!(why.starts_with("cell.toml:5:9: the drives of kind `slides` know"), "{why}");
+            assert!(why.contains("leave `homed` out"), "{why}");
+        }
+    }
+}
+
+#[test]
 fn a_file_that_is_not_there_is_named() {
     let error = CellFile::read("no/such/cell.toml").expect_err("not there").to_string();
     assert!(error.starts_with("no/such/cell.toml: cannot be read"), "{error}");

@@ -5,8 +5,12 @@ use mrroc::{
 };
 use mrroc::{Fault, Payload};
 use mrroc_generators::bspline::SplineSettings;
+use mrroc_generators::cooperation::{Displacement, StraightBody};
 use mrroc_generators::feed::FeedLimits;
-use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};
+use mrroc_generators::generators::{
+    FollowMaster, GuardedApproach, JointMove, RigidCarry, SharedDrive, SplineTrack, SqueezedCarry,
+    StraightLine, TransmitDisplacement, YieldingTransmit,
+};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Irp6, Six};
@@ -25,6 +29,24 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(StraightLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(SplineTrack::<Gantry, Points>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(GuardedApproach::<Gantry, Probe>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
+    type Mixed = (Gantry, Irp6);
+    let carried = "MP f*0(c0), first step f*2(c0, e)";
+    assert_eq!(RigidCarry::<Mixed, StraightBody>::CLASS.to_string(), carried);
+    assert_eq!(RigidCarry::<[Irp6; 4], StraightBody, Displacement>::CLASS.to_string(), carried);
+    assert_eq!(SharedDrive::<Mixed, StraightBody>::CLASS.to_string(), carried);
+    assert_eq!(FollowMaster::<Mixed, StraightBody>::CLASS.to_string(), "MP f*2(c0, e)");
+    type Squeezed = SqueezedCarry<Mixed, (Wrist, Wrist), StraightBody>;
+    assert_eq!(Squeezed::CLASS.to_string(), "MP f*1(c0, v), first step f*3(c0, e, v)");
+    assert_eq!(TransmitDisplacement::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c)");
+    assert_eq!(YieldingTransmit::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
+}
+
+struct Wrist;
+
+impl Sensor for Wrist {
+    const KIND: &'static str = "wrist";
+    type Reading = mrroc::Wrench;
+    type Configuration = ();
 }
 
 #[test]

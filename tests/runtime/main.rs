@@ -6,6 +6,7 @@ mod coordination;
 mod determinism;
 mod faults;
 mod feed;
+mod guards;
 mod handover;
 mod homing;
 mod jerk;

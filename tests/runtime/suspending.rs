@@ -154,6 +154,39 @@ fn two_robots_of_one_motion_stay_together_in_every_suspension() {
     }
 }
 
+struct ShiftedInMp(Trapezoid);
+
+#[generator(mp)]
+fn shifted_in_mp(c: &mut ShiftedInMp, t: Tick) -> Step<(Gantry,)> {
+    c.0.advance(t.dt).map_or(Step::Done, |position| Step::Next((x(position - 1.0),)))
+}
+
+#[test]
+fn fault_37_a_fast_robot_with_a_transparent_ecp_may_be_resumed_wherever_it_stands() {
+    // As above; its ECP has no path of its own and holds it in the suspension.
+    let path = Trapezoid { up: 9.0, down: 9.0, speed: 2.6, cruise: 0.05, t: 0.0 };
+    for at in (1..640).step_by(9) {
+        let drive = ExactDrive::new(Q::<3>::new(-1.0, 0.0, 0.0), MS);
+        let (robot, trace) = traced(RobotSetup::new("g", Gantry::with_velocity(2.6), drive));
+        let cell = Cell::new(MS).robot(robot).on_step(move |step, operator| {
+            if step == at {
+                operator.suspend();
+            }
+            if step == at + 900 {
+                operator.resume();
+            }
+        });
+        let cell = cell.program(move |mp| {
+            let mut g = mp.robot::<Gantry>("g")?;
+            mp.move_robots((&mut g,), (), ShiftedInMp(path)).map(drop)
+        });
+        cell.run().unwrap_or_else(|error| panic!("suspended at {at}: {error}"));
+        let trace = trace.borrow();
+        assert!((trace.last().expect("recorded")[0] + 1.0 - path.length()).abs() < 1e-9, "suspended at {at}");
+        assert!(peaks(&trace, 1e-3).1 <= 10.0 + 1e-6, "suspended at {at}");
+    }
+}
+
 #[test]
 fn a_motion_at_speed_zero_stands_and_goes_on_when_the_speed_is_set() {
     let path = Trapezoid::new(9.0, 9.0);

@@ -2,17 +2,35 @@
 //!
 //! | generator | what it does | class |
 //! |---|---|---|
+//! | [`RigidCarry`] | several arms carry a rigid body along a path | MP `f*0(c0)`, first step `f*2(c0, e)` |
+//! | [`SqueezedCarry`] | the same, with a wanted internal force | MP `f*1(c0, v)`, first step `f*3(c0, e, v)` |
+//! | [`FollowMaster`] | slaves follow a master as measured | MP `f*2(c0, e)` |
+//! | [`SharedDrive`] | arms engage with a drive frame and move with it | MP `f*0(c0)`, first step `f*2(c0, e)` |
+//! | [`TransmitDisplacement`] | passes the coordinator's displacements on | ECP `f*4(c0, c)` |
+//! | [`YieldingTransmit`] | the same, where a grasp leaves a direction free | ECP `f*4(c0, c)`, first step `f*6(c0, c, e)` |
 //! | [`JointMove`] | straight line in joint space | ECP `f*0(c)`, first step `f*2(c, e)` |
 //! | [`StraightLine`] | straight line of the tool frame | ECP `f*0(c)`, first step `f*2(c, e)` |
 //! | [`SplineTrack`] | the moving-segment B-spline through a stream of points | ECP `f*0(c)` |
 //! | [`GuardedApproach`] | straight on until a sensor says so | ECP `f*1(c, v)`, first step `f*3(c, e, v)` |
 
+mod follow_master;
 mod guarded_approach;
 mod joint_move;
+mod rigid_carry;
+mod shared_drive;
 mod spline_track;
+mod squeezed_carry;
 mod straight_line;
+mod transmit_displacement;
+mod yielding_transmit;
 
+pub use follow_master::FollowMaster;
 pub use guarded_approach::GuardedApproach;
 pub use joint_move::JointMove;
+pub use rigid_carry::RigidCarry;
+pub use shared_drive::SharedDrive;
 pub use spline_track::SplineTrack;
+pub use squeezed_carry::SqueezedCarry;
 pub use straight_line::StraightLine;
+pub use transmit_displacement::TransmitDisplacement;
+pub use yielding_transmit::YieldingTransmit;

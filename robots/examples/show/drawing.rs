@@ -7,12 +7,18 @@ use mrroc::Pose;
 use mrroc_robots::Kinematics;
 use nalgebra::{SVector, Vector3};
 
-/// Pixels per metre.
+/// Pixels per metre of an arm; of a hand, ten times as many: all lengths of the drawing go with it.
 const SCALE: f64 = 220.0;
 /// Edge of a cell of the workspace slice \[m\].
 const CELL: f64 = 0.03;
 /// Thickness of the slice \[m\].
 const THICKNESS: f64 = 0.08;
+/// Between the lines of the grid \[m\].
+const GRID: f64 = 0.5;
+/// Of the axes of a frame \[m\].
+const AXIS: f64 = 0.1;
+/// How far from the world's origin something is still drawn, either way \[m\].
+const FARTHEST: f64 = 2.5;
 /// Joint positions tried for the workspace.
 const SAMPLES: usize = 3_000_000;
 /// Margin around a view \[px\].
@@ -41,6 +47,13 @@ pub struct Scene {
     pub measures: String,
     pub lines: Vec<Line>,
     pub frames: Vec<Pose>,
+    /// Of the robot as a multiple of an arm's: 1 or 0.1.
+    pub size: f64,
+}
+
+/// The size of a robot with that reach \[m\].
+pub fn size(reach: f64) -> f64 {
+    if reach < 0.3 { 0.1 } else { 1.0 }
 }
 
 /// Which coordinates a view shows to the right, upwards, and which it is a slice of.
@@ -51,7 +64,7 @@ struct View {
 }
 
 const VIEWS: [View; 2] =
-    [View { name: "side: x, z", axes: [0, 2, 1] }, View { name: "above: x, y", axes: [0, 1, 2] }];
+    [View { name: "side: x, z [m]", axes: [0, 2, 1] }, View { name: "above: x, y [m]", axes: [0, 1, 2] }];
 
 /// Where the flange gets to: of joints drawn evenly from their limits, with a stated seed, those that are attainable.
 pub fn flange_positions<const N: usize, R: Kinematics<N>>(robot: &R) -> Vec<Vector3<f64>> {
@@ -69,26 +82,32 @@ pub fn flange_positions<const N: usize, R: Kinematics<N>>(robot: &R) -> Vec<Vect
         .map(|_| SVector::<f64, N>::from_fn(|i, _| lower[i] + (upper[i] - lower[i]) * unit()))
         .filter(|q| robot.is_attainable(q))
         .map(|q| robot.forward(&q).translation.vector)
+        .filter(|p| p.amax() < FARTHEST)
         .collect()
 }
 
 impl Scene {
     /// The drawing, with the cells of the planes through the flange that hold one of `positions`.
     pub fn svg(&self, positions: &[Vector3<f64>]) -> String {
+        let scale = SCALE / self.size;
         let here = self.frames.last().map_or(Vector3::zeros(), |flange| flange.translation.vector);
         let (mut lower, mut upper) = (Vector3::zeros(), Vector3::zeros());
         for p in positions.iter().chain(self.lines.iter().flat_map(|line| [&line.from, &line.to])) {
             lower = lower.inf(p);
             upper = upper.sup(p);
         }
+        // Room for a frame at every end.
+        let around = Vector3::repeat(AXIS * self.size);
+        (lower, upper) = (lower.inf(&(here - around)), upper.sup(&(here + around)));
         let (mut views, mut left, mut bottom) = (String::new(), MARGIN, 0.0_f64);
         for view in VIEWS {
             let [right, up, depth] = view.axes;
-            let height = (upper[up] - lower[up]) * SCALE;
+            let height = (upper[up] - lower[up]) * scale;
             let place = |p: &Vector3<f64>| {
-                (left + (p[right] - lower[right]) * SCALE, 90.0 + (upper[up] - p[up]) * SCALE)
+                (left + (p[right] - lower[right]) * scale, 90.0 + (upper[up] - p[up]) * scale)
             };
-            let in_slice = positions.iter().filter(|p| (p[depth] - here[depth]).abs() < 0.5 * THICKNESS);
+            let in_slice =
+                positions.iter().filter(|p| (p[depth] - here[depth]).abs() < 0.5 * THICKNESS * self.size);
             self.view(&mut views, view, in_slice, place, (lower, upper));
             let _ = writeln!(
                 views,
@@ -97,9 +116,11 @@ impl Scene {
                 ["x", "y", "z"][depth],
                 here[depth]
             );
-            left += (upper[right] - lower[right]) * SCALE + 2.0 * MARGIN;
+            left += (upper[right] - lower[right]) * scale + 2.0 * MARGIN;
             bottom = bottom.max(90.0 + height + MARGIN);
         }
+        // Room for the lines above the views.
+        let left = left.max(820.0);
         let style = "text{font:13px sans-serif}.cell{fill:#dbe9f6}.grid{stroke:#ccc;stroke-width:.5}\
             .link{stroke:#333;stroke-width:5;stroke-linecap:round}.actuator{stroke:#c60;stroke-width:4}\
             .joint{fill:#fff;stroke:#333;stroke-width:1.5}.x{stroke:#d00}.y{stroke:#090}.z{stroke:#00d}\
@@ -107,9 +128,11 @@ impl Scene {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{left:.0}\" height=\"{bottom:.0}\">\n<style>{style}</style>\n\
              <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" y=\"24\">{}</text>\n\
-             <text x=\"{MARGIN}\" y=\"44\">{}; axes x red, y green, z blue; grid 0.5 m; shaded: where the flange gets to</text>\n\
+             <text x=\"{MARGIN}\" y=\"44\">{}; axes x red, y green, z blue; grid {} m; shaded: where the flange gets to</text>\n\
              {views}</svg>\n",
-            self.title, self.measures
+            self.title,
+            self.measures,
+            GRID * self.size
         )
     }
 
@@ -122,12 +145,13 @@ impl Scene {
         (lower, upper): (Vector3<f64>, Vector3<f64>),
     ) {
         let [right, up, _] = view.axes;
-        let cell = |p: &Vector3<f64>| ((p[right] / CELL).floor() as i64, (p[up] / CELL).floor() as i64);
+        let edge = CELL * self.size;
+        let cell = |p: &Vector3<f64>| ((p[right] / edge).floor() as i64, (p[up] / edge).floor() as i64);
         let cells: BTreeSet<(i64, i64)> = slice.map(cell).collect();
         for (i, j) in cells {
             let mut corner = Vector3::zeros();
-            (corner[right], corner[up]) = (i as f64 * CELL, (j + 1) as f64 * CELL);
-            let ((x, y), size) = (place(&corner), CELL * SCALE);
+            (corner[right], corner[up]) = (i as f64 * edge, (j + 1) as f64 * edge);
+            let ((x, y), size) = (place(&corner), edge * SCALE / self.size);
             let _ = writeln!(
                 out,
                 r#"<rect class="cell" x="{x:.1}" y="{y:.1}" width="{size:.1}" height="{size:.1}"/>"#
@@ -141,9 +165,10 @@ impl Scene {
             );
         };
         for (along, across) in [(right, up), (up, right)] {
-            for k in (lower[along] / 0.5).ceil() as i32..=(upper[along] / 0.5).floor() as i32 {
+            let grid = GRID * self.size;
+            for k in (lower[along] / grid).ceil() as i32..=(upper[along] / grid).floor() as i32 {
                 let (mut from, mut to) = (lower, upper);
-                (from[along], to[along]) = (f64::from(k) * 0.5, f64::from(k) * 0.5);
+                (from[along], to[along]) = (f64::from(k) * grid, f64::from(k) * grid);
                 (from[across], to[across]) = (lower[across], upper[across]);
                 segment(out, "grid", &from, &to);
                 let (x, y) = place(&from);
@@ -151,7 +176,7 @@ impl Scene {
                     out,
                     r##"<text x="{x:.1}" y="{:.1}" fill="#999">{}</text>"##,
                     y + 12.0,
-                    f64::from(k) * 0.5
+                    (f64::from(k) * grid * 100.0).round() / 100.0
                 );
             }
         }
@@ -163,7 +188,7 @@ impl Scene {
             let (x, y) = place(&origin);
             let _ = writeln!(out, r#"<circle class="joint" cx="{x:.1}" cy="{y:.1}" r="4"/>"#);
             for (class, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {
-                segment(out, class, &origin, &(origin + frame.rotation * axis * 0.1));
+                segment(out, class, &origin, &(origin + frame.rotation * axis * (AXIS * self.size)));
             }
         }
     }

@@ -4,7 +4,7 @@
 //! cargo run -p mrroc-robots --example show -- irp6 [--out FILE] [--joints q1,q2,..]
 //! ```
 //!
-//! Names: irp6, irp6-5dof, irp6-track, rnt, polycrank. Joints in rad and m. The default file is `NAME.svg`.
+//! Names: those of [`KINDS`]. Joints in rad and m. The default file is `NAME.svg`.
 
 mod drawing;
 
@@ -12,10 +12,18 @@ use std::process::ExitCode;
 
 use drawing::{Line, Scene};
 use mrroc::Pose;
-use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Six};
+use mrroc_robots::{
+    Conveyor, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven, Six,
+};
 use nalgebra::{SVector, Vector3};
 
-const USAGE: &str = "usage: show irp6|irp6-5dof|irp6-track|rnt|polycrank [--out FILE] [--joints q1,q2,..]";
+/// The robots that there are.
+pub const KINDS: [&str; 8] =
+    ["irp6", "irp6-calibrated", "irp6-5dof", "irp6-track", "rnt", "polycrank", "gripper", "conveyor"];
+
+fn usage() -> String {
+    format!("usage: show {} [--out FILE] [--joints q1,q2,..]", KINDS.join("|"))
+}
 
 /// What the command line asks for.
 struct Request {
@@ -25,17 +33,17 @@ struct Request {
 }
 
 fn request(mut arguments: impl Iterator<Item = String>) -> Result<Request, String> {
-    let name = arguments.next().ok_or(USAGE)?;
+    let name = arguments.next().ok_or_else(usage)?;
     let mut request = Request { out: format!("{name}.svg"), name, joints: None };
     while let Some(option) = arguments.next() {
-        let value = arguments.next().ok_or_else(|| format!("{option} needs a value\n{USAGE}"))?;
+        let value = arguments.next().ok_or_else(|| format!("{option} needs a value\n{}", usage()))?;
         match option.as_str() {
             "--out" => request.out = value,
             "--joints" => {
                 let numbers: Result<_, _> = value.split(',').map(str::parse).collect();
                 request.joints = Some(numbers.map_err(|why| format!("--joints {value}: {why}"))?);
             }
-            _ => return Err(format!("unknown option {option}\n{USAGE}")),
+            _ => return Err(format!("unknown option {option}\n{}", usage())),
         }
     }
     Ok(request)
@@ -66,7 +74,8 @@ fn draw<const N: usize, R: Kinematics<N>>(
         robot.manipulability(&q),
         robot.singularity_distance(&q)
     );
-    let scene = Scene { title, measures, lines: body(&poses), frames: poses };
+    let scene =
+        Scene { title, measures, lines: body(&poses), frames: poses, size: drawing::size(robot.reach()) };
     scene.svg(&drawing::flange_positions(robot))
 }
 
@@ -105,11 +114,24 @@ fn closed(frames: &[Pose]) -> Vec<Line> {
     lines
 }
 
+/// The picture of a kind of robot in its usual pose.
+///
+/// # Errors
+/// A kind that there is not.
+#[allow(dead_code, reason = "what the tests of the examples call")]
+pub fn picture(kind: &str) -> Result<String, String> {
+    svg(&request([kind.to_owned()].into_iter())?)
+}
+
 fn svg(request: &Request) -> Result<String, String> {
     let arm = Six::new(0.0, -1.55, 0.1, -0.1, 4.6, 0.2);
     Ok(match request.name.as_str() {
         "irp6" => {
             let robot = Irp6::nominal();
+            draw(&robot, joints(request, arm)?, chained)
+        }
+        "irp6-calibrated" => {
+            let robot = Irp6::calibrated();
             draw(&robot, joints(request, arm)?, chained)
         }
         "irp6-5dof" => {
@@ -132,7 +154,9 @@ fn svg(request: &Request) -> Result<String, String> {
             let q = joints(request, Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]))?;
             draw(&robot, q, cranked)
         }
-        name => return Err(format!("no robot is called {name}\n{USAGE}")),
+        "gripper" => draw(&Gripper::new(), joints(request, One::new(0.07))?, chained),
+        "conveyor" => draw(&Conveyor::new(), joints(request, One::new(0.5))?, chained),
+        name => return Err(format!("no robot is called {name}\n{}", usage())),
     })
 }
 

@@ -3,15 +3,20 @@
 //! ```ignore
 //! mrroc_robots::kinematics_conformance!(irp6, Irp6::nominal(), start());
 //! mrroc_robots::driver_conformance!(irp6_drives, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start()), start());
+//! mrroc_robots::homing_conformance!(irp6_homing, Irp6::nominal(), |q| Unhomed::new(Irp6::nominal(), q), [start()], jammed);
 //! ```
 //!
 //! Each macro writes a module of tests whose names are sentences; the checks behind them return the first
 //! [`Violation`] with the numbers, among them the joint positions, and draw from a stated seed.
 
+mod cell;
 mod driver;
+mod homing;
 mod kinematics;
 
+pub use cell::{bears_lost_demands, ticks_once_a_period};
 pub use driver::{comes_to_rest, follows_slowly, is_deterministic, measures_at_rest, refuses};
+pub use homing::{finds_its_marks, searches_alike, trips_where_jammed};
 pub use kinematics::{
     frames_end_at_the_flange, inverse_returns_poses, jacobian_is_the_derivative, limits_are_sound,
     nothing_is_nan, solutions_are_complete,
@@ -134,6 +139,51 @@ macro_rules! driver_conformance {
             #[test]
             fn equal_demands_give_equal_motion_to_the_bit() {
                 kept($crate::conformance::is_deterministic(&$robot, || $driver, &$start));
+            }
+
+            #[test]
+            fn a_cell_calls_it_once_a_period() {
+                kept($crate::conformance::ticks_once_a_period(&$robot, || $driver));
+            }
+
+            #[test]
+            fn it_bears_lost_demands_and_programs_that_give_up() {
+                kept($crate::conformance::bears_lost_demands(&$robot, || $driver, &$start));
+            }
+        }
+    };
+}
+
+/// Tests of homing: `homing_conformance!(module_name, robot, |start| unhomed, starts, |joint| jammed)`.
+///
+/// The first closure makes drives that do not know that `robot` stands at the joint positions `start`, the second such drives
+/// whose `joint`, from 0, does not move; `starts` are several attainable joint positions.
+#[macro_export]
+macro_rules! homing_conformance {
+    ($name:ident, $robot:expr, $unhomed:expr, $starts:expr, $jammed:expr) => {
+        mod $name {
+            #[allow(unused_imports)]
+            use super::*;
+
+            fn kept(outcome: Result<(), $crate::conformance::Violation>) {
+                if let Err(violation) = outcome {
+                    panic!("{violation}");
+                }
+            }
+
+            #[test]
+            fn it_finds_its_marks_from_everywhere_and_then_stands_within_its_limits() {
+                kept($crate::conformance::finds_its_marks(&$robot, $unhomed, &$starts));
+            }
+
+            #[test]
+            fn equal_searches_are_equal_to_the_bit() {
+                kept($crate::conformance::searches_alike(&$robot, $unhomed, &$starts));
+            }
+
+            #[test]
+            fn a_jammed_motor_ends_the_search_by_its_name() {
+                kept($crate::conformance::trips_where_jammed(&$robot, $jammed));
             }
         }
     };

@@ -5,6 +5,7 @@ use core::f64::consts::PI;
 use mrroc::{JointKind, MAX_JOINTS, Pose};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use super::body::Body;
 use super::document::{Element, Joint, Tree, shown};
 use super::error::UrdfError;
 
@@ -29,6 +30,11 @@ pub(super) struct Mover {
     /// Largest acceleration and jerk that the file states, if it does (URDF 1.2).
     pub(super) acceleration: Option<f64>,
     pub(super) jerk: Option<f64>,
+    /// Largest effort that the file states, >= 0 [N m or N].
+    pub(super) effort: Option<f64>,
+    /// Damping [N m s or N s/m] and friction [N m or N], >= 0.
+    pub(super) damping: f64,
+    pub(super) friction: f64,
 }
 
 /// One joint that moves, with all that is fixed before it.
@@ -50,6 +56,8 @@ pub(super) struct Segment {
 pub(super) struct Chain {
     pub(super) movers: Vec<Mover>,
     pub(super) segments: Vec<Segment>,
+    /// What each segment moves, up to the next.
+    pub(super) bodies: Vec<Body>,
     /// Pose of the tip in the frame of the last joint that moves.
     pub(super) X_tip: Pose,
 }
@@ -64,6 +72,9 @@ struct Found<'a, 'i> {
     velocity: Option<f64>,
     acceleration: Option<f64>,
     jerk: Option<f64>,
+    effort: Option<f64>,
+    damping: f64,
+    friction: f64,
     /// The joint that it follows, with multiplier and offset.
     mimic: Option<(&'a str, f64, f64)>,
 }
@@ -80,17 +91,26 @@ impl Chain {
         asked: usize,
     ) -> Result<Self, UrdfError> {
         let mut found: Vec<Found<'_, '_>> = Vec::new();
+        let mut bodies: Vec<Body> = Vec::new();
         let mut fixed = Pose::identity();
         for joint in tree.path(base, tip)? {
-            fixed *= origin(&joint, tree.has_quaternions)?;
-            let Some((kind, limited)) = kind(&joint)? else { continue };
+            fixed *= origin(&joint.element, tree.has_quaternions)?;
+            let Some((kind, limited)) = kind(&joint)? else {
+                // What is fixed to the base moves nothing.
+                if let Some(body) = bodies.last_mut() {
+                    *body = body.with_link(tree, joint.child, &fixed)?;
+                }
+                continue;
+            };
             if found.len() == MOST_SEGMENTS {
                 let (base, tip) = (shown(base), shown(tip));
                 return Err(UrdfError::TooManyJoints { base, tip, limit: MOST_SEGMENTS });
             }
             let to_axis = turn_of_z(axis(&joint)?);
+            let child = joint.child;
             found.push(moving(joint, kind, limited, fixed * to_axis)?);
             fixed = Pose::from_parts(Translation3::identity(), to_axis.inverse());
+            bodies.push(Body::default().with_link(tree, child, &fixed)?);
         }
         let movers: Vec<usize> = (0..found.len()).filter(|i| found[*i].mimic.is_none()).collect();
         if movers.len() != asked {
@@ -100,6 +120,7 @@ impl Chain {
         let mut chain = Self {
             movers: movers.iter().map(|i| found[*i].mover()).collect::<Result<_, _>>()?,
             segments: Vec::new(),
+            bodies,
             X_tip: fixed,
         };
         for one in &found {
@@ -131,9 +152,10 @@ fn wrong_count(base: &str, tip: &str, names: Vec<String>, asked: usize) -> UrdfE
     UrdfError::WrongCount { base: shown(base), tip: shown(tip), count, names, asked, help }
 }
 
-/// Where a joint stands in its parent link: `<origin>`, by definition the identity where it is not written.
-fn origin(joint: &Joint<'_, '_>, has_quaternions: bool) -> Result<Pose, UrdfError> {
-    let Some(origin) = joint.element.child("origin")? else { return Ok(Pose::identity()) };
+/// Where a joint stands in its parent link, or a centre of mass in its own: `<origin>`, by definition the identity where it
+/// is not written.
+pub(super) fn origin(of: &Element<'_, '_>, has_quaternions: bool) -> Result<Pose, UrdfError> {
+    let Some(origin) = of.child("origin")? else { return Ok(Pose::identity()) };
     origin.only(&["xyz", "rpy", "quat_xyzw"])?;
     let position = origin.numbers::<3>("xyz")?.unwrap_or_default();
     let angles = origin.numbers::<3>("rpy")?;
@@ -204,7 +226,7 @@ fn moving<'a, 'i>(
     let limit = if limited { Some(element.required("limit", write)?) } else { element.child("limit")? };
     let mimic = element.child("mimic")?.map(|mimic| followed(&mimic)).transpose()?;
     let (mut range, mut velocity) = ((-CONTINUOUS, CONTINUOUS), None);
-    let (mut acceleration, mut jerk) = (None, None);
+    let (mut acceleration, mut jerk, mut effort) = (None, None, None);
     if let Some(limit) = limit {
         limit.only(&["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"])?;
         if limited {
@@ -220,8 +242,22 @@ fn moving<'a, 'i>(
         let deceleration = above_zero(&limit, "deceleration")?.unwrap_or(f64::INFINITY);
         acceleration = above_zero(&limit, "acceleration")?.map(|a| a.min(deceleration));
         jerk = above_zero(&limit, "jerk")?;
+        effort = not_below_zero(&limit, "effort")?;
     }
-    Ok(Found { joint, X_before, kind, range, velocity, acceleration, jerk, mimic })
+    let (mut damping, mut friction) = (0.0, 0.0);
+    if let Some(dynamics) = element.child("dynamics")? {
+        damping = not_below_zero(&dynamics, "damping")?.unwrap_or(0.0);
+        friction = not_below_zero(&dynamics, "friction")?.unwrap_or(0.0);
+    }
+    Ok(Found { joint, X_before, kind, range, velocity, acceleration, jerk, effort, damping, friction, mimic })
+}
+
+/// The number of an attribute that must not be below 0.
+fn not_below_zero(element: &Element<'_, '_>, attribute: &'static str) -> Result<Option<f64>, UrdfError> {
+    match element.number(attribute)? {
+        Some(number) if number < 0.0 => Err(element.bad(attribute, "a finite number >= 0")),
+        number => Ok(number),
+    }
 }
 
 /// The number of an attribute that must be above 0.
@@ -278,6 +314,9 @@ impl Found<'_, '_> {
             velocity,
             acceleration: self.acceleration,
             jerk: self.jerk,
+            effort: self.effort,
+            damping: self.damping,
+            friction: self.friction,
         })
     }
 }
@@ -307,6 +346,9 @@ impl Mover {
         self.velocity = keep(Some(self.velocity), one.velocity).unwrap_or(self.velocity);
         self.acceleration = keep(self.acceleration, one.acceleration);
         self.jerk = keep(self.jerk, one.jerk);
+        // The friction of what follows is overcome by what leads.
+        self.damping += one.damping * multiplier * multiplier;
+        self.friction += one.friction * multiplier.abs();
         Ok(())
     }
 }

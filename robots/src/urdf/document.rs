@@ -271,6 +271,12 @@ impl<'a, 'i> Tree<'a, 'i> {
         Ok(Self { has_quaternions, links, parents })
     }
 
+    /// The link of this name.
+    pub(super) fn link(&self, name: &str) -> Option<Element<'a, 'i>> {
+        let node = *self.links.get(name)?;
+        Some(Element { node, called: format!("link \"{}\"", shown(name)) })
+    }
+
     /// The joints from `base` to `tip`, in that order.
     ///
     /// # Errors

@@ -3,13 +3,16 @@
 //! ```text
 //! text -> document (XML, strictly) -> chain (base to tip) -> Serial<N>: Robot
 //!                                                              |-- closed form, for ortho-parallel 6R arms
-//!                                                              '-- Newton iteration, for all others
+//!                                                              |-- Newton iteration, for all others
+//!                                                              '-- assumed motors, for simulation
 //! ```
 //!
 //! What is read of a URDF, and what is not, stands at [`Serial`].
 
+mod body;
 mod chain;
 mod document;
+mod drives;
 mod error;
 mod motion;
 mod newton;

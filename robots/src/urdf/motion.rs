@@ -14,6 +14,7 @@ use mrroc::{JointKind, Pose};
 use nalgebra::{Quaternion, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
 use super::chain::{MOST_SEGMENTS, Segment};
+use crate::kinematics::doubled;
 use crate::sines::sin_cos;
 
 /// How far an axis may be from x, y or z to be taken for it: round-off.
@@ -116,7 +117,7 @@ impl Linkage {
             values[i] = step.multiplier * q[step.leader] + step.offset;
             halves[i] = 0.5 * values[i];
         }
-        let (sines, cosines) = sin_cos(halves);
+        let halves = sin_cos(halves);
         let mut point = self.start;
         let mut rotation = self.R_WA.into_inner();
         let mut columns = self.columns;
@@ -132,8 +133,8 @@ impl Linkage {
             match step.kind {
                 JointKind::Prismatic => point += direction * values[i],
                 JointKind::Revolute => {
-                    let (s, c) = (sines[i], cosines[i]);
-                    let (sine, cosine) = (2.0 * s * c, (c - s) * (c + s));
+                    let (s, c) = halves[i];
+                    let (sine, cosine) = doubled((s, c));
                     let Quaternion { coords: r } = rotation;
                     let (i, j, k, w) = (r.x, r.y, r.z, r.w);
                     match &step.direction {

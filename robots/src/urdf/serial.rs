@@ -8,6 +8,7 @@ use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
 use super::document::{LONGEST, Tree, parsed};
+use super::drives::Drives;
 use super::error::UrdfError;
 use super::motion::Linkage;
 use super::newton;
@@ -31,8 +32,8 @@ use crate::opw::{Joints, OrthoParallel};
 ///
 /// **Read:** the joints between base and tip: `type` revolute, continuous, prismatic or fixed; `<origin>`
 /// (`xyz`, and `rpy` or from version 1.1 `quat_xyzw`; the identity where it is not written), `<axis>` (x where it is
-/// not written), `<limit>`, `<mimic>`. Visuals, collisions, masses, transmissions, `effort`, soft limits of safety
-/// controllers, and joints off the chain are not read. Number and spelling are checked strictly: a joint that would
+/// not written), `<limit>`, `<mimic>`; for simulated drives `<dynamics>` and the links' `<inertial>`. Visuals, collisions,
+/// transmissions, soft limits of safety controllers, and joints off the chain are not read. Number and spelling are checked strictly: a joint that would
 /// come out other than written is refused with a [`UrdfError`] that names it.
 ///
 /// **Mimic joints** follow a joint of the chain: their motion is part of the kinematics of the joint that they
@@ -51,12 +52,18 @@ use crate::opw::{Joints, OrthoParallel};
 /// [`NoInverse::NotConverged`], after at most 24 starts of at most 40 steps (some 0.1 ms), and at once where the flange
 /// would be farther from the first joint than all links are long, as `OutOfReach`. Right angles written with few digits
 /// (`1.5708`) are no right angles: such an arm is solved by iteration, as it is written.
+///
+/// **Simulation.** [`Simulated`](crate::Simulated) runs it with one assumed motor a joint, large enough for its limits: the gear
+/// turns a motor of 250 rad/s and 500 rad/s² at most, its inertia holds for the posture that has most, `effort` (above 0)
+/// bounds its lasting torque, `<dynamics>` adds to its friction, and the links' weight loads it in any posture, gravity
+/// along -z of the world. Links without `<inertial>` have no mass.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(non_snake_case)]
 pub struct Serial<const N: usize> {
     movers: Vec<Mover>,
-    segments: Vec<Segment>,
+    pub(super) segments: Vec<Segment>,
     linkage: Linkage,
+    pub(super) drives: Drives<N>,
     /// Pose of the first joint that moves in the base.
     X_BJ: Pose,
     /// Pose of the flange in the last joint that moves.
@@ -82,8 +89,9 @@ impl<const N: usize> SerialBuilder<N> {
     /// [`UrdfError::BadCallerLimit`], or [`UrdfError::AboveFile`] where a file of URDF 1.2 allows less.
     #[allow(non_snake_case)]
     pub fn with_acceleration(self, acceleration: SVector<f64, N>) -> Result<Serial<N>, UrdfError> {
-        let Chain { movers, segments, X_tip } = self.chain;
-        check(&movers, "acceleration", &acceleration, |mover| mover.acceleration)?;
+        check(&self.chain.movers, "acceleration", &acceleration, |mover| mover.acceleration)?;
+        let drives = Drives::of(&self.chain, &acceleration);
+        let Chain { movers, segments, X_tip, .. } = self.chain;
         let limits = Limits {
             lower: SVector::from_fn(|i, _| movers[i].range.0),
             upper: SVector::from_fn(|i, _| movers[i].range.1),
@@ -95,7 +103,7 @@ impl<const N: usize> SerialBuilder<N> {
         let closed = ortho_parallel(&segments, &X_tip);
         let reach = reach(&movers, &segments, &X_tip);
         let linkage = Linkage::new(&segments, &X_tip);
-        Ok(Serial { movers, segments, linkage, X_BJ, X_tip, limits, reach, closed })
+        Ok(Serial { movers, segments, linkage, drives, X_BJ, X_tip, limits, reach, closed })
     }
 
     /// Names of the moving joints, from base to tip.

@@ -82,14 +82,16 @@ impl Cell {
         }
 
         let close = link.closer();
-        let (operator, step, rate_change, hook, program) =
-            (self.operator, self.step, self.rate_change, self.hook, self.program);
+        let (operator, step, rate_change, program) =
+            (self.operator, self.step, self.rate_change, self.program);
+        let (hook, guard) = (self.hook, self.guard);
         let steps = Rc::new(core::cell::Cell::new(0));
         let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
         link.body(
             mp,
             Box::new(move |waiter| {
                 let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                mp.guard = guard;
                 let outcome = mp.run_program(|mp| match program {
                     Some(program) => program(mp),
                     None => mp.nudge(),

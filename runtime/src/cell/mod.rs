@@ -14,6 +14,7 @@ use std::rc::Rc;
 
 use crate::ecp::Ecp;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::guard::{Guard, RobotView};
 use crate::link::memory::{MAX_PROCESSES, Scheduler};
 use crate::mp::{Mp, StepHook};
 use crate::name::Name;
@@ -53,6 +54,7 @@ pub struct Cell {
     program: Option<MpProgram>,
     operator: Operator,
     hook: Option<StepHook>,
+    guard: Option<Guard>,
     /// Sensors that the cell's file names.
     expected_sensors: Vec<String>,
     /// What was found wrong while the cell was put together.
@@ -72,6 +74,7 @@ impl Cell {
             program: None,
             operator: Operator::new(),
             hook: None,
+            guard: None,
             expected_sensors: Vec::new(),
             errors: Vec::new(),
         }
@@ -170,6 +173,19 @@ impl Cell {
     #[must_use]
     pub fn on_step(mut self, hook: impl FnMut(u64, &Operator) + 'static) -> Cell {
         self.hook = Some(Box::new(hook));
+        self
+    }
+
+    /// Lets `watch` look at all robots in every step whose index is a multiple of `every`, at least 1, while programs Move
+    /// and Wait. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
+    /// together, and the cell stops with the fault at standstill. One guard a cell: the last one given.
+    #[must_use]
+    pub fn guard(
+        mut self,
+        every: u32,
+        watch: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static,
+    ) -> Cell {
+        self.guard = Some(Guard::new(every, watch));
         self
     }
 

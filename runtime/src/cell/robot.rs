@@ -51,6 +51,11 @@ impl<R: Robot> RobotSetup<R> {
         Self::with_drives(name, robot, Drives::Unhomed(Box::new(Some(homing))))
     }
 
+    /// Whether its drives know where it is.
+    pub(crate) fn is_homed(&self) -> bool {
+        matches!(self.drives, Drives::Homed(_))
+    }
+
     fn with_drives(name: &str, robot: R, drives: Drives<R>) -> Self {
         let following_error = robot.limits().velocity * 0.05;
         RobotSetup {

@@ -26,6 +26,7 @@ pub struct RobotEntry {
     pub(super) name: At<String>,
     pub(super) kind: At<String>,
     pub(super) start: Option<At<Vec<At<f64>>>>,
+    pub(super) homed: Option<At<bool>>,
     pub(super) base: Option<Pose>,
     pub(super) tool: Option<Pose>,
 }
@@ -47,6 +48,19 @@ impl RobotEntry {
     #[must_use]
     pub fn base(&self) -> Pose {
         self.base.unwrap_or_else(Pose::identity)
+    }
+
+    /// `homed`: whether the drives know where the robot is when the cell starts; they do unless the file says otherwise.
+    #[must_use]
+    pub fn is_homed(&self) -> bool {
+        self.homed.as_ref().is_none_or(|homed| homed.value)
+    }
+
+    /// Refuses `homed = false` for a kind whose drives know where the robot is anyway.
+    pub(super) fn refuse_unhomed(&self) -> CellError {
+        let span = self.homed.as_ref().map_or(&self.kind.span, |homed| &homed.span);
+        let what = format!("the drives of kind `{}` know where the robot is", self.kind());
+        self.source.complain(span, what, "leave `homed` out, or write homed = true".to_owned()).into()
     }
 
     /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].
@@ -92,7 +106,7 @@ impl RobotEntry {
 
     pub(super) fn unknown_kind(&self, known: &[&str]) -> CellError {
         let what = format!("no kind of robot `{}`", self.kind());
-        let help = super::error::suggestion(self.kind(), known, "the program knows");
+        let help = crate::suggestion::suggestion(self.kind(), known, "the program knows");
         self.source.complain(&self.kind.span, what, help).into()
     }
 }

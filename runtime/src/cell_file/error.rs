@@ -1,5 +1,6 @@
 //! What is wrong with a cell file: where, what, and what to write.
 
+use crate::suggestion::nearest;
 use core::fmt;
 use core::ops::Range;
 use std::io::ErrorKind;
@@ -98,29 +99,5 @@ impl Source {
         let what = format!("the program asks for [{table}.{name}], which is not there");
         let at = self.file.clone();
         CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
-    }
-}
-
-/// What was probably meant by a word, if anything.
-pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
-    let likeness = |known: &str| strsim::jaro_winkler(&word.to_lowercase(), &known.to_lowercase());
-    // One letter wrong, missing, or two in the wrong order: in short words a great part of them.
-    let slip = |known: &&&str| strsim::damerau_levenshtein(word, known) == 1 && known.len() > 2;
-    if let Some(slip) = known.iter().find(slip) {
-        return Some(slip);
-    }
-    known
-        .iter()
-        .copied()
-        .max_by(|a, b| likeness(a).total_cmp(&likeness(b)))
-        .filter(|best| likeness(best) > 0.8)
-}
-
-/// "did you mean", and all that there is.
-pub(crate) fn suggestion(word: &str, known: &[&str], what_there_is: &str) -> String {
-    let all = known.join(", ");
-    match nearest(word, known) {
-        Some(meant) => format!("did you mean `{meant}`? {what_there_is}: {all}"),
-        None => format!("{what_there_is}: {all}"),
     }
 }

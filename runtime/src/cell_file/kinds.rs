@@ -28,6 +28,9 @@ impl Kinds {
     ) -> Kinds {
         let make: Make = Box::new(move |entry| {
             let mut setup = set_up(entry)?;
+            if !entry.is_homed() && setup.is_homed() {
+                return Err(entry.refuse_unhomed());
+            }
             // The file names its robots, whatever a set-up calls them.
             setup.rename(entry.name());
             Ok(Box::new(match entry.tool {

@@ -10,6 +10,7 @@
 //! [robots.arm]       # a robot of this name
 //! kind = "irp6"      # one of the program's kinds
 //! start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]   # where a simulated arm starts [rad or m]
+//! homed = false      # its drives must look for their reference marks first; they know where it is unless it is said
 //! base = { position = [0.0, 0.5, 0.0] }           # X_WB; the world's origin unless it is said
 //! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
 //!
@@ -35,7 +36,6 @@ use crate::vsp::VirtualSensor;
 
 pub use entry::RobotEntry;
 pub use error::CellFileError;
-pub(crate) use error::suggestion;
 pub use kinds::Kinds;
 
 use entry::SensorEntry;

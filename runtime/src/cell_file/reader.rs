@@ -14,12 +14,13 @@ use crate::vsp::VspMode;
 
 use super::CellFile;
 use super::entry::{At, RobotEntry, SensorEntry};
-use super::error::{CellFileError, Source, suggestion};
+use super::error::{CellFileError, Source};
+use crate::suggestion::suggestion;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 
 const CELL_KEYS: [&str; 4] = ["step_ms", "stop_ms", "robots", "sensors"];
-const ROBOT_KEYS: [&str; 4] = ["kind", "start", "base", "tool"];
+const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
 const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
 /// What to write where a line is no TOML.
@@ -140,6 +141,14 @@ impl Reader {
         text
     }
 
+    fn truth(&mut self, value: &Value<'_>, expected: &str) -> Option<At<bool>> {
+        let truth = value.get_ref().as_bool();
+        if truth.is_none() {
+            self.wrong_type(value, expected);
+        }
+        truth.map(|truth| At { value: truth, span: value.span() })
+    }
+
     /// A time in milliseconds, from a tenth of one to a minute.
     fn duration(&mut self, value: &Value<'_>) -> Option<Duration> {
         const RANGE: &str = "a number of milliseconds from 0.1 to 60000";
@@ -191,6 +200,7 @@ impl Reader {
         self.known(table, &ROBOT_KEYS, "a robot has");
         let start =
             table.get("start").and_then(|value| self.numbers(value, "a list of joint positions [rad or m]"));
+        let homed = table.get("homed").and_then(|value| self.truth(value, "true or false"));
         let base = table.get("base").and_then(|value| self.pose(value));
         let tool = table.get("tool").and_then(|value| self.pose(value));
         let Some(kind) = table.get("kind") else {
@@ -200,7 +210,7 @@ impl Reader {
         };
         let text = self.text(kind, "the name of a kind of robot, in quotes")?.to_owned();
         let kind = At { value: text, span: kind.span() };
-        Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, base, tool })
+        Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, homed, base, tool })
     }
 
     /// `{ position = [x, y, z], zyz = [a, b, c] }`, each zero unless it is said.

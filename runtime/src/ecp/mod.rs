@@ -98,12 +98,8 @@ impl<'w, R: Robot> Ecp<'w, R> {
         program: impl FnOnce(&mut Self, P) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         self.check_latch()?;
-        if self.orders.payload().is_some() {
-            let text = if self
-                .orders
-                .payload()
-                .is_some_and(|payload| payload.id == PayloadType::of::<Nudge>().id)
-            {
+        if let Some(payload) = self.orders.payload() {
+            let text = if payload.id == PayloadType::of::<Nudge>().id {
                 "the cell has no MP program, whose orders could be obeyed: leave `obey` out, or give it one"
             } else {
                 "obey inside obey: an ECP obeys one instruction at a time"

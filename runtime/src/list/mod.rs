@@ -6,8 +6,9 @@
 
 mod robots;
 mod sensors;
+mod tuples;
 
 #[doc(hidden)]
 pub use robots::PayloadType;
-pub use robots::{AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsOf};
-pub use sensors::{SensorHandle, SensorList, SensorsOf};
+pub use robots::{AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf};
+pub use sensors::{SensorHandle, SensorList, SensorsEach, SensorsOf};

@@ -7,6 +7,7 @@ use crate::demand::Demand;
 use crate::image::RobotImage;
 use crate::name::Name;
 use crate::payload::Payload;
+use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::wire::{BadWords, Wire};
 
@@ -23,6 +24,12 @@ pub trait RobotList: 'static {
     /// The images of the robots in the list's form.
     type Images: Copy;
 
+    /// One value per robot, whatever form the list has: an array of [`LEN`](RobotList::LEN).
+    type Each<T: Copy>: Copy + AsRef<[T]> + AsMut<[T]>;
+
+    /// One value per robot, from the robot's place in the list.
+    fn array<T: Copy>(value: impl FnMut(usize) -> T) -> Self::Each<T>;
+
     /// Images of robots whose states are not known yet.
     #[doc(hidden)]
     fn unknown() -> Self::Images;
@@ -30,6 +37,10 @@ pub trait RobotList: 'static {
     /// Reads the image of robot `i` from a reply.
     #[doc(hidden)]
     fn read(images: &mut Self::Images, i: usize, words: &[u64]) -> Result<(), BadWords>;
+
+    /// The poses of the tools, as measured and as demanded last.
+    #[doc(hidden)]
+    fn poses(images: &Self::Images) -> Self::Each<(Pose, Pose)>;
 }
 
 /// What is demanded of a robot of kind `R`: a language of motions.
@@ -80,6 +91,28 @@ pub trait Robots<O = Motion>: RobotList {
     fn payload(i: usize) -> PayloadType;
 }
 
+/// A list of robots each of which can be told a `T` in the language `O`: what a generator for any number of robots asks
+/// of its list. Every list can be told a [`Pose`] per robot, and a payload `P` per robot in the language `P`.
+///
+/// ```
+/// use mrroc::{Demand, Pose, RobotsEach};
+/// use mrroc_robots::{Irp6, Rnt};
+///
+/// let up = |i: usize| Pose::translation(0.0, 0.0, 0.1 * i as f64);
+/// let demands = <(Irp6, Rnt)>::each(up);
+/// assert_eq!(demands.1, Demand::pose(up(1)));
+/// let demands = <[Irp6; 3]>::each(up);
+/// assert_eq!(demands[2], Demand::pose(up(2)));
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no list of robots each of which can be told a `{T}`",
+    label = "not a list of robots, or not what they can be told"
+)]
+pub trait RobotsEach<T, O = Motion>: Robots<O> {
+    /// What is demanded of each robot, from its place in the list.
+    fn each(told: impl FnMut(usize) -> T) -> Self::Demands;
+}
+
 /// What identifies a payload on the wire and in messages.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +141,21 @@ impl<R: Robot> RobotList for R {
         *images = RobotImage::get(words)?;
         Ok(())
     }
+
+    type Each<T: Copy> = [T; 1];
+
+    fn array<T: Copy>(mut value: impl FnMut(usize) -> T) -> [T; 1] {
+        [value(0)]
+    }
+
+    fn poses(images: &Self::Images) -> [(Pose, Pose); 1] {
+        [poses(images)]
+    }
+}
+
+/// The poses of the tool, as measured and as demanded last.
+pub(super) fn poses<R: Robot>(image: &RobotImage<R>) -> (Pose, Pose) {
+    (image.measured().pose, image.demanded().pose)
 }
 
 impl<R: Robot, O: Language<R>> Robots<O> for R {
@@ -134,6 +182,16 @@ impl<R: Robot, const N: usize> RobotList for [R; N] {
         images[i] = RobotImage::get(words)?;
         Ok(())
     }
+
+    type Each<T: Copy> = [T; N];
+
+    fn array<T: Copy>(value: impl FnMut(usize) -> T) -> [T; N] {
+        core::array::from_fn(value)
+    }
+
+    fn poses(images: &Self::Images) -> [(Pose, Pose); N] {
+        images.each_ref().map(poses)
+    }
 }
 
 impl<R: Robot, O: Language<R>, const N: usize> Robots<O> for [R; N] {
@@ -145,6 +203,12 @@ impl<R: Robot, O: Language<R>, const N: usize> Robots<O> for [R; N] {
 
     fn payload(_: usize) -> PayloadType {
         PayloadType::of::<O::Item>()
+    }
+}
+
+impl<R: Robot, T: Into<O::Item>, O: Language<R>, const N: usize> RobotsEach<T, O> for [R; N] {
+    fn each(mut told: impl FnMut(usize) -> T) -> [O::Item; N] {
+        core::array::from_fn(|i| told(i).into())
     }
 }
 
@@ -160,6 +224,16 @@ impl RobotList for AnyRobots {
 
     fn read(_: &mut (), _: usize, _: &[u64]) -> Result<(), BadWords> {
         Ok(())
+    }
+
+    type Each<T: Copy> = [T; 0];
+
+    fn array<T: Copy>(_: impl FnMut(usize) -> T) -> [T; 0] {
+        []
+    }
+
+    fn poses((): &()) -> [(Pose, Pose); 0] {
+        []
     }
 }
 
@@ -265,97 +339,4 @@ impl RobotsOf<AnyRobots> for () {
     fn refresh(&mut self, _: usize, _: &[u64]) -> Result<(), BadWords> {
         Ok(())
     }
-}
-
-macro_rules! tuple_lists {
-    ($($len:literal: $($R:ident $i:tt),+;)*) => {$(
-        impl<$($R: Robot),+> RobotList for ($($R,)+) {
-            const LEN: usize = $len;
-            type Images = ($(RobotImage<$R>,)+);
-
-            fn unknown() -> Self::Images {
-                ($(RobotImage::<$R>::unknown(),)+)
-            }
-
-            fn read(images: &mut Self::Images, i: usize, words: &[u64]) -> Result<(), BadWords> {
-                match i {
-                    $($i => images.$i = RobotImage::get(words)?,)+
-                    _ => {}
-                }
-                Ok(())
-            }
-        }
-
-        impl<O, $($R: Robot),+> Robots<O> for ($($R,)+)
-        where
-            $(O: Language<$R>,)+
-        {
-            type Demands = ($(<O as Language<$R>>::Item,)+);
-
-            fn write(demands: &Self::Demands, i: usize, words: &mut [u64]) {
-                match i {
-                    $($i => demands.$i.put(words),)+
-                    _ => {}
-                }
-            }
-
-            fn payload(i: usize) -> PayloadType {
-                match i {
-                    $($i => PayloadType::of::<<O as Language<$R>>::Item>(),)+
-                    _ => PayloadType::of::<()>(),
-                }
-            }
-        }
-
-        #[diagnostic::do_not_recommend]
-        impl<$($R: Robot),+> RobotsOf<($($R,)+)> for ($(&mut RobotHandle<$R>,)+) {
-            type Indices = [usize; $len];
-
-            fn indices(&self) -> [usize; $len] {
-                [$(self.$i.index),+]
-            }
-
-            fn images(&self) -> ($(RobotImage<$R>,)+) {
-                ($(self.$i.image,)+)
-            }
-
-            fn refresh(&mut self, i: usize, words: &[u64]) -> Result<(), BadWords> {
-                match i {
-                    $($i => self.$i.image = RobotImage::get(words)?,)+
-                    _ => {}
-                }
-                Ok(())
-            }
-        }
-
-        #[diagnostic::do_not_recommend]
-        impl<$($R: Robot),+> RobotsOf<AnyRobots> for ($(&mut RobotHandle<$R>,)+) {
-            type Indices = [usize; $len];
-
-            fn indices(&self) -> [usize; $len] {
-                [$(self.$i.index),+]
-            }
-
-            fn images(&self) {}
-
-            fn refresh(&mut self, i: usize, words: &[u64]) -> Result<(), BadWords> {
-                match i {
-                    $($i => self.$i.image = RobotImage::get(words)?,)+
-                    _ => {}
-                }
-                Ok(())
-            }
-        }
-    )*};
-}
-
-tuple_lists! {
-    1: A 0;
-    2: A 0, B 1;
-    3: A 0, B 1, C 2;
-    4: A 0, B 1, C 2, D 3;
-    5: A 0, B 1, C 2, D 3, E 4;
-    6: A 0, B 1, C 2, D 3, E 4, F 5;
-    7: A 0, B 1, C 2, D 3, E 4, F 5, G 6;
-    8: A 0, B 1, C 2, D 3, E 4, F 5, G 6, H 7;
 }

@@ -31,6 +31,21 @@ pub trait SensorList: 'static {
     fn read(images: &mut Self::Images, i: usize, words: &[u64], age: u32) -> Result<(), BadWords>;
 }
 
+/// A list of sensors each of which reads a `T`: what a generator for any number of sensors of one meaning asks of its
+/// list. A reading counts that is one, or that converts into one.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no list of sensors that all read a `{T}`",
+    label = "not a list of sensors, or not what all of them read"
+)]
+pub trait SensorsEach<T: Copy>: SensorList {
+    /// One value per sensor: an array of [`LEN`](SensorList::LEN).
+    type Each<U: Copy>: Copy + AsRef<[U]>;
+
+    /// The readings with their ages \[steps\].
+    #[doc(hidden)]
+    fn readings(images: &Self::Images) -> Self::Each<Option<(T, u32)>>;
+}
+
 /// A program's handle of a virtual sensor: its configuration for the next orders, and its image between
 /// instructions.
 ///
@@ -126,6 +141,58 @@ impl SensorsOf<()> for () {
     fn images(&self) {}
 }
 
+#[diagnostic::do_not_recommend]
+impl<S: Sensor, const N: usize> SensorList for [S; N] {
+    const LEN: usize = N;
+    type Images = [SensorImage<S>; N];
+
+    fn unknown() -> Self::Images {
+        [SensorImage::unknown(); N]
+    }
+
+    fn read(images: &mut Self::Images, i: usize, words: &[u64], age: u32) -> Result<(), BadWords> {
+        images[i] = SensorImage::new(S::Reading::get(words)?, age);
+        Ok(())
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl<S: Sensor, const N: usize> SensorsOf<[S; N]> for [&mut SensorHandle<S>; N] {
+    type Indices = [usize; N];
+
+    fn indices(&self) -> [usize; N] {
+        self.each_ref().map(|sensor| sensor.index)
+    }
+
+    fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType {
+        self[i].configuration.put(words);
+        PayloadType::of::<S::Configuration>()
+    }
+
+    fn store(&mut self, images: &[SensorImage<S>; N]) {
+        for (sensor, image) in self.iter_mut().zip(images) {
+            sensor.image = *image;
+        }
+    }
+
+    fn images(&self) -> [SensorImage<S>; N] {
+        self.each_ref().map(|sensor| sensor.image)
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl<T: Copy, S: Sensor<Reading: Into<T>>, const N: usize> SensorsEach<T> for [S; N] {
+    type Each<U: Copy> = [U; N];
+
+    fn readings(images: &[SensorImage<S>; N]) -> [Option<(T, u32)>; N] {
+        images.each_ref().map(reading)
+    }
+}
+
+fn reading<T, S: Sensor<Reading: Into<T>>>(image: &SensorImage<S>) -> Option<(T, u32)> {
+    image.reading().map(|reading| (reading.into(), image.age()))
+}
+
 macro_rules! tuple_lists {
     ($($len:literal: $($S:ident $i:tt),+;)*) => {$(
         #[diagnostic::do_not_recommend]
@@ -143,6 +210,15 @@ macro_rules! tuple_lists {
                     _ => {}
                 }
                 Ok(())
+            }
+        }
+
+        #[diagnostic::do_not_recommend]
+        impl<T: Copy, $($S: Sensor<Reading: Into<T>>),+> SensorsEach<T> for ($($S,)+) {
+            type Each<U: Copy> = [U; $len];
+
+            fn readings(images: &Self::Images) -> [Option<(T, u32)>; $len] {
+                [$(reading(&images.$i)),+]
             }
         }
 

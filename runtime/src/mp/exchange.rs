@@ -6,6 +6,7 @@
 use core::any::TypeId;
 
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::guard::RobotView;
 use crate::image::State;
 use crate::link::Client;
 use crate::list::{RobotList, SensorList, SensorsOf};
@@ -57,6 +58,14 @@ impl RobotPort {
         }
     }
 
+    /// What its EDP reported in the last exchange, if it was asked.
+    pub(super) fn view(&self) -> Option<RobotView> {
+        let words = self.reply.is(flag::STATE).then(|| self.reply.words())?;
+        let (measured, demanded) = words.split_at_checked(EffectorState::LEN)?;
+        let state = |words: &[u64]| EffectorState::get(words).ok();
+        Some(RobotView { name: self.name, measured: state(measured)?, demanded: state(demanded)? })
+    }
+
     pub(super) fn process(&self) -> ProcessId {
         ProcessId::new(Role::Ecp, self.name)
     }
@@ -66,6 +75,9 @@ impl Mp<'_> {
     /// Scatter and gather: sends every robot its order, then collects every reply.
     pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
         self.clock.spend();
+        let looks = matches!(kind, OrderKind::Step | OrderKind::Query)
+            && self.guard.as_ref().is_some_and(|guard| guard.is_due(self.clock.step()));
+        let flags = if looks { flags | flag::WANT_STATE } else { flags };
         let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
         for &index in indices {
             let robot = &mut self.robots[index];
@@ -114,7 +126,10 @@ impl Mp<'_> {
         }
         match first {
             Some(fault) => Err(fault),
-            None => Ok(()),
+            None => {
+                self.let_guard_look();
+                Ok(())
+            }
         }
     }
 

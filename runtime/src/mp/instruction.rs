@@ -84,9 +84,9 @@ impl Mp<'_> {
         self.robots.iter_mut().fold(false, taken)
     }
 
-    /// The operator's abort, at standstill on the path.
+    /// The end that the operator or a guard wants, at standstill on the path.
     pub(super) fn abort(&mut self, indices: &[usize]) -> Result<(), Fault> {
-        let fault = self.aborted();
+        let fault = self.ending();
         self.end(indices, OrderKind::Abort, 0)?;
         Err(fault)
     }
@@ -106,13 +106,14 @@ impl Mp<'_> {
         Ok(())
     }
 
-    /// Holds until the drives of every robot know where it is.
+    /// Holds until the drives of every robot know where it is, and a guard knows it of every robot.
     pub(super) fn home(&mut self) -> Result<(), Fault> {
-        let mut unhomed: Vec<_> = (0..self.robots.len()).filter(|&index| !self.robots[index].homed).collect();
+        let asked = |index: &usize| !self.robots[*index].homed || self.guard.is_some();
+        let mut unhomed: Vec<_> = (0..self.robots.len()).filter(asked).collect();
         while !unhomed.is_empty() {
             self.begin_step()?;
-            if self.operator.is_aborting() {
-                return Err(self.aborted());
+            if self.is_ending() {
+                return Err(self.ending());
             }
             self.exchange(&unhomed, OrderKind::Query, flag::WANT_STATE)?;
             unhomed.retain(|&index| self.robots[index].reply.is(flag::HOMING));

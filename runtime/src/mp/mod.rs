@@ -14,16 +14,17 @@ mod waiting;
 use core::any::TypeId;
 use core::time::Duration;
 
-use crate::cell_file::suggestion;
 use crate::ecp::MAX_REFUSALS;
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::feed::Feed;
+use crate::guard::Guard;
 use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
+use crate::suggestion::suggestion;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
@@ -38,6 +39,9 @@ pub struct Mp<'w> {
     sensing: Sensing,
     operator: Operator,
     hook: Option<StepHook>,
+    pub(crate) guard: Option<Guard>,
+    /// What the guard stops the cell for, on the way to a standstill.
+    protective: Option<Fault>,
     clock: StepClock,
     /// Ordinal of the instruction opened last.
     ordinal: u32,
@@ -56,7 +60,9 @@ impl<'w> Mp<'w> {
         rate_change: f64,
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
-        Mp { waiter, robots, sensing, operator, hook, clock, ordinal: 0, latched: None, refusals: 0 }
+        let (guard, protective, latched) = (None, None, None);
+        let (ordinal, refusals) = (0, 0);
+        Mp { waiter, robots, sensing, operator, hook, guard, protective, clock, ordinal, latched, refusals }
     }
 
     /// The handle of a robot. Each robot has one: pass it on.
@@ -65,9 +71,8 @@ impl<'w> Mp<'w> {
     /// `Config` when the cell has no robot of that name and kind, or when its handle is taken.
     pub fn robot<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
         let config = |text: &str| Fault::new(FaultKind::Config).in_process(ProcessId::MP).text(text);
-        let names: Vec<_> = self.robots.iter().map(|robot| robot.name.to_string()).collect();
         let Some(index) = self.robots.iter().position(|robot| robot.name.as_str() == name) else {
-            let names: Vec<_> = names.iter().map(String::as_str).collect();
+            let names: Vec<_> = self.robots.iter().map(|robot| robot.name.as_str()).collect();
             let there = suggestion(name, &names, "the cell has");
             return Err(config(&format!("there is no robot `{name}`: {there}")));
         };
@@ -112,7 +117,8 @@ impl<'w> Mp<'w> {
                 hook(self.clock.step(), &self.operator);
                 self.hook = Some(hook);
             }
-            self.clock.advance(self.operator.wanted_rate(), self.operator.is_suspended());
+            let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
+            self.clock.advance(rate, self.operator.is_suspended());
         }
         self.hear_news()
     }
@@ -147,16 +153,37 @@ impl<'w> Mp<'w> {
         if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {
             return outcome;
         }
-        if self.operator.end() && outcome.is_ok() {
+        let aborted = self.operator.end();
+        if outcome.is_ok() && (aborted || self.protective.is_some()) {
             // An abort that the instruction's own end forestalled is an abort: the program must not go on.
-            return Err(self.aborted());
+            let fault = self.ending();
+            return Err(self.conclude(fault));
         }
         outcome
     }
 
-    /// What an instruction ends with that the operator aborts.
-    fn aborted(&self) -> Fault {
-        Fault::orderly(FaultKind::Aborted).in_process(ProcessId::MP).at_step(self.clock.step())
+    /// Whether the open instruction is to end at standstill on its path: the operator aborts it, or a guard does.
+    fn is_ending(&self) -> bool {
+        self.protective.is_some() || self.operator.is_aborting()
+    }
+
+    /// What such an instruction ends with.
+    fn ending(&self) -> Fault {
+        let fault = self.protective.clone().unwrap_or_else(|| Fault::orderly(FaultKind::Aborted));
+        fault.in_process(ProcessId::MP).at_step(self.clock.step())
+    }
+
+    /// Shows the guard what the robots reported, and lets it look where it is due.
+    fn let_guard_look(&mut self) {
+        let Some(guard) = &mut self.guard else { return };
+        for (i, robot) in self.robots.iter().enumerate() {
+            if let Some(view) = robot.view() {
+                guard.see(i, view);
+            }
+        }
+        if self.protective.is_none() && guard.is_due(self.clock.step()) {
+            self.protective = guard.look().err().map(|fault| fault.of_guard().at_step(self.clock.step()));
+        }
     }
 
     fn check_latch(&mut self) -> Result<(), Fault> {

@@ -94,7 +94,7 @@ impl Mp<'_> {
             if step == 0 && !handed_over {
                 self.clock.count_from_here();
             }
-            if self.operator.is_aborting() && self.clock.is_standing() {
+            if self.is_ending() && self.clock.is_standing() {
                 return self.abort(indices);
             }
             let t = self.clock.tick(step);
@@ -112,7 +112,7 @@ impl Mp<'_> {
             };
             let demands = match next {
                 // An abort that the motion's own end forestalled is an abort: the program must not go on.
-                Some(Step::Done) if self.operator.is_aborting() => return self.abort(indices),
+                Some(Step::Done) if self.is_ending() => return self.abort(indices),
                 Some(Step::Done) => return Ok(()),
                 Some(Step::Next(demands)) => {
                     // Suspended, nothing moves whatever a generator returns, but orders say what they say.
@@ -154,7 +154,7 @@ impl Mp<'_> {
     ) -> Result<bool, Fault> {
         let all = indices.iter().all(|&index| self.robots[index].reply.is(flag::FINISHED));
         if all && !ends {
-            return if self.operator.is_aborting() { self.abort(indices).map(|()| true) } else { Ok(true) };
+            return if self.is_ending() { self.abort(indices).map(|()| true) } else { Ok(true) };
         }
         for (i, &index) in indices.iter().enumerate() {
             if self.robots[index].reply.is(flag::FINISHED) && payload(i).tight {
@@ -180,7 +180,7 @@ impl Mp<'_> {
         self.start(indices, |_| payload)?;
         loop {
             self.begin_step()?;
-            if self.operator.is_aborting() && self.clock.is_standing() {
+            if self.is_ending() && self.clock.is_standing() {
                 return self.abort(indices);
             }
             for &index in indices {

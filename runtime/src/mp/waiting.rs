@@ -71,8 +71,8 @@ impl Mp<'_> {
         let mut step = 0;
         loop {
             self.begin_step()?;
-            if self.operator.is_aborting() {
-                return Err(self.aborted());
+            if self.is_ending() {
+                return Err(self.ending());
             }
             self.learn_states(sensors)?;
             self.order_readings(sensors);

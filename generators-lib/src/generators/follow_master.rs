@@ -1,0 +1,97 @@
+//! A master arm goes along a path, its slaves keep their poses relative to it.
+
+use core::marker::PhantomData;
+
+use mrroc::{Fault, Motion, Pose, RobotList, RobotsEach, State, Step, Tick, generator};
+
+use mrroc_generators::cooperation::{BodyPath, Grasps, Placed, Smoothed};
+
+/// Moves the list's first arm along a path of its tool, the others by where the first one *is*: `X_WS_i = X_WM X_MS_i`
+/// with `X_WM` measured, so that they also follow a master that is pushed or held back.
+///
+/// They are behind it: the reading of a step moves a slave one step later at the earliest, its drives add their own delay,
+/// and the smoothing of encoder counts its lag. At 0.1 m/s, 2 ms and a lag of 20 ms that is 2.4 mm and more. Arms on
+/// one rigid body are better moved by one path together; and a slave of what is demanded of the master is just that.
+pub struct FollowMaster<L: RobotList, P, O = Motion> {
+    path: P,
+    lag: f64,
+    goal: Pose,
+    settling: f64,
+    starts: L::Each<Pose>,
+    slaves: Grasps<L::Each<Pose>>,
+    master: Smoothed,
+    of: PhantomData<O>,
+}
+
+impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> FollowMaster<L, P, O> {
+    /// The master's tool along `path`, the slaves with a time constant `lag` \[s\], >= 0. Relative poses are those of the
+    /// start; the motion ends ten times the lag after the path.
+    #[must_use]
+    pub fn along(path: P, lag: f64) -> Self {
+        let (goal, starts) = (Pose::identity(), L::array(|_| Pose::identity()));
+        let (slaves, master) = (Grasps::close(&goal, starts), Smoothed::new(goal, lag));
+        FollowMaster { path, lag, goal, settling: 0.0, starts, slaves, master, of: PhantomData }
+    }
+
+    #[allow(non_snake_case)]
+    fn advance(&mut self, measured: &Pose, t: Tick) -> Result<Step<L, O>, Fault> {
+        match self.path.advance(t.dt)? {
+            Some(X_WM) => self.goal = X_WM,
+            None if self.settling >= 10.0 * self.lag => return Ok(Step::Done),
+            None => self.settling += t.dt,
+        }
+        let X_WM = self.master.follow(measured, t.dt);
+        Ok(Step::Next(L::each(|i| Placed {
+            X_WEs: self.starts.as_ref()[i],
+            X_WE: if i == 0 { self.goal } else { self.slaves.tool(i, &X_WM) },
+        })))
+    }
+}
+
+#[generator(mp)]
+impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> FollowMaster<L, P, O> {
+    fn first_step(&mut self, e: &State<L>, t: Tick) -> Result<Step<L, O>, Fault> {
+        self.starts = e.demanded_poses();
+        self.goal = self.starts.as_ref()[0];
+        let measured = e.measured_poses().as_ref()[0];
+        // From the master as measured to the slaves as demanded: no jump at the start.
+        self.slaves = Grasps::close(&measured, self.starts);
+        self.master = Smoothed::new(measured, self.lag);
+        self.path.begin(&self.goal)?;
+        self.advance(&measured, t)
+    }
+
+    fn next_step(&mut self, e: &State<L>, t: Tick) -> Result<Step<L, O>, Fault> {
+        self.advance(&e.measured_poses().as_ref()[0], t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState};
+    use mrroc_generators::cooperation::TimedBody;
+    use mrroc_robots::{Irp6, Six};
+
+    fn image(measured: Pose, demanded: Pose) -> RobotImage<Irp6> {
+        let state = |pose| RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
+        RobotImage::new(state(measured), state(demanded))
+    }
+
+    #[test]
+    fn slaves_go_where_the_master_is_pushed() {
+        let (one, two) = (Pose::translation(0.5, 0.0, 0.25), Pose::translation(0.875, 0.125, 0.25));
+        let at = |push: f64| {
+            let measured = Pose::translation(0.0, push, 0.0) * one;
+            State::<[Irp6; 2]>::new([image(measured, one), image(two, two)])
+        };
+        let rest = TimedBody::new(1.0, |_| Pose::identity());
+        let mut generator = FollowMaster::<[Irp6; 2], _>::along(rest, 0.0);
+        let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
+        let Ok(Step::Next([master, slave])) = generator.first_step(&at(0.0), t) else { panic!("ended") };
+        assert_eq!((master, slave), (mrroc::Demand::pose(one), mrroc::Demand::pose(two)));
+        let Ok(Step::Next([master, slave])) = generator.next_step(&at(0.0625), t) else { panic!("ended") };
+        let pushed = Pose::translation(0.875, 0.1875, 0.25);
+        assert_eq!((master, slave), (mrroc::Demand::pose(one), mrroc::Demand::pose(pushed)));
+    }
+}

@@ -1,0 +1,96 @@
+//! Several arms carry a rigid body along a path.
+
+use core::marker::PhantomData;
+
+use mrroc::{Fault, Motion, Pose, RobotList, RobotsEach, State, Step, Tick, generator};
+
+use mrroc_generators::cooperation::{BodyFrame, BodyPath, Grasps, Placed};
+
+/// Moves all tools of the list `L` so that none moves against another: `X_WE_i = X_WB(t) X_BE_i`.
+///
+/// The first step learns where each arm holds the body from the poses demanded last, at rest; only the path is
+/// followed from then on, so that a Suspend finds all arms on it. In the language [`Motion`] it demands poses of
+/// transparent ECPs; in the language [`Displacement`](mrroc_generators::cooperation::Displacement) it orders
+/// displacements, which [`TransmitDisplacement`](mrroc_generators::generators::TransmitDisplacement) or a program's own generator passes on.
+pub struct RigidCarry<L: RobotList, P, O = Motion> {
+    body: BodyFrame,
+    path: P,
+    starts: L::Each<Pose>,
+    grasps: Grasps<L::Each<Pose>>,
+    of: PhantomData<O>,
+}
+
+impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
+    /// The body whose frame is `body` at the start along `path`.
+    #[must_use]
+    pub fn along(body: BodyFrame, path: P) -> Self {
+        let starts = L::array(|_| Pose::identity());
+        RigidCarry { body, path, starts, grasps: Grasps::close(&Pose::identity(), starts), of: PhantomData }
+    }
+
+    #[allow(non_snake_case)]
+    fn advance(&mut self, t: Tick) -> Result<Step<L, O>, Fault> {
+        let Some(X_WB) = self.path.advance(t.dt)? else { return Ok(Step::Done) };
+        Ok(Step::Next(L::each(|i| Placed {
+            X_WEs: self.starts.as_ref()[i],
+            X_WE: self.grasps.tool(i, &X_WB),
+        })))
+    }
+}
+
+#[generator(mp)]
+impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
+    #[allow(non_snake_case)]
+    fn first_step(&mut self, e: &State<L>, t: Tick) -> Result<Step<L, O>, Fault> {
+        self.starts = e.demanded_poses();
+        let X_WB = self.body.pose(self.starts.as_ref());
+        self.grasps = Grasps::close(&X_WB, self.starts);
+        self.path.begin(&X_WB)?;
+        self.advance(t)
+    }
+
+    fn next_step(&mut self, t: Tick) -> Result<Step<L, O>, Fault> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_generators::cooperation::StraightBody;
+    use mrroc_generators::line::ToolLimits;
+    use mrroc_generators::profile::ProfileLimits;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
+    use std::time::Duration;
+
+    #[test]
+    fn two_arms_lift_a_body_in_the_closed_form_time() {
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let (left, right) = (Irp6::nominal(), Irp6::nominal().with_base(Pose::translation(1.8, 0.3, 0.0)));
+        let arms = [SimulatedIrp6::new(left.clone(), &start), SimulatedIrp6::new(right.clone(), &start)];
+        let shafts = arms.each_ref().map(|arm| arm.shaft());
+        let [one, two] = arms;
+        let cell = Cell::new(Duration::from_millis(2))
+            .robot(RobotSetup::new("left", left.clone(), one))
+            .robot(RobotSetup::new("right", right.clone(), two));
+        let cell = cell.program(|mp| {
+            let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+            let limits = ToolLimits { translation: limits, rotation: limits };
+            let path = StraightBody::by(Pose::translation(0.0, 0.0, 0.05), limits);
+            let (mut one, mut two) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
+            let lift = RigidCarry::<(Irp6, Irp6), _>::along(BodyFrame::Centroid, path);
+            mp.move_robots((&mut one, &mut two), (), lift).map(drop)
+        });
+        let report = cell.run().expect("within the limits");
+        // T = D / V + V / A = 0.05 / 0.1 + 0.1 / 0.5.
+        let duration = report.time.as_secs_f64();
+        assert!((0.70..0.72).contains(&duration), "{duration} s");
+        for (robot, shaft) in [left, right].iter().zip(&shafts) {
+            let up = mrroc::Robot::forward(robot, &shaft.state().position).translation.vector
+                - mrroc::Robot::forward(robot, &start).translation.vector;
+            assert!((up - Vector3::z() * 0.05).norm() < 1e-3, "{up}");
+        }
+    }
+}

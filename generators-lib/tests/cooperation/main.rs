@@ -1,0 +1,8 @@
+//! Cooperating simulated arms in whole cells.
+#![allow(non_snake_case)]
+
+mod drive;
+mod free;
+mod kit;
+mod squeeze;
+mod transfer;

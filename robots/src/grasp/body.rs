@@ -1,0 +1,184 @@
+//! A rigid body: what it is made of, and how it moves under forces.
+//!
+//! ```text
+//! dp/dt = f,   p = m v            momentum [N s]
+//! dl/dt = tau, l = R I R^T omega  angular momentum about the centre of mass, in the world's axes [N m s]
+//! ```
+//!
+//! Position and attitude drift with constant momenta, momenta are kicked at constant position: the leapfrog scheme, of
+//! second order, which conserves both momenta in free flight to round-off. The attitude drifts by the midpoint rule.
+
+use mrroc::{Pose, Wrench};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+use super::error::{WorldError, positive};
+use super::turn;
+
+/// A rigid body at rest. Its frame B lies in its centre of mass.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(non_snake_case)]
+pub struct Body {
+    pub(super) mass: f64,
+    pub(super) inertia: Matrix3<f64>,
+    pub(super) points: Vec<Vector3<f64>>,
+    pub(super) X_WB: Pose,
+}
+
+impl Body {
+    /// A body of this mass \[kg\] and tensor of inertia about its centre of mass, in the axes of B [kg m²]. It touches a
+    /// table with nothing until it is given [points](Self::with_points).
+    #[must_use]
+    pub fn new(mass: f64, inertia: Matrix3<f64>) -> Self {
+        Self { mass, inertia, points: Vec::new(), X_WB: Pose::identity() }
+    }
+
+    /// A homogeneous block of this mass \[kg\] and these edges along x, y, z of B \[m\], which touches with its corners.
+    #[must_use]
+    pub fn block(mass: f64, edges: [f64; 3]) -> Self {
+        let [x, y, z] = edges.map(|edge| edge * edge * mass / 12.0);
+        let corner = |i: usize| {
+            let side = |bit: usize| if i & bit == 0 { -0.5 } else { 0.5 };
+            Vector3::new(side(1) * edges[0], side(2) * edges[1], side(4) * edges[2])
+        };
+        let inertia = Matrix3::from_diagonal(&Vector3::new(y + z, x + z, x + y));
+        Self::new(mass, inertia).with_points((0..8).map(corner))
+    }
+
+    /// The same body with these points of its hull \[m, in B\], by which it touches a table.
+    #[must_use]
+    pub fn with_points(self, points: impl IntoIterator<Item = Vector3<f64>>) -> Self {
+        Self { points: points.into_iter().collect(), ..self }
+    }
+
+    /// The same body at `X_WB` in the world.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn at(self, X_WB: Pose) -> Self {
+        Self { X_WB, ..self }
+    }
+}
+
+/// Where a body is and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(non_snake_case)]
+pub struct BodyState {
+    /// `X_WB`, its pose in the world.
+    pub pose: Pose,
+    /// Velocity of its centre of mass [m/s].
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, in the world's axes [rad/s].
+    pub angular_velocity: Vector3<f64>,
+}
+
+/// A body in motion.
+#[derive(Clone, Debug)]
+pub(super) struct Moving {
+    pub mass: f64,
+    inertia: Matrix3<f64>,
+    inverse: Matrix3<f64>,
+    /// Smallest principal moment of inertia [kg m²].
+    least: f64,
+    pub position: Vector3<f64>,
+    pub rotation: UnitQuaternion<f64>,
+    momentum: Vector3<f64>,
+    angular_momentum: Vector3<f64>,
+}
+
+impl Moving {
+    /// The body at rest.
+    pub fn at_rest(body: &Body) -> Result<Self, WorldError> {
+        let mass = positive("the body's mass", body.mass, "kg")?;
+        let finite = body.X_WB.to_homogeneous().iter().all(|x| x.is_finite())
+            && body.points.iter().flatten().all(|x| x.is_finite());
+        if !finite {
+            return Err(WorldError::NotFinite("the body's pose or a point of its hull"));
+        }
+        let inertia = body.inertia;
+        let asymmetry = (inertia - inertia.transpose()).amax();
+        let is_tensor = inertia.iter().all(|x| x.is_finite()) && asymmetry <= 1e-9 * inertia.amax();
+        if !is_tensor {
+            return Err(WorldError::Inertia([f64::NAN; 3]));
+        }
+        let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
+        moments.sort_by(f64::total_cmp);
+        let [a, b, c] = moments;
+        if a <= 0.0 || c > (a + b) * (1.0 + 1e-9) {
+            return Err(WorldError::Inertia(moments));
+        }
+        let inverse = inertia.try_inverse().ok_or(WorldError::Inertia(moments))?;
+        Ok(Self {
+            mass,
+            inertia,
+            inverse,
+            least: a,
+            position: body.X_WB.translation.vector,
+            rotation: body.X_WB.rotation,
+            momentum: Vector3::zeros(),
+            angular_momentum: Vector3::zeros(),
+        })
+    }
+
+    pub fn state(&self) -> BodyState {
+        BodyState {
+            pose: Pose::from_parts(self.position.into(), self.rotation),
+            velocity: self.velocity(),
+            angular_velocity: self.angular_velocity(),
+        }
+    }
+
+    /// Puts the body in motion, where it is.
+    pub fn set_velocity(&mut self, linear: Vector3<f64>, angular: Vector3<f64>) {
+        self.momentum = self.mass * linear;
+        self.angular_momentum =
+            self.rotation * (self.inertia * self.rotation.inverse_transform_vector(&angular));
+    }
+
+    pub fn velocity(&self) -> Vector3<f64> {
+        self.momentum / self.mass
+    }
+
+    pub fn angular_velocity(&self) -> Vector3<f64> {
+        self.turning_at(&self.rotation)
+    }
+
+    /// The angular velocity that the angular momentum is at an attitude.
+    #[inline]
+    fn turning_at(&self, rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
+        rotation * (self.inverse * rotation.inverse_transform_vector(&self.angular_momentum))
+    }
+
+    /// Kinetic energy \[J\].
+    pub fn kinetic_energy(&self) -> f64 {
+        0.5 * self.momentum.norm_squared() / self.mass
+            + 0.5 * self.angular_momentum.dot(&self.angular_velocity())
+    }
+
+    /// Moves on for `h` \[s\] with constant momenta.
+    pub fn drift(&mut self, h: f64) {
+        self.position += self.momentum * (h / self.mass);
+        let before = self.angular_velocity();
+        let half = turn::by(&(before * (0.5 * h))) * self.rotation;
+        self.rotation = turn::by(&(self.turning_at(&half) * h)) * self.rotation;
+        // Products of rotations lose their unit length by round-off alone: one step of Newton's takes it back.
+        self.rotation.renormalize_fast();
+    }
+
+    /// Takes a wrench about the centre of mass, in the world's axes, for `h` \[s\].
+    pub fn kick(&mut self, wrench: &Wrench, h: f64) {
+        self.momentum += wrench.force * h;
+        self.angular_momentum += wrench.torque * h;
+    }
+
+    /// How a point of the body \[m, in B\] yields: the largest speed that a unit impulse at it gives to it, 1/kg. It is
+    /// the largest eigenvalue of `1/m - [r] I^-1 [r]`.
+    pub fn yielding(&self, r: &Vector3<f64>) -> f64 {
+        let cross = r.cross_matrix();
+        let tensor = Matrix3::identity() / self.mass - cross * self.inverse * cross;
+        tensor.symmetric_eigenvalues().max()
+    }
+
+    /// How the body yields to a twist: the largest angular speed that a unit impulse of torque gives it [1/(kg m²)].
+    pub fn turning(&self) -> f64 {
+        self.least.recip()
+    }
+}

@@ -1,0 +1,78 @@
+//! What may be wrong with a world, before anything moves.
+
+use mrroc::Fault;
+
+/// Why a world, or an arm in it, cannot be simulated.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum WorldError {
+    /// A mass, a stiffness or a period that must be above zero is not, or is no number.
+    #[error("{what} is {actual} {unit}, it must be above 0 and finite")]
+    NotPositive {
+        /// Which quantity: `"the body's mass"`.
+        what: &'static str,
+        /// Its value.
+        actual: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A damping or a friction that must not be negative is, or is no number.
+    #[error("{what} is {actual} {unit}, it must be 0 or more and finite")]
+    Negative {
+        /// Which quantity: `"the table's friction"`.
+        what: &'static str,
+        /// Its value.
+        actual: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// No rigid body has these principal moments: each must be above 0 and at most the sum of the other two.
+    #[error(
+        "the body's principal moments of inertia {} kg m², {} kg m² and {} kg m² are those of no rigid body",
+        .0[0], .0[1], .0[2]
+    )]
+    Inertia(
+        /// The principal moments, ascending [kg m²]; NaN where the tensor is not symmetric or not finite.
+        [f64; 3],
+    ),
+    /// A pose is not finite.
+    #[error("{0} is not finite")]
+    NotFinite(
+        /// Which pose: `"the body's pose"`.
+        &'static str,
+    ),
+}
+
+/// `actual` where it is above 0 and finite.
+pub(super) fn positive(what: &'static str, actual: f64, unit: &'static str) -> Result<f64, WorldError> {
+    let is_positive = actual > 0.0 && actual.is_finite();
+    if is_positive { Ok(actual) } else { Err(WorldError::NotPositive { what, actual, unit }) }
+}
+
+/// `actual` where it is 0 or above and finite.
+pub(super) fn not_negative(what: &'static str, actual: f64, unit: &'static str) -> Result<f64, WorldError> {
+    let is_positive = actual >= 0.0 && actual.is_finite();
+    if is_positive { Ok(actual) } else { Err(WorldError::Negative { what, actual, unit }) }
+}
+
+/// Why a gripper did not close on the body: the grasp frame is not between its fingers.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the gripper does not reach its grasp: {distance:.4} m and {angle:.4} rad off, it reaches {reach:.4} m and {turn:.4} rad"
+)]
+pub struct OutOfReach {
+    /// Distance of the grasp frame from the tool frame \[m\].
+    pub distance: f64,
+    /// Turn between the two \[rad\].
+    pub angle: f64,
+    /// The largest distance \[m\].
+    pub reach: f64,
+    /// The largest turn \[rad\].
+    pub turn: f64,
+}
+
+/// For programs that close a hand themselves.
+impl From<OutOfReach> for Fault {
+    fn from(out: OutOfReach) -> Fault {
+        Fault::thrown(&out.to_string())
+    }
+}

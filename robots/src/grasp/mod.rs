@@ -1,0 +1,57 @@
+//! A rigid body as physics: grippers that hold it by springs, a table that it stands on, sensors that feel it.
+//!
+//! | file | concept |
+//! |---|---|
+//! | `body.rs` | a rigid body, and how it moves under forces |
+//! | `compliance.rs` | a compliant grasp |
+//! | `contact.rs` | a table |
+//! | `hand.rs`, `world.rs` | grippers in the world; how the arms' servo periods drive it |
+//! | `arm.rs` | the drives of an arm in the world |
+//! | `fingers.rs` | a gripper that is a robot of its own |
+//! | `internal.rs` | what grippers do to the body beyond carrying it |
+//! | `wrist.rs` | the force and torque sensor at a wrist |
+//! | `turn.rs`, `noise.rs` | rotation vectors; seeded noise |
+//!
+//! ```
+//! use mrroc::{Driver, Pose, Robot};
+//! use mrroc_robots::grasp::{Body, Grasp, World};
+//! use mrroc_robots::{Polycrank, Seven, Simulated};
+//!
+//! // The program's arm, and the true one: its base stands 1 mm aside.
+//! let (robot, truly) = (Polycrank::new(), Polycrank::new().with_base(Pose::translation(1e-3, 0.0, 0.0)));
+//! let q = Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]);
+//! let world = World::new(&Body::block(2.0, [0.1, 0.1, 0.1]).at(robot.forward(&q)))?;
+//! let mut arm = world.arm(Simulated::new(truly, &q), Grasp::new(5e4, 500.0))?;
+//! arm.hand().close()?;
+//! for _ in 0..1000 {
+//!     arm.tick(&q)?;
+//! }
+//! let weight = arm.hand().reaction().force.norm();
+//! assert!((weight - 2.0 * 9.80665).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod arm;
+mod body;
+mod compliance;
+mod contact;
+mod error;
+mod fingers;
+mod hand;
+mod internal;
+mod noise;
+#[cfg(test)]
+mod tests;
+mod turn;
+mod world;
+mod wrist;
+
+pub use arm::Grasping;
+pub use body::{Body, BodyState};
+pub use compliance::Grasp;
+pub use contact::Table;
+pub use error::{OutOfReach, WorldError};
+pub use fingers::Fingers;
+pub use internal::Sharing;
+pub use world::{Hand, World};
+pub use wrist::{SimulatedWrist, WristForce, WristOrder};

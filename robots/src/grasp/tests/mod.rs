@@ -1,0 +1,12 @@
+//! Bodies in grippers that stand still or are led by hand, against statics and mechanics.
+
+mod bench;
+mod contact;
+mod dynamics;
+mod internal;
+mod refusals;
+mod statics;
+mod time;
+mod wrist;
+
+use bench::Bench;
