@@ -200,7 +200,7 @@ fn launch_processes(_: Cell, _: Clock, _: PathBuf, _: bool) -> Result<RunReport,
 
 #[cfg(not(all(feature = "processes", target_os = "linux")))]
 const NO_PROCESSES: &str = "this program was built without processes\n help: on Linux, build it with mrroc's feature `processes`: \
-                            cargo run --release --features processes -- --processes";
+                            cargo run --release --features mrroc/processes -- --processes";
 
 /// Says which fault stopped the cell, and what to do about it.
 fn stopped(fault: &Fault) -> ExitCode {
