@@ -42,8 +42,12 @@ Options:
   --no-picture     draw nothing
   --check          put the cell together, but run nothing
   --processes      run every process of the cell as one of the operating
-                   system, in real time (feature `processes`, Linux)
-  --virtual        with --processes: in lock-step under the virtual clock
+                   system, in real time (feature `processes`, Linux); draws
+                   nothing
+  --virtual        the same in lock-step under the virtual clock
+  --spin US        with --processes: time that a process looks for messages
+                   before it sleeps [default: 0]; for machines with more cores
+                   than the cell has processes
   -q, --quiet      print errors only
   -h, --help       print this text
 
@@ -51,8 +55,17 @@ Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
 the command line was refused; then nothing has moved.
 ";
 
-const NAMES: [&str; 8] =
-    ["--cell", "--picture", "--no-picture", "--check", "--processes", "--virtual", "--quiet", "--help"];
+const NAMES: [&str; 9] = [
+    "--cell",
+    "--picture",
+    "--no-picture",
+    "--check",
+    "--processes",
+    "--virtual",
+    "--spin",
+    "--quiet",
+    "--help",
+];
 
 /// What the command line asks for.
 struct Options {
@@ -61,6 +74,8 @@ struct Options {
     check: bool,
     quiet: bool,
     processes: Option<Clock>,
+    /// How long a process looks for messages before it sleeps \[ns\].
+    spin: u64,
     /// Which process of a cell this one is, and in which session, as its launcher started it.
     part: Option<(ProcessId, PathBuf)>,
 }
@@ -118,7 +133,7 @@ pub fn launch(
         return take_part(cell, *process, session, options.quiet);
     }
     if let Some(clock) = options.processes {
-        return match launch_processes(cell, clock, path, options.quiet) {
+        return match launch_processes(cell, (clock, options.spin), path, options.quiet) {
             Ok(_) if options.quiet => ExitCode::SUCCESS,
             Ok(report) => tell(&report, None),
             Err(status) => status,
@@ -174,14 +189,21 @@ fn take_part(mut cell: Cell, process: ProcessId, session: &Path, quiet: bool) ->
 
 /// Runs all processes of a cell.
 #[cfg(all(feature = "processes", target_os = "linux"))]
-fn launch_processes(cell: Cell, clock: Clock, path: PathBuf, quiet: bool) -> Result<RunReport, ExitCode> {
+fn launch_processes(
+    cell: Cell,
+    (clock, spin): (Clock, u64),
+    path: PathBuf,
+    quiet: bool,
+) -> Result<RunReport, ExitCode> {
     use crate::link::iceoryx::Clock as LinkClock;
     use crate::processes::{LaunchError, Plan, launch};
+    use crate::realtime::Permission;
     let clock = match clock {
         Clock::Real => LinkClock::Real,
         Clock::Virtual => LinkClock::Virtual,
     };
-    launch(cell, &Plan { cell: path, clock, spin: 0, quiet }).map_err(|error| match error {
+    let permission = cell.realtime().map_or(Permission::BestEffort, |realtime| realtime.permission);
+    launch(cell, &Plan { cell: path, clock, spin, permission, quiet }).map_err(|error| match error {
         LaunchError::Cell(CellError::Fault(fault)) => stopped(&fault),
         LaunchError::Cell(error) => cell_refused(&error),
         error => refused(&error),
@@ -194,7 +216,7 @@ fn take_part(_: Cell, process: ProcessId, _: &Path, _: bool) -> ExitCode {
 }
 
 #[cfg(not(all(feature = "processes", target_os = "linux")))]
-fn launch_processes(_: Cell, _: Clock, _: PathBuf, _: bool) -> Result<RunReport, ExitCode> {
+fn launch_processes(_: Cell, _: (Clock, u64), _: PathBuf, _: bool) -> Result<RunReport, ExitCode> {
     Err(refused(&NO_PROCESSES))
 }
 
@@ -235,6 +257,7 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
         check: false,
         quiet: false,
         processes: None,
+        spin: 0,
         part: None,
     };
     let (mut role, mut session) = (Vec::new(), None);
@@ -248,6 +271,11 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
             Long("check") => options.check = true,
             Long("processes") => options.processes = options.processes.or(Some(Clock::Real)),
             Long("virtual") => options.processes = Some(Clock::Virtual),
+            Long("spin") => {
+                let value = parser.value().ok().and_then(|value| value.parse::<u32>().ok());
+                let wrong = || bad("--spin is no number of microseconds".to_owned(), "write --spin 20");
+                options.spin = 1000 * u64::from(value.ok_or_else(wrong)?);
+            }
             Long("session") => session = Some(next(&mut parser)?),
             Long("no-picture") => options.picture = None,
             Long("cell") => options.cell = Some(next(&mut parser)?),

@@ -19,6 +19,7 @@ use crate::link::memory::{MAX_PROCESSES, Scheduler};
 use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
+use crate::realtime::Realtime;
 use crate::robot::Robot;
 use crate::stopping::STOP_TIME;
 use crate::vsp::VirtualSensor;
@@ -57,6 +58,8 @@ pub struct Cell {
     guard: Option<Guard>,
     /// Sensors that the cell's file names.
     expected_sensors: Vec<String>,
+    /// What its processes ask of the machine.
+    realtime: Option<Realtime>,
     /// What was found wrong while the cell was put together.
     errors: Vec<CellError>,
 }
@@ -76,6 +79,7 @@ impl Cell {
             hook: None,
             guard: None,
             expected_sensors: Vec::new(),
+            realtime: None,
             errors: Vec::new(),
         }
     }
@@ -199,6 +203,18 @@ impl Cell {
     #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn stop_limit(&self) -> Duration {
         self.stop_time
+    }
+
+    /// What its processes ask of the machine.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn realtime(&self) -> Option<&Realtime> {
+        self.realtime.as_ref()
+    }
+
+    /// Asks this of the machine for its processes.
+    pub(crate) fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
+        self.realtime = realtime;
+        self
     }
 
     /// Runs the cell on the memory link, under the virtual clock, until the MP's program is over.

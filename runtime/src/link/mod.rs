@@ -49,6 +49,10 @@ pub trait Waiter {
 
 /// What an MP is told from outside of its cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    not(all(feature = "processes", target_os = "linux")),
+    allow(dead_code, reason = "told to processes")
+)]
 pub enum News {
     /// A process of the cell is gone.
     Lost(ProcessId),

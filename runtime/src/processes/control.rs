@@ -7,6 +7,7 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 
+use super::scheduling::Lacks;
 use crate::fault::{Fault, FaultWords, ProcessId, Role};
 use crate::link::Nanos;
 use crate::link::iceoryx::{Clock, Seal};
@@ -38,8 +39,8 @@ pub(super) enum Frame {
     Close,
     /// From a process: it has made what others open; a hash of the cell as it sees it.
     Created { fingerprint: u64 },
-    /// It is connected.
-    Ready,
+    /// It is connected; what the machine did not give it.
+    Ready { lacks: Lacks },
     /// In lock-step: it waits, at most until this time; places that it sent messages to, one bit each.
     Waits { deadline: Nanos, woken: u64 },
     /// It cannot take part.
@@ -82,7 +83,10 @@ impl Frame {
                 words[1] = *fingerprint;
                 8
             }
-            Frame::Ready => 9,
+            Frame::Ready { lacks } => {
+                words[1] = lacks.to_word();
+                9
+            }
             Frame::Waits { deadline, woken } => {
                 words[1..3].copy_from_slice(&[*deadline, *woken]);
                 10
@@ -133,7 +137,7 @@ impl Frame {
             6 => Frame::Abort,
             7 => Frame::Close,
             8 => Frame::Created { fingerprint: words[1] },
-            9 => Frame::Ready,
+            9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
             10 => Frame::Waits { deadline: words[1], woken: words[2] },
             11 => {
                 let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
@@ -222,7 +226,7 @@ mod tests {
             Frame::Abort,
             Frame::Close,
             Frame::Created { fingerprint: 7 },
-            Frame::Ready,
+            Frame::Ready { lacks: Lacks::from_word(5) },
             Frame::Waits { deadline: 8, woken: 9 },
             Frame::Refuses("no shared memory: größer".to_owned()),
             Frame::Over { steps: 1, time: 2, outcome: None },

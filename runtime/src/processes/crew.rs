@@ -11,10 +11,12 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use super::control::{Control, Frame};
+use super::scheduling::Lacks;
 use super::session::Session;
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::link::Nanos;
 use crate::link::iceoryx::{Clock, Seal};
+use crate::realtime::Permission;
 
 /// How long a process may take to set itself up: a loaded machine is no reason to give up.
 const SETTING_UP: Duration = Duration::from_secs(30);
@@ -28,6 +30,8 @@ pub(crate) struct Plan {
     pub clock: Clock,
     /// How long a process looks for messages before it sleeps \[ns\].
     pub spin: Nanos,
+    /// What to do when the machine does not permit what the cell asks of it.
+    pub permission: Permission,
     /// Whether processes say nothing but errors.
     pub quiet: bool,
 }
@@ -46,6 +50,11 @@ pub(crate) enum NoStart {
         "{0} sees another cell than its launcher\n help: the program or cell.toml changed meanwhile: start again"
     )]
     OtherCell(ProcessId),
+    /// The machine does not give it what the cell asks for.
+    #[error(
+        "{0} may not have {1}\n help: allow it, as root: setcap cap_sys_nice,cap_ipc_lock+ep PROGRAM; or write permission = \"best effort\" in [realtime] of cell.toml"
+    )]
+    NotPermitted(ProcessId, Lacks),
     /// It could not be started.
     #[error("{0} cannot be started: {1}")]
     Spawn(ProcessId, io::Error),
@@ -164,10 +173,19 @@ impl Crew {
             }
         }
         self.tell(&Frame::Connect);
+        let mut lacking = Lacks::default();
         for member in &self.0 {
-            if member.expect()? != Frame::Ready {
-                return Err(NoStart::OtherCell(member.id));
+            let Frame::Ready { lacks } = member.expect()? else { return Err(NoStart::OtherCell(member.id)) };
+            if lacks.is_nothing() {
+                continue;
             }
+            if plan.permission == Permission::Required {
+                return Err(NoStart::NotPermitted(member.id, lacks));
+            }
+            lacking = lacking.and(lacks);
+        }
+        if !lacking.is_nothing() && !plan.quiet {
+            eprintln!("note: best effort: not every process has {lacking}");
         }
         Ok(())
     }

@@ -10,6 +10,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::control::{Control, Frame};
+use super::scheduling::{Lacks, ask};
 use super::session::{Membership, prefix};
 use crate::cell::Cell;
 use crate::fault::{ProcessId, Role};
@@ -100,6 +101,7 @@ fn take_part(
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
+    let realtime = cell.realtime().cloned();
     let mut fabric = Fabric::new(me);
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
@@ -109,7 +111,14 @@ fn take_part(
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
     fabric.connect(seal, clock).map_err(Ended::of)?;
-    say(control, &Frame::Ready)?;
+    let lacks = match (clock, realtime) {
+        (Clock::Real, Some(realtime)) => {
+            let ecps: Vec<_> = fabric.places().iter().filter(|id| id.role == Role::Ecp).copied().collect();
+            ask(&realtime, me, &ecps)
+        }
+        (Clock::Real, None) | (Clock::Virtual, _) => Lacks::default(),
+    };
+    say(control, &Frame::Ready { lacks })?;
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
     let time = match (clock, fabric.take_listener()) {
         (Clock::Real, Some(listener)) => {

@@ -224,7 +224,7 @@ impl Fabric {
                     .open()
                     .map_err(LinkError::of("the event service of another process"))?;
                 let notifier = events.notifier_builder().create().map_err(LinkError::of("a notifier"))?;
-                Ok(Bell::Event(notifier))
+                Ok(Bell::Event(Box::new(notifier)))
             }
         }
     }

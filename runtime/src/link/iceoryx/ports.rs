@@ -20,10 +20,15 @@ use super::envelope::{Envelope, Seal};
 use crate::link::{Board, Client, Server};
 use crate::message::Message;
 
+pub(super) type RequestPort = IpcClient<ipc::Service, Envelope, (), Envelope, ()>;
+pub(super) type ReplyPort = IpcServer<ipc::Service, Envelope, (), Envelope, ()>;
+type Pending = PendingResponse<ipc::Service, Envelope, (), Envelope, ()>;
+type Active = ActiveRequest<ipc::Service, Envelope, (), Envelope, ()>;
+
 /// Wakes the process at the other end.
 pub(super) enum Bell {
     /// By an event of its own event service.
-    Event(Notifier<ipc::Service>),
+    Event(Box<Notifier<ipc::Service>>),
     /// In lock-step: the launcher resumes it. Which place, and the places to be resumed.
     Mark(usize, Rc<Cell<u64>>),
 }
@@ -40,15 +45,15 @@ impl Bell {
 
 /// The asking end of a port.
 pub(super) struct Asking {
-    pub client: IpcClient<ipc::Service, Envelope, (), Envelope, ()>,
+    pub client: RequestPort,
     pub bell: Bell,
     pub seal: Seal,
-    pending: RefCell<Option<PendingResponse<ipc::Service, Envelope, (), Envelope, ()>>>,
+    pending: RefCell<Option<Pending>>,
     sequence: Cell<u64>,
 }
 
 impl Asking {
-    pub fn new(client: IpcClient<ipc::Service, Envelope, (), Envelope, ()>, bell: Bell, seal: Seal) -> Self {
+    pub fn new(client: RequestPort, bell: Bell, seal: Seal) -> Self {
         Asking { client, bell, seal, pending: RefCell::new(None), sequence: Cell::new(0) }
     }
 }
@@ -107,15 +112,15 @@ impl Client for End<Asking> {
 
 /// The answering end of a port.
 pub(super) struct Answering {
-    pub server: IpcServer<ipc::Service, Envelope, (), Envelope, ()>,
+    pub server: ReplyPort,
     pub seal: Seal,
     /// Known once the other side has made its event service.
     pub bell: OnceCell<Bell>,
-    active: RefCell<Option<ActiveRequest<ipc::Service, Envelope, (), Envelope, ()>>>,
+    active: RefCell<Option<Active>>,
 }
 
 impl Answering {
-    pub fn new(server: IpcServer<ipc::Service, Envelope, (), Envelope, ()>, seal: Seal) -> Self {
+    pub fn new(server: ReplyPort, seal: Seal) -> Self {
         Answering { server, seal, bell: OnceCell::new(), active: RefCell::new(None) }
     }
 }
