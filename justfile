@@ -39,3 +39,11 @@ engrave *ARGS:
 # The tutorial and the tables for those who come from elsewhere, as a book: target/book/index.html.
 book:
     mdbook build docs
+
+# Cells as processes of the operating system; builds iceoryx2 first.
+test-processes:
+    cargo test -p mrroc-tests --features processes --test processes
+
+# The same, with 200 kills of each kind; takes many minutes.
+test-kills:
+    MRROC_KILLS=200 cargo test --release -p mrroc-tests --features processes --test processes -- fault_0

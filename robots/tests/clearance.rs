@@ -374,3 +374,14 @@ fn cranks_in_planes_side_by_side_do_not_stop_polycrank() {
     let q = [0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2];
     assert!(clearance.check(&[state("polycrank", &q, &[0.5; 7])]).is_ok());
 }
+
+#[test]
+fn own_links_are_left_out_on_request() {
+    let long = [Capsule::new(Vector3::zeros(), Vector3::new(0.0, 0.0, 0.8), 0.02)];
+    let build =
+        || Clearance::with_margin(0.0).robot("left", facing(3.0).0).unwrap().tool("left", &long).unwrap();
+    assert!(build().build(AT_ONCE).unwrap().pairs() > 0);
+    let nothing = build().ignore_own("left").build(AT_ONCE).unwrap().nearest_at(&[&LEVEL]);
+    assert_eq!(nothing, Err(CheckError::NothingToCheck));
+    assert!(matches!(build().ignore_own("right").build(AT_ONCE), Err(ClearanceError::NoRobot { .. })));
+}

@@ -20,7 +20,7 @@ use crate::link::{Closed, Nanos, Server, Waiter};
 use crate::message::{Kind, Message, RequestKind, flag};
 use crate::pose::Pose;
 use crate::robot::Robot;
-use crate::stopping::{detection_time, missed_step_budget};
+use crate::stopping::{detection_time, missed_step_budget, stop_steps};
 use crate::wire::Wire;
 
 /// What a servo period did, for recording and for pictures.
@@ -141,7 +141,10 @@ impl<'w, R: Robot> Edp<'w, R> {
     }
 
     /// Serves until the cell closes.
-    pub fn run(mut self) {
+    ///
+    /// # Errors
+    /// `PeerLost` when the robot still moved then and did not come to a standstill in the time that its stops may take.
+    pub fn run(mut self) -> Result<(), Fault> {
         while self.waiter.wait(Some(self.next_step.min(self.next_tick))) != Err(Closed) {
             while self.port.receive(&mut self.request) {
                 self.serve();
@@ -150,6 +153,32 @@ impl<'w, R: Robot> Edp<'w, R> {
                 self.advance();
             }
         }
+        self.come_to_rest()
+    }
+
+    /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
+    /// nothing moves.
+    fn come_to_rest(&mut self) -> Result<(), Fault> {
+        self.stopped = true;
+        self.brake();
+        let delay = self.config.delay.unwrap_or_default();
+        let began = self.due;
+        let last = began + stop_steps(self.config.robot.limits(), self.config.step, delay);
+        // The demand that holds is one of the next step, and the drives are there at the end of that step.
+        while !self.is_at_standstill() || self.due <= began + 2 {
+            if self.due > last {
+                let text = "the cell closed while the robot moved, and it does not come to a standstill";
+                return Err(Fault::new(FaultKind::PeerLost).in_process(self.config.process).text(text));
+            }
+            let next = self.next_step.min(self.next_tick);
+            if self.waiter.wait_closing(next).is_err() {
+                return Ok(());
+            }
+            while self.waiter.now() >= self.next_step.min(self.next_tick) {
+                self.advance();
+            }
+        }
+        Ok(())
     }
 
     /// The step or servo period that begins next; a step before the servo period that begins with it.
@@ -231,6 +260,10 @@ impl<'w, R: Robot> Edp<'w, R> {
             return Err(Fault::new(FaultKind::StoppedByCell));
         }
         let header = self.request.header;
+        // Woken late: what was due before the demand's step comes before the demand.
+        while self.due < header.step && self.waiter.now() >= self.next_step.min(self.next_tick) {
+            self.advance();
+        }
         if self.request.is(flag::FIRST) {
             self.acceptor.begin();
         }

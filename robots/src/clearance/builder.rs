@@ -31,6 +31,7 @@ impl Clearance {
                 margin,
                 margins: Vec::new(),
                 ignored: Vec::new(),
+                ignored_own: Vec::new(),
                 stopping,
                 pairs: Vec::new(),
                 unchecked: Vec::new(),
@@ -91,6 +92,13 @@ impl ClearanceBuilder {
         self
     }
 
+    /// The links of a robot, its tool and what it carries are not checked against one another: for an arm whose own limits
+    /// keep them apart. RNT's, whose bars are moved by much at once, is best left to its limits.
+    pub fn ignore_own(mut self, robot: &str) -> Self {
+        self.clearance.ignored_own.push(robot.into());
+        self
+    }
+
     /// The clearance, which looks ahead to where its robots stand after such a stop.
     ///
     /// # Errors
@@ -113,7 +121,7 @@ impl ClearanceBuilder {
         }
         let named = self.clearance.margins.iter().flat_map(|(a, b, _)| [a, b]);
         let owners = self.clearance.ignored.iter().flatten().map(|(owner, _)| owner);
-        for owner in named.chain(owners) {
+        for owner in named.chain(owners).chain(&self.clearance.ignored_own) {
             let is_known = self.clearance.place_of(owner).is_some() || self.clearance.names.contains(owner);
             if !is_known {
                 return Err(ClearanceError::NoRobot { robot: owner.clone() });

@@ -34,6 +34,7 @@ pub struct Clearance {
     pub(super) margin: f64,
     pub(super) margins: Vec<(Arc<str>, Arc<str>, f64)>,
     pub(super) ignored: Vec<[Owned; 2]>,
+    pub(super) ignored_own: Vec<Arc<str>>,
     pub(super) stopping: Stopping,
     pub(super) pairs: Vec<Pair>,
     pub(super) unchecked: Vec<(Pair, Unchecked)>,
@@ -217,9 +218,11 @@ impl Clearance {
 
     fn is_ignored(&self, pair: &Pair) -> bool {
         let owners = self.owners(pair);
-        self.ignored
-            .iter()
-            .any(|[a, b]| (*a == owners[0] && *b == owners[1]) || (*a == owners[1] && *b == owners[0]))
+        let is_own = pair.is_own() && self.ignored_own.contains(&owners[0].0);
+        let is_pair = |[a, b]: &[Owned; 2]| {
+            (*a == owners[0] && *b == owners[1]) || (*a == owners[1] && *b == owners[0])
+        };
+        is_own || self.ignored.iter().any(is_pair)
     }
 
     /// Both bodies by name; an obstacle is its own link.

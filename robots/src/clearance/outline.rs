@@ -66,7 +66,10 @@ impl Motion {
                     None => (end - point).norm_squared(),
                 };
                 let [a, b] = &capsule.ends;
-                way * (arm(a).max(arm(b)).sqrt() + capsule.radius + moved)
+                // The chord of the arc; of a short one there is no need to know it. A way that is no number must stay so.
+                let chord =
+                    if *way > 0.5 { 2.0 * (0.5 * way.min(core::f64::consts::PI)).sin() } else { *way };
+                chord * (arm(a).max(arm(b)).sqrt() + capsule.radius + moved)
             }
         }
     }

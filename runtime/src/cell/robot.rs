@@ -13,8 +13,8 @@ use crate::fault::{Fault, ProcessId, Role};
 use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
-use crate::link::memory::{Scheduler, Stuck};
-use crate::link::{Server, Waiter};
+use crate::link::memory::Stuck;
+use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
@@ -173,7 +173,7 @@ pub(crate) trait AnyRobot {
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
-        scheduler: &mut Scheduler,
+        link: &mut dyn Link,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -245,18 +245,19 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn spawn(
         self: Box<Self>,
-        scheduler: &mut Scheduler,
+        link: &mut dyn Link,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,
     ) -> Result<(), Stuck> {
         let name = place.name;
-        let edp = scheduler.place(format!("edp {name}"));
-        let (client, server) = scheduler.port(place.ecp, edp);
         let process = ProcessId::new(Role::Edp, name);
+        let edp = link.place(process);
+        let (client, server) = link.port(place.ecp, edp);
         let (robot, drives, observers) = (self.robot, self.drives, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
+        let ended = Rc::clone(&outcomes);
         let run = move |waiter: &dyn Waiter| {
             let driver = match drives {
                 Drives::Homed(driver) => Some(driver),
@@ -275,14 +276,16 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     following_error,
                     observers,
                 };
-                Edp::new(config, waiter, server).run();
+                if let Err(fault) = Edp::new(config, waiter, server).run() {
+                    ended.borrow_mut().push((process, Err(fault)));
+                }
             }
         };
-        scheduler.body(edp, Box::new(run))?;
+        link.body(edp, Box::new(run))?;
         let (program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
-        scheduler.body(
+        link.body(
             place.ecp,
             Box::new(move |waiter| {
                 let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);

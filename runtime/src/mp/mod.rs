@@ -19,7 +19,7 @@ use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::feed::Feed;
 use crate::guard::Guard;
 use crate::image::{RobotImage, Sensor};
-use crate::link::{Nanos, Waiter};
+use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
 use crate::robot::Robot;
@@ -120,7 +120,21 @@ impl<'w> Mp<'w> {
             let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
             self.clock.advance(rate, self.operator.is_suspended());
         }
-        Ok(())
+        self.hear_news()
+    }
+
+    /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
+    fn hear_news(&mut self) -> Result<(), Fault> {
+        match self.waiter.news() {
+            Some(News::Lost(process)) if self.latched.is_none() => {
+                Err(Fault::new(FaultKind::PeerLost).in_process(process).at_step(self.clock.step()))
+            }
+            Some(News::Abort) => {
+                self.operator.abort();
+                Ok(())
+            }
+            Some(News::Lost(_)) | None => Ok(()),
+        }
     }
 
     /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
