@@ -55,7 +55,7 @@ pub fn plot(summary: &Summary) -> Plot {
         .into_iter()
         .filter_map(|(name, bases, sensors)| Some((name, summary.seen(Variant::Bar { bases, sensors })?)))
         .collect();
-    // All runs take the same time to a few steps.
+    // The run that measures its sensors' bias takes a little longer.
     let longest = seen.iter().map(|(_, seen)| &seen.samples).max_by_key(|samples| samples.len());
     let times: Vec<f64> = longest.into_iter().flatten().map(|sample| sample.time).collect();
     let title = "What a bar between two arms bears";
