@@ -1,8 +1,12 @@
 //! The arms keep clear of each other and of the table: a guard, and what a dry run of the whole program shows.
 //!
-//! The guard asks for a distance where the arms are, not where they would stand after a stop: a stop is on the path, which the
-//! dry run has shown to be clear. The bound of [`Clearance::check`], which knows no path, is far too large for arms with up
-//! to seven joints that work a hand's breadth from one another: it allows every joint to turn on in the worst way.
+//! The guard stops the cell where two bodies are nearer than a tool goes until it stands, which follows from how fast the task
+//! lets tools go: at `v` [m/s] from one look to the next and the steps that a stop takes to begin, 24 ms, and then through the
+//! path time of a stop, `1/2c + 1.39 max(v_i/a_i)` with the largest change of the rate `c` = 5/s and joints that need 0.4 s to
+//! brake: 0.68 s and 68 mm at 0.1 m/s; twice that for two arms that go towards each other.
+//!
+//! [`Clearance::check`] needs no such knowledge of the path; its bound allows every joint to turn on in the worst way, which
+//! is too large for arms of up to seven joints that work so near to one another: 1.6 m where these are 0.3 m apart.
 
 use mrroc::{CellFile, Fault, Pose, RobotView};
 use mrroc_robots::clearance::{
@@ -13,45 +17,80 @@ use nalgebra::Vector3;
 
 use crate::places::{TABLE_EDGES, table};
 
-/// How near arms may come to each other and to the table \[m\]; the hands work at the table.
-pub const MARGIN: f64 = 0.05;
-
 /// Steps from one look of the guard to the next.
 pub const EVERY: u32 = 10;
 
-/// Both arms of a cell with their hands, and the table.
+/// How near the arms may come \[m\], each > 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margins {
+    /// To each other.
+    pub arms: f64,
+    /// To the table, but for the hands, which work at it.
+    pub table: f64,
+}
+
+/// Those of the task.
+pub const MARGINS: Margins = Margins { arms: 0.14, table: 0.07 };
+
+/// What is around the arms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Around {
+    /// They see each other alone.
+    Nothing,
+    /// They see the table, too.
+    Table,
+}
+
+/// Both arms of a cell with their hands, and what is around them.
 ///
 /// # Errors
 /// A figure of `places.rs` is out of range.
-pub fn clearance(file: &CellFile) -> Result<Clearance, Fault> {
-    build(file).map_err(|bad| Fault::thrown(&bad.to_string()))
+pub fn clearance(file: &CellFile, around: Around) -> Result<Clearance, Fault> {
+    build(file, around).map_err(|bad| Fault::thrown(&bad.to_string()))
 }
 
-fn build(file: &CellFile) -> Result<Clearance, ClearanceError> {
+fn build(file: &CellFile, around: Around) -> Result<Clearance, ClearanceError> {
     let base = |name: &str| {
         let robot = file.robots().iter().find(|robot| robot.name() == name);
         robot.map_or_else(Pose::identity, |robot| robot.base())
     };
     // From the flange to the fingertips.
     let hand = [Capsule::new(Vector3::new(0.0, 0.0, 0.02), Vector3::new(0.0, 0.0, 0.13), 0.03)];
-    let half = Vector3::from(TABLE_EDGES) * 0.5;
-    let mut clearance = Clearance::with_margin(MARGIN)
+    let mut clearance = Clearance::with_margin(0.0)
         .robot("rnt", Rnt::new().with_base(base("rnt")))?
         .robot("polycrank", Polycrank::new().with_base(base("polycrank")))?
-        .obstacle("table", Obstacle::Box { X_WO: table(), half })?;
-    for arm in ["rnt", "polycrank"] {
-        clearance = clearance.tool(arm, &hand)?.ignore((arm, "tool"), ("table", "table"));
+        .tool("rnt", &hand)?
+        .tool("polycrank", &hand)?;
+    if around == Around::Table {
+        let half = Vector3::from(TABLE_EDGES) * 0.5;
+        clearance = clearance.obstacle("table", Obstacle::Box { X_WO: table(), half })?;
+        for arm in ["rnt", "polycrank"] {
+            clearance = clearance.ignore((arm, "tool"), ("table", "table"));
+        }
     }
     clearance.build(Stopping { reaction: 0.0, stop: Stop::Braking })
 }
 
-/// What a guard does with a clearance: stops the cell where two bodies are nearer than the margin.
-pub fn guard(mut clearance: Clearance, margin: f64) -> impl FnMut(&[RobotView]) -> Result<(), Fault> {
-    move |robots| {
-        let nearest = clearance.nearest(robots)?;
-        if nearest.distance < margin {
-            return Err(CheckError::from(TooClose(Nearest { margin, ..nearest })).into());
-        }
-        Ok(())
+/// What a guard does: stops the cell where an arm is nearer to the other or to the table than it may be.
+///
+/// # Errors
+/// As [`clearance`].
+pub fn guard(
+    file: &CellFile,
+    margins: Margins,
+) -> Result<impl FnMut(&[RobotView]) -> Result<(), Fault> + use<>, Fault> {
+    let mut arms = clearance(file, Around::Nothing)?;
+    let mut table = clearance(file, Around::Table)?;
+    Ok(move |robots: &[RobotView]| {
+        keep(arms.nearest(robots)?, margins.arms)?;
+        keep(table.nearest(robots)?, margins.table)
+    })
+}
+
+/// Refuses what is nearer than `margin` \[m\].
+fn keep(nearest: Nearest, margin: f64) -> Result<(), Fault> {
+    if nearest.distance < margin {
+        return Err(CheckError::from(TooClose(Nearest { margin, ..nearest })).into());
     }
+    Ok(())
 }

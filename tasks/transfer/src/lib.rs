@@ -38,6 +38,6 @@ pub fn file() -> Result<CellFile, CellFileError> {
 /// # Errors
 /// What is wrong with the file.
 pub fn cell(file: &CellFile, kinds: &Kinds) -> Result<Cell, CellError> {
-    let guard = clear::guard(clear::clearance(file)?, clear::MARGIN);
-    Ok(file.cell(kinds).map(ecp::programs)?.guard(clear::EVERY, guard))
+    let clear = clear::guard(file, clear::MARGINS)?;
+    Ok(file.cell(kinds).map(ecp::programs)?.guard(clear::EVERY, clear))
 }

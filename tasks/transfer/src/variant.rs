@@ -109,7 +109,7 @@ impl Variant {
     ) -> Result<Seen, CellError> {
         let Ready { cell, plant } = self.ready(file)?;
         let witness = Witness::new();
-        let guard = clear::guard(clear::clearance(file)?, clear::MARGIN);
+        let guard = clear::guard(file, clear::MARGINS)?;
         also(witness.watch(cell, plant.as_ref(), guard), plant.as_ref()).run()?;
         Ok(witness.into_seen())
     }
