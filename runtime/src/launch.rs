@@ -430,11 +430,29 @@ mod tests {
             (&["--pictur", "x"][..], "did you mean `--picture`?"),
             (&["--cell"], "give a file"),
             (&["run"], "`run` is not asked for"),
+            (&["ecp", "left"], "`ecp left` is not asked for"),
+            (&["mp", "left", "--session", "x"], "`left` is not asked for"),
+            (&["--processes", "--spin"], "--spin is no number of microseconds"),
             (&["-x"], "no option -x"),
         ] {
             let error = parsed(arguments).err().expect("refused");
             assert!(error.contains(told) && error.contains("\n help: "), "{error}");
         }
+    }
+
+    #[test]
+    fn a_launcher_tells_a_process_who_it_is_and_a_user_whose_time_processes_run_in() {
+        let options = |arguments: &[&str]| parsed(arguments).expect("right").expect("no help");
+        let part =
+            options(&["edp", "left", "--session", "s", "--cell", "c", "--quiet"]).part.expect("a part");
+        assert_eq!((part.0.to_string().as_str(), part.1), ("edp left", PathBuf::from("s")));
+        assert_eq!(options(&["mp", "--session", "s"]).part.expect("a part").0, ProcessId::MP);
+        assert_eq!(options(&[]).processes, None);
+        assert_eq!(options(&["--processes"]).processes, Some(Clock::Real));
+        for both in [&["--virtual"][..], &["--processes", "--virtual"], &["--virtual", "--processes"]] {
+            assert_eq!(options(both).processes, Some(Clock::Virtual));
+        }
+        assert_eq!(options(&["--processes", "--spin", "20"]).spin, 20_000);
     }
 
     #[test]

@@ -93,6 +93,7 @@ mod step;
 mod step_fn;
 mod stopping;
 mod suggestion;
+mod task_space;
 mod transparent;
 mod vsp;
 mod wire;

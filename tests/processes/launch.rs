@@ -99,10 +99,15 @@ impl Process {
             && role(self.pid).as_ref() == Some(&self.role)
     }
 
-    /// Kills it, if it is still what it was.
+    /// Kills it.
     pub fn kill(&self) {
+        self.signal(Signal::KILL);
+    }
+
+    /// Sends it a signal, if it is still what it was.
+    pub fn signal(&self, what: Signal) {
         if self.is_alive() {
-            signal(self.pid, Signal::KILL);
+            signal(self.pid, what);
         }
     }
 }
@@ -221,6 +226,15 @@ impl Drop for Launch {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
+    }
+}
+
+/// Waits for something that comes if nothing hangs.
+pub fn wait_until(mut is_so: impl FnMut() -> bool) {
+    let until = Instant::now() + LIVENESS;
+    while !is_so() {
+        assert!(Instant::now() < until, "it does not come");
+        std::thread::sleep(Duration::from_millis(1));
     }
 }
 

@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use rustix::process::Signal;
 
-use crate::launch::{Launch, Place, Process, demanded, periods_at_rest, segments, wait_for_end};
+use crate::launch::{Launch, Place, Process, demanded, periods_at_rest, segments, wait_for_end, wait_until};
 
 /// Runs those whose names contain a word of the command line, or all.
 pub fn main() -> ExitCode {
-    let all: [(&str, fn()); 7] = [
+    let all: [(&str, fn()); 8] = [
         (
             "processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link",
             processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link,
@@ -22,6 +22,10 @@ pub fn main() -> ExitCode {
         (
             "fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound",
             fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound,
+        ),
+        (
+            "fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards",
+            fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards,
         ),
         (
             "fault_07_a_kill_at_any_moment_ends_the_cell_cleanly",
@@ -136,6 +140,37 @@ fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the
         launch.assert_nothing_left(&processes);
     }
     println!("{} kills in lock-step, {stopped} stopped the cell (seed {})", kills(), random.seed);
+}
+
+fn fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards() {
+    let place = Place::new(7);
+    for role in ["mp", "ecp left"] {
+        let mut launch = place.start("stopped", REAL);
+        while launch.record("left").len() < 100 {
+            assert!(launch.end_if_over().is_none(), "{}", launch.said());
+            launch.let_run(Duration::from_millis(1));
+        }
+        let processes = launch.processes();
+        let stopped = processes.iter().find(|process| process.role == role).expect("it runs").clone();
+        stopped.signal(Signal::STOP);
+        // Far more than the 22 ms after which its robots brake: they are seen to stand, or their EDPs have left them so.
+        let edps: Vec<_> = processes.iter().filter(|process| process.role.starts_with("edp")).collect();
+        let stands = |robot| periods_at_rest(&launch.record(robot)) >= 200;
+        wait_until(|| ROBOTS.into_iter().all(stands) || edps.iter().all(|edp| !edp.is_alive()));
+        let stood = ROBOTS.map(|robot| launch.record(robot));
+        launch.let_run(Duration::ZERO);
+        stopped.signal(Signal::CONT);
+        assert_eq!(launch.end().code(), Some(1), "{role}: {}", launch.said());
+        for (robot, stood) in ROBOTS.into_iter().zip(stood) {
+            let (record, last) = (launch.record(robot), stood.last().expect("it moved"));
+            assert!(periods_at_rest(&stood) >= 2, "{role}: {robot}");
+            assert!(
+                record[stood.len()..].iter().all(|line| demanded(line) == demanded(last)),
+                "{role}: {robot}"
+            );
+        }
+        launch.assert_nothing_left(&processes);
+    }
 }
 
 fn fault_07_a_kill_at_any_moment_ends_the_cell_cleanly() {

@@ -91,7 +91,7 @@ impl Cell {
             mp,
             Box::new(move |waiter| {
                 let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
-                mp.guard = guard;
+                mp.watch_by(guard);
                 let outcome = mp.run_program(|mp| match program {
                     Some(program) => program(mp),
                     None => mp.nudge(),

@@ -180,8 +180,8 @@ impl Cell {
         self
     }
 
-    /// Lets `watch` look at all robots in every step whose index is a multiple of `every`, at least 1, while programs Move
-    /// and Wait. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
+    /// Lets `watch` look at all robots every so many steps, at least 1, while programs Move and Wait; robots that the
+    /// instruction does not name are asked, too. While robots look for their reference marks nothing is looked at. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
     /// together, and the cell stops with the fault at standstill. One guard a cell: the last one given.
     #[must_use]
     pub fn guard(
@@ -258,6 +258,7 @@ impl Cell {
             } else if !divides(servo, step) && !divides(step, servo) {
                 errors.push(CellError::Period { robot: name, servo, step });
             }
+            errors.extend(robot.check_space(name));
             errors.extend(robot.check_limits(name, step, self.stop_time));
             names.push(name);
         }

@@ -18,7 +18,7 @@ use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
-use crate::robot::{JointKind, Robot};
+use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
 
@@ -42,8 +42,8 @@ impl<R: Robot> RobotSetup<R> {
         Self::with_drives(name, robot, Drives::Homed(Box::new(driver)))
     }
 
-    /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts, and
-    /// the programs begin when all robots of the cell have found theirs.
+    /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts. The
+    /// MP's program begins when all robots of the cell have found theirs, and so does what an ECP obeys.
     pub fn unhomed<H>(name: &str, robot: R, homing: H) -> Self
     where
         H: Homing<R, Drives: 'static> + 'static,
@@ -169,6 +169,7 @@ pub(crate) trait AnyRobot {
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
+    fn check_space(&self, name: Name) -> Option<CellError>;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
@@ -223,6 +224,15 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn servo_period(&self) -> Duration {
         self.drives.period()
+    }
+
+    fn check_space(&self, name: Name) -> Option<CellError> {
+        let limits = self.robot.limits();
+        let middle = (limits.lower + limits.upper) * 0.5;
+        let pose = self.robot.forward(&middle);
+        let at_a_value = self.robot.inverse_at(&pose, 0.0, &middle);
+        let is_redundant = R::Joints::LEN > 6 || at_a_value != Err(NoInverse::NotRedundant);
+        (self.space == InterpolationSpace::Task && is_redundant).then_some(CellError::TaskSpace(name))
     }
 
     fn is_homed(&self) -> bool {

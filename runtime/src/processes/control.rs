@@ -243,7 +243,13 @@ mod tests {
 
     #[test]
     fn words_that_spell_no_frame_are_refused() {
-        for words in [[0; WORDS], [99; WORDS], [11; WORDS]] {
+        // No tag; an unknown one; a text, a role and an outcome that there are not.
+        for words in [[0; WORDS], [99; WORDS]] {
+            assert_eq!(Frame::get(&words), Err(BadWords));
+        }
+        for (tag, place) in [(11, 1), (5, 1), (12, 3)] {
+            let mut words = [0; WORDS];
+            (words[0], words[place]) = (tag, u64::MAX);
             assert_eq!(Frame::get(&words), Err(BadWords));
         }
     }

@@ -6,6 +6,8 @@
 
 mod control;
 mod crew;
+#[cfg(test)]
+mod latency;
 mod launcher;
 mod member;
 mod scheduling;
