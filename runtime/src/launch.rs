@@ -48,6 +48,7 @@ Options:
   --spin US        with --processes: time that a process looks for messages
                    before it sleeps [default: 0]; for machines with more cores
                    than the cell has processes
+  doctor           say what this machine can do for --processes; takes 10 s
   -q, --quiet      print errors only
   -h, --help       print this text
 
@@ -74,6 +75,7 @@ struct Options {
     check: bool,
     quiet: bool,
     processes: Option<Clock>,
+    doctor: bool,
     /// How long a process looks for messages before it sleeps \[ns\].
     spin: u64,
     /// Which process of a cell this one is, and in which session, as its launcher started it.
@@ -114,6 +116,7 @@ pub fn launch(
     mut recorder: impl Recorder,
 ) -> ExitCode {
     let options = match parse(std::env::args_os().skip(1)) {
+        Ok(Some(options)) if options.doctor => return examine(),
         Ok(Some(options)) => options,
         Ok(None) => return say(HELP),
         Err(error) => return refused(&error),
@@ -210,6 +213,17 @@ fn launch_processes(
     })
 }
 
+/// Says what this machine can do for processes.
+#[cfg(all(feature = "processes", target_os = "linux"))]
+fn examine() -> ExitCode {
+    say(&crate::processes::examine())
+}
+
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+fn examine() -> ExitCode {
+    refused(&NO_PROCESSES)
+}
+
 #[cfg(not(all(feature = "processes", target_os = "linux")))]
 fn take_part(_: Cell, process: ProcessId, _: &Path, _: bool) -> ExitCode {
     refused(&format!("{process}: {NO_PROCESSES}"))
@@ -257,6 +271,7 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
         check: false,
         quiet: false,
         processes: None,
+        doctor: false,
         spin: 0,
         part: None,
     };
@@ -285,6 +300,7 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
                 return Err(BadOption { what: format!("no option --{name}"), help });
             }
             Short(letter) => return Err(bad(format!("no option -{letter}"), "see --help")),
+            Value(value) if value == "doctor" => options.doctor = true,
             Value(value) if role.len() < 2 && is_role(&role, &value) => role.push(value),
             Value(value) => {
                 let what = format!("`{}` is not asked for", value.to_string_lossy());
@@ -453,6 +469,7 @@ mod tests {
             assert_eq!(options(both).processes, Some(Clock::Virtual));
         }
         assert_eq!(options(&["--processes", "--spin", "20"]).spin, 20_000);
+        assert!(options(&["doctor"]).doctor && !options(&[]).doctor);
     }
 
     #[test]

@@ -39,9 +39,12 @@ pub(crate) struct Plan {
 /// A process could not be set up; all others are ended, and nothing has moved.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoStart {
-    /// It died: another start may succeed.
+    /// It was killed: another start may succeed.
     #[error("{0} ended while it started: {1}")]
     Died(ProcessId, String),
+    /// It ended by itself, and would again.
+    #[error("{0} ended while it started: {1}")]
+    Ended(ProcessId, String),
     /// It says why not.
     #[error("{0}: {1}")]
     Refuses(ProcessId, String),
@@ -125,9 +128,17 @@ impl Member {
             Ok(Frame::Refuses(text)) => Err(NoStart::Refuses(self.id, text)),
             Ok(frame) => Ok(frame),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                Err(NoStart::Died(self.id, format!("it did nothing for {} s", SETTING_UP.as_secs())))
+                Err(NoStart::Ended(self.id, format!("it did nothing for {} s", SETTING_UP.as_secs())))
             }
-            Err(_) => Err(NoStart::Died(self.id, self.reap())),
+            Err(_) => {
+                self.gone.set(true);
+                let ended = self.child.borrow_mut().wait();
+                Err(match ended {
+                    Ok(status) if status.signal().is_some() => NoStart::Died(self.id, how(status)),
+                    Ok(status) => NoStart::Ended(self.id, how(status)),
+                    Err(error) => NoStart::Spawn(self.id, error),
+                })
+            }
         }
     }
 }

@@ -72,7 +72,7 @@ pub(super) fn ask(realtime: &Realtime, me: ProcessId, ecps: &[ProcessId]) -> Lac
 }
 
 /// First in, first out, at a priority from 1 to 99; whether it is permitted.
-fn set_priority(priority: u8) -> bool {
+pub(super) fn set_priority(priority: u8) -> bool {
     // SAFETY: all bytes zero are a `sched_param`: it holds numbers alone.
     #[allow(unsafe_code)]
     let mut parameters: libc::sched_param = unsafe { core::mem::zeroed() };

@@ -225,7 +225,7 @@ fn remove(folder: &Path, number: u64) {
 }
 
 /// The folder of all sessions of this user.
-fn base() -> Result<PathBuf, SessionError> {
+pub(super) fn base() -> Result<PathBuf, SessionError> {
     let user = rustix::process::getuid().as_raw();
     let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
     let runtime = runtime.filter(|folder| folder.is_absolute() && folder.is_dir());
