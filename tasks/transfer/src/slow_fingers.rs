@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Driver, Measured};
+use mrroc::{DriveFault, Driver, Measured, Regulators};
 use mrroc_robots::grasp::Fingers;
 use mrroc_robots::{Gripper, One};
 
@@ -41,5 +41,53 @@ impl Driver<Gripper> for SlowFingers {
             measured = self.fingers.tick(&(from + (demanded - from) * share))?;
         }
         Ok(measured)
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.fingers.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.fingers.choose_regulators(sets);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_robots::grasp::{Body, Grasp, World};
+    use mrroc_robots::{Rnt, Simulated, Six};
+
+    fn fingers() -> Fingers {
+        let world = World::new(&Body::block(2.0, [0.4, 0.06, 0.06])).expect("a bar");
+        let arm =
+            Simulated::new(Rnt::new(), &Six::from_row_slice(&[-0.344, 0.615, 0.452, 0.277, 1.059, 1.184]));
+        let hand = world.arm(arm, Grasp::new(5e4, 500.0)).expect("a good grasp").hand();
+        Fingers::new(Simulated::new(Gripper::new(), &One::new(0.075)), hand, 0.06).expect("a hand")
+    }
+
+    #[test]
+    fn regulators_are_those_of_the_fingers() {
+        let (mut slow, mut chosen, mut left) = (SlowFingers::new(fingers()), fingers(), fingers());
+        for set in 0..=255 {
+            assert_eq!(slow.has_regulator(0, set), chosen.has_regulator(0, set));
+        }
+        assert!(slow.has_regulator(0, 1) && !slow.has_regulator(1, 0));
+        slow.choose_regulators(&Regulators::uniform(1));
+        chosen.choose_regulators(&Regulators::uniform(1));
+        // The demand of every 4 ms is one half-way and one at the end for the fingers themselves.
+        let (mut from, mut apart) = (chosen.measured().position, 0.0_f64);
+        for i in 1..=200 {
+            let to = One::new(0.075 - 4e-5 * f64::from(i));
+            let reported = slow.tick(&to).expect("follows").position;
+            let mut each = [One::zeros(); 2];
+            for demand in [from + (to - from) * 0.5, from + (to - from)] {
+                each = [&mut chosen, &mut left].map(|drive| drive.tick(&demand).expect("follows").position);
+            }
+            assert_eq!(reported, each[0]);
+            apart = apart.max((each[0] - each[1]).norm());
+            from = to;
+        }
+        assert!(apart > 0.0, "the other set of parameters is to make a difference");
     }
 }
