@@ -23,21 +23,24 @@ pub fn programs(cell: Cell) -> Cell {
 /// An arm: loose to its grasp, tight with the body, loose again.
 #[allow(non_snake_case)]
 fn arm<R: Robot>(ecp: &mut Ecp<R>, end: End) -> Result<(), Fault> {
-    let X_WE = bar() * grasp(end);
-    ecp.obey(|ecp, _: Phase| {
+    ecp.obey(|ecp, phase: Phase| {
+        let X_WE = phase.choose([(Phase::Approach, bar() * grasp(end))])?;
         ecp.move_robot((), Approach::to(X_WE * back(), limits()))?;
         ecp.move_robot((), Approach::to(X_WE, limits())).map(drop)
     })?;
     for _ in legs() {
         ecp.obey(|ecp, _: Displacement| ecp.move_robot((), Transmit(PhantomData)).map(drop))?;
     }
-    ecp.obey(|ecp, _: Phase| ecp.move_robot((), Approach::by(back(), limits())).map(drop))
+    ecp.obey(|ecp, phase: Phase| {
+        let X_EsE = phase.choose([(Phase::Withdraw, back())])?;
+        ecp.move_robot((), Approach::by(X_EsE, limits())).map(drop)
+    })
 }
 
 /// A hand: closes and opens.
 fn hand(ecp: &mut Ecp<Gripper>) -> Result<(), Fault> {
     ecp.obey_all(|ecp, phase: Phase| {
-        let opening = if phase == Phase::Close { CLOSED } else { OPEN };
+        let opening = phase.choose([(Phase::Close, CLOSED), (Phase::Open, OPEN)])?;
         ecp.move_robot((), JointMove::to(One::new(opening), One::new(0.008), One::new(0.018))).map(drop)
     })
 }

@@ -6,6 +6,8 @@ use mrroc::{Always, CellError, FaultKind, generator};
 use mrroc_generators::cooperation::Displacement;
 use mrroc_robots::{Polycrank, Rnt};
 use support::{apart, off_path, task, watched};
+use transfer::generators::Nudge;
+use transfer::orders::{Arms, Hands, Phase};
 use transfer::places::{End, back, bar, grasp, legs};
 use transfer::{cell, file, first, plant};
 
@@ -105,8 +107,37 @@ fn halves_that_disagree_are_refused_before_anything_moves() {
     let (cell, demands) = watched(cell, &file);
     let Err(CellError::Fault(fault)) = cell.run() else { panic!("the halves disagree") };
     assert_eq!(fault.kind(), FaultKind::PayloadMismatch, "{fault}");
-    let demands = demands.borrow();
-    assert!(demands.bits.chunks(JOINTS).all(|period| period == &demands.bits[..JOINTS]), "something moved");
+    assert_still(&demands.borrow().bits);
+}
+
+#[test]
+fn a_phase_that_is_not_a_robots_is_refused_before_anything_moves() {
+    // Twice the same slip: the coordinator takes arms for hands, or hands for arms; in the task, and as it was begun.
+    for programs in [transfer::ecp::programs, first::programs] {
+        for (phase, known) in [(Phase::Close, "order Approach"), (Phase::Withdraw, "order Close or Open")] {
+            let file = file().expect("in order");
+            let cell = programs(file.cell(&plant::drives()).expect("in order")).program(move |mp| {
+                if phase == Phase::Close {
+                    let (mut rnt, mut polycrank) = (mp.robot("rnt")?, mp.robot("polycrank")?);
+                    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(phase)).map(drop)
+                } else {
+                    let mut hands = (mp.robot("rnt-hand")?, mp.robot("polycrank-hand")?);
+                    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(phase)).map(drop)
+                }
+            });
+            let (cell, demands) = watched(cell, &file);
+            let Err(CellError::Fault(fault)) = cell.run() else { panic!("{phase:?} is not theirs") };
+            assert_eq!(fault.kind(), FaultKind::Program, "{fault}");
+            assert!(fault.to_string().contains(known), "{fault}");
+            assert_still(&demands.borrow().bits);
+        }
+    }
+}
+
+/// Nothing moved: what all drives got in a period is what they got in the first.
+fn assert_still(bits: &[u64]) {
+    assert!(bits.len() >= JOINTS, "nothing was seen");
+    assert!(bits.chunks(JOINTS).all(|period| period == &bits[..JOINTS]), "something moved");
 }
 
 #[test]
