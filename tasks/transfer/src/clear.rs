@@ -1,9 +1,14 @@
 //! The arms keep clear of each other and of the table: a guard, and what a dry run of the whole program shows.
 //!
-//! The guard stops the cell where two bodies are nearer than a tool goes until it stands, which follows from how fast the task
-//! lets tools go: 22 steps from a look to the one after the next, with those that a stop takes to begin, 44 ms, and then the
-//! path time of a stop, `1/2c + 1.39 max(v_i/a_i)` with the largest change of the rate `c` = 5/s and joints that need 0.4 s to
-//! brake: 0.7 s and 70 mm at 0.1 m/s; twice that for two arms that go towards each other.
+//! The guard stops the cell where two bodies are nearer than they can come until the cell stands: the largest speed of a link
+//! of the task times the time of a stop, [`STOP`]. Both are figures of this task, which `tests/clear.rs` measures:
+//!
+//! - Between the arms count the largest speeds of a link of each, [`FASTEST`], as if both went straight at each other.
+//!   They are not those of the tools: in the leg over, Polycrank's first cranks go farther than what they carry.
+//! - To the table counts how fast a link comes down on it, [`SINKING`]. It covers links above the table, not one that would go
+//!   sideways into its edge, up to 0.18 m/s fast; none does in this task.
+//!
+//! Hands work at the table and are not held off it; a bar that is carried is no body of the clearance.
 //!
 //! [`Clearance::check`] needs no such knowledge of the path; its bound allows every joint to turn on in the worst way, which
 //! is too large for arms of up to seven joints that work so near to one another: 1.6 m where these are 0.3 m apart.
@@ -20,7 +25,7 @@ use crate::places::{TABLE_EDGES, table};
 /// Steps from one look of the guard to the next.
 pub const EVERY: u32 = 10;
 
-/// How near the arms may come \[m\], each > 0.
+/// How near the arms may come \[m\], each > 0: what is nearer may touch before the cell stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margins {
     /// To each other.
@@ -29,8 +34,21 @@ pub struct Margins {
     pub table: f64,
 }
 
-/// Those of the task.
-pub const MARGINS: Margins = Margins { arms: 0.144, table: 0.072 };
+/// The largest speed of a link of RNT and of Polycrank [m/s]: 0.105 m/s and 0.180 m/s in the runs, and some to spare.
+pub const FASTEST: [f64; 2] = [0.11, 0.185];
+
+/// The largest speed at which a link comes down [m/s]: that of straight ways down, `limits()`, and some to spare.
+pub const SINKING: f64 = 0.102;
+
+/// The largest `v/a` of a joint of the arms \[s\]: what it needs to brake.
+pub const BRAKING: f64 = 0.42;
+
+/// Path time in which the cell stands \[s\]: 22 steps from a look to the one after the next, with those that a stop takes to
+/// begin, 44 ms; and that of a stop, `1/2c + 1.392 (v/a + step)` with the largest change of the rate `c` = 5/s.
+pub const STOP: f64 = (2 * EVERY + 2) as f64 * 2e-3 + 0.5 / 5.0 + 1.392 * (BRAKING + 2e-3);
+
+/// Those of the task: 0.216 m and 0.075 m.
+pub const MARGINS: Margins = Margins { arms: (FASTEST[0] + FASTEST[1]) * STOP, table: SINKING * STOP };
 
 /// What is around the arms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,10 +108,10 @@ pub fn guard(
     })
 }
 
-/// Refuses what is nearer than `margin` \[m\].
-fn keep(nearest: Nearest, margin: f64) -> Result<(), Fault> {
-    if nearest.distance < margin {
-        return Err(CheckError::from(TooClose(Nearest { margin, ..nearest })).into());
+/// Refuses what is nearer than `way` \[m\], by which it may still come nearer until the cell stands.
+fn keep(nearest: Nearest, way: f64) -> Result<(), Fault> {
+    if nearest.distance < way {
+        return Err(CheckError::from(TooClose(Nearest { travel: way, margin: 0.0, ..nearest })).into());
     }
     Ok(())
 }
