@@ -20,7 +20,7 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
     let mut X_WB = bar();
     for X_BsB in legs() {
-        let carry = Carry::along(X_WB, soft(X_BsB, limits()));
+        let carry = Carry::along(X_WB, soft(X_BsB, limits())?);
         mp.move_robots((&mut rnt, &mut polycrank), (), carry)?;
         X_WB *= X_BsB;
     }

@@ -1,8 +1,9 @@
 //! How a tool or the body moves softly: along a line, with a velocity that has no corners.
 
-use mrroc::Pose;
+use mrroc::{Fault, Pose};
 use mrroc_generators::cooperation::TimedBody;
 use mrroc_generators::line::{LinePath, ToolLimits};
+use mrroc_generators::profile::ProfileLimits;
 
 /// A straight line from rest to rest, `s = 10 u³ - 15 u⁴ + 6 u⁵` of the share `u` of its time: velocity and acceleration are
 /// zero at both ends.
@@ -15,17 +16,25 @@ pub struct Soft {
 impl Soft {
     /// The fastest from one pose to another within `limits`: the largest velocity is `15/8 d/T`, the largest acceleration
     /// `10/sqrt(3) d/T²` of a way `d` in the time `T`.
-    #[must_use]
-    pub fn between(from: Pose, to: Pose, limits: ToolLimits) -> Soft {
+    ///
+    /// # Errors
+    /// A limit that is not finite and above 0, or poses of which no time follows.
+    pub fn between(from: Pose, to: Pose, limits: ToolLimits) -> Result<Soft, Fault> {
         let line = LinePath::new(from, to);
         let ways = [(line.length(), limits.translation), (line.angle(), limits.rotation)];
-        let time = |(way, limit): (f64, mrroc_generators::profile::ProfileLimits)| {
-            f64::max(
-                15.0 / 8.0 * way / limit.velocity,
-                (10.0 / 3_f64.sqrt() * way / limit.acceleration).sqrt(),
-            )
-        };
-        Soft { line, duration: ways.into_iter().map(time).fold(0.0, f64::max) }
+        let mut duration = 0.0_f64;
+        for (way, ProfileLimits { velocity, acceleration }) in ways {
+            if ![velocity, acceleration].iter().all(|limit| limit.is_finite() && *limit > 0.0) {
+                let text = format!("limits {velocity} /s, {acceleration} /s^2: write finite ones above 0");
+                return Err(Fault::thrown(&text));
+            }
+            let least = [15.0 / 8.0 * way / velocity, (10.0 / 3_f64.sqrt() * way / acceleration).sqrt()];
+            if !least.iter().all(|time| time.is_finite()) {
+                return Err(Fault::thrown(&format!("a way of {way} m or rad takes no finite time")));
+            }
+            duration = least.into_iter().fold(duration, f64::max);
+        }
+        Ok(Soft { line, duration })
     }
 
     /// How long it takes \[s\].
@@ -43,16 +52,18 @@ impl Soft {
 }
 
 /// The body softly by `X_BsB`, within `limits`.
+///
+/// # Errors
+/// As [`Soft::between`].
 #[allow(non_snake_case)]
-pub fn soft(X_BsB: Pose, limits: ToolLimits) -> TimedBody<impl FnMut(f64) -> Pose> {
-    let way = Soft::between(Pose::identity(), X_BsB, limits);
-    TimedBody::new(way.duration(), move |t| way.pose(t))
+pub fn soft(X_BsB: Pose, limits: ToolLimits) -> Result<TimedBody<impl FnMut(f64) -> Pose>, Fault> {
+    let way = Soft::between(Pose::identity(), X_BsB, limits)?;
+    Ok(TimedBody::new(way.duration(), move |t| way.pose(t)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_generators::profile::ProfileLimits;
     use nalgebra::Vector3;
 
     #[test]
@@ -63,6 +74,7 @@ mod tests {
         for (translation, v, a) in [(limit(0.1, 1.0), 0.1, 0.0), (limit(10.0, 0.5), 0.0, 0.5)] {
             let way =
                 Soft::between(Pose::identity(), end, ToolLimits { translation, rotation: limit(1.0, 10.0) });
+            let way = way.expect("in order");
             let (h, mut fastest, mut hardest) = (way.duration() * 1e-4, 0.0_f64, 0.0_f64);
             let at = |i: i32| way.pose(f64::from(i) * h).translation.vector;
             for i in 1..10_000 {
@@ -78,7 +90,34 @@ mod tests {
             assert_eq!((way.pose(0.0), way.pose(way.duration())), (Pose::identity(), end));
         }
         let nowhere =
-            Soft::between(end, end, ToolLimits { translation: limit(1.0, 1.0), rotation: limit(1.0, 1.0) });
+            Soft::between(end, end, ToolLimits { translation: limit(1.0, 1.0), rotation: limit(1.0, 1.0) })
+                .expect("in order");
         assert_eq!((nowhere.duration(), nowhere.pose(0.0)), (0.0, end));
+    }
+
+    #[test]
+    fn limits_that_are_none_are_refused_and_so_are_ways_that_never_end() {
+        let good = ProfileLimits { velocity: 0.1, acceleration: 0.2 };
+        let end = Pose::new(Vector3::new(0.3, 0.0, 0.4), Vector3::z() * 0.2);
+        let between = |translation, rotation| {
+            Soft::between(Pose::identity(), end, ToolLimits { translation, rotation })
+                .map(|way| way.duration())
+        };
+        assert!(between(good, good).is_ok());
+        for bad in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+            for limits in
+                [ProfileLimits { velocity: bad, ..good }, ProfileLimits { acceleration: bad, ..good }]
+            {
+                for refused in [between(limits, good), between(good, limits)] {
+                    let text = refused.expect_err("refused").to_string();
+                    assert!(text.contains(&bad.to_string()), "{text}");
+                }
+            }
+        }
+        // Finite, but the quotient is not.
+        let slow = ProfileLimits { velocity: f64::MIN_POSITIVE, acceleration: 0.2 };
+        let far = Pose::translation(1e10, 0.0, 0.0);
+        let limits = ToolLimits { translation: slow, rotation: good };
+        assert!(Soft::between(Pose::identity(), far, limits).is_err());
     }
 }

@@ -69,8 +69,11 @@ impl Summary {
     #[must_use]
     pub fn missed(&self) -> Vec<String> {
         let mut missed = Vec::new();
-        let Counts { transmit, trajectory, programs } = self.counts;
-        let long = transmit > LIMITS.transmit || trajectory > LIMITS.trajectory || programs > LIMITS.programs;
+        let Counts { transmit, trajectory, path, programs } = self.counts;
+        let long = transmit > LIMITS.transmit
+            || trajectory > LIMITS.trajectory
+            || path > LIMITS.path
+            || programs > LIMITS.programs;
         if long {
             missed.push(self.counts.to_string());
         }

@@ -119,7 +119,7 @@ fn way() -> Pose {
 #[test]
 fn four_arms_of_two_kinds_carry_one_body() {
     let rigid = run(|mp, robots| {
-        let carry = RigidCarry::<Four, _>::along(BodyFrame::InWorld(bar()), soft(way(), limits()));
+        let carry = RigidCarry::<Four, _>::along(BodyFrame::InWorld(bar()), soft(way(), limits())?);
         mp.move_robots(robots, (), carry).map(drop)
     });
     assert!(rigid.apart <= 1e-9, "{rigid:?}");
@@ -128,7 +128,7 @@ fn four_arms_of_two_kinds_carry_one_body() {
         let (mut a, mut b, mut c, mut d) =
             (wrist("a-wrist")?, wrist("b-wrist")?, wrist("c-wrist")?, wrist("d-wrist")?);
         let body = BodyFrame::InWorld(bar());
-        let carry = SqueezedCarry::<Four, Wrists, _>::along(body, soft(way(), limits()), law()?, 0.0, 1);
+        let carry = SqueezedCarry::<Four, Wrists, _>::along(body, soft(way(), limits())?, law()?, 0.0, 1);
         mp.move_robots(robots, (&mut a, &mut b, &mut c, &mut d), carry).map(drop)
     });
     println!("internal force: {:.2} N, with sensors {:.2} N", rigid.internal, squeezed.internal);

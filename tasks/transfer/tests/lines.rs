@@ -8,5 +8,7 @@ fn the_programs_are_as_short_as_promised() {
     println!("{counts}");
     assert!(counts.transmit <= LIMITS.transmit && counts.transmit >= 1, "{counts}");
     assert!(counts.trajectory <= LIMITS.trajectory && counts.trajectory >= 5, "{counts}");
+    assert!(counts.path <= LIMITS.path && counts.path >= 20, "{counts}");
+    assert!(counts.trajectory + counts.path < 100, "{counts}");
     assert!(counts.programs <= LIMITS.programs && counts.programs >= 10, "{counts}");
 }

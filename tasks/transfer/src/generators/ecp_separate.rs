@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Pose, Robot, State, Step, Tick, generator};
+use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
 use mrroc_generators::line::ToolLimits;
 
 use crate::paths::Soft;
@@ -39,20 +39,20 @@ impl<R: Robot> Approach<R> {
 }
 
 /// Learns where the tool is.
-fn begin<R: Robot>(c: &mut Approach<R>, e: &State<R>, t: Tick) -> Step<R> {
+fn begin<R: Robot>(c: &mut Approach<R>, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
     let start = e.demanded().pose;
     let end = match c.goal {
         Goal::Pose(pose) => pose,
         Goal::Displacement(displacement) => start * displacement,
     };
-    c.way = Some(Soft::between(start, end, c.limits));
+    c.way = Some(Soft::between(start, end, c.limits)?);
     approach(c, t)
 }
 
 /// The next pose on the line.
 #[generator(ecp, first = begin)]
-fn approach<R: Robot>(c: &mut Approach<R>, t: Tick) -> Step<R> {
-    let Some(way) = c.way.filter(|way| c.t < way.duration()) else { return Step::Done };
+fn approach<R: Robot>(c: &mut Approach<R>, t: Tick) -> Result<Step<R>, Fault> {
+    let Some(way) = c.way.filter(|way| c.t < way.duration()) else { return Ok(Step::Done) };
     c.t += t.dt;
-    Step::Next(Demand::pose(way.pose(c.t)))
+    Ok(Step::Next(Demand::pose(way.pose(c.t))))
 }
