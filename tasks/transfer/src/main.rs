@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-use mrroc::{CellFile, Recorder};
+use mrroc::{CellError, CellFile, Recorder};
 use transfer::options::{HELP, Options, Talk, parse};
 use transfer::pictures::{film, plot};
 use transfer::summary::Summary;
@@ -22,6 +22,7 @@ fn main() -> ExitCode {
         None => transfer::file(),
     };
     let file = match file.map_err(Into::into).and_then(|file| {
+        Summary::check(&file)?;
         // Found out now, not after all runs.
         std::fs::create_dir_all(&options.out).map_err(|error| unwritable(&options.out, &error))?;
         Ok::<_, Box<dyn Error>>(file)
@@ -41,11 +42,18 @@ fn main() -> ExitCode {
             };
             if missed.is_empty() { said } else { ExitCode::FAILURE }
         }
+        Err(error) if is_refusal(&*error) => refused(&*error),
         Err(error) => {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE
         }
     }
+}
+
+/// Whether a cell did not begin to run. What is wrong with one variant's set-up is so with the first one's, too.
+fn is_refusal(error: &(dyn Error + 'static)) -> bool {
+    let cell = error.downcast_ref::<CellError>();
+    cell.is_some_and(|error| !matches!(error, CellError::Fault(_) | CellError::Stuck(_)))
 }
 
 /// Measures all variants and draws.

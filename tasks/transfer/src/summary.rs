@@ -41,6 +41,14 @@ const VARIANTS: [(Variant, &str); 4] = [
 ];
 
 impl Summary {
+    /// Puts the cell together once for each variant, and lets nothing move.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn check(file: &CellFile) -> Result<(), CellError> {
+        VARIANTS.iter().try_for_each(|(variant, _)| variant.ready(file).map(drop))
+    }
+
     /// Runs all variants of a cell, unwatched for their speed, then watched.
     ///
     /// # Errors
@@ -85,13 +93,20 @@ impl Summary {
                 ));
             }
         }
+        let held = self.rows.iter().all(|row| row.seen.is_held());
+        if !held {
+            missed.push("the hands have not closed on the bar".to_owned());
+        }
         let peak = |sensors| {
             self.seen(Variant::Bar { bases: Bases::Off, sensors }).map_or(0.0, |seen| seen.internal)
         };
         let (without, with) = (peak(Sensors::Unused), peak(Sensors::Used));
-        if with > SHARE * without {
-            missed
-                .push(format!("internal force with sensors: {with:.1} N, at most a fifth of {without:.1} N"));
+        // Asked so that no number at all is a miss, too.
+        let eased = without > 0.0 && with <= SHARE * without;
+        if !eased {
+            missed.push(format!(
+                "internal force with sensors: {with:.1} N, at most a fifth of {without:.1} N, which must be above 0"
+            ));
         }
         missed
     }
@@ -130,5 +145,37 @@ impl fmt::Display for Summary {
             "largest values of {time:.1} s each; speed: times faster than real time, stepping alone"
         )?;
         writeln!(f, "{}", self.counts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A summary in which without and with sensors the force was so large \[N\].
+    fn with_forces(without: f64, with: f64) -> Summary {
+        let rows = VARIANTS.iter().zip([0.0, 1.0, without, with]).map(|(&(variant, _), internal)| {
+            let mut seen = Seen::default();
+            (seen.internal, seen.carried) = (internal, 1);
+            Row { variant, seen, time: 1.0, speed: 1.0 }
+        });
+        Summary { rows: rows.collect(), counts: LIMITS }
+    }
+
+    #[test]
+    fn a_force_that_is_not_eased_or_never_was_is_missed_and_so_is_a_grasp_that_was_none() {
+        assert_eq!(with_forces(10.0, 2.0).missed(), Vec::<String>::new());
+        for (without, with) in [(10.0, 2.1), (0.0, 0.0), (f64::NAN, 1.0), (10.0, f64::NAN)] {
+            assert_eq!(with_forces(without, with).missed().len(), 1, "{without} N, {with} N");
+        }
+        for row in 0..VARIANTS.len() {
+            let mut summary = with_forces(10.0, 2.0);
+            let seen = &mut summary.rows[row].seen;
+            seen.loose = 1;
+            assert_eq!(summary.missed().len(), 1, "row {row}");
+            let seen = &mut summary.rows[row].seen;
+            (seen.carried, seen.loose) = (0, 0);
+            assert_eq!(summary.missed().len(), 1, "row {row}");
+        }
     }
 }

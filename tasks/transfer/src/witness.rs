@@ -68,6 +68,10 @@ pub struct Seen {
     pub internal: f64,
     /// A sample every 10 ms.
     pub samples: Vec<Sample>,
+    /// Servo periods in which the hands were told to be closed.
+    pub carried: u64,
+    /// Those of them in which a hand did not truly hold the body; 0 where there is no body.
+    pub loose: u64,
     held: bool,
     rnt: Option<Pose>,
     /// The true relative pose in which the hands closed.
@@ -114,6 +118,12 @@ impl Witness {
 }
 
 impl Seen {
+    /// Whether the hands closed, and held the body, if there is one, for as long as they were told to.
+    #[must_use]
+    pub const fn is_held(&self) -> bool {
+        self.carried > 0 && self.loose == 0
+    }
+
     fn see_demands(&mut self, robots: &[RobotView]) {
         let find = |name: &str| robots.iter().find(|robot| robot.name.as_str() == name);
         if let (Some(rnt), Some(polycrank), Some(hand)) = (find("rnt"), find("polycrank"), find("rnt-hand")) {
@@ -143,6 +153,10 @@ impl Seen {
 
     fn see_tools(&mut self, time: f64, tools: [Pose; 2], hands: Option<&[Hand; 2]>) {
         let measured = if self.held { Apart::of(&tools) } else { Apart::default() };
+        if self.held {
+            self.carried += 1;
+            self.loose += u64::from(hands.is_some_and(|hands| !hands.iter().all(Hand::is_closed)));
+        }
         let (strain, internal) = hands.map_or_else(Default::default, |hands| self.stress(hands));
         self.measured = self.measured.max(measured);
         self.strain = self.strain.max(strain);

@@ -37,3 +37,31 @@ fn what_cannot_be_followed_is_refused() {
     }
     assert!(String::from_utf8_lossy(&transfer(&["--help"]).stdout).contains("--no-sensor"));
 }
+
+#[test]
+fn a_cell_that_cannot_do_the_task_is_refused_before_anything_moves() {
+    let right = include_str!("../cell.toml");
+    let hand = &right[right.find("[robots.rnt-hand]").expect("a hand")..];
+    let arm =
+        &right[right.find("[robots.rnt]").expect("an arm")..right.find("# Its level").expect("the other")];
+    let hand = &hand[..hand.find("[robots.polycrank-hand]").expect("the other")];
+    for (name, cell, says) in [
+        ("kind", right.replace("kind = \"rnt\"", "kind = \"rtn\""), "rtn"),
+        ("other-kind", right.replace("kind = \"hand\"", "kind = \"rnt\""), "rnt has 6 joints"),
+        ("start", right.replace("start = [-0.344,", "start = [-34.4,"), "rnt"),
+        ("no-hand", right.replace(hand, ""), "rnt-hand"),
+        ("no-arm", right.replace(arm, ""), "rnt"),
+    ] {
+        assert_ne!(cell, right, "{name}");
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("refused-{name}"));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let path = folder.join("cell.toml");
+        std::fs::write(&path, cell).expect("written");
+        let (cell, out) = (path.to_str().expect("plain"), folder.to_str().expect("plain"));
+        let output = transfer(&["--cell", cell, "--out", out]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{name}: {errors}");
+        assert!(errors.starts_with("error: ") && errors.contains(says), "{name}: {errors}");
+        assert!(output.stdout.is_empty() && !folder.join("arms.svg").exists(), "{name}");
+    }
+}
