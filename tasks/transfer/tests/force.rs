@@ -5,7 +5,7 @@ use mrroc_robots::grasp::SimulatedWrist;
 use nalgebra::Vector3;
 use transfer::places::{bar, legs};
 use transfer::variant::{Bases, Ready, Sensors, Variant};
-use transfer::witness::Seen;
+use transfer::witness::{Seen, Witness};
 use transfer::{cell, file, plant, sensed};
 
 /// Stiffness of a grasp [N/m].
@@ -35,6 +35,7 @@ fn force_sensors_take_at_least_four_fifths_of_the_stress_that_a_base_out_of_plac
     stands(&end);
     let (with, end) = run(Bases::Off, Sensors::Used);
     stands(&end);
+    assert!(without.is_held() && with.is_held());
     // Without sensors the body takes what the base's error makes of its way: two springs in a row, k d / 2.
     let expected = 0.5 * K * without.strain.distance;
     assert!((without.internal - expected).abs() < 0.15 * expected, "{} {expected}", without.internal);
@@ -47,6 +48,8 @@ fn force_sensors_take_at_least_four_fifths_of_the_stress_that_a_base_out_of_plac
 fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
     let file = file().expect("in order");
     let variant = Variant::Bar { bases: Bases::Off, sensors: Sensors::Used };
+    let (without, _) = run(Bases::Off, Sensors::Unused);
+    assert!(without.is_held() && without.internal > 15.0, "{}", without.internal);
     // As in tests/task.rs, but less often.
     const PERIOD: u64 = 1160;
     for offset in (0..PERIOD).step_by(145) {
@@ -58,8 +61,38 @@ fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
             })
         });
         let seen = seen.unwrap_or_else(|error| panic!("suspended in step {offset} and later: {error}"));
-        // A fifth of what it is without sensors.
-        assert!(seen.internal < 27.0 / 5.0, "{} N when suspended in step {offset}", seen.internal);
+        assert!(seen.is_held(), "a hand lost the bar when suspended in step {offset}");
+        let (with, without) = (seen.internal, without.internal);
+        assert!(with <= without / 5.0, "{with} N of {without} N when suspended in step {offset}");
+    }
+}
+
+#[test]
+fn wherever_the_operator_aborts_the_hands_keep_the_bar_and_the_stress_stays_low() {
+    let file = file().expect("in order");
+    let (without, _) = run(Bases::Off, Sensors::Unused);
+    // While the bar is carried, which begins after some 10 s: in the legs up, over and down.
+    for at in [5300, 6600, 8000] {
+        let plant = plant::Plant::new(plant::calibration_error()).expect("in order");
+        let ready = cell(&file, &plant.kinds()).expect("in order");
+        let (world, witness) = (plant.world.clone(), Witness::new());
+        let ready = witness.watch(plant.with_wrists(ready), Some(&plant), |_| Ok(()));
+        let outcome = ready.program(sensed::coordinate).on_step(move |step, operator| {
+            if step == at {
+                operator.abort();
+            }
+        });
+        let Err(CellError::Fault(fault)) = outcome.run() else { panic!("aborted in step {at}") };
+        assert_eq!(fault.kind(), FaultKind::Aborted, "{fault}");
+        let seen = witness.into_seen();
+        assert!(seen.is_held(), "a hand lost the bar when aborted in step {at}");
+        let (with, without) = (seen.internal, without.internal);
+        assert!(with > 0.0 && with <= without / 5.0, "{with} N of {without} N when aborted in step {at}");
+        // Above the table, at rest but for what grasps as soft as these still swing, and between both hands.
+        let body = world.body();
+        assert!(body.velocity.norm() < 1e-3, "{} when aborted in step {at}", body.velocity);
+        let height = body.pose.translation.z - bar().translation.z;
+        assert!((1e-3..0.121).contains(&height), "{height} m up when aborted in step {at}");
     }
 }
 

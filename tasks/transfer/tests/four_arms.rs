@@ -132,5 +132,5 @@ fn four_arms_of_two_kinds_carry_one_body() {
         mp.move_robots(robots, (&mut a, &mut b, &mut c, &mut d), carry).map(drop)
     });
     println!("internal force: {:.2} N, with sensors {:.2} N", rigid.internal, squeezed.internal);
-    assert!(rigid.internal > 5.0 && squeezed.internal < rigid.internal / 2.0, "{rigid:?} {squeezed:?}");
+    assert!(rigid.internal > 5.0 && squeezed.internal <= rigid.internal / 5.0, "{rigid:?} {squeezed:?}");
 }
