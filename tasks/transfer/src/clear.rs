@@ -6,7 +6,7 @@
 //! - Between the arms count the largest speeds of a link of each, [`FASTEST`], as if both went straight at each other.
 //!   They are not those of the tools: in the leg over, Polycrank's first cranks go farther than what they carry.
 //! - To the table counts how fast a link comes down on it, [`SINKING`]. It covers links above the table, not one that would go
-//!   sideways into its edge, up to 0.18 m/s fast; none does in this task.
+//!   sideways into its edge, up to 0.18 m/s fast: in the dry run none comes nearer than 86 mm to any side.
 //!
 //! Hands work at the table and are not held off it; a bar that is carried is no body of the clearance.
 //!

@@ -48,7 +48,7 @@ fn a_cell_that_cannot_do_the_task_is_refused_before_anything_moves() {
     for (name, cell, says) in [
         ("kind", right.replace("kind = \"rnt\"", "kind = \"rtn\""), "rtn"),
         ("other-kind", right.replace("kind = \"hand\"", "kind = \"rnt\""), "rnt has 6 joints"),
-        ("start", right.replace("start = [-0.344,", "start = [-34.4,"), "rnt"),
+        ("start", right.replace("start = [-0.344,", "start = [-34.4,"), "-34.4 rad"),
         ("no-hand", right.replace(hand, ""), "rnt-hand"),
         ("no-arm", right.replace(arm, ""), "rnt"),
     ] {
