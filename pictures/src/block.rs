@@ -79,6 +79,12 @@ impl Block {
         })
     }
 
+    /// The corners of all poses kept \[m\], those that are numbers.
+    pub fn points(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
+        let corners = self.poses.iter().flat_map(|pose| self.corners(pose));
+        corners.filter(|corner| corner.iter().all(|x| x.is_finite()))
+    }
+
     /// The block at a time \[s\], or animated where a clock is given.
     pub fn draw(&self, svg: &mut Svg, on: &Projection, time: f64, playback: Option<&Playback>) {
         let Some(first) = self.at(time) else { return };

@@ -74,7 +74,8 @@ impl Scene<'_> {
     }
 
     fn points(&self) -> impl Iterator<Item = Vector3<f64>> + '_ {
-        self.actors.iter().flat_map(|actor| &actor.motion.sticks).flat_map(Stick::points)
+        let sticks = self.actors.iter().flat_map(|actor| &actor.motion.sticks).flat_map(Stick::points);
+        sticks.chain(self.blocks.iter().flat_map(Block::points))
     }
 
     fn extent(&self, view: View) -> Extent {
@@ -395,4 +396,39 @@ fn axes(svg: &mut Svg, on: &Projection, corner: Vector3<f64>, length: f64) {
     let middle = 0.5 * (from + on.at(corner + Vector3::x() * length));
     let words = Words { size: 11.5, weight: Weight::Normal, ..words };
     svg.words_on_lines(middle + Vector2::new(-4.0, 18.0), words, PANEL, &metres(length));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::Pose;
+
+    #[test]
+    fn the_corners_of_blocks_count_in_what_is_shown() {
+        // From x = 2 m to x = 3 m, 1 m above the floor; a second one whose place is no number has none.
+        let mut x = 1.0;
+        let moving = move || {
+            x += 1.0;
+            Pose::translation(x, -0.5, 1.0)
+        };
+        let nowhere = || Pose::translation(f64::NAN, 0.0, 0.0);
+        let mut blocks =
+            [Block::new([0.4, 0.2, 0.1], Box::new(moving)), Block::new([1.0, 1.0, 1.0], Box::new(nowhere))];
+        for block in &mut blocks {
+            block.see(0.0);
+            block.see(1.0);
+        }
+        let scene = Scene { actors: &[], blocks: &blocks, playback: None, fastest: 1.0 };
+        let (above, front) = (scene.extent(View::above()), scene.extent(View::front()));
+        assert!((above.low - Vector2::new(1.8, -0.6)).norm() < 1e-12, "{above:?}");
+        assert!((above.high - Vector2::new(3.2, -0.4)).norm() < 1e-12, "{above:?}");
+        assert!((front.low - Vector2::new(1.8, 0.95)).norm() < 1e-12, "{front:?}");
+        assert!((front.high - Vector2::new(3.2, 1.05)).norm() < 1e-12, "{front:?}");
+        assert!((scene.size() - 1.4).abs() < 1e-12);
+        // The floor lies under all of it.
+        let (floor, _, shown) = scene.floor();
+        assert!(floor[0].x <= 1.8 && floor[2].x >= 3.2 && floor[0].y <= -0.6 && floor[2].y >= -0.4);
+        let corner = View::space().plane(Vector3::new(3.2, -0.4, 1.05));
+        assert!(corner.x <= shown.high.x && corner.y <= shown.high.y, "{corner} {shown:?}");
+    }
 }
