@@ -5,7 +5,8 @@
 //! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: how fast along such a spline;
-//! - [`cooperation`]: several arms on one body.
+//! - [`cooperation`]: several arms on one body;
+//! - [`mod@conformance`]: tests that every generator must pass.
 //!
 //! Units are SI throughout; lengths in metres unless a path says otherwise. Stepping functions neither allocate nor
 //! panic.
@@ -15,6 +16,7 @@
 extern crate self as mrroc_generators;
 
 pub mod bspline;
+pub mod conformance;
 pub mod cooperation;
 pub mod feed;
 pub mod generators;
