@@ -8,9 +8,11 @@ use mrroc::{
     Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Wrench,
 };
 use mrroc_generators::bspline::SplineSettings;
+use mrroc_generators::combinators::{Corrected, CorrectionLimits, Override};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::feed::{FeedError, FeedLimits};
+use mrroc_generators::force::{Behaviour, ForceControl, Give};
 use mrroc_generators::generators::*;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
@@ -73,6 +75,17 @@ fn at_rest<R: Robot>(robot: &R, q: R::Joints) -> RobotImage<R> {
 
 pub fn image() -> RobotImage<Irp6> {
     at_rest(&Irp6::nominal(), arm())
+}
+
+/// A pose near [`start`].
+pub fn away() -> Pose {
+    start() * Pose::new(Vector3::new(0.0, 0.01, 0.05), Vector3::new(0.1, 0.0, 0.0))
+}
+
+/// An arm at rest whose tool is at `pose`.
+pub fn image_at(pose: Pose) -> RobotImage<Irp6> {
+    let state = RobotState { pose, ..*image().demanded() };
+    RobotImage::new(state, state)
 }
 
 pub fn five() -> RobotImage<Irp6FiveDof> {
@@ -165,13 +178,78 @@ pub fn drive(path: StraightBody, limits: ToolLimits) -> SharedDrive<Two, Straigh
     SharedDrive::from(Pose::identity(), path, loops, limits)
 }
 
+pub fn squeeze_law(inertia: f64) -> Option<SqueezeLaw> {
+    let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
+    let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, way: 1.0, angle: 1.0 };
+    SqueezeLaw::new(SqueezeGains { stiffness, rate: 5.0, inertia }, bounds, 0.01).ok()
+}
+
 pub fn squeezed(
     path: StraightBody,
     squeeze: f64,
     inertia: f64,
 ) -> Option<SqueezedCarry<Two, [Wrist; 2], StraightBody>> {
-    let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
-    let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, way: 1.0, angle: 1.0 };
-    let law = SqueezeLaw::new(SqueezeGains { stiffness, rate: 5.0, inertia }, bounds, 0.01).ok()?;
-    Some(SqueezedCarry::along(BodyFrame::Centroid, path, law, squeeze, 0))
+    Some(SqueezedCarry::along(BodyFrame::Centroid, path, squeeze_law(inertia)?, squeeze, 0))
+}
+
+/// An arm whose joints are `off` [rad] from their demands.
+pub fn behind(off: f64) -> RobotImage<Irp6> {
+    let (image, q) = (image(), arm() + Six::repeat(off));
+    RobotImage::new(RobotState { joints: q, ..*image.measured() }, *image.demanded())
+}
+
+/// A frame that moves at 0.1 m/s along x.
+pub fn belt() -> Functional<fn(f64) -> Pose> {
+    Functional::new(|age| Pose::translation(0.1 * age, 0.0, 0.0))
+}
+
+/// Presses along z, guarded along x.
+pub fn law(load: f64, velocity: f64, give: Give) -> Option<ForceControl> {
+    let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
+    (axes[0], axes[2], axes[3]) = (
+        Behaviour::Guarded { velocity, give },
+        Behaviour::Contact { load, give },
+        Behaviour::Unguarded { velocity },
+    );
+    ForceControl::new(axes).ok()
+}
+
+/// A camera that sees where an object is.
+pub struct Camera;
+
+impl Sensor for Camera {
+    const KIND: &'static str = "camera";
+    type Reading = Displacement;
+    type Configuration = ();
+}
+
+/// One arm at rest that sees an object which is `x` [m] aside.
+pub fn seen<G: Generator<Robots = Irp6, Sensors = (Camera,), Order = ()>>(x: f64) -> Given<G> {
+    let pose = Pose::new(Vector3::new(x, 0.0, 0.2), Vector3::new(0.0, 0.0, 0.3));
+    let v = Reading::new((SensorImage::new(Displacement { pose }, 0),));
+    Given { order: Order::new(()), e: State::new(image()), v }
+}
+
+pub fn servoing(speed: f64, ramp: f64, gain: f64) -> Servoing {
+    Servoing { speed, turning: 5.0 * speed, ramp, gain, tolerance: (1e-4, 1e-3), oldest: 2 }
+}
+
+/// One arm at rest with an order, which is pushed more and more.
+pub fn felt<G: Generator<Robots = Irp6, Sensors = (Wrist,)>>(step: u64, order: G::Order) -> Given<G> {
+    let v = Reading::new((load(-0.01 * step as f64),));
+    Given { order: Order::new(order), e: State::new(image()), v }
+}
+
+pub fn corrected(speed: f64, ramp: f64, way: f64) -> Corrected<StraightLine<Irp6>, Camera> {
+    let line = StraightLine::by(Pose::translation(0.0, 0.0, 0.1), tool_limits(0.3, 1.0));
+    let limits = CorrectionLimits { speed, turning: speed, ramp, way, angle: 1.0, oldest: 1 };
+    Corrected::by(line, |seen: &Displacement| seen.pose, limits)
+}
+
+/// Goes on until it is pressed by 5 N, and then presses.
+pub fn overridden(braking: f64) -> Override<GuardedApproach<Irp6, Wrist>, ForceLaw<Irp6, Wrist>> {
+    let approach = GuardedApproach::along(Vector3::z_axis(), 0.05, 0.5, 1.0, |_: &Wrench| false);
+    let press = ForceLaw::lasting(law(10.0, 0.0, Give::FORCE).expect("in range"), 1.0, 1);
+    let touched = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z < -5.0);
+    Override::of(approach, touched, braking, press)
 }
