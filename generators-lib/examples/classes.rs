@@ -1,5 +1,5 @@
 //! Prints the table of the library's generators and their classes, made from the code:
-//! `cargo run -p mrroc-generators --example classes > generators-lib/src/generators/classes.md`
+//! `cargo run -p mrroc-generators --example classes > generators-lib/classes.md`
 #![allow(dead_code)] // A test includes this file.
 
 use mrroc::{Class, Generator, Level, Pose, Sensor, Uses, Wrench};
@@ -50,9 +50,11 @@ pub const ROWS: &[Row] = &rows! {
     force_law: ForceLaw<Irp6, Wrist>,
     guarded_approach: GuardedApproach<Irp6, Wrist>,
     guided_body: GuidedBody<Two, [Wrist; 2]>,
+    jog: Jog<Irp6, fn() -> Jogging>,
     joint_move: JointMove<Irp6>,
     moving_frame: MovingFrame<Irp6, Pose>,
     ordered_force: OrderedForce<Irp6, Wrist>,
+    replay: Replay<Irp6>,
     rigid_carry: RigidCarry<Two, StraightBody>,
     settle: Settle<Irp6>,
     shared_drive: SharedDrive<Two, StraightBody>,

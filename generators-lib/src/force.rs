@@ -84,9 +84,9 @@ impl ForceControl {
     /// A number out of range.
     pub fn new(axes: [Behaviour; 6]) -> Result<Self, BadForceLaw> {
         let law = ForceControl { axes, velocity: Vector6::zeros() };
-        for axis in 0..6 {
+        for (axis, behaviour) in axes.iter().enumerate() {
             let (load, velocity, Give { reciprocal_damping, inertia }) = law.of(axis);
-            let unguarded = matches!(axes[axis], Behaviour::Unguarded { .. });
+            let unguarded = matches!(behaviour, Behaviour::Unguarded { .. });
             let damped = reciprocal_damping > 0.0 || unguarded;
             for (name, value, holds) in [
                 ("load", load, true),

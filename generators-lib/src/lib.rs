@@ -6,6 +6,7 @@
 //! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: how fast along such a spline;
+//! - [`teach`]: taught poses and their files, MRROC++'s too;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: how the axes of a tool move freely, are guarded, or keep a load;
 //! - [`mod@conformance`]: tests that every generator must pass.
@@ -26,3 +27,4 @@ pub mod force;
 pub mod generators;
 pub mod line;
 pub mod profile;
+pub mod teach;

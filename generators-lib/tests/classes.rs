@@ -8,10 +8,10 @@ use mrroc::Class;
 
 #[test]
 fn the_table_in_the_documentation_is_that_of_the_code() {
-    let documented = include_str!("../src/generators/classes.md");
+    let documented = include_str!("../classes.md");
     assert!(
         documented == table(),
-        "write it anew: cargo run -p mrroc-generators --example classes > generators-lib/src/generators/classes.md"
+        "write it anew: cargo run -p mrroc-generators --example classes > generators-lib/classes.md"
     );
 }
 

@@ -145,6 +145,6 @@ mod tests {
         for w in p.windows(3) {
             assert!((w[2] - 2.0 * w[1] + w[0]).norm() / (dt * dt) < 0.51, "{w:?}");
         }
-        assert_eq!(generator.stage == Stage::Other, true);
+        assert!(generator.stage == Stage::Other);
     }
 }

@@ -57,7 +57,7 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
 
     #[allow(non_snake_case)]
     fn next_step(&mut self, e: &State<L>, v: &Reading<V>, t: Tick) -> Result<Step<L, O>, Fault> {
-        if !(self.time < self.duration) {
+        if self.duration.is_nan() || self.time >= self.duration {
             return Ok(Step::Done);
         }
         self.time += t.dt;
@@ -79,7 +79,7 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
         }
         self.way += self.velocity * t.dt;
         let far = self.way.norm();
-        if !(far <= self.reach) {
+        if far.is_nan() || far > self.reach {
             return Err(
                 Fault::thrown("a guided body was pushed out of its reach").exceeds(far, self.reach, "m")
             );

@@ -3,7 +3,7 @@
 //! "Uses" is what a step takes besides the function's own state; lines are lines of code. Every class of section 6 of the
 //! paper has at least one. [`combinators`](crate::combinators) make generators out of these.
 //!
-#![doc = include_str!("classes.md")]
+#![doc = include_str!("../../classes.md")]
 
 mod compliant_transmit;
 mod constant_order;
@@ -12,9 +12,11 @@ mod follow_master;
 mod force_law;
 mod guarded_approach;
 mod guided_body;
+mod jog;
 mod joint_move;
 mod moving_frame;
 mod ordered_force;
+mod replay;
 mod rigid_carry;
 mod settle;
 mod shared_drive;
@@ -34,9 +36,11 @@ pub use follow_master::FollowMaster;
 pub use force_law::ForceLaw;
 pub use guarded_approach::GuardedApproach;
 pub use guided_body::GuidedBody;
+pub use jog::{Jog, Jogging};
 pub use joint_move::JointMove;
 pub use moving_frame::MovingFrame;
 pub use ordered_force::{OrderedForce, Pressing};
+pub use replay::Replay;
 pub use rigid_carry::RigidCarry;
 pub use settle::Settle;
 pub use shared_drive::SharedDrive;

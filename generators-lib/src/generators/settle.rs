@@ -30,7 +30,9 @@ impl<R: Robot> Settle<R> {
         let off = e.measured().joints - e.demanded().joints;
         // The joint that is farthest off, if any is; what is not a number is.
         let off = (0..R::Joints::LEN).map(|i| (i, off[i].abs(), self.tolerance[i]));
-        let far = off.filter(|(_, off, tolerance)| !(off <= tolerance)).max_by(|a, b| a.1.total_cmp(&b.1));
+        let far = off
+            .filter(|(_, off, tolerance)| off.partial_cmp(tolerance).is_none_or(|order| order.is_gt()))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
         self.near = if far.is_some() { 0.0 } else { self.near + t.dt };
         self.time += t.dt;
         // The sum of n increments may miss n * dt by rounding; that must not cost a step.

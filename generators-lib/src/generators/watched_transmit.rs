@@ -31,7 +31,7 @@ impl<R: Robot> WatchedTransmit<R> {
             [(off.translation.vector.norm(), self.way, "m"), (off.rotation.angle(), self.angle, "rad")];
         for (actual, limit, unit) in shares {
             // What is not a number is off, too.
-            if !(actual <= limit) {
+            if actual.partial_cmp(&limit).is_none_or(|order| order.is_gt()) {
                 return Err(Fault::new(FaultKind::FollowingError).exceeds(actual, limit, unit));
             }
         }

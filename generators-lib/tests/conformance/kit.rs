@@ -16,6 +16,7 @@ use mrroc_generators::force::{Behaviour, ForceControl, Give};
 use mrroc_generators::generators::*;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
+use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -252,4 +253,11 @@ pub fn overridden(braking: f64) -> Override<GuardedApproach<Irp6, Wrist>, ForceL
     let press = ForceLaw::lasting(law(10.0, 0.0, Give::FORCE).expect("in range"), 1.0, 1);
     let touched = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z < -5.0);
     Override::of(approach, touched, braking, press)
+}
+
+/// Two poses that were taught, of coordinates around `x`, with a share of velocity.
+pub fn shown(x: f64, share: f64, space: Space) -> Option<Taught> {
+    let poses = [1.0, 0.5].map(|k| TaughtPose::new(share, 0.5, &[k * x; 6]));
+    let poses = poses.into_iter().collect::<Option<_>>()?;
+    Some(Taught { space, reference: Reference::Relative, poses })
 }

@@ -10,6 +10,7 @@ use mrroc_generators::cooperation::*;
 use mrroc_generators::force::Give;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::*;
+use mrroc_generators::teach::{Space, Taught};
 use mrroc_robots::{Irp6, Irp6FiveDof, Six};
 use nalgebra::Vector3;
 
@@ -324,6 +325,38 @@ generator_conformance! {
     make: overridden(0.2),
     given: |step| pressed(-0.02 * step as f64),
     odd: |x| vec![overridden(x)],
+    allocated: bytes,
+}
+
+generator_conformance! {
+    replay: Replay<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: Replay::of(shown(0.1, 0.5, Space::Zyz).expect("in range"), Six::repeat(1.0), Six::repeat(2.0), tool_limits(0.3, 1.0)),
+    given: alone,
+    odd: |x| {
+        let all = [Space::Motor, Space::Joint, Space::Zyz, Space::AngleAxis].into_iter();
+        let taught = all.flat_map(|space| [shown(x, 0.5, space), shown(0.1, x, space), shown(x, x, space)]).flatten();
+        let one = |taught: Taught| [
+            Replay::of(taught.clone(), Six::repeat(1.0), Six::repeat(2.0), tool_limits(0.3, 1.0)),
+            Replay::of(taught.clone(), Six::repeat(x), Six::repeat(2.0), tool_limits(x, 1.0)),
+            Replay::of(taught, Six::repeat(1.0), Six::repeat(x), tool_limits(0.3, x)),
+        ];
+        taught.flat_map(one).collect()
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    jog: Jog<Irp6, fn() -> Jogging>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: Jog::by(|| Jogging { along: Vector3::x() * 0.1, record: true, ..Jogging::default() }, (1.0, 1.0), 1),
+    given: alone,
+    odd: |x| vec![
+        Jog::by(|| Jogging { along: Vector3::x() * 0.1, ..Jogging::default() }, (x, 1.0), 1),
+        Jog::by(|| Jogging { about: Vector3::x() * f64::NAN, ..Jogging::default() }, (1.0, 1.0), 1),
+        Jog::by(|| Jogging { about: Vector3::x() * 1e300, ..Jogging::default() }, (1.0, x), 1),
+        Jog::by(|| Jogging { along: Vector3::x() * 1e100, ..Jogging::default() }, (1e300, 1e300), 0),
+    ],
     allocated: bytes,
 }
 
