@@ -5,6 +5,7 @@
 use mrroc::{Class, Generator, Level, Pose, Sensor, Uses, Wrench};
 use mrroc_generators::cooperation::StraightBody;
 use mrroc_generators::generators::*;
+use mrroc_generators::teach::Jogging;
 use mrroc_robots::Irp6;
 use nalgebra::Vector3;
 

@@ -80,6 +80,7 @@ mod tests {
     use mrroc::{Generator, Pose, Sensor};
     use mrroc_generators::cooperation::StraightBody;
     use mrroc_generators::generators::*;
+    use mrroc_generators::teach::Jogging;
     use mrroc_robots::Irp6;
 
     struct Wrist;

@@ -9,12 +9,12 @@ use mrroc_generators::cooperation::{Displacement, StraightBody};
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{
     CompliantTransmit, ConstantOrder, EyeInHand, FollowMaster, ForceLaw, GuardedApproach, GuidedBody, Jog,
-    Jogging, JointMove, MovingFrame, OrderedForce, Replay, RigidCarry, Settle, SharedDrive, Sleep,
-    SplineTrack, SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement, WatchedTransmit,
-    YieldingTransmit,
+    JointMove, MovingFrame, OrderedForce, Replay, RigidCarry, Settle, SharedDrive, Sleep, SplineTrack,
+    SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
 };
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
+use mrroc_generators::teach::Jogging;
 use mrroc_robots::{Irp6, Six};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 use nalgebra::{Translation3, UnitQuaternion, UnitVector3, Vector3};

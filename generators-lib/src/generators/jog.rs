@@ -5,20 +5,7 @@ use core::marker::PhantomData;
 use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
-
-/// What the panel says.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Jogging {
-    /// Velocity along the tool's axes [m/s].
-    pub along: Vector3<f64>,
-    /// Angular velocity about them [rad/s].
-    pub about: Vector3<f64>,
-    /// Whether the button is pressed that records: once for each time.
-    pub record: bool,
-    /// Whether the session is over.
-    pub done: bool,
-}
+use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
 
 /// Teach-in: moves the tool in its own axes by what a panel says, within an acceleration, and records the pose demanded then.
 /// The motion ends at rest; what was recorded is taken from the generator that the Move gives back.

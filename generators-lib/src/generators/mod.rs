@@ -2,6 +2,7 @@
 //!
 //! "Uses" is what a step takes besides the function's own state; lines are lines of code. Every class of section 6 of the
 //! paper has at least one. [`combinators`](crate::combinators) make generators out of these.
+//! What some demand over time, and their paths in space, is drawn in the folder `pictures` of this crate.
 //!
 #![doc = include_str!("../../classes.md")]
 
@@ -36,7 +37,7 @@ pub use follow_master::FollowMaster;
 pub use force_law::ForceLaw;
 pub use guarded_approach::GuardedApproach;
 pub use guided_body::GuidedBody;
-pub use jog::{Jog, Jogging};
+pub use jog::Jog;
 pub use joint_move::JointMove;
 pub use moving_frame::MovingFrame;
 pub use ordered_force::{OrderedForce, Pressing};

@@ -28,5 +28,5 @@
 mod taught;
 mod text;
 
-pub use taught::{MAX_COORDINATES, Reference, Space, Taught, TaughtPose};
+pub use taught::{Jogging, MAX_COORDINATES, Reference, Space, Taught, TaughtPose};
 pub use text::BadFile;

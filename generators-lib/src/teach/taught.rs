@@ -102,3 +102,16 @@ pub struct Taught {
     /// The poses, in order.
     pub poses: Vec<TaughtPose>,
 }
+
+/// What the panel says by which a tool is jogged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jogging {
+    /// Velocity along the tool's axes [m/s].
+    pub along: Vector3<f64>,
+    /// Angular velocity about them [rad/s].
+    pub about: Vector3<f64>,
+    /// Whether the button is pressed that records: once for each time.
+    pub record: bool,
+    /// Whether the session is over.
+    pub done: bool,
+}

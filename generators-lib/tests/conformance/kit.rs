@@ -4,6 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::f64::consts::PI;
 
+use mrroc::JointVector as _;
 use mrroc::{
     Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Wrench,
 };
@@ -70,7 +71,7 @@ pub fn start() -> Pose {
 }
 
 fn at_rest<R: Robot>(robot: &R, q: R::Joints) -> RobotImage<R> {
-    let state = RobotState { joints: q, velocity: q - q, pose: robot.forward(&q) };
+    let state = RobotState { joints: q, velocity: R::Joints::zeros(), pose: robot.forward(&q) };
     RobotImage::new(state, state)
 }
 
@@ -199,8 +200,10 @@ pub fn behind(off: f64) -> RobotImage<Irp6> {
     RobotImage::new(RobotState { joints: q, ..*image.measured() }, *image.demanded())
 }
 
+pub type Belt = Functional<fn(f64) -> Pose>;
+
 /// A frame that moves at 0.1 m/s along x.
-pub fn belt() -> Functional<fn(f64) -> Pose> {
+pub fn belt() -> Belt {
     Functional::new(|age| Pose::translation(0.1 * age, 0.0, 0.0))
 }
 

@@ -10,7 +10,7 @@ use mrroc_generators::cooperation::*;
 use mrroc_generators::force::Give;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::*;
-use mrroc_generators::teach::{Space, Taught};
+use mrroc_generators::teach::{Jogging, Space, Taught};
 use mrroc_robots::{Irp6, Irp6FiveDof, Six};
 use nalgebra::Vector3;
 
@@ -187,7 +187,7 @@ generator_conformance! {
 }
 
 generator_conformance! {
-    moving_frame: MovingFrame<Irp6, Functional<fn(f64) -> Pose>>,
+    moving_frame: MovingFrame<Irp6, Belt>,
     class: "ECP f*0(c), first step f*2(c, e)",
     make: MovingFrame::to(belt(), start(), 0.5, 1.0),
     given: alone,
