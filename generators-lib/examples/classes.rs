@@ -44,8 +44,10 @@ macro_rules! rows {
 
 /// All generators of the library, by name.
 pub const ROWS: &[Row] = &rows! {
+    await_operator: AwaitOperator<Irp6, fn() -> bool>,
     compliant_transmit: CompliantTransmit<Irp6, Wrist>,
     constant_order: ConstantOrder<Two>,
+    delay: Delay<Irp6>,
     eye_in_hand: EyeInHand<Irp6, Wrist>,
     follow_master: FollowMaster<Two, StraightBody>,
     force_law: ForceLaw<Irp6, Wrist>,

@@ -49,8 +49,10 @@ macro_rules! entry {
 
 /// All generators of the library, by name.
 pub const CATALOGUE: &[Entry] = &[
+    entry!("await_operator", "AwaitOperator", "ECP f*0(c)"),
     entry!("compliant_transmit", "CompliantTransmit", "ECP f*5(c0, c, v)"),
     entry!("constant_order", "ConstantOrder", "MP f**() = const"),
+    entry!("delay", "Delay", "ECP f*0(c)"),
     entry!("eye_in_hand", "EyeInHand", "ECP f*3(c, e, v)"),
     entry!("follow_master", "FollowMaster", "MP f*2(c0, e)"),
     entry!("force_law", "ForceLaw", "ECP f*1(c, v), first step f*3(c, e, v)"),
@@ -96,8 +98,10 @@ mod tests {
         type Points = std::vec::IntoIter<nalgebra::Vector3<f64>>;
         type Two = [Irp6; 2];
         let classes = [
+            AwaitOperator::<Irp6, fn() -> bool>::CLASS,
             CompliantTransmit::<Irp6, Wrist>::CLASS,
             ConstantOrder::<Two>::CLASS,
+            Delay::<Irp6>::CLASS,
             EyeInHand::<Irp6, Wrist>::CLASS,
             FollowMaster::<Two, StraightBody>::CLASS,
             ForceLaw::<Irp6, Wrist>::CLASS,

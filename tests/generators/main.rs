@@ -8,9 +8,10 @@ use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::cooperation::{Displacement, StraightBody};
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{
-    CompliantTransmit, ConstantOrder, EyeInHand, FollowMaster, ForceLaw, GuardedApproach, GuidedBody, Jog,
-    JointMove, MovingFrame, OrderedForce, Replay, RigidCarry, Settle, SharedDrive, Sleep, SplineTrack,
-    SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
+    AwaitOperator, CompliantTransmit, ConstantOrder, Delay, EyeInHand, FollowMaster, ForceLaw,
+    GuardedApproach, GuidedBody, Jog, JointMove, MovingFrame, OrderedForce, Replay, RigidCarry, Settle,
+    SharedDrive, Sleep, SplineTrack, SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement,
+    WatchedTransmit, YieldingTransmit,
 };
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
@@ -47,6 +48,8 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(ToolOffset::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(Replay::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(Jog::<Gantry, fn() -> Jogging>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(AwaitOperator::<Gantry, fn() -> bool>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(Delay::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(Sleep::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(ForceLaw::<Gantry, Wrist>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
     assert_eq!(Settle::<Gantry>::CLASS.to_string(), "ECP f*2(c, e)");

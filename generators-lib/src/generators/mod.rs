@@ -6,8 +6,10 @@
 //!
 #![doc = include_str!("../../classes.md")]
 
+mod await_operator;
 mod compliant_transmit;
 mod constant_order;
+mod delay;
 mod eye_in_hand;
 mod follow_master;
 mod force_law;
@@ -30,8 +32,10 @@ mod transmit_displacement;
 mod watched_transmit;
 mod yielding_transmit;
 
+pub use await_operator::AwaitOperator;
 pub use compliant_transmit::CompliantTransmit;
 pub use constant_order::ConstantOrder;
+pub use delay::Delay;
 pub use eye_in_hand::{EyeInHand, Servoing};
 pub use follow_master::FollowMaster;
 pub use force_law::ForceLaw;

@@ -360,6 +360,24 @@ generator_conformance! {
     allocated: bytes,
 }
 
+generator_conformance! {
+    delay: Delay<Irp6>,
+    class: "ECP f*0(c)",
+    make: Delay::lasting(0.5),
+    given: alone,
+    odd: |x| vec![Delay::lasting(x)],
+    allocated: bytes,
+}
+
+generator_conformance! {
+    await_operator: AwaitOperator<Irp6, fn() -> bool>,
+    class: "ECP f*0(c)",
+    make: AwaitOperator::until(|| false),
+    given: alone,
+    odd: |_| vec![AwaitOperator::until(|| true)],
+    allocated: bytes,
+}
+
 /// Every file of the two folders is named above as a module.
 #[test]
 fn every_generator_of_the_library_is_held_to_this() {
