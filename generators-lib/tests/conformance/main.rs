@@ -1,6 +1,7 @@
 //! Every generator of the library keeps what a generator must keep.
 
 mod kit;
+mod violators;
 
 use kit::*;
 use mrroc::{Order, Pose, Reading, State, Wrench};
