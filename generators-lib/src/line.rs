@@ -106,6 +106,11 @@ impl LinePath {
     /// # Errors
     /// A pose that is not finite or a limit that is not positive.
     pub fn profile(&self, limits: ToolLimits) -> Result<Trapezoid, ProfileError> {
+        // A turn that is not a number has no angle; it must not pass as none.
+        let is_finite = |pose: &Isometry3<f64>| pose.rotation.coords.iter().all(|x| x.is_finite());
+        if !(is_finite(&self.from) && is_finite(&self.to)) {
+            return Err(ProfileError::Distance(f64::NAN));
+        }
         unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
     }
 }

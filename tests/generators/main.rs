@@ -8,11 +8,14 @@ use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::cooperation::{Displacement, StraightBody};
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{
-    FollowMaster, GuardedApproach, JointMove, RigidCarry, SharedDrive, SplineTrack, SqueezedCarry,
-    StraightLine, TransmitDisplacement, YieldingTransmit,
+    AwaitOperator, CompliantTransmit, ConstantOrder, Delay, EyeInHand, FollowMaster, ForceLaw,
+    GuardedApproach, GuidedBody, Jog, JointMove, MovingFrame, OrderedForce, Replay, RigidCarry, Settle,
+    SharedDrive, Sleep, SplineTrack, SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement,
+    WatchedTransmit, YieldingTransmit,
 };
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
+use mrroc_generators::teach::Jogging;
 use mrroc_robots::{Irp6, Six};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 use nalgebra::{Translation3, UnitQuaternion, UnitVector3, Vector3};
@@ -39,6 +42,21 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(Squeezed::CLASS.to_string(), "MP f*1(c0, v), first step f*3(c0, e, v)");
     assert_eq!(TransmitDisplacement::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c)");
     assert_eq!(YieldingTransmit::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
+    assert_eq!(ConstantOrder::<Mixed>::CLASS.to_string(), "MP f**() = const");
+    assert_eq!(GuidedBody::<Mixed, (Wrist, Wrist)>::CLASS.to_string(), "MP f*3(c0, e, v)");
+    assert_eq!(MovingFrame::<Gantry, Pose>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(ToolOffset::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(Replay::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(Jog::<Gantry, fn() -> Jogging>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(AwaitOperator::<Gantry, fn() -> bool>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(Delay::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(Sleep::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(ForceLaw::<Gantry, Wrist>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
+    assert_eq!(Settle::<Gantry>::CLASS.to_string(), "ECP f*2(c, e)");
+    assert_eq!(EyeInHand::<Gantry, Probe>::CLASS.to_string(), "ECP f*3(c, e, v)");
+    assert_eq!(CompliantTransmit::<Gantry, Wrist>::CLASS.to_string(), "ECP f*5(c0, c, v)");
+    assert_eq!(WatchedTransmit::<Gantry>::CLASS.to_string(), "ECP f*6(c0, c, e)");
+    assert_eq!(OrderedForce::<Gantry, Wrist>::CLASS.to_string(), "ECP f*7(c0, c, e, v)");
 }
 
 struct Wrist;
