@@ -2,6 +2,7 @@
 //!
 //! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
 //! - [`profile`]: how far along a path at which instant;
+//! - [`jerk`]: jerk-limited motion from any state, on many axes at once;
 //! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: how fast along such a spline;
@@ -18,5 +19,6 @@ pub mod bspline;
 pub mod cooperation;
 pub mod feed;
 pub mod generators;
+pub mod jerk;
 pub mod line;
 pub mod profile;
