@@ -52,8 +52,11 @@ pub const CATALOGUE: &[Entry] = &[
     entry!("follow_master", "FollowMaster", "MP f*2(c0, e)"),
     entry!("guarded_approach", "GuardedApproach", "ECP f*1(c, v), first step f*3(c, e, v)"),
     entry!("joint_move", "JointMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("reach_state", "ReachState", "ECP f*4(c0, c), first step f*6(c0, c, e)"),
     entry!("rigid_carry", "RigidCarry", "MP f*0(c0), first step f*2(c0, e)"),
     entry!("shared_drive", "SharedDrive", "MP f*0(c0), first step f*2(c0, e)"),
+    entry!("smooth_joint_move", "SmoothJointMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("smooth_line", "SmoothLine", "ECP f*0(c), first step f*2(c, e)"),
     entry!("spline_track", "SplineTrack", "ECP f*0(c)"),
     entry!("squeezed_carry", "SqueezedCarry", "MP f*1(c0, v), first step f*3(c0, e, v)"),
     entry!("straight_line", "StraightLine", "ECP f*0(c), first step f*2(c, e)"),
@@ -67,8 +70,8 @@ mod tests {
     use mrroc::{Generator, Payload, Sensor};
     use mrroc_generators::cooperation::StraightBody;
     use mrroc_generators::generators::{
-        FollowMaster, GuardedApproach, JointMove, RigidCarry, SharedDrive, SplineTrack, SqueezedCarry,
-        StraightLine, TransmitDisplacement, YieldingTransmit,
+        FollowMaster, GuardedApproach, JointMove, ReachState, RigidCarry, SharedDrive, SmoothJointMove,
+        SmoothLine, SplineTrack, SqueezedCarry, StraightLine, TransmitDisplacement, YieldingTransmit,
     };
     use mrroc_robots::Irp6;
 
@@ -101,8 +104,11 @@ mod tests {
             FollowMaster::<Two, StraightBody>::CLASS,
             GuardedApproach::<Irp6, Touch>::CLASS,
             JointMove::<Irp6>::CLASS,
+            ReachState::<Irp6>::CLASS,
             RigidCarry::<Two, StraightBody>::CLASS,
             SharedDrive::<Two, StraightBody>::CLASS,
+            SmoothJointMove::<Irp6>::CLASS,
+            SmoothLine::<Irp6>::CLASS,
             SplineTrack::<Irp6, Points>::CLASS,
             SqueezedCarry::<Two, [Wrist; 2], StraightBody>::CLASS,
             StraightLine::<Irp6>::CLASS,

@@ -10,14 +10,20 @@
 //! | [`YieldingTransmit`] | the same, where a grasp leaves a direction free | ECP `f*4(c0, c)`, first step `f*6(c0, c, e)` |
 //! | [`JointMove`] | straight line in joint space | ECP `f*0(c)`, first step `f*2(c, e)` |
 //! | [`StraightLine`] | straight line of the tool frame | ECP `f*0(c)`, first step `f*2(c, e)` |
+//! | [`SmoothJointMove`] | all joints to their goals together, with limited jerk | ECP `f*0(c)`, first step `f*2(c, e)` |
+//! | [`SmoothLine`] | straight line of the tool frame, with limited jerk | ECP `f*0(c)`, first step `f*2(c, e)` |
+//! | [`ReachState`] | joints to a target that may change in every step | ECP `f*4(c0, c)`, first step `f*6(c0, c, e)` |
 //! | [`SplineTrack`] | the moving-segment B-spline through a stream of points | ECP `f*0(c)` |
 //! | [`GuardedApproach`] | straight on until a sensor says so | ECP `f*1(c, v)`, first step `f*3(c, e, v)` |
 
 mod follow_master;
 mod guarded_approach;
 mod joint_move;
+mod reach_state;
 mod rigid_carry;
 mod shared_drive;
+mod smooth_joint_move;
+mod smooth_line;
 mod spline_track;
 mod squeezed_carry;
 mod straight_line;
@@ -27,8 +33,11 @@ mod yielding_transmit;
 pub use follow_master::FollowMaster;
 pub use guarded_approach::GuardedApproach;
 pub use joint_move::JointMove;
+pub use reach_state::{JointOrder, ReachState};
 pub use rigid_carry::RigidCarry;
 pub use shared_drive::SharedDrive;
+pub use smooth_joint_move::SmoothJointMove;
+pub use smooth_line::SmoothLine;
 pub use spline_track::SplineTrack;
 pub use squeezed_carry::SqueezedCarry;
 pub use straight_line::StraightLine;

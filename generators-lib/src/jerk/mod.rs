@@ -6,7 +6,8 @@
 //!
 //! - [`AxisPlan`]: the shortest duration of one axis, which longer ones are impossible, and a [`JerkProfile`] of any other;
 //! - [`SynchronisedMove`]: many axes in one duration, along a straight line where start, target and limits allow it,
-//!   in whole steps if asked for.
+//!   in whole steps if asked for;
+//! - [`MoveCursor`]: such a motion followed in increments of path time, which may turn to another target at any instant.
 //!
 //! The fastest motion has at most seven phases; one of another duration is a mixture of the two extremal motions of that
 //! duration, hence of at most fourteen. Accuracy: the target is met exactly at the end; the motion leading there
@@ -16,12 +17,14 @@
 //! Real-time Trajectory Generation with Arbitrary Target States* (RSS 2021), whose durations these equal. The
 //! extremal motions in place of its case trees are this library's own.
 
+mod cursor;
 mod extremal;
 mod limits;
 mod plan;
 mod profile;
 mod synchronised;
 
+pub use cursor::MoveCursor;
 pub use limits::{AxisLimits, AxisState, AxisTarget, JerkError};
 pub use plan::AxisPlan;
 pub use profile::{AxisPoint, JerkProfile, Peaks};
