@@ -4,6 +4,7 @@
 //! - [`profile`]: how far along a path at which instant;
 //! - [`jerk`]: jerk-limited motion from any state, on many axes at once;
 //! - [`mod@line`]: straight lines of joints and of the tool;
+//! - [`curve`]: arcs, helices, ellipses, screws, blended polylines, cubic splines;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: how fast along such a spline;
 //! - [`cooperation`]: several arms on one body.
@@ -17,6 +18,7 @@ extern crate self as mrroc_generators;
 
 pub mod bspline;
 pub mod cooperation;
+pub mod curve;
 pub mod feed;
 pub mod generators;
 pub mod jerk;

@@ -123,23 +123,30 @@ impl LinePath {
     /// # Errors
     /// A pose that is not finite or a limit that is not positive and finite.
     pub fn smooth_profile(&self, limits: SmoothToolLimits) -> Result<SevenPhase, ProfileError> {
-        let mut distance = 0.0;
-        let mut unit = JerkLimits { velocity: f64::MAX, acceleration: f64::MAX, jerk: f64::MAX };
-        for (way, share) in [(self.length(), limits.translation), (self.angle(), limits.rotation)] {
-            SevenPhase::new(way, share)?;
-            if way > 0.0 {
-                distance = 1.0;
-                unit.velocity = unit.velocity.min(share.velocity / way);
-                unit.acceleration = unit.acceleration.min(share.acceleration / way);
-                unit.jerk = unit.jerk.min(share.jerk / way);
-            }
-        }
-        SevenPhase::new(distance, if distance > 0.0 { unit } else { limits.translation })
+        smooth_unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
     }
 }
 
+/// The jerk-limited profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
+pub(crate) fn smooth_unit_profile(shares: [(f64, JerkLimits); 2]) -> Result<SevenPhase, ProfileError> {
+    let mut distance = 0.0;
+    let mut unit = JerkLimits { velocity: f64::MAX, acceleration: f64::MAX, jerk: f64::MAX };
+    for (way, share) in shares {
+        SevenPhase::new(way, share)?;
+        if way > 0.0 {
+            distance = 1.0;
+            unit.velocity = unit.velocity.min(share.velocity / way);
+            unit.acceleration = unit.acceleration.min(share.acceleration / way);
+            unit.jerk = unit.jerk.min(share.jerk / way);
+        }
+    }
+    SevenPhase::new(distance, if distance > 0.0 { unit } else { shares[0].1 })
+}
+
 /// The profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
-fn unit_profile(shares: impl IntoIterator<Item = (f64, ProfileLimits)>) -> Result<Trapezoid, ProfileError> {
+pub(crate) fn unit_profile(
+    shares: impl IntoIterator<Item = (f64, ProfileLimits)>,
+) -> Result<Trapezoid, ProfileError> {
     let mut distance = 0.0;
     let mut limits = ProfileLimits { velocity: f64::INFINITY, acceleration: f64::MAX };
     for (way, share) in shares {

@@ -49,9 +49,12 @@ macro_rules! entry {
 
 /// All generators of the library, by name.
 pub const CATALOGUE: &[Entry] = &[
+    entry!("circular_move", "CircularMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("curve_move", "CurveMove", "ECP f*0(c), first step f*2(c, e)"),
     entry!("follow_master", "FollowMaster", "MP f*2(c0, e)"),
     entry!("guarded_approach", "GuardedApproach", "ECP f*1(c, v), first step f*3(c, e, v)"),
     entry!("joint_move", "JointMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("joint_spline", "JointSpline", "ECP f*0(c), first step f*2(c, e)"),
     entry!("reach_state", "ReachState", "ECP f*4(c0, c), first step f*6(c0, c, e)"),
     entry!("rigid_carry", "RigidCarry", "MP f*0(c0), first step f*2(c0, e)"),
     entry!("shared_drive", "SharedDrive", "MP f*0(c0), first step f*2(c0, e)"),
@@ -70,8 +73,9 @@ mod tests {
     use mrroc::{Generator, Payload, Sensor};
     use mrroc_generators::cooperation::StraightBody;
     use mrroc_generators::generators::{
-        FollowMaster, GuardedApproach, JointMove, ReachState, RigidCarry, SharedDrive, SmoothJointMove,
-        SmoothLine, SplineTrack, SqueezedCarry, StraightLine, TransmitDisplacement, YieldingTransmit,
+        CircularMove, CurveMove, FollowMaster, GuardedApproach, JointMove, JointSpline, ReachState,
+        RigidCarry, SharedDrive, SmoothJointMove, SmoothLine, SplineTrack, SqueezedCarry, StraightLine,
+        TransmitDisplacement, YieldingTransmit,
     };
     use mrroc_robots::Irp6;
 
@@ -101,9 +105,12 @@ mod tests {
         type Points = std::vec::IntoIter<nalgebra::Vector3<f64>>;
         type Two = [Irp6; 2];
         let classes = [
+            CircularMove::<Irp6>::CLASS,
+            CurveMove::<Irp6, mrroc_generators::curve::Helix>::CLASS,
             FollowMaster::<Two, StraightBody>::CLASS,
             GuardedApproach::<Irp6, Touch>::CLASS,
             JointMove::<Irp6>::CLASS,
+            JointSpline::<Irp6>::CLASS,
             ReachState::<Irp6>::CLASS,
             RigidCarry::<Two, StraightBody>::CLASS,
             SharedDrive::<Two, StraightBody>::CLASS,

@@ -6,10 +6,12 @@ use mrroc::{
 use mrroc::{Fault, Payload};
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::cooperation::{Displacement, StraightBody};
+use mrroc_generators::curve::Helix;
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{
-    FollowMaster, GuardedApproach, JointMove, ReachState, RigidCarry, SharedDrive, SmoothJointMove,
-    SmoothLine, SplineTrack, SqueezedCarry, StraightLine, TransmitDisplacement, YieldingTransmit,
+    CircularMove, CurveMove, FollowMaster, GuardedApproach, JointMove, JointSpline, ReachState, RigidCarry,
+    SharedDrive, SmoothJointMove, SmoothLine, SplineTrack, SqueezedCarry, StraightLine, TransmitDisplacement,
+    YieldingTransmit,
 };
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::ToolLimits;
@@ -30,6 +32,9 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(StraightLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(SmoothJointMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(SmoothLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(CircularMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(CurveMove::<Gantry, Helix>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(JointSpline::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(ReachState::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
     assert_eq!(SplineTrack::<Gantry, Points>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(GuardedApproach::<Gantry, Probe>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");

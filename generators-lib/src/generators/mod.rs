@@ -13,12 +13,18 @@
 //! | [`SmoothJointMove`] | all joints to their goals together, with limited jerk | ECP `f*0(c)`, first step `f*2(c, e)` |
 //! | [`SmoothLine`] | straight line of the tool frame, with limited jerk | ECP `f*0(c)`, first step `f*2(c, e)` |
 //! | [`ReachState`] | joints to a target that may change in every step | ECP `f*4(c0, c)`, first step `f*6(c0, c, e)` |
+//! | [`JointSpline`] | a cubic spline through joint positions | ECP `f*0(c)`, first step `f*2(c, e)` |
+//! | [`CircularMove`] | an arc of a circle of the tool | ECP `f*0(c)`, first step `f*2(c, e)` |
+//! | [`CurveMove`] | any curve of the tool: helix, ellipse, blended polyline | ECP `f*0(c)`, first step `f*2(c, e)` |
 //! | [`SplineTrack`] | the moving-segment B-spline through a stream of points | ECP `f*0(c)` |
 //! | [`GuardedApproach`] | straight on until a sensor says so | ECP `f*1(c, v)`, first step `f*3(c, e, v)` |
 
+mod circular_move;
+mod curve_move;
 mod follow_master;
 mod guarded_approach;
 mod joint_move;
+mod joint_spline;
 mod reach_state;
 mod rigid_carry;
 mod shared_drive;
@@ -30,9 +36,12 @@ mod straight_line;
 mod transmit_displacement;
 mod yielding_transmit;
 
+pub use circular_move::CircularMove;
+pub use curve_move::CurveMove;
 pub use follow_master::FollowMaster;
 pub use guarded_approach::GuardedApproach;
 pub use joint_move::JointMove;
+pub use joint_spline::JointSpline;
 pub use reach_state::{JointOrder, ReachState};
 pub use rigid_carry::RigidCarry;
 pub use shared_drive::SharedDrive;
