@@ -11,7 +11,7 @@
 //! short to turn round. Where the shortest is not asked for, `D` divides the extremal motions of the duration in a
 //! ratio, and the same ratio of the motions themselves is a motion within the limits.
 
-use super::extremal::{Extremal, Place};
+use super::extremal::Extremal;
 use super::{AxisLimits, AxisState, AxisTarget, JerkError, JerkProfile};
 
 /// Most blocked intervals; two are known to occur.
@@ -22,12 +22,31 @@ const BLOCKED: usize = 4;
 pub struct AxisPlan {
     start: AxisState,
     target: AxisTarget,
-
-    /// The farthest motions forwards, and backwards on the mirrored axis.
-    extremes: [Extremal; 2],
-    /// Which extreme is the fastest motion, and where on it.
-    fastest: (usize, Place),
+    limits: AxisLimits,
+    fastest: JerkProfile,
     blocked: [(f64, f64); BLOCKED],
+}
+
+/// The farthest motion forwards, or backwards as that of the mirrored axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    Forwards,
+    Backwards,
+}
+
+impl Side {
+    fn sign(self) -> f64 {
+        if self == Side::Forwards { 1.0 } else { -1.0 }
+    }
+
+    fn extreme(self, start: &AxisState, target: &AxisTarget, limits: &AxisLimits) -> Extremal {
+        if self == Side::Forwards {
+            return Extremal::new(start, target.velocity, limits);
+        }
+        let AxisState { position, velocity, acceleration } = *start;
+        let mirrored = AxisState { position, velocity: -velocity, acceleration: -acceleration };
+        Extremal::new(&mirrored, -target.velocity, &limits.mirrored())
+    }
 }
 
 impl AxisPlan {
@@ -39,65 +58,75 @@ impl AxisPlan {
     pub fn new(start: &AxisState, target: &AxisTarget, limits: &AxisLimits) -> Result<Self, JerkError> {
         limits.validate()?;
         limits.check(start, target)?;
-        let limits = limits.around(start);
-        let mirrored = AxisState {
-            position: start.position,
-            velocity: -start.velocity,
-            acceleration: -start.acceleration,
-        };
-        let extremes = [
-            Extremal::new(start, target.velocity, &limits),
-            Extremal::new(&mirrored, -target.velocity, &limits.mirrored()),
-        ];
-        let way = target.position - start.position;
-        let off = way - extremes[0].least_way();
-        // On the fastest change of velocity: to the rounding of what it was computed from.
-        let (beginning, a0) = (extremes[0].beginning(), start.acceleration);
-        let speed = start.velocity.abs() + target.velocity.abs() + a0 * a0 / limits.jerk;
-        let rounding = 1e-11 * (way.abs() + extremes[0].least_way().abs())
-            + 64.0 * f64::EPSILON * speed * beginning.duration
-            + 8.0 * f64::EPSILON * (start.position.abs() + target.position.abs());
         let mut plan = AxisPlan {
             start: *start,
             target: *target,
-            extremes,
-            fastest: (0, beginning),
+            limits: limits.around(start),
+            fastest: JerkProfile::resting(start.position, 0.0),
             blocked: [(0.0, 0.0); BLOCKED],
         };
-        let sides = [0, 1].map(|side| {
-            let way = if side == 0 { way } else { -way };
-            extremes[side].gaps(way, off.abs() <= rounding)
-        });
+        let way = target.position - start.position;
+        if plan.rests() {
+            // Nothing is impossible from rest to rest.
+            if way != 0.0 {
+                let side = if way > 0.0 { Side::Forwards } else { Side::Backwards };
+                let extreme = side.extreme(start, target, limits);
+                let place = extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
+                plan.fastest = extreme.profile(&place, side.sign());
+            }
+        } else {
+            plan.plan_moving(way);
+        }
+        check_end(start, target, &plan.fastest)?;
+        plan.fastest = plan.fastest.ending_at(plan.least(), target);
+        Ok(plan)
+    }
+
+    fn rests(&self) -> bool {
+        self.start.velocity == 0.0 && self.start.acceleration == 0.0 && self.target.velocity == 0.0
+    }
+
+    /// The fastest motion and the gaps behind it, of an axis that moves at its start or at its target.
+    fn plan_moving(&mut self, way: f64) {
+        let AxisPlan { start, target, limits, .. } = self;
+        let sides = [Side::Forwards, Side::Backwards];
+        let extremes = sides.map(|side| side.extreme(start, target, limits));
+        let least_way = extremes[0].least_way();
+        // On the fastest change of velocity: to the rounding of what it was computed from.
+        let (beginning, a0) = (extremes[0].beginning(), start.acceleration);
+        let speed = start.velocity.abs() + target.velocity.abs() + a0 * a0 / limits.jerk;
+        let rounding = 1e-11 * (way.abs() + least_way.abs())
+            + 64.0 * f64::EPSILON * speed * beginning.duration
+            + 8.0 * f64::EPSILON * (start.position.abs() + target.position.abs());
+        let there = (way - least_way).abs() <= rounding;
+        let all = [0, 1].map(|i| extremes[i].gaps(way * sides[i].sign(), there));
         let gaps = || {
-            sides
-                .iter()
-                .enumerate()
-                .flat_map(|(side, gaps)| gaps.items.iter().flatten().map(move |gap| (side, gap)))
+            all.iter().enumerate().flat_map(|(i, gaps)| gaps.items.iter().flatten().map(move |gap| (i, gap)))
         };
+        let mut fastest = (0, beginning);
         // Each gap is left once at most.
         for _ in 0..2 * BLOCKED {
-            let least = plan.least();
-            let Some((side, (_, end))) =
+            let least = fastest.1.duration;
+            let Some((i, (_, end))) =
                 gaps().find(|(_, (from, end))| from + 1e-12 * least < least && least < end.duration)
             else {
                 break;
             };
-            plan.fastest = (side, *end);
+            fastest = (i, *end);
         }
-        let least = plan.least();
-        let later = gaps().filter(|(_, (_, end))| end.duration > least);
-        for (slot, (_, (from, end))) in plan.blocked.iter_mut().zip(later) {
-            *slot = (from.max(least), end.duration);
+        let (i, place) = fastest;
+        self.fastest = extremes[i].profile(&place, sides[i].sign());
+        let later = gaps().filter(|(_, (_, end))| end.duration > place.duration);
+        for (slot, (_, (from, end))) in self.blocked.iter_mut().zip(later) {
+            *slot = (from.max(place.duration), end.duration);
         }
-        let profile = plan.unended();
-        plan.check_end(&profile)?;
-        Ok(plan)
+        self.fastest = self.fastest.lasting_just(place.duration);
     }
 
     /// Shortest duration \[s\].
     #[must_use]
     pub fn least(&self) -> f64 {
-        self.fastest.1.duration
+        self.fastest.duration()
     }
 
     /// Open intervals of longer durations \[s\] that are impossible, in no order; they may overlap or be empty.
@@ -122,8 +151,8 @@ impl AxisPlan {
 
     /// The fastest motion.
     #[must_use]
-    pub fn fastest(&self) -> JerkProfile {
-        self.unended().ending_at(self.least(), &self.target)
+    pub fn fastest(&self) -> &JerkProfile {
+        &self.fastest
     }
 
     /// A motion of exactly `duration` \[s\].
@@ -135,45 +164,36 @@ impl AxisPlan {
         if next != duration {
             return Err(JerkError::Duration { asked: duration, least: self.least(), next });
         }
+        let (start, target, limits) = (&self.start, &self.target, &self.limits);
         if duration == self.least() {
-            return Ok(self.fastest());
+            return Ok(self.fastest);
         }
-        let rests =
-            self.start.velocity == 0.0 && self.start.acceleration == 0.0 && self.target.velocity == 0.0;
-        let profile = if rests {
+        let profile = if self.rests() {
             if self.least() == 0.0 {
-                return Ok(JerkProfile::resting(self.start.position, duration));
+                return Ok(JerkProfile::resting(start.position, duration));
             }
-            self.unended().slowed(duration / self.least())
+            self.fastest.slowed(duration / self.least())
         } else {
-            let [far, near] = [0, 1].map(|side| self.profile(side, &self.extremes[side].lasting(duration)));
+            let [far, near] = [Side::Forwards, Side::Backwards].map(|side| {
+                let extreme = side.extreme(start, target, limits);
+                extreme.profile(&extreme.lasting(duration), side.sign())
+            });
             let (high, low) = (far.last().point.position, near.last().point.position);
-            let share = (self.target.position - low) / (high - low);
+            let share = (target.position - low) / (high - low);
             // Not a number where both extremes are one motion.
             let share = if share >= 0.0 { share.min(1.0) } else { 0.0 };
             far.mixed(&near, share)
         };
-        self.check_end(&profile)?;
-        Ok(profile.ending_at(duration, &self.target))
+        check_end(start, target, &profile)?;
+        Ok(profile.ending_at(duration, target))
     }
+}
 
-    fn unended(&self) -> JerkProfile {
-        self.profile(self.fastest.0, &self.fastest.1)
-    }
-
-    fn profile(&self, side: usize, place: &Place) -> JerkProfile {
-        self.extremes[side].profile(place, if side == 0 { 1.0 } else { -1.0 })
-    }
-
-    /// Double precision must be enough: never hand out a motion that jumps at its end.
-    fn check_end(&self, profile: &JerkProfile) -> Result<(), JerkError> {
-        let end = profile.last();
-        let size = profile.size() + self.start.position.abs() + self.target.position.abs();
-        let miss = (end.point.position - self.target.position).abs();
-        if size.is_finite() && end.time.is_finite() && miss <= 1e-9 * size {
-            Ok(())
-        } else {
-            Err(JerkError::Precision(miss))
-        }
-    }
+/// Double precision must be enough: never hand out a motion that jumps at its end.
+fn check_end(start: &AxisState, target: &AxisTarget, profile: &JerkProfile) -> Result<(), JerkError> {
+    let end = profile.last();
+    let size = profile.size() + start.position.abs() + target.position.abs();
+    let miss = (end.point.position - target.position).abs();
+    let enough = size.is_finite() && end.time.is_finite() && miss <= 1e-9 * size;
+    if enough { Ok(()) } else { Err(JerkError::Precision(miss)) }
 }

@@ -150,6 +150,12 @@ impl JerkProfile {
         self
     }
 
+    /// The same, its duration replaced by one that differs by rounding.
+    pub(super) fn lasting_just(mut self, duration: f64) -> Self {
+        self.knots[self.phases].time = duration;
+        self
+    }
+
     /// The same, with its end replaced by one that differs by rounding.
     pub(super) fn ending_at(mut self, duration: f64, end: &AxisTarget) -> Self {
         let AxisTarget { position, velocity } = *end;
