@@ -22,6 +22,7 @@ mod extremal;
 mod limits;
 mod plan;
 mod profile;
+mod rest;
 mod synchronised;
 
 pub use cursor::MoveCursor;

@@ -12,6 +12,7 @@
 //! ratio, and the same ratio of the motions themselves is a motion within the limits.
 
 use super::extremal::Extremal;
+use super::rest::rest_to_rest;
 use super::{AxisLimits, AxisState, AxisTarget, JerkError, JerkProfile};
 
 /// Most blocked intervals; two are known to occur.
@@ -70,9 +71,12 @@ impl AxisPlan {
             // Nothing is impossible from rest to rest.
             if way != 0.0 {
                 let side = if way > 0.0 { Side::Forwards } else { Side::Backwards };
-                let extreme = side.extreme(start, target, limits);
-                let place = extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
-                plan.fastest = extreme.profile(&place, side.sign());
+                plan.fastest = rest_to_rest(start, way.abs(), side.sign(), limits).unwrap_or_else(|| {
+                    let extreme = side.extreme(start, target, limits);
+                    let place =
+                        extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
+                    extreme.profile(&place, side.sign())
+                });
             }
         } else {
             plan.plan_moving(way);

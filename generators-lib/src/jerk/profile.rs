@@ -50,6 +50,7 @@ impl AxisPoint {
     }
 
     /// `share` of one motion and the rest of another.
+    #[inline]
     fn mixed(&self, other: &AxisPoint, share: f64) -> AxisPoint {
         // What both agree on stays as it is.
         let mix = |a: f64, b: f64| b + share * (a - b);

@@ -141,7 +141,8 @@ impl Extremal {
             let last = cut == to || self.count + 2 >= PIECES;
             if last || (cut > from && cut < to) {
                 let end = if last { to } else { cut };
-                self.pieces[self.count] = Piece::new(kind, from, end, self.limits.jerk);
+                let before = self.pieces[..self.count].last().map(|piece| piece.to_value);
+                self.pieces[self.count] = Piece::new(kind, from, end, self.limits.jerk, before.as_ref());
                 self.count += 1;
                 from = end;
             }

@@ -5,14 +5,14 @@ use super::Value;
 /// `t = (v - o) / A + A / J`; `T = 2 x / J + t`; `D = (b + v) x / J + (v + o) t / 2`.
 #[inline]
 pub(super) fn value(x: f64, base: f64, other: f64, held: f64, j: f64) -> Value {
-    let i = 1.0 / j;
+    let (i, per_held) = (1.0 / j, 1.0 / held);
     let v = base + x * x * i;
-    let t = (v - other) / held + held * i;
+    let t = (v - other) * per_held + held * i;
     let slope = 2.0 * x * i;
     Value {
         time: slope + t,
         way: (base + v) * x * i + 0.5 * (v + other) * t,
-        way_slope: (slope * x + base + v) * i + 0.5 * slope * (t + (v + other) / held),
+        way_slope: (slope * x + base + v) * i + 0.5 * slope * (t + (v + other) * per_held),
     }
 }
 

@@ -42,9 +42,11 @@ impl Default for Piece {
 }
 
 impl Piece {
-    pub fn new(kind: Kind, from: f64, to: f64, j: f64) -> Self {
+    /// Behind `before`, where there is a piece before this one.
+    pub fn new(kind: Kind, from: f64, to: f64, j: f64, before: Option<&Value>) -> Self {
         let mut piece = Piece { kind, from, to, ..Piece::default() };
-        (piece.from_value, piece.to_value) = (piece.value(from, j), piece.value(to, j));
+        piece.from_value = before.copied().unwrap_or_else(|| piece.value(from, j));
+        piece.to_value = piece.value(to, j);
         piece
     }
 
