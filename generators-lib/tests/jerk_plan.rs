@@ -43,7 +43,7 @@ fn rest_to_rest_takes_the_closed_form_time() {
 #[test]
 fn all_phases_of_a_long_way_are_those_of_the_book() {
     // 2 m at 1 m/s, 4 m/s^2, 40 m/s^3: ramps 0.1, 0.15, 0.1 s, cruise from 0.35 to 2.0 s.
-    let profile = *rest(2.0, &AxisLimits::symmetric(1.0, 4.0, 40.0)).unwrap().fastest();
+    let profile = rest(2.0, &AxisLimits::symmetric(1.0, 4.0, 40.0)).unwrap().fastest();
     let at = |t: f64| profile.at(t);
     assert!((at(0.1).velocity - 0.2).abs() < 1e-14 && (at(0.1).position - 40.0 * 1e-3 / 6.0).abs() < 1e-14);
     assert!((at(0.2).acceleration - 4.0).abs() < 1e-13 && at(0.2).jerk == 0.0);

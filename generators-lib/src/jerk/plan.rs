@@ -12,6 +12,7 @@
 //! ratio, and the same ratio of the motions themselves is a motion within the limits.
 
 use super::extremal::Extremal;
+use super::profile::Phases;
 use super::rest::rest_to_rest;
 use super::{AxisLimits, AxisState, AxisTarget, JerkError, JerkProfile};
 
@@ -24,7 +25,8 @@ pub struct AxisPlan {
     start: AxisState,
     target: AxisTarget,
     limits: AxisLimits,
-    fastest: JerkProfile,
+    fastest: Phases,
+    least: f64,
     blocked: [(f64, f64); BLOCKED],
 }
 
@@ -63,7 +65,8 @@ impl AxisPlan {
             start: *start,
             target: *target,
             limits: limits.around(start),
-            fastest: JerkProfile::resting(start.position, 0.0),
+            fastest: [(0.0, 0.0); 7],
+            least: 0.0,
             blocked: [(0.0, 0.0); BLOCKED],
         };
         let way = target.position - start.position;
@@ -71,18 +74,18 @@ impl AxisPlan {
             // Nothing is impossible from rest to rest.
             if way != 0.0 {
                 let side = if way > 0.0 { Side::Forwards } else { Side::Backwards };
-                plan.fastest = rest_to_rest(start, way.abs(), side.sign(), limits).unwrap_or_else(|| {
+                plan.fastest = rest_to_rest(way.abs(), side.sign(), limits).unwrap_or_else(|| {
                     let extreme = side.extreme(start, target, limits);
                     let place =
                         extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
-                    extreme.profile(&place, side.sign())
+                    extreme.phases(&place, side.sign())
                 });
+                plan.least = plan.fastest.iter().map(|(duration, _)| duration).sum();
             }
         } else {
             plan.plan_moving(way);
         }
-        check_end(start, target, &plan.fastest)?;
-        plan.fastest = plan.fastest.ending_at(plan.least(), target);
+        check_end(start, target, &JerkProfile::through(start, &plan.fastest))?;
         Ok(plan)
     }
 
@@ -94,7 +97,9 @@ impl AxisPlan {
     fn plan_moving(&mut self, way: f64) {
         let AxisPlan { start, target, limits, .. } = self;
         let sides = [Side::Forwards, Side::Backwards];
-        let extremes = sides.map(|side| side.extreme(start, target, limits));
+        let forwards = Side::Forwards.extreme(start, target, limits);
+        let backwards = Side::Backwards.extreme(start, target, limits);
+        let extremes = [&forwards, &backwards];
         let least_way = extremes[0].least_way();
         // On the fastest change of velocity: to the rounding of what it was computed from.
         let (beginning, a0) = (extremes[0].beginning(), start.acceleration);
@@ -119,18 +124,17 @@ impl AxisPlan {
             fastest = (i, *end);
         }
         let (i, place) = fastest;
-        self.fastest = extremes[i].profile(&place, sides[i].sign());
+        (self.fastest, self.least) = (extremes[i].phases(&place, sides[i].sign()), place.duration);
         let later = gaps().filter(|(_, (_, end))| end.duration > place.duration);
         for (slot, (_, (from, end))) in self.blocked.iter_mut().zip(later) {
             *slot = (from.max(place.duration), end.duration);
         }
-        self.fastest = self.fastest.lasting_just(place.duration);
     }
 
     /// Shortest duration \[s\].
     #[must_use]
     pub fn least(&self) -> f64 {
-        self.fastest.duration()
+        self.least
     }
 
     /// Open intervals of longer durations \[s\] that are impossible, in no order; they may overlap or be empty.
@@ -155,8 +159,8 @@ impl AxisPlan {
 
     /// The fastest motion.
     #[must_use]
-    pub fn fastest(&self) -> &JerkProfile {
-        &self.fastest
+    pub fn fastest(&self) -> JerkProfile {
+        JerkProfile::through(&self.start, &self.fastest).ending_at(self.least, &self.target)
     }
 
     /// A motion of exactly `duration` \[s\].
@@ -170,18 +174,19 @@ impl AxisPlan {
         }
         let (start, target, limits) = (&self.start, &self.target, &self.limits);
         if duration == self.least() {
-            return Ok(self.fastest);
+            return Ok(self.fastest());
         }
         let profile = if self.rests() {
             if self.least() == 0.0 {
                 return Ok(JerkProfile::resting(start.position, duration));
             }
-            self.fastest.slowed(duration / self.least())
+            self.fastest().slowed(duration / self.least())
         } else {
-            let [far, near] = [Side::Forwards, Side::Backwards].map(|side| {
+            let extreme = |side: Side| {
                 let extreme = side.extreme(start, target, limits);
-                extreme.profile(&extreme.lasting(duration), side.sign())
-            });
+                JerkProfile::through(start, &extreme.phases(&extreme.lasting(duration), side.sign()))
+            };
+            let (far, near) = (extreme(Side::Forwards), extreme(Side::Backwards));
             let (high, low) = (far.last().point.position, near.last().point.position);
             let share = (target.position - low) / (high - low);
             // Not a number where both extremes are one motion.

@@ -5,6 +5,9 @@ use super::{AxisState, AxisTarget};
 /// Most phases: two profiles of seven, merged.
 pub(super) const PHASES: usize = 14;
 
+/// A duration \[s\] and a jerk [m/s^3] each.
+pub(super) type Phases = [(f64, f64); 7];
+
 /// An axis at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisPoint {
@@ -81,18 +84,17 @@ impl JerkProfile {
     /// Rest at `position` for `duration` \[s\].
     pub(super) fn resting(position: f64, duration: f64) -> Self {
         let start = AxisState { position, ..AxisState::default() };
-        JerkProfile::through(
-            &start,
-            [(duration, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0)],
-        )
+        let mut phases = [(0.0, 0.0); 7];
+        phases[0].0 = duration;
+        JerkProfile::through(&start, &phases)
     }
 
     /// From `start` through phases of a duration and a jerk each; those without duration are left out.
-    pub(super) fn through(start: &AxisState, phases: [(f64, f64); 7]) -> Self {
+    pub(super) fn through(start: &AxisState, phases: &Phases) -> Self {
         let mut profile = JerkProfile::default();
         let AxisState { position, velocity, acceleration } = *start;
         let (mut time, mut point) = (0.0, AxisPoint { position, velocity, acceleration, jerk: 0.0 });
-        for (duration, jerk) in phases {
+        for &(duration, jerk) in phases {
             if duration > 0.0 {
                 point.jerk = jerk;
                 profile.knots[profile.phases] = Knot { time, point };
@@ -148,12 +150,6 @@ impl JerkProfile {
             knot.point.acceleration *= scale;
             knot.point.jerk *= scale;
         }
-        self
-    }
-
-    /// The same, its duration replaced by one that differs by rounding.
-    pub(super) fn lasting_just(mut self, duration: f64) -> Self {
-        self.knots[self.phases].time = duration;
         self
     }
 

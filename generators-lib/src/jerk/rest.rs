@@ -7,15 +7,11 @@
 //!     cbrt(J D^2 / 4)                      else
 //! ```
 
-use super::{AxisLimits, AxisState, JerkProfile};
+use super::AxisLimits;
+use super::profile::Phases;
 
 /// The fastest motion from rest by `way` \[m\] > 0 in the `direction` 1 or -1, if both accelerations are the same.
-pub(super) fn rest_to_rest(
-    start: &AxisState,
-    way: f64,
-    direction: f64,
-    limits: &AxisLimits,
-) -> Option<JerkProfile> {
+pub(super) fn rest_to_rest(way: f64, direction: f64, limits: &AxisLimits) -> Option<Phases> {
     let (a, j) = (limits.max_acceleration, limits.jerk);
     if a != -limits.min_acceleration {
         return None;
@@ -36,8 +32,5 @@ pub(super) fn rest_to_rest(
     let (t, held) = (x / j, (v / x - x / j).max(0.0));
     let cruise = if cruise > 0.0 { cruise / v_max } else { 0.0 };
     let jerk = j * direction;
-    Some(JerkProfile::through(
-        start,
-        [(t, jerk), (held, 0.0), (t, -jerk), (cruise, 0.0), (t, -jerk), (held, 0.0), (t, jerk)],
-    ))
+    Some([(t, jerk), (held, 0.0), (t, -jerk), (cruise, 0.0), (t, -jerk), (held, 0.0), (t, jerk)])
 }

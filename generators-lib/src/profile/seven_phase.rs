@@ -43,7 +43,7 @@ impl SevenPhase {
         let target = AxisTarget { position: distance, velocity: 0.0 };
         let plan = AxisPlan::new(&AxisState::default(), &target, &axis);
         let plan = plan.map_err(|_| ProfileError::Precision(distance))?;
-        Ok(SevenPhase { distance, motion: *plan.fastest(), rate: 1.0, duration: plan.least() })
+        Ok(SevenPhase { distance, motion: plan.fastest(), rate: 1.0, duration: plan.least() })
     }
 }
 

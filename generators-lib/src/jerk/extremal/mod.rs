@@ -22,7 +22,8 @@ mod free;
 mod one_held;
 mod piece;
 
-use super::{AxisLimits, AxisState, JerkProfile};
+use super::profile::Phases;
+use super::{AxisLimits, AxisState};
 use piece::{Kind, Piece, Value};
 
 /// Most pieces of a curve: one acceleration held, none, one, the other, both, the cruise; and two turns.
@@ -210,8 +211,8 @@ impl Extremal {
         Place { piece, z: self.pieces[piece].at_time(time, self.limits.jerk), duration }
     }
 
-    /// The motion itself; `direction` 1, or -1 for the mirrored axis, from `start` as it is there.
-    pub fn profile(&self, place: &Place, direction: f64) -> JerkProfile {
+    /// The motion itself, as phases of a duration and a jerk each; `direction` 1, or -1 for the mirrored axis.
+    pub fn phases(&self, place: &Place, direction: f64) -> Phases {
         let j = self.limits.jerk;
         let (peak, cruise) = self.pieces[place.piece].peak(place.z, j);
         let accelerations = [self.limits.max_acceleration, -self.limits.min_acceleration];
@@ -229,22 +230,14 @@ impl Extremal {
         // Where the acceleration never is 0, the two middle phases of one jerk are one.
         let (up_end, down_begin) = if up < 0.0 { (up + down, 0.0) } else { (up, down) };
         let signed = j * direction;
-        let start = AxisState {
-            position: self.start.position,
-            velocity: self.start.velocity * direction,
-            acceleration: self.start.acceleration * direction,
-        };
-        JerkProfile::through(
-            &start,
-            [
-                ((up - self.start.acceleration) / j, signed),
-                (up_held, 0.0),
-                (up_end / j, -signed),
-                (cruise, 0.0),
-                (down_begin / j, -signed),
-                (down_held, 0.0),
-                (down / j, signed),
-            ],
-        )
+        [
+            ((up - self.start.acceleration) / j, signed),
+            (up_held, 0.0),
+            (up_end / j, -signed),
+            (cruise, 0.0),
+            (down_begin / j, -signed),
+            (down_held, 0.0),
+            (down / j, signed),
+        ]
     }
 }
