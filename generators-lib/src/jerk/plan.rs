@@ -42,13 +42,13 @@ impl Side {
         if self == Side::Forwards { 1.0 } else { -1.0 }
     }
 
-    fn extreme(self, start: &AxisState, target: &AxisTarget, limits: &AxisLimits) -> Extremal {
+    fn extreme(self, start: &AxisState, target: &AxisTarget, limits: &AxisLimits, cut: bool) -> Extremal {
         if self == Side::Forwards {
-            return Extremal::new(start, target.velocity, limits);
+            return Extremal::new(start, target.velocity, limits, cut);
         }
         let AxisState { position, velocity, acceleration } = *start;
         let mirrored = AxisState { position, velocity: -velocity, acceleration: -acceleration };
-        Extremal::new(&mirrored, -target.velocity, &limits.mirrored())
+        Extremal::new(&mirrored, -target.velocity, &limits.mirrored(), cut)
     }
 }
 
@@ -75,7 +75,7 @@ impl AxisPlan {
             if way != 0.0 {
                 let side = if way > 0.0 { Side::Forwards } else { Side::Backwards };
                 plan.fastest = rest_to_rest(way.abs(), side.sign(), limits).unwrap_or_else(|| {
-                    let extreme = side.extreme(start, target, limits);
+                    let extreme = side.extreme(start, target, limits, true);
                     let place =
                         extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
                     extreme.phases(&place, side.sign())
@@ -97,8 +97,8 @@ impl AxisPlan {
     fn plan_moving(&mut self, way: f64) {
         let AxisPlan { start, target, limits, .. } = self;
         let sides = [Side::Forwards, Side::Backwards];
-        let forwards = Side::Forwards.extreme(start, target, limits);
-        let backwards = Side::Backwards.extreme(start, target, limits);
+        let forwards = Side::Forwards.extreme(start, target, limits, true);
+        let backwards = Side::Backwards.extreme(start, target, limits, true);
         let extremes = [&forwards, &backwards];
         let least_way = extremes[0].least_way();
         // On the fastest change of velocity: to the rounding of what it was computed from.
@@ -183,7 +183,7 @@ impl AxisPlan {
             self.fastest().slowed(duration / self.least())
         } else {
             let extreme = |side: Side| {
-                let extreme = side.extreme(start, target, limits);
+                let extreme = side.extreme(start, target, limits, false);
                 JerkProfile::through(start, &extreme.phases(&extreme.lasting(duration), side.sign()))
             };
             let (far, near) = (extreme(Side::Forwards), extreme(Side::Backwards));

@@ -43,6 +43,7 @@ pub(super) struct Extremal {
     ahead: [f64; 2],
     pieces: [Piece; PIECES],
     count: usize,
+    cut: bool,
 }
 
 /// A motion on the curve: which piece, and where on it.
@@ -62,8 +63,9 @@ pub(super) struct Gaps {
 }
 
 impl Extremal {
-    /// From `start`, which the limits allow, to the velocity `v1`.
-    pub fn new(start: &AxisState, v1: f64, limits: &AxisLimits) -> Self {
+    /// From `start`, which the limits allow, to the velocity `v1`; cut at the turns of the way, which only
+    /// [`Self::gaps`] needs.
+    pub fn new(start: &AxisState, v1: f64, limits: &AxisLimits, cut: bool) -> Self {
         let (j, v_max) = (limits.jerk, limits.max_velocity);
         let a0 = start.acceleration;
         let b0 = start.velocity - 0.5 * a0 * a0 / j;
@@ -75,6 +77,7 @@ impl Extremal {
             ahead,
             pieces: [Piece::default(); PIECES],
             count: 0,
+            cut,
         };
         // Differences of squares as small as the rounding of what they come from are none: their roots would not be small.
         // A start on the way to `v1` may bring the rounding of higher velocities along.
@@ -137,7 +140,8 @@ impl Extremal {
         }
         let mut from = from;
         let to = to.max(from);
-        for cut in Piece::turns(&kind, self.limits.jerk).into_iter().chain([to]) {
+        let turns = if self.cut { Piece::turns(&kind, self.limits.jerk) } else { [f64::NAN; 2] };
+        for cut in turns.into_iter().chain([to]) {
             // All room is needed only where rounding makes more turns than there are.
             let last = cut == to || self.count + 2 >= PIECES;
             if last || (cut > from && cut < to) {
