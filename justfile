@@ -43,3 +43,15 @@ engrave *ARGS:
 # The tutorial and the tables for those who come from elsewhere, as a book: target/book/index.html.
 book:
     mdbook build docs
+
+# Cells as processes of the operating system; builds iceoryx2 first.
+test-processes:
+    cargo test -p mrroc-tests --features processes --test processes
+
+# The same, with 200 kills of each kind; takes many minutes.
+test-kills:
+    MRROC_KILLS=200 cargo test --release -p mrroc-tests --features processes --test processes -- fault_0
+
+# A round trip between two processes beside bare iceoryx2, a futex and a socket, in microseconds.
+bench-latency:
+    cargo test --release -p mrroc --features processes --lib round_trips_of_every_kind -- --ignored --nocapture

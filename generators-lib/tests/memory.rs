@@ -1,7 +1,19 @@
 //! Memory does not grow with the path, and nothing allocates while it is followed.
 
+use mrroc::{
+    Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Step, Tick,
+    Wrench,
+};
 use mrroc_generators::bspline::{SpanStream, SplineSettings};
+use mrroc_generators::cooperation::{
+    BodyFrame, Displacement, FreeDirection, GraspStiffness, KinematicLoop, SqueezeBounds, SqueezeGains,
+    SqueezeLaw, TimedBody,
+};
 use mrroc_generators::feed::{FedPath, FeedLimits};
+use mrroc_generators::generators::{FollowMaster, RigidCarry, SharedDrive, SqueezedCarry, YieldingTransmit};
+use mrroc_generators::line::ToolLimits;
+use mrroc_generators::profile::ProfileLimits;
+use mrroc_robots::{Five, Irp6FiveDof};
 use nalgebra::Vector3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -72,6 +84,67 @@ fn following_a_path_allocates_nothing() {
     });
     assert_eq!(bytes, 0);
     assert!(steps > 10_000, "{steps}");
+}
+
+struct Wrist;
+
+impl Sensor for Wrist {
+    const KIND: &'static str = "wrist";
+    type Reading = Wrench;
+    type Configuration = ();
+}
+
+/// The bytes that a generator's steps allocate, to its end or for 500 of them.
+fn stepped<G>(
+    mut generator: G,
+    e: &State<G::Robots>,
+    v: &Reading<G::Sensors>,
+    order: &Order<G::Order>,
+) -> usize
+where
+    G: Generator,
+{
+    let t = Tick { step: 0, dt: 1e-3, duration: 1e-3 };
+    allocated(|| {
+        let mut step = generator.first_step(order, e, v, t).unwrap();
+        for _ in 0..500 {
+            if matches!(step, Step::Done) {
+                break;
+            }
+            step = generator.next_step(order, e, v, t).unwrap();
+        }
+    })
+}
+
+#[test]
+fn cooperation_allocates_nothing() {
+    type Two = [Irp6FiveDof; 2];
+    let (robot, q) = (Irp6FiveDof::nominal(), Five::new(0.0, -1.5, 0.1, -0.17, 0.0));
+    let state = RobotState { joints: q, velocity: Five::zeros(), pose: robot.forward(&q) };
+    let images = [RobotImage::new(state, state); 2];
+    let (e, none, no_order) = (State::<Two>::new(images), Reading::new(()), Order::new(()));
+    let path = || TimedBody::new(0.4, |t| Pose::translation(0.1 * t, 0.0, 0.0));
+    let carry = RigidCarry::<Two, _, Displacement>::along(BodyFrame::Centroid, path());
+    assert_eq!(stepped(carry, &e, &none, &no_order), 0);
+    assert_eq!(stepped(FollowMaster::<Two, _>::along(path(), 0.01), &e, &none, &no_order), 0);
+    let limits = ProfileLimits { velocity: 0.1, acceleration: 1.0 };
+    let limits = ToolLimits { translation: limits, rotation: limits };
+    let loops = [KinematicLoop::held(&Pose::identity(), &Pose::translation(0.8, 0.0, 1.0)); 2];
+    let drive = SharedDrive::<Two, _>::from(Pose::identity(), path(), loops, limits);
+    assert_eq!(stepped(drive, &e, &none, &no_order), 0);
+    let stiffness = GraspStiffness { force: 5e4, torque: 500.0 };
+    let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.02 };
+    let bounds = SqueezeBounds { speed: 1.0, turning: 1.0, way: 1.0, angle: 1.0 };
+    let law = SqueezeLaw::new(gains, bounds, 0.01).unwrap();
+    let (body, squeeze) = (BodyFrame::InFirstTool(Pose::translation(0.1, 0.0, 0.0)), 5.0);
+    let squeezed = SqueezedCarry::<Two, [Wrist; 2], _>::along(body, path(), law, squeeze, 0);
+    let load = Wrench::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.1, 0.2, 0.3));
+    let v = Reading::new([SensorImage::new(load, 0); 2]);
+    assert_eq!(stepped(squeezed, &e, &v, &no_order), 0);
+    let free = FreeDirection::Turn(Vector3::x_axis());
+    let (one, order) =
+        (State::new(images[0]), Order::new(Displacement { pose: Pose::translation(0.0, 0.02, 0.0) }));
+    assert_eq!(stepped(YieldingTransmit::by(robot, free), &one, &none, &order), 0);
 }
 
 /// The counter does count.

@@ -14,9 +14,9 @@ use crate::svg::{Anchor, Points, Px, Svg, Weight, Words};
 use crate::thinning;
 use crate::ticks::{Axis, Ticks};
 
-/// Room for ticks at the left end of a chart, and for labels at its right end \[px\].
+/// Room for ticks at the left end of a chart, and usually for labels at its right end \[px\].
 const TICKS: f64 = 54.0;
-const LABELS: f64 = 108.0;
+pub(crate) const LABELS: f64 = 108.0;
 
 /// A time axis and what is drawn over it.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +26,15 @@ pub(crate) struct Timeline<'a> {
     pub playback: Option<&'a Playback>,
     /// The most points of a line.
     pub most: usize,
+    /// Room for labels \[px\].
+    pub labels: f64,
 }
 
 impl Timeline<'_> {
     /// Draws charts.
     pub fn draw(&self, svg: &mut Svg, area: Area, charts: &[Chart]) {
         let left = area.x + TICKS;
-        let right = area.x + area.width - LABELS;
+        let right = area.x + area.width - self.labels;
         let (unit, seconds) = time_unit(self.run.1 - self.run.0);
         let time = Axis::new((self.run.0 / seconds, self.run.1 / seconds), (left, right));
         let ticks = Ticks::inside(self.run.0 / seconds, self.run.1 / seconds, 8);
@@ -45,7 +47,7 @@ impl Timeline<'_> {
                 svg.line(a, b, format_args!("stroke=\"{GRID}\""));
             }
             let xs: Vec<f64> = chart.times.iter().map(|t| time.at(t / seconds)).collect();
-            chart.draw(svg, frame, &xs, self.most);
+            chart.draw(svg, frame, &xs, self);
             top += HEADING + chart.height;
         }
         let words = Words { size: 11.0, colour: GREY, anchor: Anchor::Middle, weight: Weight::Normal };
@@ -78,7 +80,7 @@ impl Timeline<'_> {
 }
 
 impl Chart {
-    fn draw(&self, svg: &mut Svg, frame: Area, xs: &[f64], most: usize) {
+    fn draw(&self, svg: &mut Svg, frame: Area, xs: &[f64], on: &Timeline<'_>) {
         let words = Words { size: 11.0, colour: GREY, anchor: Anchor::End, weight: Weight::Normal };
         let heading = Words { size: 12.0, colour: INK, anchor: Anchor::Start, weight: Weight::Bold };
         svg.words(
@@ -111,7 +113,7 @@ impl Chart {
         let line = |values: &[f64]| {
             let points: Vec<_> =
                 xs.iter().zip(values).map(|(x, value)| Vector2::new(*x, axis.at(*value))).collect();
-            thinning::curve(&points, most)
+            thinning::curve(&points, on.most)
         };
         svg.group(
             "g",
@@ -142,11 +144,11 @@ impl Chart {
                 }
             },
         );
-        self.labels(svg, frame, &axis, &ticks, xs);
+        self.labels(svg, (frame, on.labels), &axis, &ticks, xs);
     }
 
     /// At the right end: which curve is which, and its last or largest value.
-    fn labels(&self, svg: &mut Svg, frame: Area, axis: &Axis, ticks: &Ticks, xs: &[f64]) {
+    fn labels(&self, svg: &mut Svg, (frame, room): (Area, f64), axis: &Axis, ticks: &Ticks, xs: &[f64]) {
         let right = frame.x + frame.width;
         let words = Words { size: 11.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
         let caption = match self.ends {
@@ -189,7 +191,7 @@ impl Chart {
             }
             let at = Vector2::new(right + 20.0, y + 4.0);
             svg.words(at, Words { colour: curve.colour, weight: Weight::Bold, ..words }, &curve.label);
-            let at = Vector2::new(right + LABELS - 6.0, y + 4.0);
+            let at = Vector2::new(right + room - 6.0, y + 4.0);
             svg.words(at, Words { anchor: Anchor::End, colour: INK, ..words }, &ticks.figure(value));
         }
     }

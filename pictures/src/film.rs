@@ -5,8 +5,9 @@ use std::io;
 use std::path::Path;
 use std::rc::Rc;
 
-use mrroc::{Cell, Observation, Recorder};
+use mrroc::{Cell, Observation, Pose, Recorder};
 
+use crate::block::Block;
 use crate::page;
 use crate::take::Take;
 
@@ -28,6 +29,8 @@ use crate::take::Take;
 #[derive(Debug, Default)]
 pub struct Film {
     takes: Rc<RefCell<Vec<Take>>>,
+    blocks: Rc<RefCell<Vec<Block>>>,
+    left_out: Rc<Vec<String>>,
 }
 
 impl Film {
@@ -37,23 +40,47 @@ impl Film {
         Film::default()
     }
 
+    /// The same film with a body that the robots handle, drawn as a block of these edges along x, y, z \[m\] about its frame,
+    /// which is at the pose `X_WB` that `pose` tells whenever a robot is observed.
+    #[must_use]
+    pub fn with_block(self, edges: [f64; 3], pose: impl FnMut() -> Pose + 'static) -> Film {
+        if let Ok(mut blocks) = self.blocks.try_borrow_mut() {
+            blocks.push(Block::new(edges, Box::new(pose)));
+        }
+        self
+    }
+
+    /// The same film without the robots of these names: hands, say, that are on the arms which are drawn.
+    #[must_use]
+    pub fn without(self, robots: &[&str]) -> Film {
+        Film { left_out: Rc::new(robots.iter().map(|&name| name.to_owned()).collect()), ..self }
+    }
+
     /// The picture of what was seen so far, an SVG document of 1200 px width.
     ///
     /// The same observations give the same text to the byte.
     #[must_use]
     pub fn svg(&self) -> String {
-        match self.takes.try_borrow() {
-            Ok(takes) => page::svg(&takes),
+        match (self.takes.try_borrow(), self.blocks.try_borrow()) {
+            (Ok(takes), Ok(blocks)) => page::svg(&takes, &blocks),
             // Only while a robot is being observed, that is, inside of an observer of the user's.
-            Err(_) => page::svg(&[]),
+            _ => page::svg(&[], &[]),
         }
     }
 }
 
 impl Recorder for Film {
     fn watch(&mut self, cell: Cell) -> Cell {
-        let takes = Rc::clone(&self.takes);
-        cell.watch(move |observation| record(&takes, observation))
+        let (takes, blocks) = (Rc::clone(&self.takes), Rc::clone(&self.blocks));
+        let left_out = Rc::clone(&self.left_out);
+        cell.watch(move |observation| {
+            if left_out.iter().all(|name| name != observation.robot) {
+                record(&takes, observation);
+                if let Ok(mut blocks) = blocks.try_borrow_mut() {
+                    blocks.iter_mut().for_each(|block| block.see(observation.time));
+                }
+            }
+        })
     }
 
     fn save(&mut self, file: &Path) -> io::Result<()> {

@@ -8,11 +8,14 @@
 //!                                      -> figures: where each joint went, its largest following error
 //! ```
 //!
+//! A [`Plot`] shows other quantities over time in the same look.
+//!
 //! The picture needs no script and no network. Its animation is declared (SMIL); where it is ignored, the first and the
 //! last pose, poses between them and the whole path remain.
 
 #![forbid(unsafe_code)]
 
+mod block;
 mod body;
 mod chart;
 mod closeup;
@@ -26,6 +29,7 @@ mod page;
 mod palette;
 mod panel;
 mod playback;
+mod plot;
 mod projection;
 mod scene;
 mod speed;
@@ -38,3 +42,4 @@ mod tool_path;
 mod wording;
 
 pub use film::Film;
+pub use plot::{Line, Plot};

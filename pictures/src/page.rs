@@ -5,8 +5,9 @@
 use mrroc::JointKind;
 use nalgebra::Vector2;
 
+use crate::block::Block;
 use crate::chart::{self, Chart};
-use crate::curves::Timeline;
+use crate::curves::{LABELS, Timeline};
 use crate::palette::{self, GREY, INK, PAGE};
 use crate::playback::Playback;
 use crate::projection::Area;
@@ -20,9 +21,9 @@ use crate::wording::{duration, figure, shortened};
 use crate::{closeup, figures, panel};
 
 /// Width of the page \[px\], its margin, and the room for its heading.
-const WIDTH: f64 = 1200.0;
-const MARGIN: f64 = 24.0;
-const HEADING: f64 = 84.0;
+pub(crate) const WIDTH: f64 = 1200.0;
+pub(crate) const MARGIN: f64 = 24.0;
+pub(crate) const HEADING: f64 = 84.0;
 /// A robot's panel \[px\]: its heading, and the column with the tool's path.
 const ROBOT_HEADING: f64 = 62.0;
 const COLUMN: f64 = 292.0;
@@ -37,8 +38,8 @@ const MOST_WAY: usize = 6000;
 const STYLE: &str = "text{font-variant-numeric:tabular-nums}\
     @media (prefers-reduced-motion:reduce){.moving{display:none!important}.end{opacity:1!important}.start{opacity:.42!important}}";
 
-/// The picture of some takes.
-pub(crate) fn svg(takes: &[Take]) -> String {
+/// The picture of some takes, with the blocks that the robots handled.
+pub(crate) fn svg(takes: &[Take], blocks: &[Block]) -> String {
     let takes: Vec<(&Take, Vec<&Sample>)> =
         takes.iter().map(|take| (take, take.samples())).filter(|(_, samples)| !samples.is_empty()).collect();
     if takes.is_empty() {
@@ -59,11 +60,11 @@ pub(crate) fn svg(takes: &[Take]) -> String {
     let charts: Vec<Vec<Chart>> = takes.iter().map(|(take, samples)| chart::charts(take, samples)).collect();
     let lines: usize = charts.iter().map(|charts| chart::lines(charts)).sum();
     let most = (MOST_POINTS / lines.max(1)).clamp(120, 600);
-    let timeline = Timeline { run, playback: playback.as_ref(), most };
+    let timeline = Timeline { run, playback: playback.as_ref(), most, labels: LABELS };
     let heights: Vec<f64> =
         takes.iter().zip(&charts).map(|((take, _), charts)| robot_height(take, charts)).collect();
 
-    let scene = Scene { actors: &actors, playback: playback.as_ref(), fastest };
+    let scene = Scene { actors: &actors, blocks, playback: playback.as_ref(), fastest };
     let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
     let area = Area { height: scene.height(area.width), ..area };
     let height = HEADING + area.height + heights.iter().map(|height| height + GAP).sum::<f64>() + MARGIN;
@@ -191,7 +192,7 @@ fn titles(takes: &[(&Take, Vec<&Sample>)], run: (f64, f64), playback: Option<&Pl
     (title, subtitle.join(" · "))
 }
 
-fn heading(svg: &mut Svg, title: &str, subtitle: &str) {
+pub(crate) fn heading(svg: &mut Svg, title: &str, subtitle: &str) {
     let words = Words { size: 24.0, colour: INK, anchor: Anchor::Start, weight: Weight::Bold };
     svg.words(Vector2::new(MARGIN, 40.0), words, title);
     let words = Words { size: 13.0, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
@@ -199,7 +200,7 @@ fn heading(svg: &mut Svg, title: &str, subtitle: &str) {
 }
 
 /// An SVG document of this title and height \[px\].
-fn document(title: &str, height: f64, content: impl FnOnce(&mut Svg)) -> String {
+pub(crate) fn document(title: &str, height: f64, content: impl FnOnce(&mut Svg)) -> String {
     let mut svg = Svg::default();
     let height = height.round();
     svg.group(
@@ -241,7 +242,7 @@ mod tests {
     #[test]
     fn names_of_any_text_come_back_from_a_parser() {
         let name = "<a href='x'>&amp; \"ż\"</a>";
-        let svg = svg(&[take(name, 500)]);
+        let svg = svg(&[take(name, 500)], &[]);
         let document = roxmltree::Document::parse(&svg).unwrap();
         let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
         assert!(texts.contains(&name));
@@ -250,13 +251,13 @@ mod tests {
 
     #[test]
     fn a_robot_that_never_ticked_is_left_out() {
-        let svg = svg(&[take("first", 0), take("second", 500)]);
+        let svg = svg(&[take("first", 0), take("second", 500)], &[]);
         assert!(!svg.contains(">first<") && svg.contains("second moved in 1.00 s"));
     }
 
     #[test]
     fn one_servo_period_is_a_picture_without_motion() {
-        let svg = svg(&[take("one", 1)]);
+        let svg = svg(&[take("one", 1)], &[]);
         roxmltree::Document::parse(&svg).unwrap();
         assert!(svg.contains("Nothing moved") && !svg.contains("<animate ") && !svg.contains("NaN"));
     }

@@ -13,6 +13,9 @@ pub(crate) const GRID: &str = "#e2e6ea";
 /// Lines a little stronger than the grid.
 pub(crate) const RULE: &str = "#b4bdc6";
 
+/// Of a body that robots handle.
+pub(crate) const BLOCK: &str = "#9a6a1f";
+
 /// Of joints, in their order: Okabe and Ito (2008), its yellow darkened, and a brown for the eighth.
 const JOINTS: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#cc5f9f", "#b38600", "#3fa4dc", "#3b3b3b", "#8c564b"];

@@ -5,6 +5,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::block::Block;
 use crate::body::{self, Pen};
 use crate::ghosts::ghosts;
 use crate::marks::{arrow, dot, ends, ring};
@@ -31,6 +32,7 @@ pub(crate) struct Actor<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scene<'a> {
     pub actors: &'a [Actor<'a>],
+    pub blocks: &'a [Block],
     pub playback: Option<&'a Playback>,
     /// The speed of the last colour [m/s], > 0.
     pub fastest: f64,
@@ -263,6 +265,21 @@ impl Scene<'_> {
                 });
             }
         }
+        for block in self.blocks {
+            let Some((first, last)) = block.run() else { continue };
+            if !block.moved() {
+                block.draw(svg, on, first, None);
+                continue;
+            }
+            for (class, time, opacity) in [("start", first, ".42"), ("end", last, "1")] {
+                svg.group("g", format_args!("class=\"{class}\" opacity=\"{opacity}\""), |svg| {
+                    if self.playback.is_some() {
+                        Playback::set(svg, "opacity", ".25");
+                    }
+                    block.draw(svg, on, time, None);
+                });
+            }
+        }
         for actor in self.actors {
             actor.path.draw(svg, &actor.motion, on, pen.way, pen.most / self.actors.len().max(1));
         }
@@ -281,6 +298,9 @@ impl Scene<'_> {
         if let Some(playback) = self.playback {
             svg.group("g", format_args!("class=\"moving\" display=\"none\""), |svg| {
                 Playback::set(svg, "display", "inline");
+                for block in self.blocks.iter().filter(|block| block.moved()) {
+                    block.draw(svg, on, f64::NEG_INFINITY, Some(playback));
+                }
                 for actor in self.actors {
                     body::moving(svg, on, actor, playback, pen);
                 }

@@ -40,6 +40,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod clearance;
 pub mod conformance;
 mod conveyor;
 mod drives;
@@ -78,4 +79,4 @@ pub use regulator::{Gains, Regulator, RegulatorSet};
 pub use rnt::Rnt;
 pub use simulated::{Shaft, Simulated, SimulatedIrp6};
 pub use transmission::{Linear, LinkState, Screw, Transmission};
-pub use urdf::{Serial, SerialBuilder, UrdfError};
+pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError};

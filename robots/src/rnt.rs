@@ -33,6 +33,7 @@
 //! `q5 = 0` (forearm's and flange's axes in line).
 
 mod linkage;
+mod outline;
 
 use core::f64::consts::PI;
 

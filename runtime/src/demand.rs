@@ -151,7 +151,8 @@ impl<R: Robot> Demand<R> {
     }
 
     /// The same demand with these parameter sets in the regulators of the joints: the dynamic behaviour of the robot.
-    /// They stay in force until the next demand with others; a set that a drive does not have is a fault.
+    /// They stay in force until the next demand with others, and change when the step of the demand begins, which its
+    /// position follows by the cell's delay; a set that a drive does not have is a fault.
     #[must_use]
     pub const fn with_regulators(mut self, sets: Regulators) -> Self {
         self.regulators = Some(sets);

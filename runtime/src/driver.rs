@@ -86,8 +86,9 @@ pub trait Homing<R: Robot>: Sized {
     /// The servo period, also that of the drives; it divides the step, or the step divides it.
     fn period(&self) -> Duration;
 
-    /// One servo period of the search. A search that is called no more must come to rest by itself within a period, as
-    /// drives must whose demands stop.
+    /// One servo period of the search; the call that returns the drives moves nothing: their own first period begins with
+    /// it. A search that is called no more must come to rest by itself within a period, as drives must whose demands stop;
+    /// after a suspension it is called again.
     ///
     /// # Errors
     /// [`DriveFault`] when a mark is not where it should be or a drive trips; the drives then apply their brakes.

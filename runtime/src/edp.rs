@@ -9,7 +9,7 @@
 use core::time::Duration;
 
 use crate::braking::Braking;
-use crate::demand::Demand;
+use crate::demand::{Coordinates, Demand};
 use crate::driver::{Driver, Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, RobotState};
@@ -20,7 +20,8 @@ use crate::link::{Closed, Nanos, Server, Waiter};
 use crate::message::{Kind, Message, RequestKind, flag};
 use crate::pose::Pose;
 use crate::robot::Robot;
-use crate::stopping::{detection_time, missed_step_budget};
+use crate::stopping::{detection_time, missed_step_budget, stop_steps};
+use crate::task_space::TaskSpace;
 use crate::wire::Wire;
 
 /// What a servo period did, for recording and for pictures.
@@ -77,6 +78,7 @@ pub(crate) struct Edp<'w, R: Robot> {
     regulators: Option<Regulators>,
     /// What the ticks make of the demands.
     interpolation: Interpolation<R::Joints>,
+    task_space: TaskSpace<R::Joints>,
     /// What the drives were told last.
     commanded: R::Joints,
     /// The first step that has not begun here, and when it does; when the next servo period begins \[ns\].
@@ -114,6 +116,7 @@ impl<'w, R: Robot> Edp<'w, R> {
             regulators: None,
             still: interpolation.settling_steps(),
             interpolation,
+            task_space: TaskSpace::new(),
             commanded: measured.position,
             due,
             next_step: due * step + shorter / 2,
@@ -141,7 +144,10 @@ impl<'w, R: Robot> Edp<'w, R> {
     }
 
     /// Serves until the cell closes.
-    pub fn run(mut self) {
+    ///
+    /// # Errors
+    /// `PeerLost` when the robot still moved then and did not come to a standstill in the time that its stops may take.
+    pub fn run(mut self) -> Result<(), Fault> {
         while self.waiter.wait(Some(self.next_step.min(self.next_tick))) != Err(Closed) {
             while self.port.receive(&mut self.request) {
                 self.serve();
@@ -150,6 +156,32 @@ impl<'w, R: Robot> Edp<'w, R> {
                 self.advance();
             }
         }
+        self.come_to_rest()
+    }
+
+    /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
+    /// nothing moves.
+    fn come_to_rest(&mut self) -> Result<(), Fault> {
+        self.stopped = true;
+        self.brake();
+        let delay = self.config.delay.unwrap_or_default();
+        let began = self.due;
+        let last = began + stop_steps(self.config.robot.limits(), self.config.step, delay);
+        // The demand that holds is one of the next step, and the drives are there at the end of that step.
+        while !self.is_at_standstill() || self.due <= began + 2 {
+            if self.due > last {
+                let text = "the cell closed while the robot moved, and it does not come to a standstill";
+                return Err(Fault::new(FaultKind::PeerLost).in_process(self.config.process).text(text));
+            }
+            let next = self.next_step.min(self.next_tick);
+            if self.waiter.wait_closing(next).is_err() {
+                return Ok(());
+            }
+            while self.waiter.now() >= self.next_step.min(self.next_tick) {
+                self.advance();
+            }
+        }
+        Ok(())
     }
 
     /// The step or servo period that begins next; a step before the servo period that begins with it.
@@ -231,23 +263,34 @@ impl<'w, R: Robot> Edp<'w, R> {
             return Err(Fault::new(FaultKind::StoppedByCell));
         }
         let header = self.request.header;
+        // Woken late: what was due before the demand's step comes before the demand.
+        while self.due < header.step && self.waiter.now() >= self.next_step.min(self.next_tick) {
+            self.advance();
+        }
         if self.request.is(flag::FIRST) {
             self.acceptor.begin();
-        }
-        // What was to be done in a step that is over has been bridged, and is never made up for.
-        if header.step < self.due {
-            return Ok(());
         }
         let demand = Demand::get(self.request.words()).map_err(|_| Fault::new(FaultKind::Message))?;
         if let Some(sets) = &demand.regulators {
             self.check_regulators(sets)?;
+            self.regulators = Some(*sets);
+        }
+        // What was to be done in a step that is over has been bridged, and is never made up for; what was chosen with
+        // it stays in force.
+        if header.step < self.due {
+            return self.acceptor.choose_tool(&demand);
         }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let duration = self.config.step.as_secs_f64();
         let accepted = self.acceptor.accept(&demand, header.dt / header.duration * duration, duration);
         let first = self.request.is(flag::FIRST) && !matches!(self.mode, Mode::Moving { .. });
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
-        self.regulators = demand.regulators.or(self.regulators);
+        let stands = self.config.space == InterpolationSpace::Task && self.interpolation.stands();
+        match demand.coordinates {
+            Coordinates::Hold => {}
+            Coordinates::Joints(_) => self.task_space.accept(false, stands),
+            Coordinates::Pose(_) | Coordinates::Displacement(_) => self.task_space.accept(true, stands),
+        }
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
     }
@@ -334,27 +377,33 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// What the drives are told for the end of a servo period.
     fn position_at(&mut self, end: Nanos) -> R::Joints {
         let joints = self.interpolation.at(end);
-        match (self.config.space, &self.mode) {
-            (InterpolationSpace::Joints, _) | (InterpolationSpace::Task, Mode::Braking(_) | Mode::Off) => {
-                joints
-            }
-            (InterpolationSpace::Task, Mode::Holding | Mode::Moving { .. }) => {
-                let position = guarded(|| self.position_in_task_space(end)).and_then(|position| position);
-                position.unwrap_or_else(|fault| {
-                    self.latch(fault, self.due);
+        if self.config.space == InterpolationSpace::Joints || self.interpolation.is_direct() {
+            return joints;
+        }
+        if self.task_space.advance(self.servo as f64 * 1e-9) {
+            match guarded(|| self.beside_spline(end, &joints)).and_then(|difference| difference) {
+                Ok(difference) => self.task_space.set_difference(difference),
+                Err(fault) => {
+                    self.task_space.fail();
+                    self.latch(fault, self.due.saturating_sub(1));
                     self.brake();
-                    joints
-                })
+                }
             }
         }
+        joints + self.task_space.correction()
     }
 
-    fn position_in_task_space(&self, end: Nanos) -> Result<R::Joints, Fault> {
+    /// By how much the joints of the pose between the demands differ from those of the spline.
+    fn beside_spline(&self, end: Nanos, joints: &R::Joints) -> Result<R::Joints, Fault> {
         let robot = &self.config.robot;
         let pose = self.interpolation.pose_at(end, |joints| robot.forward(joints));
-        let joints = self.acceptor.flange_joints(&pose, &self.commanded)?;
-        self.acceptor.check_speed(&self.commanded, &joints, self.servo as f64 * 1e-9)?;
-        Ok(joints)
+        let difference = self.acceptor.flange_joints(&pose, joints)? - *joints;
+        // On another branch, or where the pose turns about a singularity that the joints do not.
+        self.acceptor.check_speed(&R::Joints::zeros(), &difference, self.config.step.as_secs_f64())?;
+        let before = self.commanded - *joints;
+        let way = difference - before;
+        self.acceptor.check_speed(&R::Joints::zeros(), &way, self.servo as f64 * 1e-9)?;
+        Ok(difference)
     }
 
     /// One servo period.
@@ -419,8 +468,7 @@ impl<'w, R: Robot> Edp<'w, R> {
                 if *missed <= missed_step_budget(self.config.step) {
                     return self.acceptor.extrapolate(step);
                 }
-                let lost = Fault::new(FaultKind::PeerLost).in_process(self.config.process);
-                self.fault.get_or_insert(lost.text("no demand from the ECP"));
+                self.latch(Fault::new(FaultKind::PeerLost).text("no demand from the ECP"), self.due);
                 self.mode = Mode::Braking(self.acceptor.braking());
                 self.next_demand()
             }

@@ -4,7 +4,9 @@
 //! on the path, with bounded deceleration, latched at standstill.
 
 use crate::fault::Fault;
+use crate::joints::MAX_JOINTS;
 use crate::name::Name;
+use crate::pose::Pose;
 use crate::vsp::EffectorState;
 
 /// The states of one robot, as a [guard](crate::Cell::guard) sees them: those that its EDP reported last.
@@ -25,32 +27,48 @@ type Watch = Box<dyn FnMut(&[RobotView]) -> Result<(), Fault>>;
 pub(crate) struct Guard {
     every: u64,
     watch: Option<Watch>,
+    /// All robots of the cell, and which of them have reported.
     views: Vec<RobotView>,
+    known: Vec<bool>,
+    /// The last step that it looked in, as a multiple of `every`.
+    looked: Option<u64>,
 }
 
 impl Guard {
     /// A guard that looks every so many steps.
     pub fn new(every: u32, watch: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static) -> Guard {
-        Guard { every: u64::from(every.max(1)), watch: Some(Box::new(watch)), views: Vec::new() }
+        let (views, known) = (Vec::new(), Vec::new());
+        Guard { every: u64::from(every.max(1)), watch: Some(Box::new(watch)), views, known, looked: None }
     }
 
-    /// Whether it looks in this step.
-    pub const fn is_due(&self, step: u64) -> bool {
-        step.is_multiple_of(self.every)
+    /// The robots of the cell.
+    pub fn over(mut self, robots: impl Iterator<Item = Name>) -> Guard {
+        let state =
+            EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: Pose::identity() };
+        self.views = robots.map(|name| RobotView { name, measured: state, demanded: state }).collect();
+        self.known = vec![false; self.views.len()];
+        self
+    }
+
+    /// Whether it is to look in this step, which may be later than the one in which it should have.
+    pub fn is_due(&self, step: u64) -> bool {
+        self.looked != Some(step / self.every)
     }
 
     /// What a robot of the cell reported.
     pub fn see(&mut self, robot: usize, view: RobotView) {
-        match self.views.get_mut(robot) {
-            Some(known) => *known = view,
-            // The robots report in their order when the cell starts.
-            None => self.views.push(view),
+        if let (Some(seen), Some(known)) = (self.views.get_mut(robot), self.known.get_mut(robot)) {
+            (*seen, *known) = (view, true);
         }
     }
 
-    /// Looks. A watch that panics is not called again by the stop that follows.
-    pub fn look(&mut self) -> Result<(), Fault> {
+    /// Looks, once all robots have reported. A watch that panics is not called again by the stop that follows.
+    pub fn look(&mut self, step: u64) -> Result<(), Fault> {
+        if self.known.contains(&false) {
+            return Ok(());
+        }
         let Some(mut watch) = self.watch.take() else { return Ok(()) };
+        self.looked = Some(step / self.every);
         let seen = watch(&self.views);
         self.watch = Some(watch);
         seen

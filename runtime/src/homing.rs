@@ -62,39 +62,72 @@ pub(crate) fn home<R: Robot>(
     port: &dyn Server,
     mut homing: Box<dyn AnyHoming<R>>,
 ) -> Option<Box<dyn Driver<R>>> {
-    let servo = homing.period().as_nanos() as Nanos;
+    let period = homing.period();
+    let servo = period.as_nanos() as Nanos;
     let mut next_tick = waiter.now() + servo / 2;
-    let (mut request, mut fault, mut stopped) = (Message::empty(), None, false);
+    let (mut request, mut state, mut suspended) = (Message::empty(), State::Searching, false);
     loop {
         waiter.wait(Some(next_tick)).ok()?;
         while port.receive(&mut request) {
-            stopped |= request.header.kind == Kind::Request(RequestKind::Stop);
-            if !matches!(request.header.kind, Kind::Request(RequestKind::Query | RequestKind::Stop)) {
-                fault.get_or_insert(Fault::new(FaultKind::Message).in_process(process));
+            match request.header.kind {
+                Kind::Request(RequestKind::Query) => suspended = request.is(flag::SUSPENDED),
+                Kind::Request(RequestKind::Stop) => state.end(None),
+                _ => state.end(Some(Fault::new(FaultKind::Message).in_process(process))),
             }
-            port.reply(&answer(&request, fault.as_ref(), stopped));
+            port.reply(&answer(&request, &state));
         }
         while waiter.now() >= next_tick {
-            // What is searched no more comes to rest by itself.
-            if !stopped && fault.is_none() {
-                match guarded(|| homing.search()) {
-                    Ok(Ok(Some(driver))) => return Some(driver),
+            match &mut state {
+                // What is searched no more comes to rest by itself, within a period.
+                State::Ended { rests, .. } => *rests = true,
+                State::Searching if suspended => {}
+                State::Searching => match guarded(|| homing.search()) {
                     Ok(Ok(None)) => {}
-                    Ok(Err(trip)) => fault = Some(Fault::of_drive(&trip).in_process(process)),
-                    Err(panic) => fault = Some(panic.in_process(process)),
-                }
+                    Ok(Ok(Some(driver))) if driver.period() == period => return Some(driver),
+                    Ok(Ok(Some(_))) => {
+                        let text = "the drives that homing found have another servo period than homing";
+                        state.end(Some(Fault::thrown(text).in_process(process)));
+                    }
+                    Ok(Err(trip)) => state.end(Some(Fault::of_drive(&trip).in_process(process))),
+                    Err(panic) => state.end(Some(panic.in_process(process))),
+                },
             }
             next_tick += servo;
         }
     }
 }
 
-fn answer(request: &Message, fault: Option<&Fault>, stopped: bool) -> Message {
+/// How far the search is.
+enum State {
+    Searching,
+    /// Stopped, or given up for a fault; and whether the drives have had the time to come to rest.
+    Ended {
+        fault: Option<Fault>,
+        rests: bool,
+    },
+}
+
+impl State {
+    /// The first fault is kept.
+    fn end(&mut self, fault: Option<Fault>) {
+        match self {
+            State::Searching => *self = State::Ended { fault, rests: false },
+            State::Ended { fault: first, .. } => *first = first.take().or(fault),
+        }
+    }
+}
+
+fn answer(request: &Message, state: &State) -> Message {
     let mut reply = Message::new(Kind::Reply);
     (reply.header.step, reply.header.instruction) = (request.header.step, request.header.instruction);
-    reply.header.flags = if stopped || fault.is_some() { flag::STANDSTILL } else { flag::HOMING };
-    if let Some(fault) = fault {
-        reply.set_fault(fault);
+    match state {
+        State::Searching => reply.header.flags = flag::HOMING,
+        State::Ended { fault, rests } => {
+            reply.header.flags = if *rests { flag::STANDSTILL } else { 0 };
+            if let Some(fault) = fault {
+                reply.set_fault(fault);
+            }
+        }
     }
     reply
 }

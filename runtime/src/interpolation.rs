@@ -11,7 +11,7 @@
 //! q(u) = q1 + (q2 - q0) u / 2 + (q2 - 2 q1 + q0) (u² / 2 + 1/8),   -1/2 < u <= 1/2
 //! ```
 //!
-//! Between poses it is the same curve about `X1`, of the tool's position and of its rotation vector.
+//! Between poses it is the same curve about `X1`, of the flange's position and of its rotation vector.
 
 use core::time::Duration;
 
@@ -48,9 +48,10 @@ pub enum InterpolationSpace {
     /// In joint positions: it never asks for more than the demands did.
     #[default]
     Joints,
-    /// In poses of the flange: a straight line stays straight between demands that are far apart, at the price of one
-    /// inverse kinematics in each servo period. For robots whose joints the pose determines. A servo period in which a
-    /// joint would exceed its velocity limit is a fault.
+    /// In poses of the flange, where the demands are poses or displacements: a straight line of the flange stays straight
+    /// between demands that are far apart, at the price of one inverse kinematics in each servo period. For robots whose
+    /// joints the pose determines, and cells in which a step has several servo periods. A pose between two demands that
+    /// has no joints, or joints that would exceed a velocity limit on the way, is a fault.
     Task,
 }
 
@@ -85,6 +86,16 @@ impl<J: JointVector> Interpolation<J> {
     /// The demand that the ticks are on their way to.
     pub fn goal(&self) -> &J {
         self.demand(0)
+    }
+
+    /// Whether all demands that are kept are one: nothing moves.
+    pub fn stands(&self) -> bool {
+        self.demands.iter().all(|demand| demand == self.goal())
+    }
+
+    /// Whether the drives take each demand as it is.
+    pub const fn is_direct(&self) -> bool {
+        self.delay.is_none()
     }
 
     /// Steps of standing demands after which the ticks have come to them.

@@ -2,7 +2,7 @@
 //!
 //! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::fs::OpenOptions;
 use std::io::{self, ErrorKind, Write};
@@ -14,7 +14,11 @@ use lexopt::prelude::*;
 
 use crate::cell::{Cell, CellError, RunReport};
 use crate::cell_file::CellFile;
+use crate::fault::{Fault, ProcessId, Role};
+use crate::name::Name;
 use crate::operator::Operator;
+#[cfg(all(feature = "processes", target_os = "linux"))]
+use crate::processes::NoPart;
 use crate::suggestion::suggestion;
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
@@ -37,6 +41,14 @@ Options:
   --picture FILE   the picture [default: picture.svg]
   --no-picture     draw nothing
   --check          put the cell together, but run nothing
+  --processes      run every process of the cell as one of the operating
+                   system, in real time (feature `processes`, Linux); draws
+                   nothing
+  --virtual        the same in lock-step under the virtual clock
+  --spin US        with --processes: time that a process looks for messages
+                   before it sleeps [default: 0]; for machines with more cores
+                   than the cell has processes
+  doctor           say what this machine can do for --processes; takes 10 s
   -q, --quiet      print errors only
   -h, --help       print this text
 
@@ -44,7 +56,17 @@ Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
 the command line was refused; then nothing has moved.
 ";
 
-const NAMES: [&str; 6] = ["--cell", "--picture", "--no-picture", "--check", "--quiet", "--help"];
+const NAMES: [&str; 9] = [
+    "--cell",
+    "--picture",
+    "--no-picture",
+    "--check",
+    "--processes",
+    "--virtual",
+    "--spin",
+    "--quiet",
+    "--help",
+];
 
 /// What the command line asks for.
 struct Options {
@@ -52,6 +74,19 @@ struct Options {
     picture: Option<PathBuf>,
     check: bool,
     quiet: bool,
+    processes: Option<Clock>,
+    doctor: bool,
+    /// How long a process looks for messages before it sleeps \[ns\].
+    spin: u64,
+    /// Which process of a cell this one is, and in which session, as its launcher started it.
+    part: Option<(ProcessId, PathBuf)>,
+}
+
+/// Whose time processes run in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Clock {
+    Real,
+    Virtual,
 }
 
 /// A command line that cannot be followed.
@@ -81,6 +116,7 @@ pub fn launch(
     mut recorder: impl Recorder,
 ) -> ExitCode {
     let options = match parse(std::env::args_os().skip(1)) {
+        Ok(Some(options)) if options.doctor => return examine(),
         Ok(Some(options)) => options,
         Ok(None) => return say(HELP),
         Err(error) => return refused(&error),
@@ -95,6 +131,16 @@ pub fn launch(
     if options.check {
         let well = format!("{}: nothing is wrong with the cell\n", path.display());
         return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
+    }
+    if let Some((process, session)) = &options.part {
+        return take_part(cell, *process, session, options.quiet);
+    }
+    if let Some(clock) = options.processes {
+        return match launch_processes(cell, (clock, options.spin), path, options.quiet) {
+            Ok(_) if options.quiet => ExitCode::SUCCESS,
+            Ok(report) => tell(&report, None),
+            Err(status) => status,
+        };
     }
     if let Some(picture) = &options.picture {
         // Found out now, not after a long run.
@@ -118,13 +164,7 @@ pub fn launch(
     let ended = match outcome {
         Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(report) => tell(&report, options.picture.as_deref().filter(|_| drawn.is_ok())),
-        Err(fault) => {
-            match fault.help() {
-                Some(help) => complain(&format!("{fault}\n help: {help}")),
-                None => complain(&fault),
-            }
-            ExitCode::FAILURE
-        }
+        Err(fault) => stopped(&fault),
     };
     match drawn {
         Ok(()) => ended,
@@ -133,6 +173,78 @@ pub fn launch(
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs one process of a cell for its launcher.
+#[cfg(all(feature = "processes", target_os = "linux"))]
+fn take_part(mut cell: Cell, process: ProcessId, session: &Path, quiet: bool) -> ExitCode {
+    if !quiet {
+        cell = cell.also_on_step(Patience::new().notes());
+    }
+    match crate::processes::run(cell, process, session) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(NoPart::NoLauncher(_)) if session.is_dir() => ExitCode::FAILURE,
+        Err(error @ NoPart::NoLauncher(_)) => refused(&error),
+        // The launcher says it.
+        Err(NoPart::Told(_)) => ExitCode::FAILURE,
+    }
+}
+
+/// Runs all processes of a cell.
+#[cfg(all(feature = "processes", target_os = "linux"))]
+fn launch_processes(
+    cell: Cell,
+    (clock, spin): (Clock, u64),
+    path: PathBuf,
+    quiet: bool,
+) -> Result<RunReport, ExitCode> {
+    use crate::link::iceoryx::Clock as LinkClock;
+    use crate::processes::{LaunchError, Plan, launch};
+    use crate::realtime::Permission;
+    let clock = match clock {
+        Clock::Real => LinkClock::Real,
+        Clock::Virtual => LinkClock::Virtual,
+    };
+    let permission = cell.realtime().map_or(Permission::BestEffort, |realtime| realtime.permission);
+    launch(cell, &Plan { cell: path, clock, spin, permission, quiet }).map_err(|error| match error {
+        LaunchError::Cell(CellError::Fault(fault)) => stopped(&fault),
+        LaunchError::Cell(error) => cell_refused(&error),
+        error => refused(&error),
+    })
+}
+
+/// Says what this machine can do for processes.
+#[cfg(all(feature = "processes", target_os = "linux"))]
+fn examine() -> ExitCode {
+    say(&crate::processes::examine())
+}
+
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+fn examine() -> ExitCode {
+    refused(&NO_PROCESSES)
+}
+
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+fn take_part(_: Cell, process: ProcessId, _: &Path, _: bool) -> ExitCode {
+    refused(&format!("{process}: {NO_PROCESSES}"))
+}
+
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+fn launch_processes(_: Cell, _: (Clock, u64), _: PathBuf, _: bool) -> Result<RunReport, ExitCode> {
+    Err(refused(&NO_PROCESSES))
+}
+
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+const NO_PROCESSES: &str = "this program was built without processes\n help: on Linux, build it with mrroc's feature `processes`: \
+                            cargo run --release --features mrroc/processes -- --processes";
+
+/// Says which fault stopped the cell, and what to do about it.
+fn stopped(fault: &Fault) -> ExitCode {
+    match fault.help() {
+        Some(help) => complain(&format!("{fault}\n help: {help}")),
+        None => complain(fault),
+    }
+    ExitCode::FAILURE
 }
 
 /// Says how long a run took, and where its picture is.
@@ -153,8 +265,17 @@ fn unwritable(picture: &Path, error: &io::Error) -> String {
 fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options>, BadOption> {
     let bad = |what: String, help: &str| BadOption { what, help: help.to_owned() };
     let mut parser = lexopt::Parser::from_args(arguments);
-    let mut options =
-        Options { cell: None, picture: Some(PathBuf::from("picture.svg")), check: false, quiet: false };
+    let mut options = Options {
+        cell: None,
+        picture: Some(PathBuf::from("picture.svg")),
+        check: false,
+        quiet: false,
+        processes: None,
+        doctor: false,
+        spin: 0,
+        part: None,
+    };
+    let (mut role, mut session) = (Vec::new(), None);
     let next = |parser: &mut lexopt::Parser| {
         parser.value().map(PathBuf::from).map_err(|error| bad(error.to_string(), "give a file"))
     };
@@ -163,6 +284,14 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
             Short('h') | Long("help") => return Ok(None),
             Short('q') | Long("quiet") => options.quiet = true,
             Long("check") => options.check = true,
+            Long("processes") => options.processes = options.processes.or(Some(Clock::Real)),
+            Long("virtual") => options.processes = Some(Clock::Virtual),
+            Long("spin") => {
+                let value = parser.value().ok().and_then(|value| value.parse::<u32>().ok());
+                let wrong = || bad("--spin is no number of microseconds".to_owned(), "write --spin 20");
+                options.spin = 1000 * u64::from(value.ok_or_else(wrong)?);
+            }
+            Long("session") => session = Some(next(&mut parser)?),
             Long("no-picture") => options.picture = None,
             Long("cell") => options.cell = Some(next(&mut parser)?),
             Long("picture") => options.picture = Some(next(&mut parser)?),
@@ -171,13 +300,40 @@ fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options
                 return Err(BadOption { what: format!("no option --{name}"), help });
             }
             Short(letter) => return Err(bad(format!("no option -{letter}"), "see --help")),
+            Value(value) if value == "doctor" => options.doctor = true,
+            Value(value) if role.len() < 2 && is_role(&role, &value) => role.push(value),
             Value(value) => {
                 let what = format!("`{}` is not asked for", value.to_string_lossy());
                 return Err(bad(what, "see --help"));
             }
         }
     }
+    if let Some(process) = read_role(&role) {
+        let help = "processes are started by the launcher: --processes";
+        let session = session.ok_or_else(|| bad(format!("`{process}` is not asked for"), help))?;
+        options.part = Some((process, session));
+    }
     Ok(Some(options))
+}
+
+/// Whether a word goes on with what a process is called: `mp`, `ecp NAME`.
+fn is_role(role: &[OsString], word: &OsStr) -> bool {
+    match role {
+        [] => ["mp", "ecp", "edp", "vsp"].iter().any(|role| word == OsStr::new(role)),
+        [role] => role != "mp",
+        _ => false,
+    }
+}
+
+fn read_role(words: &[OsString]) -> Option<ProcessId> {
+    let role = match words.first()?.to_str()? {
+        "mp" => return Some(ProcessId::MP),
+        "ecp" => Role::Ecp,
+        "edp" => Role::Edp,
+        _ => Role::Vsp,
+    };
+    let name = words.get(1)?.to_str()?;
+    Some(ProcessId::new(role, Name::new(name).ok()?))
 }
 
 /// `cell.toml` in this folder or in the nearest one upwards, no farther than the project, which has the Cargo.toml.
@@ -290,11 +446,30 @@ mod tests {
             (&["--pictur", "x"][..], "did you mean `--picture`?"),
             (&["--cell"], "give a file"),
             (&["run"], "`run` is not asked for"),
+            (&["ecp", "left"], "`ecp left` is not asked for"),
+            (&["mp", "left", "--session", "x"], "`left` is not asked for"),
+            (&["--processes", "--spin"], "--spin is no number of microseconds"),
             (&["-x"], "no option -x"),
         ] {
             let error = parsed(arguments).err().expect("refused");
             assert!(error.contains(told) && error.contains("\n help: "), "{error}");
         }
+    }
+
+    #[test]
+    fn a_launcher_tells_a_process_who_it_is_and_a_user_whose_time_processes_run_in() {
+        let options = |arguments: &[&str]| parsed(arguments).expect("right").expect("no help");
+        let part =
+            options(&["edp", "left", "--session", "s", "--cell", "c", "--quiet"]).part.expect("a part");
+        assert_eq!((part.0.to_string().as_str(), part.1), ("edp left", PathBuf::from("s")));
+        assert_eq!(options(&["mp", "--session", "s"]).part.expect("a part").0, ProcessId::MP);
+        assert_eq!(options(&[]).processes, None);
+        assert_eq!(options(&["--processes"]).processes, Some(Clock::Real));
+        for both in [&["--virtual"][..], &["--processes", "--virtual"], &["--virtual", "--processes"]] {
+            assert_eq!(options(both).processes, Some(Clock::Virtual));
+        }
+        assert_eq!(options(&["--processes", "--spin", "20"]).spin, 20_000);
+        assert!(options(&["doctor"]).doctor && !options(&[]).doctor);
     }
 
     #[test]

@@ -51,7 +51,8 @@
 //!
 //! ARCHITECTURE.md shows how a [`Cell`] of processes runs it; SAFETY.md says what happens when something is wrong.
 
-#![forbid(unsafe_code)]
+// Where shared memory and system calls need it, in `link/` and `processes/`, each block says why it is sound.
+#![deny(unsafe_code)]
 
 // The macros write absolute paths, here as in a user's crate.
 extern crate self as mrroc;
@@ -83,12 +84,16 @@ mod name;
 mod operator;
 mod payload;
 mod pose;
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod processes;
+mod realtime;
 mod robot;
 mod sensing;
 mod step;
 mod step_fn;
 mod stopping;
 mod suggestion;
+mod task_space;
 mod transparent;
 mod vsp;
 mod wire;

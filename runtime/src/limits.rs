@@ -94,9 +94,10 @@ pub(crate) struct Acceptor<R: Robot> {
     start: Option<Pose>,
     /// Whether the motion's first demand is still to be accepted.
     starting: bool,
-    /// Rate and duration \[s\] of the step accepted last.
+    /// Rate and duration \[s\] of the step accepted last, and how many such steps before it had no demand of their own.
     rate: f64,
     period: f64,
+    bridged: f64,
     /// The path's speed at rate 1, kept while the robot is suspended: it will be resumed into it.
     path_speed: R::Joints,
     /// Time that passes between a lost peer and the start of braking \[s\].
@@ -121,6 +122,7 @@ impl<R: Robot> Acceptor<R> {
             starting: false,
             rate: 1.0,
             period: 0.0,
+            bridged: 0.0,
             path_speed: zeros,
             reaction,
         }
@@ -255,6 +257,7 @@ impl<R: Robot> Acceptor<R> {
             self.robot.check_coupled(&position, &stop.position, stop.time).map_err(coupled)?;
         }
         (self.rate, self.period, self.starting) = (dt / duration, duration, false);
+        self.bridged = self.missing / duration;
         // Near rate 0 the quotient is round-off.
         if self.rate > 1e-3 {
             self.path_speed = R::Joints::from_joints(|i| velocity[i].abs() / self.rate);
@@ -298,6 +301,14 @@ impl<R: Robot> Acceptor<R> {
             Some(_) => return Err(Fault::new(FaultKind::DemandNotFinite).text("the redundancy")),
         };
         joints.map_err(|error| no_inverse(&error, pose, "tool"))
+    }
+
+    /// The tool of a demand that came too late to be followed is in force from now on.
+    pub fn choose_tool(&mut self, demand: &Demand<R>) -> Result<(), Fault> {
+        if let Some(tool) = &demand.tool {
+            self.tool = valid_frame(tool)?;
+        }
+        Ok(())
     }
 
     /// The joints that put the flange at `pose`, for a servo period between two demands.
@@ -416,7 +427,9 @@ impl<R: Robot> Acceptor<R> {
     /// [`PATH_SHARE`] of them.
     ///
     /// A path that has been gentle may brake hard in its next step, so what was seen of it proves nothing.
-    /// From rate 1 at velocity v a standstill takes 2.05 v / a, as dr/dt = -(0.98 - 0.9 r²) a / v.
+    /// From rate 1 at velocity v a standstill takes 2.05 v / a, as dr/dt = -(0.98 - 0.9 r²) a / v. Where demands come in
+    /// every n-th step only, catching up after bridging takes n² times the path's acceleration: a plan and the change of
+    /// its rate have the n²-th part of the limit together.
     pub fn headroom(&self) -> RateHeadroom {
         let limits = self.robot.limits();
         // By how much the rate itself may be higher at the end of a step in which it rises.
@@ -426,7 +439,8 @@ impl<R: Robot> Acceptor<R> {
             let limit = limits.acceleration[i];
             // Within the step the path's speed may grow by the limit.
             let along = self.path_speed[i] + limit * self.period;
-            let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * limit / along;
+            let part = limit / (1.0 + self.bridged).powi(2);
+            let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * part / along;
             let (mut rise, mut fall, mut bend) = (left(raised), left(self.rate), f64::INFINITY);
             if let Some(jerk) = limits.jerk {
                 // The path's jerk at a changing rate: r³ q''' + 3 r r' q'' + r'' q'. Half of the rest is for each.

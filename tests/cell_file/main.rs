@@ -203,6 +203,31 @@ fn homed_is_true_or_false_and_only_for_drives_that_can_be_unhomed() {
 }
 
 #[test]
+fn what_a_cell_asks_of_the_machine_is_checked_like_everything_else() {
+    let with = |table: &str| format!("{GOOD}\n[realtime]\n{table}");
+    for good in [
+        "priority = 50",
+        "priority = 95\ncores = []\npermission = \"best effort\"",
+        "priority = 1\nlock_memory = false\ncores = [0, 1]\npermission = \"required\"",
+    ] {
+        assert!(CellFile::parse("cell.toml", &with(good)).is_ok(), "{good}");
+    }
+    for (bad, told, help) in [
+        ("", "[realtime] has no `priority`", "write priority = 50"),
+        ("priority = 96", "96 is not", "write a priority from 1 to 95"),
+        ("priority = 0", "0 is not", "write a priority from 1 to 95"),
+        ("priority = 1.5", "1.5 is not", "write a priority from 1 to 95"),
+        ("priority = 50\nprio = 1", "unknown key `prio`", "did you mean `priority`?"),
+        ("priority = 50\ncores = [-1]", "-1 is not", "write the number of a core"),
+        ("priority = 50\nlock_memory = 1", "a integer where true or false is due", "write true or false"),
+        ("priority = 50\npermission = \"best\"", "no permission `best`", "best effort"),
+    ] {
+        let complaint = complaints(&with(bad));
+        assert!(complaint.contains(told) && complaint.contains(help), "{bad}: {complaint}");
+    }
+}
+
+#[test]
 fn a_file_that_is_not_there_is_named() {
     let error = CellFile::read("no/such/cell.toml").expect_err("not there").to_string();
     assert!(error.starts_with("no/such/cell.toml: cannot be read"), "{error}");

@@ -81,10 +81,9 @@ fn a_guard_looks_at_all_robots_in_the_steps_that_it_asked_for() {
         .expect("nothing is forbidden");
     let looks = looks.borrow();
     let steps: Vec<_> = looks.iter().map(|(step, ..)| *step).collect();
-    let mut once = steps.clone();
-    once.dedup();
-    assert!(once.iter().all(|step| step % 25 == 0), "{steps:?}");
-    assert_eq!(once.len() as u64, report.steps / 25, "{steps:?}");
+    // As soon as the robots are known, and then every 25 steps.
+    let expected: Vec<_> = std::iter::once(1).chain((25..=report.steps).step_by(25)).collect();
+    assert_eq!(steps, expected);
     assert!(looks.iter().all(|(_, names, _)| names == &["left", "right"]));
     let ways: Vec<_> = looks.iter().map(|(.., x)| *x).collect();
     assert!(ways.windows(2).all(|w| w[1] >= w[0]) && ways[ways.len() - 1] > 0.29, "{ways:?}");
@@ -149,4 +148,107 @@ fn a_guard_that_panics_stops_the_cell() {
     assert_eq!(fault.kind(), FaultKind::GeneratorPanicked, "{fault}");
     let trace = trace.borrow();
     assert_eq!(trace[trace.len() - 1], trace[trace.len() - 2], "not at a standstill");
+}
+
+/// Reads in 1.6 ms, longer than a step.
+struct Slow;
+
+impl mrroc::Sensor for Slow {
+    const KIND: &'static str = "slow";
+    type Reading = mrroc::Nudge;
+    type Configuration = ();
+}
+
+impl mrroc::VirtualSensor for Slow {
+    type Kind = Slow;
+
+    fn aggregate(&mut self, _: &mrroc::ReadingOrder<()>) -> Result<mrroc::Nudge, Fault> {
+        Ok(mrroc::Nudge)
+    }
+}
+
+/// As [`Alone`], and reads in every step.
+struct Reads(Smooth);
+
+#[mrroc::generator(mp)]
+fn reads(c: &mut Reads, _v: &mrroc::Reading<(Slow,)>, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
+    match c.0.advance(t.dt) {
+        Some(x) => mrroc::Step::Next((mrroc::Demand::joints(nalgebra::Vector3::new(x, 0.0, 0.0)),)),
+        None => mrroc::Step::Done,
+    }
+}
+
+/// A cell whose MP takes two periods for a step, with an end of its motion [m, s].
+fn slow_cell(end: (f64, f64)) -> Cell {
+    let (robot, _) = gantry("g");
+    Cell::new(MS)
+        .robot(robot)
+        .sensor(mrroc::SensorSetup::new("slow", Slow).latency(std::time::Duration::from_micros(1600)))
+        .program(move |mp| {
+            let (mut g, mut slow) = (mp.robot::<Gantry>("g")?, mp.sensor::<Slow>("slow")?);
+            mp.move_robots((&mut g,), (&mut slow,), Reads(Smooth::to(end.0, end.1))).map(drop)
+        })
+}
+
+#[test]
+fn a_guard_of_an_mp_whose_steps_are_late_looks_all_the_same_and_its_stop_is_the_cause() {
+    // Steps 3, 5, 7 ..: none of them a multiple of 10.
+    let fault = fault(slow_cell((0.3, 1.6)).guard(10, fence(0.1)).run());
+    assert_eq!(fault.kind(), FaultKind::ProtectiveStop, "{fault}");
+}
+
+#[test]
+fn suspensions_of_an_mp_that_takes_two_periods_for_a_step_keep_the_limits() {
+    // Catching up after every second period takes four times the path's acceleration, of which there are nine tenths.
+    for at in (60_u64..1500).step_by(20) {
+        let cell = slow_cell((0.3, 1.6)).on_step(move |step, operator| {
+            if (at..at + 3).contains(&step) {
+                operator.suspend();
+            } else if step > at + 700 {
+                operator.resume();
+            }
+        });
+        cell.run().unwrap_or_else(|error| panic!("suspended in step {at}: {error}"));
+    }
+}
+
+#[test]
+fn a_guard_sees_a_robot_that_goes_on_while_its_instruction_ends() {
+    // The MP ends a loose motion in whose middle the ECP's generator slows down on its own path.
+    let (robot, trace) = gantry("g");
+    let robot = robot.program(|ecp| {
+        ecp.obey(|ecp, _: crate::kit::Phase| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop))
+    });
+    let tripped = Rc::new(std::cell::Cell::new(0.0));
+    let keep = Rc::clone(&tripped);
+    let fault = fault(
+        Cell::new(MS)
+            .robot(robot)
+            .guard(1, move |robots| {
+                let x = robots[0].demanded.joints[0];
+                if x > 0.21 {
+                    keep.set(x);
+                    return Err(Fault::thrown("behind the fence"));
+                }
+                Ok(())
+            })
+            .program(|mp| {
+                let mut g = mp.robot::<Gantry>("g")?;
+                mp.move_robots((&mut g,), (), Approach(500)).map(drop)
+            })
+            .run(),
+    );
+    assert_eq!(fault.kind(), FaultKind::ProtectiveStop, "{fault}");
+    assert!(trace.borrow()[trace.borrow().len() - 1][0] > 0.22, "it had come to rest before the fence");
+    // At some 0.6 m/s a step is 0.6 mm.
+    assert!(tripped.get() < 0.2125, "seen at {} only", tripped.get());
+}
+
+/// Orders the approach for so many steps.
+struct Approach(u32);
+
+#[mrroc::generator(mp)]
+fn approach(c: &mut Approach) -> mrroc::Step<(Gantry,), crate::kit::Phase> {
+    c.0 -= 1;
+    if c.0 == 0 { mrroc::Step::Done } else { mrroc::Step::Next((crate::kit::Phase::Approach,)) }
 }

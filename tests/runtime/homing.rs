@@ -125,3 +125,58 @@ fn a_search_is_aborted_by_the_operator() {
     );
     assert!((100..110).contains(&ticks.get()), "{} ticks", ticks.get());
 }
+
+#[test]
+fn a_guard_looks_at_nothing_before_all_robots_are_homed_and_then_at_all() {
+    let ((early, _), (late, _)) = (Blind::new(40), Blind::new(80));
+    let (known, _) = gantry("known");
+    let looks = Rc::new(std::cell::RefCell::new(Vec::new()));
+    let keep = Rc::clone(&looks);
+    Cell::new(MS)
+        .robot(RobotSetup::unhomed("early", Gantry::default(), early))
+        .robot(RobotSetup::unhomed("late", Gantry::default(), late))
+        .robot(known)
+        .guard(5, move |robots| {
+            let seen: Vec<_> =
+                robots.iter().map(|robot| (robot.name.to_string(), robot.demanded.joints[0])).collect();
+            keep.borrow_mut().push(seen);
+            Ok(())
+        })
+        .program(|mp| {
+            let mut known = mp.robot::<Gantry>("known")?;
+            mp.wait_until((&mut known,), (), first_looks {}).map(drop)
+        })
+        .run()
+        .expect("found");
+    let expected = [("early".to_owned(), 0.1), ("late".to_owned(), 0.1), ("known".to_owned(), 0.0)];
+    assert_eq!(*looks.borrow(), [expected.to_vec()]);
+}
+
+#[mrroc::condition(mp)]
+fn first_looks() -> bool {
+    true
+}
+
+#[test]
+fn a_search_pauses_while_the_cell_is_suspended() {
+    let (blind, ticks) = Blind::new(300);
+    let counted = Rc::new(Count::new((0, 0)));
+    let (count, keep) = (Rc::clone(&ticks), Rc::clone(&counted));
+    let report = Cell::new(MS)
+        .robot(RobotSetup::unhomed("g", Gantry::default(), blind))
+        .on_step(move |step, operator| match step {
+            50 => operator.suspend(),
+            60 => keep.set((count.get(), 0)),
+            200 => {
+                keep.set((keep.get().0, count.get()));
+                operator.resume();
+            }
+            _ => {}
+        })
+        .program(|_| Ok(()))
+        .run()
+        .expect("found");
+    let (before, after) = counted.get();
+    assert!(before == after && (49..55).contains(&before), "{before}, then {after} searches");
+    assert_eq!((ticks.get(), report.steps >= 440), (300, true), "{report:?}");
+}

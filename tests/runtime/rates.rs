@@ -5,7 +5,8 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use mrroc::{
-    Cell, Demand, InterpolationSpace, Motion, Pose, RobotSetup, ServoRecord, State, Step, Tick, generator,
+    Cell, Demand, Fault, InterpolationSpace, Motion, Pose, RobotSetup, ServoRecord, State, Step, Tick,
+    generator,
 };
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, traced};
 use nalgebra::Vector3;
@@ -194,6 +195,109 @@ fn across(c: &mut Across, t: Tick) -> Step<Polar, Motion> {
         Some(x) => Step::Next(Demand::pose(Pose::translation(0.3 - x, 0.2, 0.0))),
         None => Step::Done,
     }
+}
+
+/// The same, and gives up in the middle.
+struct GivesUp(Smooth);
+
+#[generator(ecp)]
+fn gives_up(c: &mut GivesUp, t: Tick) -> Result<Step<Polar>, Fault> {
+    match c.0.advance(t.dt) {
+        Some(x) if x > 0.3 => Err(Fault::thrown("gives up")),
+        Some(x) => Ok(Step::Next(Demand::pose(Pose::translation(0.3 - x, 0.2, 0.0)))),
+        None => Ok(Step::Done),
+    }
+}
+
+/// There by poses and back by joints, without a stop between.
+struct ThereAndBack(Smooth, Smooth);
+
+#[generator(ecp)]
+fn there_and_back(c: &mut ThereAndBack, t: Tick) -> Step<Polar> {
+    let polar = |x: f64| Q::<2>::new((0.3 - x).hypot(0.2), 0.2_f64.atan2(0.3 - x));
+    match c.0.advance(t.dt) {
+        Some(x) => Step::Next(Demand::pose(Pose::translation(0.3 - x, 0.2, 0.0))),
+        None => c.1.advance(t.dt).map_or(Step::Done, |x| Step::Next(Demand::joints(polar(0.6 - x)))),
+    }
+}
+
+/// The largest accelerations of the drives' positions [m/s², rad/s²], by differences.
+fn peaks_of<G>(space: InterpolationSpace, generator: G) -> [f64; 2]
+where
+    G: mrroc::Generator<Robots = Polar, Sensors = (), Language = Motion> + 'static,
+{
+    let told = Rc::new(RefCell::new(Vec::new()));
+    let keep = Rc::clone(&told);
+    let start = Q::<2>::new(0.3_f64.hypot(0.2), 0.2_f64.atan2(0.3));
+    let setup = RobotSetup::new("p", Polar::default(), ExactDrive::new(start, MS * 2))
+        .interpolation(space)
+        .observe(move |record: &ServoRecord<Polar>| keep.borrow_mut().push(record.demanded))
+        .program(|ecp| ecp.move_robot((), generator).map(drop));
+    // One of them ends with a fault of its own.
+    Cell::new(MS * 20).robot(setup).run().ok();
+    let told = told.borrow();
+    assert!(told.len() > 300, "{} periods", told.len());
+    [0, 1].map(|i| {
+        told.windows(3).fold(0.0, |peak: f64, w| peak.max((w[2][i] - 2.0 * w[1][i] + w[0][i]).abs() / 4e-6))
+    })
+}
+
+#[test]
+fn leaving_the_task_space_for_a_fault_or_for_joints_asks_for_no_more_than_the_limits() {
+    for space in [InterpolationSpace::Joints, InterpolationSpace::Task] {
+        for [radius, angle] in [
+            peaks_of(space, GivesUp(Smooth::to(0.6, 2.4))),
+            peaks_of(space, ThereAndBack(Smooth::to(0.6, 2.4), Smooth::to(0.6, 2.4))),
+        ] {
+            assert!(
+                radius <= 10.0 * 1.02 && angle <= 20.0 * 1.02,
+                "{space:?}: {radius} m/s², {angle} rad/s²"
+            );
+        }
+    }
+}
+
+/// Two slides along x, one on the other: a pose does not say where each of them is.
+#[derive(Clone)]
+struct Tandem(mrroc::Limits<Q<2>>);
+
+impl mrroc::Robot for Tandem {
+    const KIND: &'static str = "tandem";
+    type Joints = Q<2>;
+
+    fn limits(&self) -> &mrroc::Limits<Q<2>> {
+        &self.0
+    }
+
+    fn forward(&self, q: &Q<2>) -> Pose {
+        Pose::translation(q[0] + q[1], 0.0, 0.0)
+    }
+
+    #[allow(non_snake_case)]
+    fn inverse(&self, X_WF: &Pose, near: &Q<2>) -> Result<Q<2>, mrroc::NoInverse> {
+        self.inverse_at(X_WF, near[0], near)
+    }
+
+    #[allow(non_snake_case)]
+    fn inverse_at(&self, X_WF: &Pose, first: f64, _: &Q<2>) -> Result<Q<2>, mrroc::NoInverse> {
+        Ok(Q::<2>::new(first, X_WF.translation.x - first))
+    }
+}
+
+#[test]
+fn a_robot_whose_joints_a_pose_does_not_determine_is_not_interpolated_in_the_task_space() {
+    let limits = mrroc::Limits {
+        lower: Q::repeat(-2.0),
+        upper: Q::repeat(2.0),
+        velocity: Q::repeat(1.0),
+        acceleration: Q::repeat(10.0),
+        jerk: None,
+    };
+    let robot = RobotSetup::new("t", Tandem(limits), ExactDrive::new(Q::<2>::zeros(), MS))
+        .interpolation(InterpolationSpace::Task)
+        .program(|_| Ok(()));
+    let error = Cell::new(MS * 4).robot(robot).run().expect_err("redundant");
+    assert!(error.to_string().contains("robot `t`: a pose does not determine its joints"), "{error}");
 }
 
 /// The largest distance of the drives' positions from the line \[m\].

@@ -67,6 +67,8 @@ fn a_demand_chooses_the_regulators_from_its_own_step_on() {
     assert_eq!((soft, usual), (sets[0], sets[1]));
     assert_eq!((soft.set(0), soft.set(1), soft.set(7), soft.set(8)), (2, 0, 0, 0));
     assert_eq!(second - first, 4, "chosen before ticks {first} and {second}");
+    // START comes in step 1; the demand of the generator's 5th step in step 5, before whose tick there were those of 0 to 4.
+    assert_eq!(first, 5, "of another step");
 }
 
 #[test]

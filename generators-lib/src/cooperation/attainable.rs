@@ -138,7 +138,7 @@ pub struct Unattainable {
 pub enum DryRunError {
     /// An arm cannot follow.
     #[error(transparent)]
-    Unattainable(#[from] Unattainable),
+    Unattainable(#[from] Box<Unattainable>),
     /// The path itself is faulty.
     #[error(transparent)]
     Path(#[from] Fault),
@@ -167,7 +167,7 @@ pub trait ArmModel {
     /// # Errors
     /// It cannot; it stays where it was.
     #[allow(non_snake_case)]
-    fn follow(&mut self, X_WE: &Pose) -> Result<(), Unattainable>;
+    fn follow(&mut self, X_WE: &Pose) -> Result<(), Box<Unattainable>>;
 }
 
 /// An arm's kinematics, its joint positions and its tool.
@@ -304,12 +304,10 @@ impl<R: Robot> ArmModel for Arm<R> {
     }
 
     #[allow(non_snake_case)]
-    fn follow(&mut self, X_WE: &Pose) -> Result<(), Unattainable> {
-        let (q, x) = self.moved(X_WE).map_err(|cause| Unattainable {
-            arm: self.name,
-            time: 0.0,
-            direction: self.weakest(&self.joints),
-            cause,
+    fn follow(&mut self, X_WE: &Pose) -> Result<(), Box<Unattainable>> {
+        let (q, x) = self.moved(X_WE).map_err(|cause| {
+            let direction = self.weakest(&self.joints);
+            Box::new(Unattainable { arm: self.name, time: 0.0, direction, cause })
         })?;
         self.joints = q;
         if let Some((_, amount)) = &mut self.free {
@@ -344,7 +342,10 @@ pub fn dry_run(
         steps += 1;
         for (arm, X_BE) in arms.iter_mut().zip(&X_BE) {
             let time = f64::from(steps) * dt;
-            arm.follow(&(X_WB * X_BE)).map_err(|refused| Unattainable { time, ..refused })?;
+            arm.follow(&(X_WB * X_BE)).map_err(|mut refused| {
+                refused.time = time;
+                refused
+            })?;
         }
     }
     Ok(f64::from(steps) * dt)

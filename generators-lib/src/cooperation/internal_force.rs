@@ -56,8 +56,8 @@ fn grasp_matrix(X_BE: &Pose) -> Matrix6<f64> {
 
 #[allow(non_snake_case)]
 impl Sharing {
-    /// The share of arm `i` of those that hold the body at `X_BE`, by grasps of the same stiffness; the share of the
-    /// whole load to each when the stiffness is none.
+    /// The share of arm `i` of those that hold the body at `X_BE`, by grasps of the same stiffness; grasps without any
+    /// take no share.
     ///
     /// # Panics
     /// When there is no arm `i`.

@@ -124,6 +124,12 @@ impl SqueezeLaw {
         Ok(SqueezeLaw { gains, bounds })
     }
 
+    /// Stiffness of a grasp, as the law has it.
+    #[must_use]
+    pub const fn stiffness(&self) -> GraspStiffness {
+        self.gains.stiffness
+    }
+
     /// The correction `X_EE'` of a tool after `dt` \[s\] more of path time, in which the internal load on it differs from the
     /// desired one by `excess`. With `dt = 0` it stays.
     ///

@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use mrroc::{Fault, FaultKind, Motion, Pose, Reading, RobotList, RobotsEach, SensorList, SensorsEach};
 use mrroc::{State, Step, Tick, Wrench, generator};
 
-use mrroc_generators::cooperation::{BodyFrame, BodyPath, Correction, GraspStiffness, Grasps};
+use mrroc_generators::cooperation::{BodyFrame, BodyPath, Correction, Grasps};
 use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, central_squeeze};
 
 /// Moves all tools of the list `L` with the body, each displaced by a little in the direction of internal forces alone:
@@ -18,7 +18,6 @@ pub struct SqueezedCarry<L: RobotList, V, P, O = Motion> {
     body: BodyFrame,
     path: P,
     law: SqueezeLaw,
-    stiffness: GraspStiffness,
     squeeze: f64,
     oldest: u32,
     starts: L::Each<Pose>,
@@ -29,21 +28,14 @@ pub struct SqueezedCarry<L: RobotList, V, P, O = Motion> {
 }
 
 impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, P: BodyPath, O: 'static> SqueezedCarry<L, V, P, O> {
-    /// The body whose frame is `body` at the start along `path`, pressed together by `squeeze` \[N\] (0 for no internal force)
-    /// in grasps of this stiffness; readings may be `oldest` steps old.
+    /// The body whose frame is `body` at the start along `path`, pressed together by `squeeze` \[N\] (0 for no internal
+    /// force) in grasps as stiff as the law has them; readings may be `oldest` steps old.
     #[must_use]
-    pub fn along(
-        body: BodyFrame,
-        path: P,
-        law: SqueezeLaw,
-        stiffness: GraspStiffness,
-        squeeze: f64,
-        oldest: u32,
-    ) -> Self {
+    pub fn along(body: BodyFrame, path: P, law: SqueezeLaw, squeeze: f64, oldest: u32) -> Self {
         const { assert!(<L as RobotList>::LEN == <V as SensorList>::LEN, "one wrist sensor for each robot") };
         let (starts, corrections) = (L::array(|_| Pose::identity()), L::array(|_| Correction::default()));
         let (grasps, split, of) = (Grasps::close(&Pose::identity(), starts), None, PhantomData);
-        SqueezedCarry { body, path, law, stiffness, squeeze, oldest, starts, grasps, split, corrections, of }
+        SqueezedCarry { body, path, law, squeeze, oldest, starts, grasps, split, corrections, of }
     }
 
     #[allow(non_snake_case)]
@@ -76,7 +68,7 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, P: BodyPath, O: 'static> 
         self.starts = e.demanded_poses();
         let X_WB = self.body.pose(self.starts.as_ref());
         self.grasps = Grasps::close(&X_WB, self.starts);
-        let share = |i| Sharing::elastic(self.grasps.poses(), i, self.stiffness);
+        let share = |i| Sharing::elastic(self.grasps.poses(), i, self.law.stiffness());
         self.split = Some(InternalForce::new(L::array(share)));
         self.path.begin(&X_WB)?;
         self.advance(v, t)
@@ -91,7 +83,7 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, P: BodyPath, O: 'static> 
 mod tests {
     use super::*;
     use mrroc::{RobotImage, RobotState, Sensor, SensorImage};
-    use mrroc_generators::cooperation::{SqueezeBounds, SqueezeGains, TimedBody};
+    use mrroc_generators::cooperation::{GraspStiffness, SqueezeBounds, SqueezeGains, TimedBody};
     use mrroc_robots::{Irp6, Six};
     use nalgebra::Vector3;
 
@@ -116,14 +108,8 @@ mod tests {
         let bounds = SqueezeBounds { speed: 0.01, turning: 0.1, way: 1e-3, angle: 0.01 };
         let law = SqueezeLaw::new(gains, bounds, 0.01).expect("reserve");
         let rest = TimedBody::new(1.0, |_| Pose::identity());
-        let mut generator = SqueezedCarry::<[Irp6; 2], [Wrist; 2], _>::along(
-            BodyFrame::Centroid,
-            rest,
-            law,
-            stiffness,
-            0.0,
-            1,
-        );
+        let mut generator =
+            SqueezedCarry::<[Irp6; 2], [Wrist; 2], _>::along(BodyFrame::Centroid, rest, law, 0.0, 1);
         let load = |x| SensorImage::new(Wrench::new(Vector3::new(x, 0.0, -15.0), Vector3::zeros()), 0);
         let (e, v) =
             (State::new([image(0.5), image(0.9)]), Reading::<[Wrist; 2]>::new([load(-25.0), load(25.0)]));

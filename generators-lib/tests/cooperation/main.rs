@@ -4,5 +4,6 @@
 mod drive;
 mod free;
 mod kit;
+mod physics;
 mod squeeze;
 mod transfer;

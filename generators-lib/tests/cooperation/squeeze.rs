@@ -150,7 +150,7 @@ fn carry<const N: usize>(mp: &mut Mp, path: impl BodyPath, squeeze: f64) -> Resu
     let arms = core::array::from_fn(|_| arms.next().expect("as many"));
     let sensors = core::array::from_fn(|_| sensors.next().expect("as many"));
     type Squeezed<const N: usize, P> = SqueezedCarry<[Irp6; N], [Wrist; N], P>;
-    let carry = Squeezed::<N, _>::along(BodyFrame::Centroid, path, law(), K, squeeze, 0);
+    let carry = Squeezed::<N, _>::along(BodyFrame::Centroid, path, law(), squeeze, 0);
     mp.move_robots(arms, sensors, carry).map(drop)
 }
 

@@ -228,9 +228,9 @@ fn a_body_follows_a_spline_and_any_function_of_path_time() {
     let points: Vec<_> = points.collect();
     let end = *points.last().expect("points");
     let spline = SplineBody::through(points, SplineSettings::default(), feed).expect("in range");
-    // A smoothstep of half a second about the body's z, with a heave.
-    let turn = TimedBody::new(0.8, |t: f64| {
-        let u = t / 0.8;
+    // A smooth turn (of fifth order) about the body's z, with a heave.
+    let turn = TimedBody::new(1.2, |t: f64| {
+        let u = t / 1.2;
         let s = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
         Pose::new(Vector3::z() * 0.02 * s, Vector3::z() * 0.1 * s)
     });

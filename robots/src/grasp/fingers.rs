@@ -10,7 +10,8 @@ use crate::gripper::{Gripper, One};
 use crate::simulated::{Shaft, Simulated};
 
 /// The drive of a [`Gripper`] on an arm's hand: fingers that are asked to close beyond the body's width stop at it and hold
-/// it, if it is between them; asked to open, they let it go.
+/// it, if it is between them, which a grasp without a frame of its own (`Grasp::at`) takes for granted; asked to open, they
+/// let it go.
 #[derive(Debug)]
 pub struct Fingers {
     drive: Simulated<Gripper, 1>,
@@ -45,7 +46,7 @@ impl Driver<Gripper> for Fingers {
             self.hand.open();
             self.drive.unblock(0);
         }
-        // With the body elsewhere the fingers close on nothing.
+        // Where the grasp has a frame on the body and the body is elsewhere, the fingers close on nothing.
         let touching = closing && self.shaft.state().position[0] <= self.width;
         if touching && !self.hand.is_closed() && self.hand.close().is_ok() {
             self.drive.block(0);

@@ -217,6 +217,11 @@ impl HandState {
         })
     }
 
+    /// Whether its arm has not taken the reaction of a period that is over for long.
+    pub fn is_overdue(&self) -> bool {
+        self.elapsed > 1.5 * seconds(self.period)
+    }
+
     /// Takes the mean of what the body did to the gripper since it was last taken.
     pub fn take_reaction(&mut self) {
         if self.elapsed > 0.0 {

@@ -279,6 +279,8 @@ impl Hand {
         let others = state.hands.iter().enumerate().filter(|(i, _)| *i != self.index);
         let known = others.map(|(_, other)| other.known(begun, period)).fold(begun, Nanos::min);
         state.go_on_to(known);
+        // An arm whose drives stopped takes no period any more; what the body does to its gripper goes on.
+        state.hands.iter_mut().filter(|hand| hand.is_overdue()).for_each(HandState::take_reaction);
         let hand = &mut state.hands[self.index];
         hand.take_reaction();
         hand.reaction()

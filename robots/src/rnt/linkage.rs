@@ -13,17 +13,17 @@ use nalgebra::Vector2;
 use super::A2;
 
 /// Foot of the shoulder's actuator from O: distance \[m\] and its direction's cosine and sine (-20 deg).
-const FOOT2: (f64, f64, f64) = (0.40, 0.939_692_620_785_908_4, -0.342_020_143_325_668_7);
+pub(super) const FOOT2: (f64, f64, f64) = (0.40, 0.939_692_620_785_908_4, -0.342_020_143_325_668_7);
 /// Foot of the elbow's actuator from O: distance \[m\] and its direction's cosine and sine (250 deg).
-const FOOT3: (f64, f64, f64) = (0.55, -0.342_020_143_325_668_7, -0.939_692_620_785_908_4);
+pub(super) const FOOT3: (f64, f64, f64) = (0.55, -0.342_020_143_325_668_7, -0.939_692_620_785_908_4);
 /// Where the shoulder's actuator takes the upper arm, from O \[m\].
-const CRANK: f64 = 0.25;
+pub(super) const CRANK: f64 = 0.25;
 /// Rocker, O to R \[m\].
 pub(super) const ROCKER: f64 = 0.20;
 /// Forearm behind the elbow, E to T \[m\].
 pub(super) const TAIL: f64 = 0.20;
 /// Rod, R to T \[m\].
-const ROD: f64 = 0.52;
+pub(super) const ROD: f64 = 0.52;
 
 /// The linkages as the actuators set them, in the arm's plane: first coordinate forwards, second upwards, from O.
 #[derive(Clone, Copy)]

@@ -180,7 +180,7 @@ pub(super) fn origin(of: &Element<'_, '_>, has_quaternions: bool) -> Result<Pose
 }
 
 /// How a joint moves, and whether between limits; `None` for a fixed joint.
-fn kind(joint: &Joint<'_, '_>) -> Result<Option<(JointKind, bool)>, UrdfError> {
+pub(super) fn kind(joint: &Joint<'_, '_>) -> Result<Option<(JointKind, bool)>, UrdfError> {
     let kinds = "type=\"revolute\", \"continuous\", \"prismatic\" or \"fixed\"";
     match joint.element.required_text("type", kinds)? {
         "fixed" => Ok(None),
@@ -196,7 +196,7 @@ fn kind(joint: &Joint<'_, '_>) -> Result<Option<(JointKind, bool)>, UrdfError> {
 }
 
 /// The unit vector of a joint's axis: `<axis>`, by definition x where it is not written.
-fn axis(joint: &Joint<'_, '_>) -> Result<Vector3<f64>, UrdfError> {
+pub(super) fn axis(joint: &Joint<'_, '_>) -> Result<Vector3<f64>, UrdfError> {
     let Some(axis) = joint.element.child("axis")? else { return Ok(Vector3::x()) };
     axis.only(&["xyz"])?;
     let direction = axis.numbers::<3>("xyz")?.ok_or_else(|| axis.missing("xyz", "xyz=\"0 0 1\""))?;
@@ -205,7 +205,7 @@ fn axis(joint: &Joint<'_, '_>) -> Result<Vector3<f64>, UrdfError> {
 }
 
 /// A rotation that takes z to the unit vector `axis`.
-fn turn_of_z(axis: Vector3<f64>) -> UnitQuaternion<f64> {
+pub(super) fn turn_of_z(axis: Vector3<f64>) -> UnitQuaternion<f64> {
     // Half-way between z and the axis lies the axis of a half turn; below the horizon, x joins in to keep it sharp.
     if axis.z >= 0.0 {
         UnitQuaternion::new_normalize(Quaternion::new(1.0 + axis.z, -axis.y, axis.x, 0.0))

@@ -120,6 +120,12 @@ impl<'a, 'i> Element<'a, 'i> {
         })
     }
 
+    /// The elements called `name` inside.
+    pub(super) fn all(&self, name: &'static str) -> impl Iterator<Item = Self> {
+        let called = format!("{} <{name}>", self.called);
+        children(self.node, name).map(move |node| Element { node, called: called.clone() })
+    }
+
     /// The text of an attribute, without the blanks around it.
     pub(super) fn text(&self, attribute: &str) -> Result<Option<&'a str>, UrdfError> {
         let Some(text) = self.node.attribute(attribute) else { return Ok(None) };

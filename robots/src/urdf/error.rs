@@ -253,6 +253,25 @@ pub enum UrdfError {
         /// Its type.
         kind: String,
     },
+    /// A collision shape that no capsules are made of.
+    #[error(
+        "line {line}: {element} holds no box, cylinder, capsule or sphere: replace a mesh by some of these, or use \
+         SerialOutline::new with a radius"
+    )]
+    UnsupportedCollision {
+        /// Line, from 1.
+        line: usize,
+        /// The element by its name.
+        element: String,
+    },
+    /// No link of the chain has a collision shape.
+    #[error("no link from \"{base}\" to \"{tip}\" has a <collision>: use SerialOutline::new with a radius")]
+    NoCollision {
+        /// The base asked for.
+        base: String,
+        /// The tip asked for.
+        tip: String,
+    },
     /// The position limits leave nothing to move in.
     #[error(
         "line {line}: joint \"{joint}\": lower={lower} is not below upper={upper}: a fixed joint has type=\"fixed\""

@@ -16,8 +16,10 @@ mod drives;
 mod error;
 mod motion;
 mod newton;
+mod outline;
 mod recognition;
 mod serial;
 
 pub use error::UrdfError;
+pub use outline::SerialOutline;
 pub use serial::{Serial, SerialBuilder};

@@ -223,6 +223,11 @@ impl<const N: usize> Serial<N> {
         self.movers.iter().map(|mover| mover.name.as_str())
     }
 
+    /// The joints that move, mimic joints too.
+    pub(super) fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
     /// Inverse kinematics by iteration.
     #[allow(non_snake_case)]
     fn iterate(&self, X_WF: &Pose, near: &SVector<f64, N>) -> Result<SVector<f64, N>, NoInverse> {

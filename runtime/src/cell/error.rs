@@ -71,6 +71,11 @@ pub enum CellError {
         "robot `{0}`: its servo period is 0\n help: let `Driver::period` say how often the drives take a demand"
     )]
     NoServo(Name),
+    /// Interpolation in the task space of a robot whose joints a pose does not determine.
+    #[error(
+        "robot `{0}`: a pose does not determine its joints, so nothing can be interpolated in the task space\n help: leave `interpolation(InterpolationSpace::Task)` out"
+    )]
+    TaskSpace(Name),
     /// A servo period that does not fit the step.
     #[error(
         "robot `{robot}`: the step, {step:?}, and its servo period, {servo:?}, must be multiples of one another\n help: write step_ms = {0}, or a multiple of it, in cell.toml",

@@ -2,6 +2,7 @@
 //!
 //! In: set-ups. Out: a run, or everything that is wrong with them before anything moves.
 
+mod assembly;
 mod error;
 mod limits;
 mod robot;
@@ -11,21 +12,20 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use crate::ecp::{Ecp, Pace};
+use crate::ecp::Ecp;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::guard::{Guard, RobotView};
-use crate::link::Nanos;
 use crate::link::memory::{MAX_PROCESSES, Scheduler};
-use crate::mp::{Mp, RobotPort, StepHook};
+use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
+use crate::realtime::Realtime;
 use crate::robot::Robot;
-use crate::sensing::Sensing;
-use crate::stopping::{STOP_TIME, missed_step_budget};
+use crate::stopping::STOP_TIME;
 use crate::vsp::VirtualSensor;
 
-use robot::{Place, SharedObserver};
-use sensor::{AnySensor, Requesters};
+use robot::SharedObserver;
+use sensor::AnySensor;
 
 pub(crate) use robot::AnyRobot;
 
@@ -58,6 +58,8 @@ pub struct Cell {
     guard: Option<Guard>,
     /// Sensors that the cell's file names.
     expected_sensors: Vec<String>,
+    /// What its processes ask of the machine.
+    realtime: Option<Realtime>,
     /// What was found wrong while the cell was put together.
     errors: Vec<CellError>,
 }
@@ -77,6 +79,7 @@ impl Cell {
             hook: None,
             guard: None,
             expected_sensors: Vec::new(),
+            realtime: None,
             errors: Vec::new(),
         }
     }
@@ -177,8 +180,8 @@ impl Cell {
         self
     }
 
-    /// Lets `watch` look at all robots in every step whose index is a multiple of `every`, at least 1, while programs Move
-    /// and Wait. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
+    /// Lets `watch` look at all robots every so many steps, at least 1, while programs Move and Wait; robots that the
+    /// instruction does not name are asked, too. While robots look for their reference marks nothing is looked at. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
     /// together, and the cell stops with the fault at standstill. One guard a cell: the last one given.
     #[must_use]
     pub fn guard(
@@ -196,83 +199,35 @@ impl Cell {
         self.operator.clone()
     }
 
+    /// How long a stop of one of its robots may take.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn stop_limit(&self) -> Duration {
+        self.stop_time
+    }
+
+    /// What its processes ask of the machine.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn realtime(&self) -> Option<&Realtime> {
+        self.realtime.as_ref()
+    }
+
+    /// Asks this of the machine for its processes.
+    pub(crate) fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
+        self.realtime = realtime;
+        self
+    }
+
     /// Runs the cell on the memory link, under the virtual clock, until the MP's program is over.
     ///
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up, before anything moves; or the first cause of a stop.
     pub fn run(mut self) -> Result<RunReport, CellError> {
         let names = self.check()?;
-        let nudged = self.program.is_none();
-        let patience = (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos;
         let mut scheduler = Scheduler::new();
-        let outcomes = Outcomes::default();
-        let mp = scheduler.place("mp".to_owned());
-        let ecps: Vec<_> = names.iter().map(|name| scheduler.place(format!("ecp {name}"))).collect();
-
-        let mut mp_sensing = Sensing { ports: Vec::new(), patience };
-        // An ECP loses patience first, so that it can say with whom.
-        let shorter = patience - self.step.as_nanos() as Nanos;
-        let mut ecp_sensing: Vec<_> =
-            names.iter().map(|_| Sensing { ports: Vec::new(), patience: shorter }).collect();
-        // EDPs tick first half a servo period after a step's beginning.
-        let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
-        let delay =
-            crate::interpolation::delay(self.step, self.robots.iter().map(|robot| robot.servo_period()));
-        let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
-        let mut requesters = Requesters {
-            scheduler: &mut scheduler,
-            step: self.step,
-            mp,
-            robots: &names,
-            ecps: &ecps,
-            mp_sensing: &mut mp_sensing,
-            ecp_sensing: &mut ecp_sensing,
-        };
-        for sensor in self.sensors {
-            sensor.spawn(&mut requesters)?;
-        }
-        let mut ports = Vec::new();
-        for ((robot, name), (&ecp, sensing)) in
-            self.robots.into_iter().zip(&names).zip(ecps.iter().zip(ecp_sensing))
-        {
-            let (client, server) = scheduler.port(mp, ecp);
-            let steps = robot.stop_steps(self.step, delay.unwrap_or_default());
-            ports.push(RobotPort::new(
-                *name,
-                (robot.kind(), robot.kind_name()),
-                client,
-                steps,
-                robot.is_homed(),
-            ));
-            let period = self.step.as_nanos() as Nanos;
-            let pace = Pace { period, grace, stop_steps: steps };
-            let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged };
-            robot.spawn(&mut scheduler, place, server, sensing, Rc::clone(&outcomes))?;
-        }
-
-        let close = scheduler.closer();
-        let (operator, step, rate_change, program) =
-            (self.operator, self.step, self.rate_change, self.program);
-        let (hook, guard) = (self.hook, self.guard);
-        let steps = Rc::new(core::cell::Cell::new(0));
-        let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
-        scheduler.body(
-            mp,
-            Box::new(move |waiter| {
-                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
-                mp.guard = guard;
-                let outcome = mp.run_program(|mp| match program {
-                    Some(program) => program(mp),
-                    None => mp.nudge(),
-                });
-                counted.set(mp.step());
-                recorded.borrow_mut().push((ProcessId::MP, outcome));
-                close();
-            }),
-        )?;
+        let assembly = self.assemble(&names, &mut scheduler)?;
         let time = scheduler.run()?;
-        first_cause(&outcomes.borrow())?;
-        Ok(RunReport { steps: steps.get(), time: Duration::from_nanos(time) })
+        first_cause(&assembly.outcomes.borrow())?;
+        Ok(RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })
     }
 
     /// The robots' names, when nothing is wrong with the set-up.
@@ -303,6 +258,7 @@ impl Cell {
             } else if !divides(servo, step) && !divides(step, servo) {
                 errors.push(CellError::Period { robot: name, servo, step });
             }
+            errors.extend(robot.check_space(name));
             errors.extend(robot.check_limits(name, step, self.stop_time));
             names.push(name);
         }
@@ -332,7 +288,7 @@ impl Cell {
 }
 
 /// The MP's fault, or else the first of an ECP's.
-fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault> {
+pub(crate) fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault> {
     let mp = outcomes.iter().filter(|(process, _)| process.role == Role::Mp);
     let others = outcomes.iter().filter(|(process, _)| process.role != Role::Mp);
     for (process, outcome) in mp.chain(others) {

@@ -13,12 +13,12 @@ use crate::fault::{Fault, ProcessId, Role};
 use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
-use crate::link::memory::{Scheduler, Stuck};
-use crate::link::{Server, Waiter};
+use crate::link::memory::Stuck;
+use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
-use crate::robot::{JointKind, Robot};
+use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
 
@@ -42,8 +42,8 @@ impl<R: Robot> RobotSetup<R> {
         Self::with_drives(name, robot, Drives::Homed(Box::new(driver)))
     }
 
-    /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts, and
-    /// the programs begin when all robots of the cell have found theirs.
+    /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts. The
+    /// MP's program begins when all robots of the cell have found theirs, and so does what an ECP obeys.
     pub fn unhomed<H>(name: &str, robot: R, homing: H) -> Self
     where
         H: Homing<R, Drives: 'static> + 'static,
@@ -169,11 +169,12 @@ pub(crate) trait AnyRobot {
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
+    fn check_space(&self, name: Name) -> Option<CellError>;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
-        scheduler: &mut Scheduler,
+        link: &mut dyn Link,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -225,6 +226,15 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.drives.period()
     }
 
+    fn check_space(&self, name: Name) -> Option<CellError> {
+        let limits = self.robot.limits();
+        let middle = (limits.lower + limits.upper) * 0.5;
+        let pose = self.robot.forward(&middle);
+        let at_a_value = self.robot.inverse_at(&pose, 0.0, &middle);
+        let is_redundant = R::Joints::LEN > 6 || at_a_value != Err(NoInverse::NotRedundant);
+        (self.space == InterpolationSpace::Task && is_redundant).then_some(CellError::TaskSpace(name))
+    }
+
     fn is_homed(&self) -> bool {
         matches!(self.drives, Drives::Homed(_))
     }
@@ -245,18 +255,19 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn spawn(
         self: Box<Self>,
-        scheduler: &mut Scheduler,
+        link: &mut dyn Link,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
         outcomes: Outcomes,
     ) -> Result<(), Stuck> {
         let name = place.name;
-        let edp = scheduler.place(format!("edp {name}"));
-        let (client, server) = scheduler.port(place.ecp, edp);
         let process = ProcessId::new(Role::Edp, name);
+        let edp = link.place(process);
+        let (client, server) = link.port(place.ecp, edp);
         let (robot, drives, observers) = (self.robot, self.drives, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
+        let ended = Rc::clone(&outcomes);
         let run = move |waiter: &dyn Waiter| {
             let driver = match drives {
                 Drives::Homed(driver) => Some(driver),
@@ -275,14 +286,16 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     following_error,
                     observers,
                 };
-                Edp::new(config, waiter, server).run();
+                if let Err(fault) = Edp::new(config, waiter, server).run() {
+                    ended.borrow_mut().push((process, Err(fault)));
+                }
             }
         };
-        scheduler.body(edp, Box::new(run))?;
+        link.body(edp, Box::new(run))?;
         let (program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
-        scheduler.body(
+        link.body(
             place.ecp,
             Box::new(move |waiter| {
                 let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);

@@ -6,8 +6,7 @@ use core::time::Duration;
 use super::CellError;
 use crate::fault::{ProcessId, Role};
 use crate::image::Sensor;
-use crate::link::memory::Scheduler;
-use crate::link::{Client, Nanos, Server};
+use crate::link::{Client, Link, Nanos, Server};
 use crate::name::Name;
 use crate::sensing::{Sensing, SensorPort, Source};
 use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
@@ -72,7 +71,7 @@ pub(super) trait AnySensor {
 
 /// Who may read a sensor, and where: the MP, and the ECP of the robot that it belongs to.
 pub(super) struct Requesters<'a> {
-    pub scheduler: &'a mut Scheduler,
+    pub link: &'a mut dyn Link,
     pub step: Duration,
     pub mp: usize,
     pub robots: &'a [Name],
@@ -105,14 +104,15 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
     }
 
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError> {
-        let Requesters { scheduler, step, mp, robots, ecps, mp_sensing, ecp_sensing } = among;
+        let Requesters { link, step, mp, robots, ecps, mp_sensing, ecp_sensing } = among;
         let name = Name::new(&self.name)?;
         let belongs = |robot: &String| {
             let place = robots.iter().position(|name| name.as_str() == robot);
             place.ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))
         };
         let robot = self.robot.as_ref().map(belongs).transpose()?;
-        let place = scheduler.place(format!("vsp {name}"));
+        let process = ProcessId::new(Role::Vsp, name);
+        let place = link.place(process);
         let kind = TypeId::of::<V::Kind>();
         let clients = [Some(*mp), robot.map(|robot| ecps[robot])];
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
@@ -120,7 +120,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         let mut boards = Vec::new();
         for client in clients.into_iter().flatten() {
             let mut ask = |wrap: fn(Box<dyn Client>) -> Source| {
-                let (client, server) = scheduler.port(client, place);
+                let (client, server) = link.port(client, place);
                 servers.push(server);
                 wrap(client)
             };
@@ -128,7 +128,8 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
                 VspMode::Interactive => ask(Source::Interactive),
                 VspMode::WithDelay => ask(Source::WithDelay),
                 VspMode::NonInteractive(_) => {
-                    let board = Boards { orders: Scheduler::board(), readings: Scheduler::board() };
+                    let board =
+                        Boards { orders: link.board(client, place), readings: link.board(place, client) };
                     boards.push(board.clone());
                     Source::NonInteractive(board)
                 }
@@ -147,9 +148,8 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::Interactive | VspMode::WithDelay => Orders::Ports(servers),
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
-        let process = ProcessId::new(Role::Vsp, name);
         let step = step.as_nanos() as Nanos;
-        scheduler.body(
+        link.body(
             place,
             Box::new(move |waiter| {
                 Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();

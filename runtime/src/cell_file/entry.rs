@@ -50,6 +50,12 @@ impl RobotEntry {
         self.base.unwrap_or_else(Pose::identity)
     }
 
+    /// `tool`: `X_FE`; the flange unless the file says so. The robot is given it whatever the set-up does with it.
+    #[must_use]
+    pub fn tool(&self) -> Pose {
+        self.tool.unwrap_or_else(Pose::identity)
+    }
+
     /// `homed`: whether the drives know where the robot is when the cell starts; they do unless the file says otherwise.
     #[must_use]
     pub fn is_homed(&self) -> bool {

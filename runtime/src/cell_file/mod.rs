@@ -19,6 +19,12 @@
 //! mode = "interactive"   # or "with delay", "free running"; interactive unless it is said
 //! period_ms = 5      # of a free-running sensor
 //! latency_ms = 2     # time that one aggregation takes under the virtual clock; none unless it is said
+//!
+//! [realtime]         # what the cell asks of the machine when it runs as processes; nothing unless the table is there
+//! priority = 50      # of every process under SCHED_FIFO, 1 to 95
+//! lock_memory = true # no page is fetched in a step (mlockall); true unless it is said
+//! cores = [0, 1]     # a robot's ECP and EDP share one of them; of all cores unless it is said; [] pins nothing
+//! permission = "required"   # or "best effort": run without what is not permitted; required unless it is said
 //! ```
 
 mod entry;
@@ -32,6 +38,7 @@ use std::rc::Rc;
 
 use crate::cell::{Cell, CellError, SensorSetup};
 use crate::image::Sensor;
+use crate::realtime::Realtime;
 use crate::vsp::VirtualSensor;
 
 pub use entry::RobotEntry;
@@ -47,6 +54,7 @@ pub struct CellFile {
     source: Rc<Source>,
     step: Duration,
     stop_time: Option<Duration>,
+    realtime: Option<Realtime>,
     robots: Vec<RobotEntry>,
     sensors: Vec<SensorEntry>,
 }
@@ -90,7 +98,9 @@ impl CellFile {
     /// # Errors
     /// What the file asks of the kinds and they cannot give, for all robots at once.
     pub fn cell(&self, kinds: &Kinds) -> Result<Cell, CellError> {
-        let mut cell = Cell::new(self.step).expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name));
+        let mut cell = Cell::new(self.step)
+            .expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name))
+            .ask_for(self.realtime.clone());
         if let Some(limit) = self.stop_time {
             cell = cell.stop_time(limit);
         }

@@ -1,6 +1,6 @@
 //! From text to a [`CellFile`]: every key is known, every value has its type and range, all errors are told at once.
 
-use core::ops::Range;
+use core::ops::{Range, RangeInclusive};
 use core::time::Duration;
 use std::rc::Rc;
 
@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::name::Name;
 use crate::pose::{Pose, Zyz};
+use crate::realtime::{MAX_PRIORITY, Permission, Realtime};
 use crate::vsp::VspMode;
 
 use super::CellFile;
@@ -19,13 +20,15 @@ use crate::suggestion::suggestion;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 
-const CELL_KEYS: [&str; 4] = ["step_ms", "stop_ms", "robots", "sensors"];
+const CELL_KEYS: [&str; 5] = ["step_ms", "stop_ms", "robots", "sensors", "realtime"];
 const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
 const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
 /// What to write where a line is no TOML.
 const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0], tables as [robots.arm]; a bracket or a quote may be \
                     missing in the line above";
+const REALTIME_KEYS: [&str; 4] = ["priority", "lock_memory", "cores", "permission"];
+const PERMISSIONS: [&str; 2] = ["required", "best effort"];
 const MODES: [&str; 3] = ["interactive", "with delay", "free running"];
 
 /// Reads the whole file.
@@ -65,8 +68,9 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         .into_iter()
         .filter_map(|entry| reader.sensor(entry, &names))
         .collect();
+    let realtime = table.get("realtime").and_then(|value| reader.realtime(value));
     CellFileError::all(reader.errors)?;
-    Ok(CellFile { source, step, stop_time, robots, sensors })
+    Ok(CellFile { source, step, stop_time, realtime, robots, sensors })
 }
 
 struct Reader {
@@ -233,6 +237,55 @@ impl Reader {
         };
         let ([x, y, z], [alpha, beta, gamma]) = (three("position")?, three("zyz")?);
         Some(Pose::from_parts(Translation3::new(x, y, z), Zyz { alpha, beta, gamma }.rotation()))
+    }
+
+    fn realtime(&mut self, value: &Value<'_>) -> Option<Realtime> {
+        let DeValue::Table(table) = value.get_ref() else {
+            self.wrong_type(value, "a table [realtime]");
+            return None;
+        };
+        self.known(table, &REALTIME_KEYS, "[realtime] has");
+        let locks = table.get("lock_memory").map(|value| self.truth(value, "true or false"));
+        let cores = table.get("cores").map(|value| {
+            let numbers = self.numbers(value, "a list of cores, counted from 0")?.value;
+            numbers.iter().map(|core| self.whole(core, 0..=1023, "the number of a core, 0 to 1023")).collect()
+        });
+        let permission = match table.get("permission") {
+            None => Some("required"),
+            Some(value) => self.text(value, "\"required\" or \"best effort\"").filter(|text| {
+                let known = PERMISSIONS.contains(text);
+                if !known {
+                    let help = suggestion(text, &PERMISSIONS, "there are");
+                    self.complain(&value.span(), format!("no permission `{text}`"), help);
+                }
+                known
+            }),
+        };
+        let Some(priority) = table.get("priority") else {
+            let help = "write priority = 50, or another one from 1 to 95";
+            self.complain(&value.span(), "[realtime] has no `priority`".to_owned(), help.to_owned());
+            return None;
+        };
+        let range = "a priority from 1 to 95";
+        let priority = self.number(priority, range)?;
+        let priority = self.whole(&priority, 1..=usize::from(MAX_PRIORITY), range)?;
+        let permission =
+            if permission? == "required" { Permission::Required } else { Permission::BestEffort };
+        Some(Realtime {
+            permission,
+            priority: u8::try_from(priority).ok()?,
+            lock_memory: locks.map_or(Some(true), |locks| Some(locks?.value))?,
+            cores: cores.map_or(Some(None), |cores: Option<Vec<usize>>| Some(Some(cores?)))?,
+        })
+    }
+
+    /// A whole number of a range.
+    fn whole(&mut self, number: &At<f64>, range: RangeInclusive<usize>, expected: &str) -> Option<usize> {
+        let found = range.into_iter().find(|&whole| whole as f64 == number.value);
+        if found.is_none() {
+            self.complain(&number.span, format!("{} is not", number.value), format!("write {expected}"));
+        }
+        found
     }
 
     fn sensor(&mut self, Entry { name, table }: Entry<'_>, robots: &[String]) -> Option<SensorEntry> {

@@ -174,7 +174,7 @@ impl<R: Robot> Ecp<'_, R> {
             self.driver.moving = true;
             self.execute(sensors, v, RequestKind::Demand, flags, next_uses.robots)?;
             (step, flags) = (step + 1, 0);
-            if ending_now { self.reply(0) } else { self.reply_with_state() }
+            self.reply_with_state();
         }
         match ending {
             Ending::Standstill => self.settle_unless_blending(),

@@ -9,7 +9,8 @@ use std::rc::Rc;
 use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
-use super::{Board, Client, Closed, Nanos, Server, Waiter};
+use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
+use crate::fault::ProcessId;
 use crate::message::Message;
 
 /// The most processes that one cell can have on this link.
@@ -37,9 +38,6 @@ impl Shared {
         self.ready.set(self.ready.get() | 1 << process);
     }
 }
-
-/// A process's body. It runs once the scheduler runs, and cannot keep the waiter: it waits in its own coroutine.
-pub type Body = Box<dyn for<'w> FnOnce(&'w dyn Waiter)>;
 
 type Process = Coroutine<(), (), (), DefaultStack>;
 
@@ -73,47 +71,11 @@ impl Scheduler {
         }
     }
 
-    /// A place for a process, which ports can name before its body is known.
-    pub fn place(&mut self, name: String) -> usize {
-        assert!(self.processes.len() < MAX_PROCESSES, "the memory link runs at most 64 processes");
-        self.shared.deadlines.borrow_mut().push(NEVER);
-        self.processes.push((name, None));
-        self.processes.len() - 1
-    }
-
-    /// Gives the process at `place` its body.
-    pub fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
-        let name = &self.processes[place].0;
-        let stack =
-            DefaultStack::new(STACK).map_err(|error| Stuck::Stack(name.clone(), error.to_string()))?;
+    /// Wakes the processes at places, one bit each, for messages that did not go through this link.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub fn waker(&self) -> Box<dyn Fn(u64)> {
         let shared = Rc::clone(&self.shared);
-        let process = Coroutine::with_stack(stack, move |yielder: &Yielder<(), ()>, ()| {
-            body(&MemoryWaiter { shared, place, yielder });
-        });
-        self.processes[place].1 = Some(process);
-        self.shared.wake(place);
-        Ok(())
-    }
-
-    /// A request-reply port between two places.
-    pub fn port(&self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
-        let port = Rc::new(Port {
-            request: Slot::new(server),
-            reply: Slot::new(client),
-            shared: Rc::clone(&self.shared),
-        });
-        (Box::new(MemoryClient(Rc::clone(&port))), Box::new(MemoryServer(port)))
-    }
-
-    /// A board that anyone can read.
-    pub fn board() -> Rc<dyn Board> {
-        Rc::new(MemoryBoard(RefCell::new(None)))
-    }
-
-    /// Closes the cell: every wait returns [`Closed`] from now on.
-    pub fn closer(&self) -> impl Fn() + 'static {
-        let shared = Rc::clone(&self.shared);
-        move || shared.closing.set(true)
+        Box::new(move |places| shared.ready.set(shared.ready.get() | places))
     }
 
     /// Runs all processes to their end.
@@ -183,6 +145,46 @@ impl Scheduler {
             }
         }
         Ok(())
+    }
+}
+
+impl Link for Scheduler {
+    fn place(&mut self, process: ProcessId) -> usize {
+        assert!(self.processes.len() < MAX_PROCESSES, "the memory link runs at most 64 processes");
+        self.shared.deadlines.borrow_mut().push(NEVER);
+        self.processes.push((process.to_string(), None));
+        self.processes.len() - 1
+    }
+
+    fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
+        let port = Rc::new(Port {
+            request: Slot::new(server),
+            reply: Slot::new(client),
+            shared: Rc::clone(&self.shared),
+        });
+        (Box::new(MemoryClient(Rc::clone(&port))), Box::new(MemoryServer(port)))
+    }
+
+    fn board(&mut self, _: usize, _: usize) -> Rc<dyn Board> {
+        Rc::new(MemoryBoard(RefCell::new(None)))
+    }
+
+    fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
+        let name = &self.processes[place].0;
+        let stack =
+            DefaultStack::new(STACK).map_err(|error| Stuck::Stack(name.clone(), error.to_string()))?;
+        let shared = Rc::clone(&self.shared);
+        let process = Coroutine::with_stack(stack, move |yielder: &Yielder<(), ()>, ()| {
+            body(&MemoryWaiter { shared, place, yielder });
+        });
+        self.processes[place].1 = Some(process);
+        self.shared.wake(place);
+        Ok(())
+    }
+
+    fn closer(&self) -> Box<dyn Fn()> {
+        let shared = Rc::clone(&self.shared);
+        Box::new(move || shared.closing.set(true))
     }
 }
 

@@ -99,9 +99,9 @@ pub trait Robots<O = Motion>: RobotList {
 /// use mrroc_robots::{Irp6, Rnt};
 ///
 /// let up = |i: usize| Pose::translation(0.0, 0.0, 0.1 * i as f64);
-/// let demands = <(Irp6, Rnt)>::each(up);
+/// let demands = <(Irp6, Rnt) as RobotsEach<Pose>>::each(up);
 /// assert_eq!(demands.1, Demand::pose(up(1)));
-/// let demands = <[Irp6; 3]>::each(up);
+/// let demands = <[Irp6; 3] as RobotsEach<Pose>>::each(up);
 /// assert_eq!(demands[2], Demand::pose(up(2)));
 /// ```
 #[diagnostic::on_unimplemented(

@@ -71,13 +71,42 @@ impl RobotPort {
     }
 }
 
+/// What the robots of an exchange bound: those that an instruction does not name, nothing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bounds {
+    Rate,
+    Nothing,
+}
+
 impl Mp<'_> {
-    /// Scatter and gather: sends every robot its order, then collects every reply.
+    /// Scatter and gather: sends every robot its order, then collects every reply. Where the guard is to look, the other
+    /// robots are asked for their states after that.
     pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
-        self.clock.spend();
-        let looks = matches!(kind, OrderKind::Step | OrderKind::Query)
+        let looks = kind != OrderKind::Stop
+            && self.protective.is_none()
             && self.guard.as_ref().is_some_and(|guard| guard.is_due(self.clock.step()));
-        let flags = if looks { flags | flag::WANT_STATE } else { flags };
+        if !looks {
+            return self.scatter_and_gather(indices, kind, flags, Bounds::Rate);
+        }
+        self.scatter_and_gather(indices, kind, flags | flag::WANT_STATE, Bounds::Rate)?;
+        for other in 0..self.robots.len() {
+            // One whose drives still look for their marks has no state to tell.
+            if !indices.contains(&other) && !self.robots[other].handed_over {
+                self.scatter_and_gather(&[other], OrderKind::Query, flag::WANT_STATE, Bounds::Nothing)?;
+            }
+        }
+        self.let_guard_look();
+        Ok(())
+    }
+
+    fn scatter_and_gather(
+        &mut self,
+        indices: &[usize],
+        kind: OrderKind,
+        flags: u32,
+        bounds: Bounds,
+    ) -> Result<(), Fault> {
+        self.clock.spend();
         let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
         for &index in indices {
             let robot = &mut self.robots[index];
@@ -113,7 +142,9 @@ impl Mp<'_> {
                 Some(lost) => Some(lost),
                 None if robot.reply.header.kind == Kind::Fault => Some(robot.reply.fault()),
                 None => {
-                    self.clock.feed.limit(robot.reply.header.headroom);
+                    if bounds == Bounds::Rate {
+                        self.clock.feed.limit(robot.reply.header.headroom);
+                    }
                     None
                 }
             };
@@ -124,13 +155,7 @@ impl Mp<'_> {
                 }
             }
         }
-        match first {
-            Some(fault) => Err(fault),
-            None => {
-                self.let_guard_look();
-                Ok(())
-            }
-        }
+        first.map_or(Ok(()), Err)
     }
 
     /// Asks the robots that the sensors of a list belong to for their states, where none is known yet: a sensor gets the
@@ -176,7 +201,7 @@ impl Mp<'_> {
 }
 
 /// First cause: the lowest step, then the more severe; equals keep the place in the list.
-fn precedes(fault: &Fault, other: &Fault) -> bool {
+pub(super) fn precedes(fault: &Fault, other: &Fault) -> bool {
     let key = |fault: &Fault| (fault.step().unwrap_or(u64::MAX), core::cmp::Reverse(fault.class()));
     key(fault) < key(other)
 }

@@ -106,10 +106,17 @@ impl Mp<'_> {
         Ok(())
     }
 
-    /// Holds until the drives of every robot know where it is, and a guard knows it of every robot.
+    /// Holds until the drives of every robot know where it is.
     pub(super) fn home(&mut self) -> Result<(), Fault> {
-        let asked = |index: &usize| !self.robots[*index].homed || self.guard.is_some();
-        let mut unhomed: Vec<_> = (0..self.robots.len()).filter(asked).collect();
+        // There is nothing to look at before.
+        let guard = self.guard.take();
+        let outcome = self.home_all();
+        self.guard = guard;
+        outcome
+    }
+
+    fn home_all(&mut self) -> Result<(), Fault> {
+        let mut unhomed: Vec<_> = (0..self.robots.len()).filter(|&index| !self.robots[index].homed).collect();
         while !unhomed.is_empty() {
             self.begin_step()?;
             if self.is_ending() {

@@ -19,7 +19,7 @@ use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::feed::Feed;
 use crate::guard::Guard;
 use crate::image::{RobotImage, Sensor};
-use crate::link::{Nanos, Waiter};
+use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
 use crate::robot::Robot;
@@ -39,7 +39,7 @@ pub struct Mp<'w> {
     sensing: Sensing,
     operator: Operator,
     hook: Option<StepHook>,
-    pub(crate) guard: Option<Guard>,
+    guard: Option<Guard>,
     /// What the guard stops the cell for, on the way to a standstill.
     protective: Option<Fault>,
     clock: StepClock,
@@ -63,6 +63,11 @@ impl<'w> Mp<'w> {
         let (guard, protective, latched) = (None, None, None);
         let (ordinal, refusals) = (0, 0);
         Mp { waiter, robots, sensing, operator, hook, guard, protective, clock, ordinal, latched, refusals }
+    }
+
+    /// Lets a guard watch over all robots.
+    pub(crate) fn watch_by(&mut self, guard: Option<Guard>) {
+        self.guard = guard.map(|guard| guard.over(self.robots.iter().map(|robot| robot.name)));
     }
 
     /// The handle of a robot. Each robot has one: pass it on.
@@ -120,12 +125,31 @@ impl<'w> Mp<'w> {
             let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
             self.clock.advance(rate, self.operator.is_suspended());
         }
-        Ok(())
+        self.hear_news()
+    }
+
+    /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
+    fn hear_news(&mut self) -> Result<(), Fault> {
+        match self.waiter.news() {
+            Some(News::Lost(process)) if self.latched.is_none() => {
+                Err(Fault::new(FaultKind::PeerLost).in_process(process).at_step(self.clock.step()))
+            }
+            Some(News::Abort) => {
+                self.operator.abort();
+                Ok(())
+            }
+            Some(News::Lost(_)) | None => Ok(()),
+        }
     }
 
     /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        // What goes wrong while a guard's stop is under way is not its cause.
+        let fault = match &self.protective {
+            Some(protective) if exchange::precedes(protective, &fault) => protective.clone(),
+            Some(_) | None => fault,
+        };
         // An abort, a Wait that was too long: nothing moves and nothing is wrong with the cell.
         if fault.is_orderly() { fault } else { self.stop(fault) }
     }
@@ -159,7 +183,7 @@ impl<'w> Mp<'w> {
         fault.in_process(ProcessId::MP).at_step(self.clock.step())
     }
 
-    /// Shows the guard what the robots reported, and lets it look where it is due.
+    /// Shows the guard what the robots reported, and lets it look.
     fn let_guard_look(&mut self) {
         let Some(guard) = &mut self.guard else { return };
         for (i, robot) in self.robots.iter().enumerate() {
@@ -167,8 +191,9 @@ impl<'w> Mp<'w> {
                 guard.see(i, view);
             }
         }
-        if self.protective.is_none() && guard.is_due(self.clock.step()) {
-            self.protective = guard.look().err().map(|fault| fault.of_guard().at_step(self.clock.step()));
+        let step = self.clock.step();
+        if self.protective.is_none() && guard.is_due(step) {
+            self.protective = guard.look(step).err().map(|fault| fault.of_guard().at_step(step));
         }
     }
 

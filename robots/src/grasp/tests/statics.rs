@@ -4,7 +4,7 @@ use mrroc::{AngleAxis, Pose};
 use nalgebra::{Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
 
 use super::Bench;
-use super::bench::at;
+use super::bench::{at, weightless};
 use crate::grasp::{Body, Grasp, World};
 use crate::transmission::GRAVITY;
 
@@ -176,4 +176,23 @@ fn four_grasps_carry_a_quarter_of_a_plate_each() {
         assert!((force + Vector3::z() * (2.0 * GRAVITY)).amax() < 1e-6, "{force}");
     }
     assert!(bench.world.internal_force() < 1e-6);
+}
+
+#[test]
+fn what_the_body_does_to_the_gripper_of_an_arm_that_stopped_goes_on_being_read() {
+    // The first arm's drives stop; then the second lowers its end of a weightless bar by d: two springs in series, k d / 2.
+    let (k, d) = (5e4, 1e-3);
+    let world = weightless(World::new(&Body::block(2.0, [0.4, 0.1, 0.1])).expect("a body"));
+    let bench = Bench::new(world)
+        .with_hand(Grasp::new(k, 500.0), at(-0.2, 0.0, 0.0))
+        .with_hand(Grasp::new(k, 500.0), at(0.2, 0.0, 0.0));
+    bench.close();
+    bench.run(0.1);
+    let [(first, ..), (second, ..)] = &bench.hands[..] else { panic!("two") };
+    for _ in 0..2000 {
+        second.begin();
+        second.end(at(0.2 + d, 0.0, 0.0));
+    }
+    let (one, two) = (first.reaction().force.x, second.reaction().force.x);
+    assert!((one - 0.5 * k * d).abs() < 1e-3 && (two + 0.5 * k * d).abs() < 1e-3, "{one} N, {two} N");
 }

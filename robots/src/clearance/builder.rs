@@ -1,0 +1,135 @@
+//! Puts a clearance together.
+
+use std::sync::Arc;
+
+use mrroc::{MAX_JOINTS, Name};
+
+use super::capsule::Capsule;
+use super::check::{Clearance, Owned};
+use super::error::ClearanceError;
+use super::obstacle::Obstacle;
+use super::outline::Outline;
+use super::posture::Placement;
+use super::stopping::{Stop, Stopping};
+
+/// A [`Clearance`] being put together.
+#[must_use = "a clearance is made by build"]
+pub struct ClearanceBuilder {
+    clearance: Clearance,
+}
+
+impl Clearance {
+    /// A clearance whose bodies must keep `margin` \[m\], finite and >= 0, from one another: for what the capsules and the drives
+    /// are off. Links of one robot only must not meet: their margin is 0.
+    pub fn with_margin(margin: f64) -> ClearanceBuilder {
+        let stopping = Stopping { reaction: 0.0, stop: Stop::Braking };
+        ClearanceBuilder {
+            clearance: Clearance {
+                robots: Vec::new(),
+                names: Vec::new(),
+                bodies: Vec::new(),
+                margin,
+                margins: Vec::new(),
+                ignored: Vec::new(),
+                ignored_own: Vec::new(),
+                stopping,
+                pairs: Vec::new(),
+                unchecked: Vec::new(),
+                ways: Vec::new(),
+            },
+        }
+    }
+}
+
+impl ClearanceBuilder {
+    /// Adds a robot under the name that it has in the cell, its base where it stands.
+    ///
+    /// # Errors
+    /// [`ClearanceError::Name`], [`ClearanceError::SecondRobot`].
+    pub fn robot(mut self, name: &str, outline: impl Outline) -> Result<Self, ClearanceError> {
+        let robot = Name::new(name)?;
+        if self.clearance.place_of(name).is_some() {
+            return Err(ClearanceError::SecondRobot { robot });
+        }
+        self.clearance.robots.push(Placement::new(robot, Box::new(outline)));
+        Ok(self)
+    }
+
+    /// Fixes a tool to a robot's flange: capsules in the flange's frame F, called "tool".
+    ///
+    /// # Errors
+    /// [`ClearanceError::NoRobot`], [`ClearanceError::BadBody`].
+    pub fn tool(mut self, robot: &str, capsules: &[Capsule]) -> Result<Self, ClearanceError> {
+        self.clearance.fix(robot, "tool", capsules)?;
+        Ok(self)
+    }
+
+    /// Adds what stands in the cell.
+    ///
+    /// # Errors
+    /// [`ClearanceError::BadBody`].
+    pub fn obstacle(mut self, name: &str, obstacle: Obstacle) -> Result<Self, ClearanceError> {
+        let name: Arc<str> = name.into();
+        if !obstacle.is_valid() {
+            return Err(ClearanceError::BadBody { body: name });
+        }
+        self.clearance.names.push(name);
+        self.clearance.bodies.push(obstacle);
+        Ok(self)
+    }
+
+    /// Another margin \[m\] between two robots, a robot and an obstacle, or, `a` and `b` the same, the links of one robot.
+    pub fn margin_between(mut self, a: &str, b: &str, margin: f64) -> Self {
+        self.clearance.margins.push((a.into(), b.into(), margin));
+        self
+    }
+
+    /// Two bodies, each a robot and its link, tool or body, that are not checked against one another: who holds the same
+    /// body, what lies on the table. An obstacle stands for its own link: `("table", "table")`.
+    pub fn ignore(mut self, a: (&str, &str), b: (&str, &str)) -> Self {
+        let owned = |(owner, link): (&str, &str)| -> Owned { (owner.into(), link.into()) };
+        self.clearance.ignored.push([owned(a), owned(b)]);
+        self
+    }
+
+    /// The links of a robot, its tool and what it carries are not checked against one another: for an arm whose own limits
+    /// keep them apart. RNT's, whose bars are moved by much at once, is best left to its limits.
+    pub fn ignore_own(mut self, robot: &str) -> Self {
+        self.clearance.ignored_own.push(robot.into());
+        self
+    }
+
+    /// The clearance, which looks ahead to where its robots stand after such a stop.
+    ///
+    /// # Errors
+    /// [`ClearanceError`]: margins, stopping, names in [`margin_between`](Self::margin_between) and in
+    /// [`ignore`](Self::ignore) (of which a link may be a body that is grasped later).
+    pub fn build(mut self, stopping: Stopping) -> Result<Clearance, ClearanceError> {
+        let margins = self.clearance.margins.iter().map(|(_, _, margin)| *margin);
+        for margin in margins.chain([self.clearance.margin]) {
+            if !(margin.is_finite() && margin >= 0.0) {
+                return Err(ClearanceError::BadMargin { margin });
+            }
+        }
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        let sound = match stopping.stop {
+            Stop::Braking => true,
+            Stop::OnPath { rate_change, step } => positive(rate_change) && positive(step),
+        };
+        if !(sound && stopping.reaction.is_finite() && stopping.reaction >= 0.0) {
+            return Err(ClearanceError::BadStopping);
+        }
+        let named = self.clearance.margins.iter().flat_map(|(a, b, _)| [a, b]);
+        let owners = self.clearance.ignored.iter().flatten().map(|(owner, _)| owner);
+        for owner in named.chain(owners).chain(&self.clearance.ignored_own) {
+            let is_known = self.clearance.place_of(owner).is_some() || self.clearance.names.contains(owner);
+            if !is_known {
+                return Err(ClearanceError::NoRobot { robot: owner.clone() });
+            }
+        }
+        self.clearance.stopping = stopping;
+        self.clearance.ways = vec![[0.0; MAX_JOINTS]; self.clearance.robots.len()];
+        self.clearance.pair();
+        Ok(self.clearance)
+    }
+}

@@ -1,0 +1,319 @@
+//! The clearance of a cell: which of its bodies are nearest, and whether the robots can still stop in time.
+
+use std::sync::Arc;
+
+use mrroc::{MAX_JOINTS, RobotView};
+
+use super::capsule::{Capsule, Gap};
+use super::error::{CheckError, ClearanceError, Nearest, Side, TooClose};
+use super::obstacle::Obstacle;
+use super::outline::Link;
+use super::pairs::{Limb, Other, Pair, Unchecked, at_least, possible, without_meaningless};
+use super::posture::{Joints, Placement};
+use super::stopping::{Pace, Stopping};
+
+/// A robot or obstacle, and which of its links.
+pub(super) type Owned = (Arc<str>, Arc<str>);
+
+/// What is asked for.
+#[derive(Clone, Copy, PartialEq)]
+enum Purpose {
+    /// The distance as it is.
+    Distance,
+    /// The distance less the way to a standstill and the margin.
+    Slack,
+}
+
+/// Robots, what they carry and what stands around them; made by a [`ClearanceBuilder`](super::ClearanceBuilder).
+///
+/// A check takes a few microseconds and allocates nothing.
+pub struct Clearance {
+    pub(super) robots: Vec<Placement>,
+    pub(super) names: Vec<Arc<str>>,
+    pub(super) bodies: Vec<Obstacle>,
+    pub(super) margin: f64,
+    pub(super) margins: Vec<(Arc<str>, Arc<str>, f64)>,
+    pub(super) ignored: Vec<[Owned; 2]>,
+    pub(super) ignored_own: Vec<Arc<str>>,
+    pub(super) stopping: Stopping,
+    pub(super) pairs: Vec<Pair>,
+    pub(super) unchecked: Vec<(Pair, Unchecked)>,
+    pub(super) ways: Vec<Joints>,
+}
+
+impl Clearance {
+    /// Checks that all pairs keep their margins where the robots would stand if they were stopped now, from their demanded
+    /// positions and velocities. Gives the pair that has least to spare.
+    ///
+    /// `distance - travel >= margin`, with `travel` the sum of how far either body can get (see
+    /// [the module](super)): a bound that is never too small, and mostly too large.
+    ///
+    /// # Errors
+    /// [`CheckError`]: too close; a robot without a state; joints that give no posture.
+    pub fn check(&mut self, states: &[RobotView]) -> Result<Nearest, CheckError> {
+        let mut pace = Pace::default();
+        for robot in &self.robots {
+            let state = state_of(states, robot)?;
+            pace = pace.and(robot.shape().pace(&self.stopping, &state.demanded.velocity));
+        }
+        for (robot, way) in self.robots.iter_mut().zip(&mut self.ways) {
+            let state = &state_of(states, robot)?.demanded;
+            *way = robot.shape().ways(&self.stopping, &state.velocity, &pace);
+            let robot_name = robot.name;
+            if !robot.stand(&state.joints, Some(way)) {
+                return Err(CheckError::NoPosture { robot: robot_name });
+            }
+        }
+        let nearest = self.search(Purpose::Slack)?;
+        if nearest.slack() < 0.0 { Err(TooClose(nearest).into()) } else { Ok(nearest) }
+    }
+
+    /// The two bodies that are nearest to one another at the demanded positions, whatever the margins and velocities. Links
+    /// of one robot count where they overlap, or where there is nothing else.
+    ///
+    /// # Errors
+    /// [`CheckError`], but never that something is too close.
+    pub fn nearest(&mut self, states: &[RobotView]) -> Result<Nearest, CheckError> {
+        for robot in &mut self.robots {
+            let (joints, robot_name) = (state_of(states, robot)?.demanded.joints, robot.name);
+            if !robot.stand(&joints, None) {
+                return Err(CheckError::NoPosture { robot: robot_name });
+            }
+        }
+        self.search(Purpose::Distance)
+    }
+
+    /// As [`nearest`](Clearance::nearest), of joint positions [rad or m] of the robots in the order in which they were added.
+    ///
+    /// # Errors
+    /// [`CheckError`], but never that something is too close.
+    pub fn nearest_at(&mut self, positions: &[&[f64]]) -> Result<Nearest, CheckError> {
+        self.nearest_of(|robot| positions.get(robot).copied())
+    }
+
+    pub(super) fn nearest_of<'a>(
+        &mut self,
+        joints_of: impl Fn(usize) -> Option<&'a [f64]>,
+    ) -> Result<Nearest, CheckError> {
+        for (i, robot) in self.robots.iter_mut().enumerate() {
+            let (mut joints, robot_name) = ([0.0; MAX_JOINTS], robot.name);
+            let given = joints_of(i).ok_or(CheckError::Missing { robot: robot_name })?;
+            joints.iter_mut().zip(given).for_each(|(place, value)| *place = *value);
+            if !robot.stand(&joints, None) {
+                return Err(CheckError::NoPosture { robot: robot_name });
+            }
+        }
+        self.search(Purpose::Distance)
+    }
+
+    /// Fixes a body to a robot's flange: capsules in the flange's frame F. It is checked against everything but what is
+    /// rigidly joined to it; [`ClearanceBuilder::ignore`](super::ClearanceBuilder::ignore) beforehand what it lies on or
+    /// who else holds it. Allocates: between motions.
+    ///
+    /// # Errors
+    /// [`ClearanceError::NoRobot`], [`ClearanceError::BadBody`].
+    pub fn grasp(&mut self, robot: &str, body: &str, capsules: &[Capsule]) -> Result<(), ClearanceError> {
+        self.fix(robot, body, capsules)?;
+        self.pair();
+        Ok(())
+    }
+
+    /// Takes a body off a robot's flange again.
+    ///
+    /// # Errors
+    /// [`ClearanceError::NoRobot`], [`ClearanceError::NoLink`].
+    pub fn release(&mut self, robot: &str, body: &str) -> Result<(), ClearanceError> {
+        let found = self.robot_mut(robot)?;
+        if !found.drop_carried(body) {
+            let carried = found.links[found.own()..].iter().map(|link| link.name.to_string());
+            let known = carried.collect::<Vec<_>>().join(", ");
+            return Err(ClearanceError::NoLink { owner: robot.into(), link: body.into(), known });
+        }
+        self.pair();
+        Ok(())
+    }
+
+    /// Number of pairs that are checked.
+    #[must_use]
+    pub fn pairs(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// The pairs that are not checked because they overlap in all postures, or, links of one robot, never meet: 2000
+    /// postures spread over the joints' ranges tell. As text: `"irp6 postument - table: always overlap"`.
+    pub fn unchecked(&self) -> impl Iterator<Item = String> + '_ {
+        self.unchecked.iter().map(|(pair, why)| {
+            let [(a, link_a), (b, link_b)] = self.owners(pair);
+            let why = match why {
+                Unchecked::AlwaysOverlap => "always overlap",
+                Unchecked::NeverMeet => "never meet",
+            };
+            let obstacle = matches!(pair.other, Other::Obstacle(_));
+            if obstacle {
+                format!("{a} {link_a} - {b}: {why}")
+            } else {
+                format!("{a} {link_a} - {b} {link_b}: {why}")
+            }
+        })
+    }
+
+    /// Visits the capsules of all robots, and of what they carry, where they stood in the last check: for pictures.
+    pub fn capsules(&self, visit: &mut dyn FnMut(&str, &Link, &Capsule)) {
+        for robot in &self.robots {
+            for (link, placed) in robot.links.iter().zip(&robot.placed) {
+                visit(robot.name.as_str(), link, &placed.capsule);
+            }
+        }
+    }
+
+    /// Number of robots.
+    pub(super) fn robot_count(&self) -> usize {
+        self.robots.len()
+    }
+
+    /// The place of a robot in the order in which they were added.
+    pub(super) fn place_of(&self, robot: &str) -> Option<usize> {
+        self.robots.iter().position(|known| known.name.as_str() == robot)
+    }
+
+    pub(super) fn robot_mut(&mut self, robot: &str) -> Result<&mut Placement, ClearanceError> {
+        let found = self.robots.iter_mut().find(|known| known.name.as_str() == robot);
+        found.ok_or_else(|| ClearanceError::NoRobot { robot: robot.into() })
+    }
+
+    pub(super) fn fix(
+        &mut self,
+        robot: &str,
+        body: &str,
+        capsules: &[Capsule],
+    ) -> Result<(), ClearanceError> {
+        let name: Arc<str> = body.into();
+        if !capsules.iter().all(Capsule::is_valid) {
+            return Err(ClearanceError::BadBody { body: name });
+        }
+        let found = self.robot_mut(robot)?;
+        let rank = found.links[..found.own()].iter().map(|link| link.rank).max().unwrap_or_default() + 1;
+        let moved_by = found.shape().flange_motions();
+        for capsule in capsules {
+            found.carry(Link { name: name.clone(), rank, moved_by }, *capsule);
+        }
+        Ok(())
+    }
+
+    /// Finds the pairs to be checked.
+    pub(super) fn pair(&mut self) {
+        let mut pairs = possible(&self.robots, self.bodies.len());
+        pairs.retain(|pair| !self.is_ignored(pair));
+        for pair in &mut pairs {
+            let [(a, _), (b, _)] = self.owners(pair);
+            let between = |(x, y): (&str, &str)| (x, y) == (&*a, &*b) || (y, x) == (&*a, &*b);
+            let special = self.margins.iter().rev().find(|(x, y, _)| between((x, y)));
+            // Links of one robot are told apart by its own builder: no margin but one that is asked for.
+            let usual = if a == b { 0.0 } else { self.margin };
+            pair.margin = special.map_or(usual, |(_, _, margin)| *margin);
+        }
+        self.unchecked = without_meaningless(&mut pairs, &mut self.robots, &self.bodies);
+        self.pairs = pairs;
+    }
+
+    fn is_ignored(&self, pair: &Pair) -> bool {
+        let owners = self.owners(pair);
+        let is_own = pair.is_own() && self.ignored_own.contains(&owners[0].0);
+        let is_pair = |[a, b]: &[Owned; 2]| {
+            (*a == owners[0] && *b == owners[1]) || (*a == owners[1] && *b == owners[0])
+        };
+        is_own || self.ignored.iter().any(is_pair)
+    }
+
+    /// Both bodies by name; an obstacle is its own link.
+    fn owners(&self, pair: &Pair) -> [Owned; 2] {
+        let limb = |limb: &Limb| {
+            let robot = &self.robots[limb.robot];
+            (robot.name.as_str().into(), robot.links[limb.link].name.clone())
+        };
+        let other = match &pair.other {
+            Other::Limb(other) => limb(other),
+            Other::Obstacle(o) => (self.names[*o].clone(), self.names[*o].clone()),
+        };
+        [limb(&pair.limb), other]
+    }
+
+    fn gap(&self, pair: &Pair) -> Gap {
+        let own = &self.robots[pair.limb.robot].placed[pair.limb.link].capsule;
+        match &pair.other {
+            Other::Limb(limb) => own.gap(&self.robots[limb.robot].placed[limb.link].capsule),
+            Other::Obstacle(o) => self.bodies[*o].gap(own),
+        }
+    }
+
+    fn sides(&self, pair: &Pair, gap: &Gap) -> [Side; 2] {
+        let limb = |limb: &Limb, point| {
+            let robot = &self.robots[limb.robot];
+            Side { robot: Some(robot.name), link: robot.links[limb.link].name.clone(), point }
+        };
+        let other = match &pair.other {
+            Other::Limb(other) => limb(other, gap.points[1]),
+            Other::Obstacle(o) => Side { robot: None, link: self.names[*o].clone(), point: gap.points[1] },
+        };
+        [limb(&pair.limb, gap.points[0]), other]
+    }
+
+    /// The pair that has least, and how much.
+    fn search(&self, purpose: Purpose) -> Result<Nearest, CheckError> {
+        let nearest = match purpose {
+            Purpose::Slack => self.least(purpose, |_| true, f64::INFINITY),
+            Purpose::Distance => {
+                let between = self.least(purpose, |pair| !pair.is_own(), f64::INFINITY);
+                let own =
+                    self.least(purpose, Pair::is_own, if between.is_some() { 0.0 } else { f64::INFINITY });
+                match (between, own) {
+                    (Some(between), Some(own)) if between.distance <= own.distance => Some(between),
+                    (between, own) => own.or(between),
+                }
+            }
+        };
+        nearest.ok_or(CheckError::NothingToCheck)
+    }
+
+    /// The pair of those that are wanted that has least, if less than `least` \[m\]. Balls around the bodies tell of most pairs
+    /// that they have more.
+    fn least(&self, purpose: Purpose, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
+        let mut best: Option<(f64, f64, &Pair, Gap)> = None;
+        let mut least = least;
+        for pair in self.pairs.iter().filter(|pair| is_wanted(pair)) {
+            let own = &self.robots[pair.limb.robot].placed[pair.limb.link];
+            let (around, mut travel) = match &pair.other {
+                Other::Limb(limb) => {
+                    let other = &self.robots[limb.robot].placed[limb.link];
+                    (at_least(own, other), own.travel[pair.since] + other.travel[pair.since])
+                }
+                Other::Obstacle(o) => (self.bodies[*o].at_least(&own.centre, own.around), own.travel[0]),
+            };
+            let taken = match purpose {
+                Purpose::Slack => travel + pair.margin,
+                Purpose::Distance => {
+                    travel = 0.0;
+                    0.0
+                }
+            };
+            if around - taken >= least {
+                continue;
+            }
+            let gap = self.gap(pair);
+            if gap.distance - taken < least {
+                least = gap.distance - taken;
+                best = Some((travel, if purpose == Purpose::Slack { pair.margin } else { 0.0 }, pair, gap));
+            }
+        }
+        best.map(|(travel, margin, pair, gap)| Nearest {
+            distance: gap.distance,
+            travel,
+            margin,
+            sides: self.sides(pair, &gap),
+        })
+    }
+}
+
+fn state_of<'a>(states: &'a [RobotView], robot: &Placement) -> Result<&'a RobotView, CheckError> {
+    states.iter().find(|state| state.name == robot.name).ok_or(CheckError::Missing { robot: robot.name })
+}

@@ -1,0 +1,144 @@
+//! What a clearance check finds, and what it cannot be built from.
+
+use std::sync::Arc;
+
+use mrroc::{BadName, Fault, Name};
+use nalgebra::Vector3;
+
+/// One side of a gap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Side {
+    /// The robot; `None` for an obstacle.
+    pub robot: Option<Name>,
+    /// The link, tool or body of the robot, or the obstacle.
+    pub link: Arc<str>,
+    /// The nearest point on it, in the world \[m\].
+    pub point: Vector3<f64>,
+}
+
+impl core::fmt::Display for Side {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match &self.robot {
+            Some(robot) => write!(f, "{robot} {}", self.link),
+            None => f.write_str(&self.link),
+        }
+    }
+}
+
+/// The two bodies that are nearest to one another, or nearest to what they must keep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nearest {
+    /// Distance of their surfaces \[m\]; below 0, how deep they overlap.
+    pub distance: f64,
+    /// By how much at most they can still come nearer when the robots are stopped now \[m\], >= 0; 0 when not asked for.
+    pub travel: f64,
+    /// What must be left then \[m\]; 0 when not asked for.
+    pub margin: f64,
+    /// Both bodies.
+    pub sides: [Side; 2],
+}
+
+impl Nearest {
+    /// What is left beyond the margin when the robots are stopped now \[m\]; below 0, what is missing.
+    #[must_use]
+    pub fn slack(&self) -> f64 {
+        self.distance - self.travel - self.margin
+    }
+}
+
+/// Two bodies would come too close.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "too close: {} and {} are {:.4} m apart and may come {:.4} m nearer until they stand; {:.4} m must be left",
+    .0.sides[0], .0.sides[1], .0.distance, .0.travel, .0.margin
+)]
+pub struct TooClose(pub Nearest);
+
+/// Why a check did not pass.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CheckError {
+    /// Two bodies would come too close.
+    #[error(transparent)]
+    TooClose(#[from] TooClose),
+    /// A robot of the clearance is not among the states.
+    #[error("no state of {robot}, which the clearance was built with: pass the states of all robots")]
+    Missing {
+        /// The robot.
+        robot: Name,
+    },
+    /// All that could be checked is ignored, or was released.
+    #[error("the clearance has no two bodies to check: add a robot or an obstacle, or ignore less")]
+    NothingToCheck,
+    /// A state from which no posture follows: not finite, or linkages that cannot be closed.
+    #[error("{robot}: its joints give no posture")]
+    NoPosture {
+        /// The robot.
+        robot: Name,
+    },
+}
+
+impl From<CheckError> for Fault {
+    /// The fault that a guard returns. Names of bodies stand in its text, distance and what is needed beside it.
+    fn from(error: CheckError) -> Self {
+        match &error {
+            CheckError::TooClose(TooClose(nearest)) => {
+                let [a, b] = &nearest.sides;
+                let text = format!(
+                    "{a} and {b} too close: {:.1} mm apart, {:.1} mm to stop, {:.1} mm to be left",
+                    1e3 * nearest.distance,
+                    1e3 * nearest.travel,
+                    1e3 * nearest.margin
+                );
+                Fault::thrown(&text)
+            }
+            CheckError::Missing { .. } | CheckError::NothingToCheck | CheckError::NoPosture { .. } => {
+                Fault::thrown(&error.to_string())
+            }
+        }
+    }
+}
+
+/// Why no clearance can be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ClearanceError {
+    /// A robot's name that is none.
+    #[error(transparent)]
+    Name(#[from] BadName),
+    /// Two robots of one name.
+    #[error("a second robot {robot}: give each its own name")]
+    SecondRobot {
+        /// The name.
+        robot: Name,
+    },
+    /// A body of numbers that are not finite, or a radius or edge that is not above 0.
+    #[error("{body}: ends must be finite, radii and edges above 0, a normal of length 1")]
+    BadBody {
+        /// The link, tool, body or obstacle.
+        body: Arc<str>,
+    },
+    /// A margin below 0 or not finite.
+    #[error("a margin of {margin} m: it must be finite and at least 0")]
+    BadMargin {
+        /// The margin \[m\].
+        margin: f64,
+    },
+    /// A reaction time below 0, or a rate that never changes.
+    #[error("stopping: the reaction time must be at least 0, the step and the change of the rate above 0")]
+    BadStopping,
+    /// No robot has this name.
+    #[error("no robot `{robot}` in this clearance")]
+    NoRobot {
+        /// The name asked for.
+        robot: Arc<str>,
+    },
+    /// No body has this name.
+    #[error("`{owner}` has no `{link}`; it has {known}")]
+    NoLink {
+        /// The robot, or the cell for obstacles.
+        owner: Arc<str>,
+        /// The name asked for.
+        link: Arc<str>,
+        /// The names that there are.
+        known: String,
+    },
+}

@@ -1,0 +1,187 @@
+//! A message in shared memory: plain words, whatever they hold, so that a foreign or damaged one is an error and never
+//! undefined behaviour.
+
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::limits::RateHeadroom;
+use crate::message::{Header, Kind, Message, OrderKind, RequestKind};
+use crate::wire::{BadWords, WORDS};
+
+/// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
+pub(crate) const LAYOUT: u64 = 1;
+
+/// Words of a message's head.
+const HEAD: usize = 11;
+
+/// The kinds of messages; one travels as its place in this list.
+const KINDS: [Kind; 14] = [
+    Kind::Order(OrderKind::Query),
+    Kind::Order(OrderKind::Start),
+    Kind::Order(OrderKind::Step),
+    Kind::Order(OrderKind::End),
+    Kind::Order(OrderKind::Abort),
+    Kind::Order(OrderKind::Brake),
+    Kind::Order(OrderKind::Stop),
+    Kind::Request(RequestKind::Query),
+    Kind::Request(RequestKind::Demand),
+    Kind::Request(RequestKind::Brake),
+    Kind::Request(RequestKind::Stop),
+    Kind::Read,
+    Kind::Reply,
+    Kind::Fault,
+];
+
+/// What every message of a cell's run carries: messages of another run, or of an earlier attempt to start it, are none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Seal {
+    /// Number of the session, drawn at random by its launcher.
+    pub session: u64,
+    /// The launcher's attempts to start it, counted from 1.
+    pub epoch: u64,
+}
+
+/// A message in shared memory.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, ZeroCopySend)]
+#[type_name("mrroc::Envelope")]
+pub(crate) struct Envelope {
+    layout: u64,
+    session: u64,
+    epoch: u64,
+    /// Ordinal of the request that it is or answers, counted from 1; of a board's message, how many were shown before.
+    pub sequence: u64,
+    head: [u64; HEAD],
+    body: [u64; WORDS],
+}
+
+impl Envelope {
+    /// No message.
+    pub const EMPTY: Envelope =
+        Envelope { layout: 0, session: 0, epoch: 0, sequence: 0, head: [0; HEAD], body: [0; WORDS] };
+
+    /// Puts a message under a seal.
+    pub fn seal(message: &Message, seal: Seal, sequence: u64) -> Envelope {
+        let Header { kind, flags, step, instruction, len, payload, dt, duration, headroom } = message.header;
+        let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
+        let RateHeadroom { rise, fall, bend } = headroom;
+        let head = [
+            kind,
+            u64::from(flags),
+            step,
+            u64::from(instruction),
+            u64::from(len),
+            payload,
+            dt.to_bits(),
+            duration.to_bits(),
+            rise.to_bits(),
+            fall.to_bits(),
+            bend.to_bits(),
+        ];
+        let mut envelope = Envelope {
+            layout: LAYOUT,
+            session: seal.session,
+            epoch: seal.epoch,
+            sequence,
+            head,
+            body: [0; WORDS],
+        };
+        let words = message.words();
+        envelope.body[..words.len()].copy_from_slice(words);
+        envelope
+    }
+
+    /// Whether it is of this run and layout.
+    pub fn is_under(&self, seal: Seal) -> bool {
+        (self.layout, self.session, self.epoch) == (LAYOUT, seal.session, seal.epoch)
+    }
+
+    /// The message in it.
+    ///
+    /// # Errors
+    /// [`BadWords`] when its head is none; `message` is then as it was.
+    pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
+        let [kind, flags, step, instruction, len, payload, dt, duration, rise, fall, bend] = self.head;
+        let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
+        let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
+        let len = narrow(len)?;
+        if len as usize > WORDS {
+            return Err(BadWords);
+        }
+        message.header = Header {
+            kind: *kind.ok_or(BadWords)?,
+            flags: narrow(flags)?,
+            step,
+            instruction: narrow(instruction)?,
+            len,
+            payload,
+            dt: f64::from_bits(dt),
+            duration: f64::from_bits(duration),
+            headroom: RateHeadroom {
+                rise: f64::from_bits(rise),
+                fall: f64::from_bits(fall),
+                bend: f64::from_bits(bend),
+            },
+        };
+        message.body[..len as usize].copy_from_slice(&self.body[..len as usize]);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SEAL: Seal = Seal { session: 0x1234_5678_9abc_def0, epoch: 2 };
+
+    fn message(kind: Kind) -> Message {
+        let mut message = Message::new(kind);
+        let headroom = RateHeadroom { rise: 1.5, fall: -0.0, bend: f64::INFINITY };
+        message.header = Header {
+            kind,
+            flags: 0x8000_0001,
+            step: u64::MAX,
+            instruction: 7,
+            len: 3,
+            payload: 0xfeed,
+            dt: f64::from_bits(0x7ff8_0000_0000_0001),
+            duration: 1e-3,
+            headroom,
+        };
+        message.body[..3].copy_from_slice(&[1, 2, u64::MAX]);
+        message
+    }
+
+    #[test]
+    fn a_message_of_every_kind_comes_out_as_it_went_in() {
+        for kind in KINDS {
+            let sent = message(kind);
+            let envelope = Envelope::seal(&sent, SEAL, 5);
+            assert!(envelope.is_under(SEAL) && envelope.sequence == 5);
+            let mut came = Message::empty();
+            assert_eq!(envelope.open(&mut came), Ok(()));
+            // Bits, not values: a NaN is one of the numbers that must arrive as they were sent.
+            assert_eq!(format!("{:?}", came.header), format!("{:?}", sent.header));
+            assert_eq!(came.header.dt.to_bits(), sent.header.dt.to_bits());
+            assert_eq!(came.words(), sent.words());
+        }
+    }
+
+    #[test]
+    fn what_is_of_another_session_attempt_or_layout_is_not_under_the_seal() {
+        let envelope = Envelope::seal(&message(Kind::Read), SEAL, 1);
+        assert!(!envelope.is_under(Seal { session: 1, ..SEAL }));
+        assert!(!envelope.is_under(Seal { epoch: 1, ..SEAL }));
+        assert!(!Envelope { layout: LAYOUT + 1, ..envelope }.is_under(SEAL));
+        assert!(!Envelope::EMPTY.is_under(SEAL));
+    }
+
+    #[test]
+    fn a_damaged_head_is_no_message() {
+        // Kind, flags, instruction, length: the words that not every number spells.
+        for (word, value) in [(0, 14), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX)] {
+            let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
+            envelope.head[word] = value;
+            assert_eq!(envelope.open(&mut Message::empty()), Err(BadWords), "word {word}: {value}");
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! Puts a cell together in one of its processes, and connects the part of it that is here.
+//!
+//! Services are made in two rounds with a barrier between them, which the launcher keeps: first every process makes its
+//! event service, the ports that it answers and the boards that it writes; when all have, each opens what the others
+//! made. So nothing is opened that is not there, and nothing is made twice.
+
+use core::cell::Cell;
+use core::fmt::Display;
+use std::path::Path;
+use std::rc::Rc;
+
+use iceoryx2::port::listener::Listener;
+use iceoryx2::prelude::*;
+
+use super::envelope::{Envelope, LAYOUT, Seal};
+use super::ports::{Answering, Asking, Bell, BoardEnd, End};
+use crate::fault::ProcessId;
+use crate::link::memory::{MAX_PROCESSES, Stuck};
+use crate::link::{Board, Body, Client, Link, Server};
+use crate::wire::layout_hash;
+
+/// The one value of a board.
+const KEY: u64 = 0;
+
+/// The shared memory of a session could not be set up.
+#[derive(Debug, thiserror::Error)]
+#[error("{what} could not be made in shared memory: {why}")]
+pub(crate) struct LinkError {
+    what: String,
+    why: String,
+}
+
+impl LinkError {
+    fn of<E: Display>(what: impl Display) -> impl FnOnce(E) -> LinkError {
+        move |error| LinkError { what: what.to_string(), why: error.to_string() }
+    }
+}
+
+enum Planned {
+    Port { client: usize, server: usize, asking: End<Asking>, answering: End<Answering> },
+    Board { writer: usize, reader: usize, end: End<BoardEnd> },
+}
+
+/// A cell as one of its processes sees it.
+pub(crate) struct Fabric {
+    me: ProcessId,
+    places: Vec<ProcessId>,
+    planned: Vec<Planned>,
+    body: Option<Body>,
+    /// Places that messages were sent to since the process was resumed, in lock-step.
+    woken: Rc<Cell<u64>>,
+    listener: Option<Listener<ipc::Service>>,
+    node: Option<Node<ipc::Service>>,
+}
+
+impl Fabric {
+    /// The cell in the process `me`.
+    pub fn new(me: ProcessId) -> Fabric {
+        Fabric {
+            me,
+            places: Vec::new(),
+            planned: Vec::new(),
+            body: None,
+            woken: Rc::default(),
+            listener: None,
+            node: None,
+        }
+    }
+
+    /// The processes of the cell, in the order of their places.
+    pub fn places(&self) -> &[ProcessId] {
+        &self.places
+    }
+
+    /// What this process runs; `None` where the cell has no such process.
+    pub fn take_body(&mut self) -> Option<Body> {
+        self.body.take()
+    }
+
+    /// Places that messages were sent to, one bit each.
+    pub fn woken(&self) -> Rc<Cell<u64>> {
+        Rc::clone(&self.woken)
+    }
+
+    /// A hash of the processes and of what connects them: processes that disagree about it are of different programs.
+    pub fn fingerprint(&self) -> u64 {
+        let names = self.places.iter().fold(LAYOUT, |hash, place| layout_hash(hash, &place.to_string()));
+        self.planned.iter().fold(names, |hash, planned| {
+            layout_hash(
+                hash,
+                &match planned {
+                    Planned::Port { client, server, .. } => format!("port {client} {server}"),
+                    Planned::Board { writer, reader, .. } => format!("board {writer} {reader}"),
+                },
+            )
+        })
+    }
+
+    fn here(&self, place: usize) -> bool {
+        self.places[place] == self.me
+    }
+
+    /// The first round: makes what others open. Its files are under `root`, its shared memory under `prefix`.
+    ///
+    /// # Errors
+    /// [`LinkError`]
+    pub fn create(&mut self, root: &Path, prefix: &str, seal: Seal, clock: Clock) -> Result<(), LinkError> {
+        set_log_level(LogLevel::Fatal);
+        let mut config = Config::default();
+        let text = root.to_string_lossy();
+        let path = iceoryx2::prelude::Path::new(text.as_bytes()).map_err(LinkError::of("its folder"))?;
+        config.global.set_root_path(&path);
+        config.global.prefix = FileName::new(prefix.as_bytes()).map_err(LinkError::of("its prefix"))?;
+        let name = NodeName::new(&self.me.to_string()).map_err(LinkError::of("its node's name"))?;
+        let node = NodeBuilder::new()
+            .name(&name)
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(LinkError::of("its node"))?;
+        let me = self.places.iter().position(|&place| place == self.me);
+        if let (Clock::Real, Some(me)) = (clock, me) {
+            let events = node
+                .service_builder(&service(&format!("wake {me}"))?)
+                .event()
+                .max_listeners(1)
+                .max_notifiers(2 * MAX_PROCESSES)
+                .max_nodes(MAX_PROCESSES)
+                .create()
+                .map_err(LinkError::of("its event service"))?;
+            // There before anyone can ring.
+            self.listener = Some(events.listener_builder().create().map_err(LinkError::of("its listener"))?);
+        }
+        for (i, planned) in self.planned.iter().enumerate() {
+            let name = service(&format!("link {i}"))?;
+            match planned {
+                Planned::Port { server, answering, .. } if self.here(*server) => {
+                    let ports = node
+                        .service_builder(&name)
+                        .request_response::<Envelope, Envelope>()
+                        .max_clients(1)
+                        .max_servers(1)
+                        .max_nodes(MAX_PROCESSES)
+                        .max_active_requests_per_client(2)
+                        .max_response_buffer_size(2)
+                        .enable_safe_overflow_for_requests(true)
+                        .enable_safe_overflow_for_responses(true)
+                        .enable_fire_and_forget_requests(false)
+                        .create()
+                        .map_err(LinkError::of("a port"))?;
+                    let server = ports.server_builder().create().map_err(LinkError::of("a port's server"))?;
+                    answering.connect(Answering::new(server, seal));
+                }
+                Planned::Board { writer, end, .. } if self.here(*writer) => {
+                    let board = node
+                        .service_builder(&name)
+                        .blackboard_creator::<u64>()
+                        .max_readers(1)
+                        .max_nodes(MAX_PROCESSES)
+                        .add::<Envelope>(KEY, Envelope::EMPTY)
+                        .create()
+                        .map_err(LinkError::of("a board"))?;
+                    let writer =
+                        board.writer_builder().create().map_err(LinkError::of("a board's writer"))?;
+                    let entry = writer.entry(&KEY).map_err(LinkError::of("a board's entry"))?;
+                    end.connect(BoardEnd::Writes(entry, seal, Cell::new(0)));
+                }
+                Planned::Port { .. } | Planned::Board { .. } => {}
+            }
+        }
+        self.node = Some(node);
+        Ok(())
+    }
+
+    /// The second round: opens what others made.
+    ///
+    /// # Errors
+    /// [`LinkError`]
+    pub fn connect(&mut self, seal: Seal, clock: Clock) -> Result<(), LinkError> {
+        let Some(node) = &self.node else { return Ok(()) };
+        for (i, planned) in self.planned.iter().enumerate() {
+            let name = service(&format!("link {i}"))?;
+            match planned {
+                Planned::Port { client, server, asking, .. } if self.here(*client) => {
+                    let ports = node
+                        .service_builder(&name)
+                        .request_response::<Envelope, Envelope>()
+                        .open()
+                        .map_err(LinkError::of("a port"))?;
+                    let end = ports.client_builder().create().map_err(LinkError::of("a port's client"))?;
+                    asking.connect(Asking::new(end, self.bell(node, *server, clock)?, seal));
+                }
+                Planned::Port { client, server, answering, .. } if self.here(*server) => {
+                    if let Some(end) = answering.0.get() {
+                        // It is set once: each port is looked at once in this round.
+                        drop(end.bell.set(self.bell(node, *client, clock)?));
+                    }
+                }
+                Planned::Board { reader, end, .. } if self.here(*reader) => {
+                    let board = node
+                        .service_builder(&name)
+                        .blackboard_opener::<u64>()
+                        .open()
+                        .map_err(LinkError::of("a board"))?;
+                    let reader =
+                        board.reader_builder().create().map_err(LinkError::of("a board's reader"))?;
+                    let entry = reader.entry(&KEY).map_err(LinkError::of("a board's entry"))?;
+                    end.connect(BoardEnd::Reads(entry, seal));
+                }
+                Planned::Port { .. } | Planned::Board { .. } => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// What wakes the process at `place`.
+    fn bell(&self, node: &Node<ipc::Service>, place: usize, clock: Clock) -> Result<Bell, LinkError> {
+        match clock {
+            Clock::Virtual => Ok(Bell::Mark(place, Rc::clone(&self.woken))),
+            Clock::Real => {
+                let events = node
+                    .service_builder(&service(&format!("wake {place}"))?)
+                    .event()
+                    .open()
+                    .map_err(LinkError::of("the event service of another process"))?;
+                let notifier = events.notifier_builder().create().map_err(LinkError::of("a notifier"))?;
+                Ok(Bell::Event(Box::new(notifier)))
+            }
+        }
+    }
+
+    /// What wakes this process, in real time.
+    pub fn take_listener(&mut self) -> Option<Listener<ipc::Service>> {
+        self.listener.take()
+    }
+}
+
+/// Whose time a cell runs in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Clock {
+    /// The machine's monotonic time.
+    Real,
+    /// The launcher's virtual time, in lock-step.
+    Virtual,
+}
+
+fn service(name: &str) -> Result<ServiceName, LinkError> {
+    ServiceName::new(name).map_err(LinkError::of("the name of a service"))
+}
+
+impl Link for Fabric {
+    fn place(&mut self, process: ProcessId) -> usize {
+        self.places.push(process);
+        self.places.len() - 1
+    }
+
+    fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
+        let (asking, answering) = (End::new(), End::new());
+        let (here, there) = (asking.clone(), answering.clone());
+        self.planned.push(Planned::Port { client, server, asking, answering });
+        (Box::new(here), Box::new(there))
+    }
+
+    fn board(&mut self, writer: usize, reader: usize) -> Rc<dyn Board> {
+        let end = End::new();
+        self.planned.push(Planned::Board { writer, reader, end: end.clone() });
+        Rc::new(end)
+    }
+
+    fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
+        if self.here(place) {
+            self.body = Some(body);
+        }
+        Ok(())
+    }
+
+    fn closer(&self) -> Box<dyn Fn()> {
+        // The launcher closes the cell when it hears that the MP's program is over.
+        Box::new(|| {})
+    }
+}

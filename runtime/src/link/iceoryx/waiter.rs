@@ -1,0 +1,173 @@
+//! How a process waits: in real time on its event service, or in lock-step for the launcher to resume it.
+
+use core::cell::Cell;
+use core::num::NonZeroU64;
+use std::os::fd::BorrowedFd;
+use std::rc::Rc;
+
+use iceoryx2::port::listener::Listener;
+use iceoryx2::prelude::{FileDescriptorBased, ipc};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::thread::{ClockId, clock_nanosleep_absolute};
+
+use crate::link::{Closed, Nanos, News, Waiter};
+
+const NANOS: u64 = 1_000_000_000;
+
+/// The machine's monotonic time \[ns\].
+pub(crate) fn monotonic() -> Nanos {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    // The clock counts from the start of the machine: neither part is negative.
+    now.tv_sec.cast_unsigned() * NANOS + now.tv_nsec.cast_unsigned()
+}
+
+fn timespec(nanos: Nanos) -> Timespec {
+    Timespec { tv_sec: (nanos / NANOS).cast_signed(), tv_nsec: (nanos % NANOS).cast_signed() }
+}
+
+/// The launcher's side of a process: what it says, and in lock-step when the process runs.
+pub(crate) trait Launcher {
+    /// What to wait on for it to say something.
+    fn descriptor(&self) -> BorrowedFd<'_>;
+
+    /// What it says; waits for it.
+    fn hear(&self) -> Heard;
+
+    /// In lock-step: the process waits, and sent messages to these places.
+    fn yields(&self, deadline: Nanos, woken: u64);
+}
+
+/// What a launcher says to a process that runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Heard {
+    /// Run on; it is now this time \[ns\].
+    Resume(Nanos),
+    /// Something has happened.
+    News(News),
+    /// The cell closes, or the launcher is gone.
+    Close,
+}
+
+/// Waits in real time: sleeps until a message comes, until a deadline, or until the launcher says something.
+pub(crate) struct RealTime<'a, L: Launcher> {
+    listener: Listener<ipc::Service>,
+    launcher: &'a L,
+    /// When the cell's time began, on the machine's clock, and for how long to look for messages before sleeping \[ns\].
+    origin: Nanos,
+    spin: Nanos,
+    closing: Cell<bool>,
+    news: Cell<Option<News>>,
+}
+
+impl<'a, L: Launcher> RealTime<'a, L> {
+    pub fn new(listener: Listener<ipc::Service>, launcher: &'a L, origin: Nanos, spin: Nanos) -> Self {
+        // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
+        let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
+        RealTime { listener, launcher, origin, spin, closing: Cell::new(false), news: Cell::new(None) }
+    }
+
+    /// Takes the wake-ups that have come; whether there was one.
+    fn take_wakes(&self) -> bool {
+        self.listener.try_wait(|_| ()).is_ok_and(|wakes| wakes > 0)
+    }
+
+    /// Sleeps until one of both descriptors can be read, or for a time \[ns\].
+    fn sleep(&self, time: Option<Nanos>) {
+        let descriptor = self.listener.file_descriptor();
+        // SAFETY: the number is used while the listener, which owns the descriptor, is borrowed.
+        #[allow(unsafe_code)]
+        let listener = unsafe { BorrowedFd::borrow_raw(descriptor.native_handle()) };
+        let mut both = [
+            PollFd::from_borrowed_fd(listener, PollFlags::IN),
+            PollFd::from_borrowed_fd(self.launcher.descriptor(), PollFlags::IN),
+        ];
+        let time = time.map(timespec);
+        // An interrupted sleep is a short one.
+        if poll(&mut both, time.as_ref()).is_err() {
+            return;
+        }
+        let [woken, spoken] = both.map(|descriptor| !descriptor.revents().is_empty());
+        if spoken {
+            match self.launcher.hear() {
+                Heard::Close => self.closing.set(true),
+                Heard::News(news) => self.news.set(Some(news)),
+                Heard::Resume(_) => {}
+            }
+        }
+        if woken {
+            self.take_wakes();
+        }
+    }
+}
+
+impl<L: Launcher> Waiter for RealTime<'_, L> {
+    fn now(&self) -> Nanos {
+        monotonic().saturating_sub(self.origin)
+    }
+
+    fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
+        if !self.closing.get() {
+            let began = self.now();
+            let until = deadline.unwrap_or(Nanos::MAX).min(began.saturating_add(self.spin));
+            while self.spin > 0 && self.now() < until {
+                if self.take_wakes() {
+                    return Ok(());
+                }
+                core::hint::spin_loop();
+            }
+            self.sleep(deadline.map(|deadline| deadline.saturating_sub(self.now())));
+        }
+        if self.closing.get() { Err(Closed) } else { Ok(()) }
+    }
+
+    fn wait_closing(&self, until: Nanos) -> Result<(), Closed> {
+        // The start of the cell's time and a time of it are both nanoseconds of this machine.
+        let until = timespec(self.origin.saturating_add(until));
+        let _ = clock_nanosleep_absolute(ClockId::Monotonic, &until);
+        Ok(())
+    }
+
+    fn news(&self) -> Option<News> {
+        self.news.take()
+    }
+}
+
+/// Waits in lock-step: the launcher resumes one process at a time, and says what time it is.
+pub(crate) struct LockStep<'a, L: Launcher> {
+    launcher: &'a L,
+    woken: Rc<Cell<u64>>,
+    now: Cell<Nanos>,
+    closing: Cell<bool>,
+}
+
+impl<'a, L: Launcher> LockStep<'a, L> {
+    /// Waits to be resumed for the first time.
+    pub fn new(launcher: &'a L, woken: Rc<Cell<u64>>) -> Self {
+        let waiter = LockStep { launcher, woken, now: Cell::new(0), closing: Cell::new(false) };
+        waiter.be_resumed();
+        waiter
+    }
+
+    fn be_resumed(&self) {
+        match self.launcher.hear() {
+            Heard::Resume(now) => self.now.set(now),
+            // In lock-step nothing else is said.
+            Heard::Close | Heard::News(_) => self.closing.set(true),
+        }
+    }
+}
+
+impl<L: Launcher> Waiter for LockStep<'_, L> {
+    fn now(&self) -> Nanos {
+        self.now.get()
+    }
+
+    fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
+        let deadline = deadline.unwrap_or(Nanos::MAX);
+        if deadline > self.now.get() && !self.closing.get() {
+            self.launcher.yields(deadline, self.woken.take());
+            self.be_resumed();
+        }
+        if self.closing.get() { Err(Closed) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,28 @@
+//! Separate motions, the coordinator's half: a constant order, `f**() = const`.
+
+use core::marker::PhantomData;
+
+use mrroc::{Always, RobotsEach, generator};
+
+use crate::orders::Phase;
+
+/// Tells all robots of the list `L` to carry out one phase, until each has finished it.
+pub struct Nudge<L> {
+    phase: Phase,
+    of: PhantomData<L>,
+}
+
+impl<L> Nudge<L> {
+    /// To this phase.
+    #[must_use]
+    pub const fn to(phase: Phase) -> Self {
+        Nudge { phase, of: PhantomData }
+    }
+}
+
+#[generator(mp)]
+impl<L: RobotsEach<Phase, Phase>> Nudge<L> {
+    fn next_step(&mut self) -> Always<L, Phase> {
+        Always(L::each(|_| self.phase))
+    }
+}

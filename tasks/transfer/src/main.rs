@@ -1,0 +1,89 @@
+//! Two simulated arms carry a bar: `cargo run --release -p transfer -- --help`.
+
+use std::error::Error;
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use mrroc::{CellFile, Recorder};
+use transfer::options::{HELP, Options, Talk, parse};
+use transfer::pictures::{film, plot};
+use transfer::summary::Summary;
+use transfer::variant::Variant;
+
+fn main() -> ExitCode {
+    let options = match parse(std::env::args_os().skip(1)) {
+        Ok(Some(options)) => options,
+        Ok(None) => return say(HELP),
+        Err(error) => return refused(&error),
+    };
+    let file = match &options.cell {
+        Some(path) => CellFile::read(path),
+        None => transfer::file(),
+    };
+    let file = match file.map_err(Into::into).and_then(|file| {
+        // Found out now, not after all runs.
+        std::fs::create_dir_all(&options.out).map_err(|error| unwritable(&options.out, &error))?;
+        Ok::<_, Box<dyn Error>>(file)
+    }) {
+        Ok(file) => file,
+        Err(error) => return refused(&*error),
+    };
+    match carry_out(&options, &file) {
+        Ok(summary) => {
+            let missed = summary.missed();
+            missed.iter().for_each(|missed| complain(&format!("bound missed: {missed}")));
+            let said = match options.talk {
+                Talk::Normal => {
+                    say(&format!("{summary}see {0}/arms.svg, {0}/stress.svg\n", options.out.display()))
+                }
+                Talk::Quiet => ExitCode::SUCCESS,
+            };
+            if missed.is_empty() { said } else { ExitCode::FAILURE }
+        }
+        Err(error) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Measures all variants and draws.
+fn carry_out(options: &Options, file: &CellFile) -> Result<Summary, Box<dyn Error>> {
+    let summary = Summary::measure(file)?;
+    let path = options.out.join("stress.svg");
+    plot(&summary).save(&path).map_err(|error| unwritable(&path, &error))?;
+    let drawn = Variant::Bar { bases: options.bases, sensors: options.sensors };
+    let path = options.out.join("arms.svg");
+    film(drawn, file)?.save(&path).map_err(|error| unwritable(&path, &error))?;
+    Ok(summary)
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> String {
+    format!(
+        "{}: cannot be written: {error}\n help: give a folder that can be written by --out",
+        path.display()
+    )
+}
+
+/// Prints a text. A reader that has had enough and closed the pipe is no failure.
+fn say(text: &str) -> ExitCode {
+    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            complain(&format!("error: the standard output cannot be written: {error}"));
+            ExitCode::FAILURE
+        }
+        Ok(()) | Err(_) => ExitCode::SUCCESS,
+    }
+}
+
+fn complain(line: &str) {
+    // Without a standard error the exit status alone must tell.
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
+/// Nothing has moved.
+fn refused(error: &dyn std::fmt::Display) -> ExitCode {
+    complain(&format!("error: {error}"));
+    ExitCode::from(2)
+}

@@ -1,0 +1,30 @@
+//! The coordinator's program: the task as a sequence of instructions.
+
+use mrroc::{Fault, Mp};
+use mrroc_robots::{Gripper, Polycrank, Rnt};
+
+use crate::generators::{Carry, Nudge};
+use crate::orders::{Arms, Hands, Phase};
+use crate::paths::soft;
+use crate::places::{bar, legs, limits};
+
+/// The whole task.
+///
+/// # Errors
+/// The first fault of the cell.
+#[allow(non_snake_case)]
+pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
+    let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
+    let mut hands = (mp.robot::<Gripper>("rnt-hand")?, mp.robot::<Gripper>("polycrank-hand")?);
+    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
+    let mut X_WB = bar();
+    for X_BsB in legs() {
+        let carry = Carry::along(X_WB, soft(X_BsB, limits()));
+        mp.move_robots((&mut rnt, &mut polycrank), (), carry)?;
+        X_WB *= X_BsB;
+    }
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Open))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Withdraw))?;
+    Ok(())
+}

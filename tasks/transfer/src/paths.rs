@@ -1,0 +1,84 @@
+//! How a tool or the body moves softly: along a line, with a velocity that has no corners.
+
+use mrroc::Pose;
+use mrroc_generators::cooperation::TimedBody;
+use mrroc_generators::line::{LinePath, ToolLimits};
+
+/// A straight line from rest to rest, `s = 10 u³ - 15 u⁴ + 6 u⁵` of the share `u` of its time: velocity and acceleration are
+/// zero at both ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Soft {
+    line: LinePath,
+    duration: f64,
+}
+
+impl Soft {
+    /// The fastest from one pose to another within `limits`: the largest velocity is `15/8 d/T`, the largest acceleration
+    /// `10/sqrt(3) d/T²` of a way `d` in the time `T`.
+    #[must_use]
+    pub fn between(from: Pose, to: Pose, limits: ToolLimits) -> Soft {
+        let line = LinePath::new(from, to);
+        let ways = [(line.length(), limits.translation), (line.angle(), limits.rotation)];
+        let time = |(way, limit): (f64, mrroc_generators::profile::ProfileLimits)| {
+            f64::max(
+                15.0 / 8.0 * way / limit.velocity,
+                (10.0 / 3_f64.sqrt() * way / limit.acceleration).sqrt(),
+            )
+        };
+        Soft { line, duration: ways.into_iter().map(time).fold(0.0, f64::max) }
+    }
+
+    /// How long it takes \[s\].
+    #[must_use]
+    pub const fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// Where it is at the time `t` \[s\]; the end is met exactly.
+    #[must_use]
+    pub fn pose(&self, t: f64) -> Pose {
+        let u = if t < self.duration { t / self.duration } else { 1.0 };
+        self.line.pose(u * u * u * (10.0 + u * (6.0 * u - 15.0)))
+    }
+}
+
+/// The body softly by `X_BsB`, within `limits`.
+#[allow(non_snake_case)]
+pub fn soft(X_BsB: Pose, limits: ToolLimits) -> TimedBody<impl FnMut(f64) -> Pose> {
+    let way = Soft::between(Pose::identity(), X_BsB, limits);
+    TimedBody::new(way.duration(), move |t| way.pose(t))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_generators::profile::ProfileLimits;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn a_soft_way_reaches_its_end_and_the_limit_that_binds_and_none_else() {
+        let limit = |velocity, acceleration| ProfileLimits { velocity, acceleration };
+        let end = Pose::new(Vector3::new(0.3, 0.0, 0.4), Vector3::z() * 0.2);
+        // A way of 0.5 m: bound by velocity, and by acceleration.
+        for (translation, v, a) in [(limit(0.1, 1.0), 0.1, 0.0), (limit(10.0, 0.5), 0.0, 0.5)] {
+            let way =
+                Soft::between(Pose::identity(), end, ToolLimits { translation, rotation: limit(1.0, 10.0) });
+            let (h, mut fastest, mut hardest) = (way.duration() * 1e-4, 0.0_f64, 0.0_f64);
+            let at = |i: i32| way.pose(f64::from(i) * h).translation.vector;
+            for i in 1..10_000 {
+                fastest = fastest.max((at(i + 1) - at(i - 1)).norm() / (2.0 * h));
+                hardest = hardest.max((at(i + 1) - at(i) * 2.0 + at(i - 1)).norm() / (h * h));
+            }
+            assert!(v == 0.0 || (fastest / v - 1.0).abs() < 1e-5, "{fastest}");
+            assert!(a == 0.0 || (hardest / a - 1.0).abs() < 1e-4, "{hardest}");
+            assert!(
+                fastest <= translation.velocity * (1.0 + 1e-5)
+                    && hardest <= translation.acceleration * 1.0001
+            );
+            assert_eq!((way.pose(0.0), way.pose(way.duration())), (Pose::identity(), end));
+        }
+        let nowhere =
+            Soft::between(end, end, ToolLimits { translation: limit(1.0, 1.0), rotation: limit(1.0, 1.0) });
+        assert_eq!((nowhere.duration(), nowhere.pose(0.0)), (0.0, end));
+    }
+}

@@ -1,0 +1,109 @@
+//! The task with a bar between the hands: how hard they press on it.
+
+use mrroc::{CellError, FaultKind, Wrench};
+use mrroc_robots::grasp::SimulatedWrist;
+use nalgebra::Vector3;
+use transfer::places::{bar, legs};
+use transfer::variant::{Bases, Ready, Sensors, Variant};
+use transfer::witness::Seen;
+use transfer::{cell, file, plant, sensed};
+
+/// Stiffness of a grasp [N/m].
+const K: f64 = 5e4;
+
+fn run(bases: Bases, sensors: Sensors) -> (Seen, mrroc::Pose) {
+    let file = file().expect("in order");
+    let mut world = None;
+    let seen = Variant::Bar { bases, sensors }.watched(&file, |cell, plant| {
+        world = plant.map(|plant| plant.world.clone());
+        cell
+    });
+    (seen.expect("within all limits"), world.expect("there is a bar").body().pose)
+}
+
+/// The bar stands where the legs lead, as far as bases that are off let it: they were off when it was grasped, too.
+#[allow(non_snake_case)]
+fn stands(pose: &mrroc::Pose) {
+    let X_WB = legs().iter().fold(bar(), |X_WB, X_BsB| X_WB * X_BsB);
+    let error = X_WB.inv_mul(pose);
+    assert!(error.translation.vector.norm() < 2e-3 && error.rotation.angle() < 5e-3, "{error}");
+}
+
+#[test]
+fn force_sensors_take_at_least_four_fifths_of_the_stress_that_a_base_out_of_place_makes() {
+    let (without, end) = run(Bases::Off, Sensors::Unused);
+    stands(&end);
+    let (with, end) = run(Bases::Off, Sensors::Used);
+    stands(&end);
+    // Without sensors the body takes what the base's error makes of its way: two springs in a row, k d / 2.
+    let expected = 0.5 * K * without.strain.distance;
+    assert!((without.internal - expected).abs() < 0.15 * expected, "{} {expected}", without.internal);
+    assert!(without.internal > 15.0, "{}", without.internal);
+    assert!(with.internal <= without.internal / 5.0, "{} of {}", with.internal, without.internal);
+    assert!(without.demanded.distance <= 1e-9 && without.demanded.angle <= 1e-9, "{:?}", without.demanded);
+}
+
+#[test]
+fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
+    let file = file().expect("in order");
+    let variant = Variant::Bar { bases: Bases::Off, sensors: Sensors::Used };
+    // As in tests/task.rs, but less often.
+    const PERIOD: u64 = 1160;
+    for offset in (0..PERIOD).step_by(145) {
+        let seen = variant.watched(&file, |cell, _| {
+            cell.on_step(move |step, operator| match (step + PERIOD - offset) % PERIOD {
+                0 => operator.suspend(),
+                400 => operator.resume(),
+                _ => {}
+            })
+        });
+        let seen = seen.unwrap_or_else(|error| panic!("suspended in step {offset} and later: {error}"));
+        // A fifth of what it is without sensors.
+        assert!(seen.internal < 27.0 / 5.0, "{} N when suspended in step {offset}", seen.internal);
+    }
+}
+
+#[test]
+fn bases_where_they_are_believed_to_be_leave_what_the_drives_are_off_by() {
+    let (seen, end) = run(Bases::Calibrated, Sensors::Unused);
+    stands(&end);
+    // 0.15 mm, about k d / 2.
+    assert!(seen.measured.distance < 1.5e-4 && seen.measured.angle < 3e-4, "{:?}", seen.measured);
+    assert!(seen.internal < 0.5 * K * 1.5e-4, "{}", seen.internal);
+}
+
+#[test]
+fn a_sensor_that_saturates_is_a_fault_and_no_reading() {
+    let file = file().expect("in order");
+    let plant = plant::Plant::new(plant::calibration_error()).expect("in order");
+    let ready = cell(&file, &plant.kinds()).expect("in order");
+    // Half the weight of the bar, 9.8 N, 45 degrees off the axes of the sensor, is 6.9 N along two of them.
+    let small = Wrench::new(Vector3::repeat(5.0), Vector3::repeat(5.0));
+    let outcome = plant.with_wrists_of(ready, |hand, _| SimulatedWrist::new(hand).with_range(small));
+    let Err(CellError::Fault(fault)) = outcome.program(sensed::coordinate).run() else {
+        panic!("the sensor bears 5 N")
+    };
+    assert_eq!(fault.kind(), FaultKind::SensorFailed, "{fault}");
+    assert!(fault.to_string().contains("saturates"), "{fault}");
+}
+
+#[test]
+fn runs_with_a_bar_are_the_same_to_the_bit() {
+    let run = || {
+        let file = file().expect("in order");
+        let variant = Variant::Bar { bases: Bases::Off, sensors: Sensors::Used };
+        let Ready { cell, plant } = variant.ready(&file).expect("in order");
+        let report = cell.run().expect("within all limits");
+        let body = plant.expect("there is a bar").world.body();
+        let numbers = body
+            .pose
+            .to_homogeneous()
+            .iter()
+            .chain(body.velocity.iter())
+            .copied()
+            .map(f64::to_bits)
+            .collect::<Vec<_>>();
+        (report.steps, numbers)
+    };
+    assert_eq!(run(), run());
+}

@@ -1,0 +1,263 @@
+//! A launch of the task program as a test sees it: its processes, what it left behind, what its robots were demanded.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use rustix::process::{Pid, Signal, kill_process};
+
+/// How long anything may take before it counts as hanging.
+const LIVENESS: Duration = Duration::from_secs(120);
+
+/// A folder of a test: the cell, its sessions, the records of its robots.
+pub struct Place(PathBuf);
+
+impl Place {
+    /// Short, because names of sockets in it have 108 bytes.
+    pub fn new(test: u32) -> Place {
+        let folder = PathBuf::from(format!("/tmp/mr{}-{test}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder");
+        fs::write(folder.join("cell.toml"), include_str!("cell.toml")).expect("a file");
+        Place(folder)
+    }
+
+    /// Starts the program; its records go to a folder of this name.
+    pub fn start(&self, records: &str, arguments: &[&str]) -> Launch {
+        let records = self.0.join(records);
+        let _ = fs::remove_dir_all(&records);
+        fs::create_dir_all(&records).expect("a folder");
+        let errors = records.join("stderr");
+        let child = Command::new(std::env::current_exe().expect("a test has a path"))
+            .args(arguments)
+            .args(["--cell", "cell.toml"])
+            .current_dir(&self.0)
+            .env("MRROC_TEST_PROGRAM", "1")
+            .env(crate::program::RECORDS, &records)
+            .env("XDG_RUNTIME_DIR", &self.0)
+            .stdout(Stdio::null())
+            .stderr(File::create(&errors).expect("a file"))
+            .spawn()
+            .expect("the program starts");
+        Launch { child, place: self.0.clone(), records, seen: BTreeSet::new() }
+    }
+
+    /// The folder of the sessions.
+    pub fn base(&self) -> PathBuf {
+        self.0.join("mrroc")
+    }
+
+    /// The sessions that there are.
+    pub fn sessions(&self) -> BTreeSet<String> {
+        sessions(&self.base())
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn sessions(base: &Path) -> BTreeSet<String> {
+    let names = fs::read_dir(base).into_iter().flatten().flatten();
+    names.filter_map(|entry| entry.file_name().into_string().ok()).filter(|name| name.contains('-')).collect()
+}
+
+/// Segments of shared memory of a session.
+pub fn segments(session: &str) -> Vec<String> {
+    let number = session.split_once('-').expect("a session's name").1;
+    let prefix = format!("mrroc_{number}_");
+    let names = fs::read_dir("/dev/shm").expect("shared memory").flatten();
+    names
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter(|name| name.starts_with(&prefix))
+        .collect()
+}
+
+/// One process of a launch.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Process {
+    pub pid: i32,
+    /// `mp`, `ecp left` ..
+    pub role: String,
+}
+
+impl Process {
+    /// The name, the parent and the state of a process that is there.
+    fn stat(pid: i32) -> Option<(i32, char)> {
+        let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        let mut fields = stat.rsplit_once(')')?.1.split_whitespace();
+        Some((fields.next()?.chars().next()?, fields.next()?.parse().ok()?))
+            .map(|(state, parent)| (parent, state))
+    }
+
+    /// Whether it runs still.
+    pub fn is_alive(&self) -> bool {
+        Process::stat(self.pid).is_some_and(|(_, state)| state != 'Z')
+            && role(self.pid).as_ref() == Some(&self.role)
+    }
+
+    /// Kills it.
+    pub fn kill(&self) {
+        self.signal(Signal::KILL);
+    }
+
+    /// Sends it a signal, if it is still what it was.
+    pub fn signal(&self, what: Signal) {
+        if self.is_alive() {
+            signal(self.pid, what);
+        }
+    }
+}
+
+fn role(pid: i32) -> Option<String> {
+    let arguments = fs::read(format!("/proc/{pid}/cmdline")).ok()?;
+    let words: Vec<_> = arguments.split(|&byte| byte == 0).skip(1).map(String::from_utf8_lossy).collect();
+    let end = words.iter().position(|word| word == "--session")?;
+    Some(words[..end].join(" "))
+}
+
+fn signal(pid: i32, signal: Signal) {
+    if let Some(pid) = Pid::from_raw(pid) {
+        let _ = kill_process(pid, signal);
+    }
+}
+
+/// A launch.
+pub struct Launch {
+    child: Child,
+    place: PathBuf,
+    records: PathBuf,
+    /// Sessions that it had.
+    seen: BTreeSet<String>,
+}
+
+impl Launch {
+    pub fn pid(&self) -> i32 {
+        i32::try_from(self.child.id()).expect("a process's number")
+    }
+
+    /// The processes that the launcher has started and that are there.
+    pub fn processes(&mut self) -> Vec<Process> {
+        self.look();
+        let all = fs::read_dir("/proc").expect("processes").flatten();
+        let pids = all.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+        let ours = pids.filter(|&pid| Process::stat(pid).is_some_and(|(parent, _)| parent == self.pid()));
+        ours.filter_map(|pid| Some(Process { pid, role: role(pid)? })).collect()
+    }
+
+    fn look(&mut self) {
+        self.seen.extend(sessions(&self.place.join("mrroc")));
+    }
+
+    /// Sleeps, and keeps an eye on its sessions.
+    pub fn let_run(&mut self, time: Duration) {
+        let until = Instant::now() + time;
+        while Instant::now() < until {
+            self.look();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Tells the launcher something.
+    pub fn signal(&self, what: Signal) {
+        signal(self.pid(), what);
+    }
+
+    /// How it ended, if it has.
+    pub fn end_if_over(&mut self) -> Option<ExitStatus> {
+        self.child.try_wait().expect("a child")
+    }
+
+    /// Waits for its end.
+    pub fn end(&mut self) -> ExitStatus {
+        let until = Instant::now() + LIVENESS;
+        loop {
+            self.look();
+            if let Some(status) = self.child.try_wait().expect("a child") {
+                return status;
+            }
+            if Instant::now() > until {
+                let left = self.processes();
+                left.iter().for_each(Process::kill);
+                let _ = self.child.kill();
+                panic!("it does not end; left: {left:?}; said: {}", self.said());
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// What it said on its standard error.
+    pub fn said(&self) -> String {
+        fs::read_to_string(self.records.join("stderr")).unwrap_or_default()
+    }
+
+    /// The sessions that it had.
+    pub fn had(&self) -> &BTreeSet<String> {
+        &self.seen
+    }
+
+    /// The lines of a robot's record; none when its EDP did not come so far.
+    pub fn record(&self, robot: &str) -> Vec<String> {
+        let text = fs::read_to_string(self.records.join(robot)).unwrap_or_default();
+        let whole = text.rfind('\n').map_or(0, |end| end + 1);
+        text[..whole].lines().map(str::to_owned).collect()
+    }
+
+    /// Asserts that nothing of it is left: no process, no file, no segment.
+    pub fn assert_nothing_left(&self, processes: &[Process]) {
+        wait_for_end(processes);
+        for session in &self.seen {
+            assert_eq!(segments(session), Vec::<String>::new(), "shared memory is left");
+            assert!(!self.place.join("mrroc").join(session).exists(), "{session} is left");
+        }
+    }
+}
+
+impl Drop for Launch {
+    fn drop(&mut self) {
+        // A test that fails leaves no process behind.
+        if let Ok(None) = self.child.try_wait() {
+            for process in self.processes() {
+                process.kill();
+            }
+            let _ = self.child.kill();
+            let _ = self.child.wait();
+        }
+    }
+}
+
+/// Waits for something that comes if nothing hangs.
+pub fn wait_until(mut is_so: impl FnMut() -> bool) {
+    let until = Instant::now() + LIVENESS;
+    while !is_so() {
+        assert!(Instant::now() < until, "it does not come");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Waits until none of them is there.
+pub fn wait_for_end(processes: &[Process]) {
+    let until = Instant::now() + LIVENESS;
+    while processes.iter().any(Process::is_alive) {
+        assert!(
+            Instant::now() < until,
+            "left: {:?}",
+            processes.iter().filter(|p| p.is_alive()).collect::<Vec<_>>()
+        );
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// What a line of a record says was demanded.
+pub fn demanded(line: &str) -> &str {
+    line.split_once(' ').expect("a time and the joints").1
+}
+
+/// In how many of its last periods a robot's demands did not change.
+pub fn periods_at_rest(record: &[String]) -> usize {
+    let Some(last) = record.last() else { return 0 };
+    record.iter().rev().take_while(|line| demanded(line) == demanded(last)).count()
+}

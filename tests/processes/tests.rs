@@ -1,0 +1,321 @@
+//! The tests, run one after the other: they start processes, which would disturb each other's time.
+
+use std::panic::catch_unwind;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use rustix::process::Signal;
+
+use crate::launch::{Launch, Place, Process, demanded, periods_at_rest, segments, wait_for_end, wait_until};
+
+/// Runs those whose names contain a word of the command line, or all.
+pub fn main() -> ExitCode {
+    let all: [(&str, fn()); 8] = [
+        (
+            "processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link",
+            processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link,
+        ),
+        (
+            "a_cell_of_processes_runs_in_real_time_and_leaves_nothing",
+            a_cell_of_processes_runs_in_real_time_and_leaves_nothing,
+        ),
+        (
+            "fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound",
+            fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound,
+        ),
+        (
+            "fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards",
+            fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards,
+        ),
+        (
+            "fault_07_a_kill_at_any_moment_ends_the_cell_cleanly",
+            fault_07_a_kill_at_any_moment_ends_the_cell_cleanly,
+        ),
+        (
+            "fault_28_a_second_launch_is_refused_with_the_number_of_the_first",
+            fault_28_a_second_launch_is_refused_with_the_number_of_the_first,
+        ),
+        (
+            "fault_30_what_crashed_launches_left_is_removed_and_does_no_harm",
+            fault_30_what_crashed_launches_left_is_removed_and_does_no_harm,
+        ),
+        ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
+    ];
+    let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let mut failed = false;
+    for (name, test) in
+        all.iter().filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w)))
+    {
+        let passed = catch_unwind(test).is_ok();
+        println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
+        failed |= !passed;
+    }
+    if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
+}
+
+const REAL: &[&str] = &["--processes", "--quiet"];
+const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
+const MEMORY: &[&str] = &["--no-picture", "--quiet"];
+const ROBOTS: [&str; 2] = ["left", "right"];
+
+/// Steps in which a robot must stand after a process is gone, `L + 2 + T_b`: at 2 ms `L` = 10, and the IRp-6 brakes from
+/// 1.5 rad/s at 7 rad/s2 in 108 steps; two more until its drives are where the last demand was.
+const BOUND: usize = 10 + 2 + 108 + 2;
+
+fn processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link() {
+    let place = Place::new(0);
+    let mut memory = place.start("memory", MEMORY);
+    assert!(memory.end().success(), "{}", memory.said());
+    let mut processes = place.start("virtual", VIRTUAL);
+    assert!(processes.end().success(), "{}", processes.said());
+    for robot in ROBOTS {
+        let record = memory.record(robot);
+        // 1 s out, 1.5 s back and 1 s of tight motion, in periods of 2 ms.
+        assert!(record.len() > 1750, "{}", record.len());
+        assert_eq!(record, processes.record(robot), "{robot}");
+    }
+    processes.assert_nothing_left(&[]);
+}
+
+fn a_cell_of_processes_runs_in_real_time_and_leaves_nothing() {
+    let place = Place::new(1);
+    let mut launch = place.start("real", REAL);
+    let status = launch.end();
+    assert_ended_well_or_late(&launch, status.code());
+    assert_robots_stand(&launch, None);
+    launch.assert_nothing_left(&[]);
+}
+
+/// A machine without a real-time scheduler may be late for more than `L` steps: that is a fault of one of few kinds, and
+/// nothing else may be wrong.
+fn assert_ended_well_or_late(launch: &Launch, status: Option<i32>) {
+    let said = launch.said();
+    match status {
+        Some(0) => assert_eq!(said, ""),
+        Some(1) => assert!(is_late(&said), "{said}"),
+        _ => panic!("status {status:?}: {said}"),
+    }
+}
+
+fn is_late(said: &str) -> bool {
+    ["the process at the other end is gone", "demanded acceleration exceeds", "demanded velocity exceeds"]
+        .iter()
+        .any(|kind| said.contains(kind))
+}
+
+/// A robot stands when its EDP goes; one whose EDP was killed is not told anything more.
+fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
+    for robot in ROBOTS {
+        if killed.is_some_and(|killed| killed.role == format!("edp {robot}")) {
+            continue;
+        }
+        let record = launch.record(robot);
+        assert!(record.is_empty() || periods_at_rest(&record) >= 2, "{robot}: {:?}", record.last());
+    }
+}
+
+fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound() {
+    let place = Place::new(2);
+    let mut reference = place.start("reference", MEMORY);
+    assert!(reference.end().success(), "{}", reference.said());
+    let mut random = Random::new();
+    let mut stopped = 0;
+    for kill in 0..kills() {
+        let mut launch = place.start("killed", VIRTUAL);
+        let (killed, processes) = kill_one(&mut launch, &mut random, 1200);
+        let status = launch.end().code();
+        let said = launch.said();
+        assert!(matches!(status, Some(0 | 1)), "kill {kill}, {killed:?}: {status:?}: {said}");
+        for robot in ROBOTS {
+            if killed.as_ref().is_some_and(|killed| killed.role == format!("edp {robot}")) {
+                continue;
+            }
+            let (record, whole) = (launch.record(robot), reference.record(robot));
+            let same = record.iter().zip(&whole).take_while(|(a, b)| a == b).count();
+            let moved = record.len() - (periods_at_rest(&record).max(1) - 1);
+            let after = moved.saturating_sub(same);
+            assert!(after <= BOUND, "kill {kill}, {killed:?}: {robot} stood {after} steps after it: {said}");
+        }
+        stopped += usize::from(status == Some(1));
+        launch.assert_nothing_left(&processes);
+    }
+    println!("{} kills in lock-step, {stopped} stopped the cell (seed {})", kills(), random.seed);
+}
+
+fn fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards() {
+    let place = Place::new(7);
+    for role in ["mp", "ecp left"] {
+        let mut launch = place.start("stopped", REAL);
+        while launch.record("left").len() < 100 {
+            assert!(launch.end_if_over().is_none(), "{}", launch.said());
+            launch.let_run(Duration::from_millis(1));
+        }
+        let processes = launch.processes();
+        let stopped = processes.iter().find(|process| process.role == role).expect("it runs").clone();
+        stopped.signal(Signal::STOP);
+        // Far more than the 22 ms after which its robots brake: they are seen to stand, or their EDPs have left them so.
+        let edps: Vec<_> = processes.iter().filter(|process| process.role.starts_with("edp")).collect();
+        let stands = |robot| periods_at_rest(&launch.record(robot)) >= 200;
+        wait_until(|| ROBOTS.into_iter().all(stands) || edps.iter().all(|edp| !edp.is_alive()));
+        let stood = ROBOTS.map(|robot| launch.record(robot));
+        launch.let_run(Duration::ZERO);
+        stopped.signal(Signal::CONT);
+        assert_eq!(launch.end().code(), Some(1), "{role}: {}", launch.said());
+        for (robot, stood) in ROBOTS.into_iter().zip(stood) {
+            let (record, last) = (launch.record(robot), stood.last().expect("it moved"));
+            assert!(periods_at_rest(&stood) >= 2, "{role}: {robot}");
+            assert!(
+                record[stood.len()..].iter().all(|line| demanded(line) == demanded(last)),
+                "{role}: {robot}"
+            );
+        }
+        launch.assert_nothing_left(&processes);
+    }
+}
+
+fn fault_07_a_kill_at_any_moment_ends_the_cell_cleanly() {
+    let place = Place::new(3);
+    let mut random = Random::new();
+    let mut tally = [0; 3];
+    for kill in 0..kills() {
+        let mut launch = place.start("killed", REAL);
+        // One in two dies while the cell starts.
+        let (killed, processes) = kill_one(&mut launch, &mut random, if kill % 2 == 0 { 150 } else { 1500 });
+        let status = launch.end().code();
+        let said = launch.said();
+        match status {
+            Some(0) => tally[0] += 1,
+            Some(1) if said.contains("killed by signal 9") => tally[1] += 1,
+            Some(1) => {
+                assert!(is_late(&said), "kill {kill}, {killed:?}: {said}");
+                tally[2] += 1;
+            }
+            _ => panic!("kill {kill}, {killed:?}: status {status:?}: {said}"),
+        }
+        assert_robots_stand(&launch, killed.as_ref());
+        launch.assert_nothing_left(&processes);
+        assert!(place.sessions().is_empty());
+    }
+    let mut next = place.start("next", VIRTUAL);
+    assert!(next.end().success(), "{}", next.said());
+    println!(
+        "{} kills: {} cells ran on or started again, {} stopped for the killed process, {} were late (seed {})",
+        kills(),
+        tally[0],
+        tally[1],
+        tally[2],
+        random.seed
+    );
+}
+
+/// Kills one process after up to `millis` of running; says which, and which there were.
+fn kill_one(launch: &mut Launch, random: &mut Random, millis: u64) -> (Option<Process>, Vec<Process>) {
+    launch.let_run(Duration::from_micros(random.below(1000 * millis)));
+    let processes = launch.processes();
+    if processes.is_empty() {
+        return (None, processes);
+    }
+    let killed = processes[random.below(processes.len() as u64) as usize].clone();
+    killed.kill();
+    (Some(killed), processes)
+}
+
+fn fault_28_a_second_launch_is_refused_with_the_number_of_the_first() {
+    let place = Place::new(4);
+    let mut first = place.start("first", VIRTUAL);
+    while first.processes().len() < 8 {
+        first.let_run(Duration::from_millis(1));
+    }
+    let mut second = place.start("second", REAL);
+    assert_eq!(second.end().code(), Some(2));
+    let said = second.said();
+    assert!(said.contains(&format!("run by process {} already", first.pid())), "{said}");
+    assert!(first.end().success(), "{}", first.said());
+    // The first one is undisturbed.
+    let mut alone = place.start("alone", MEMORY);
+    assert!(alone.end().success());
+    assert!(ROBOTS.iter().all(|robot| alone.record(robot) == first.record(robot)));
+}
+
+fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
+    let place = Place::new(5);
+    let mut crashed = place.start("crashed", REAL);
+    // Killed as soon as its robots move.
+    while crashed.record("left").len() < 20 {
+        assert!(crashed.end_if_over().is_none(), "{}", crashed.said());
+        crashed.let_run(Duration::from_millis(1));
+    }
+    let processes = crashed.processes();
+    assert_eq!(processes.len(), 8, "{processes:?}");
+    crashed.signal(Signal::KILL);
+    crashed.end();
+    // Without their launcher all end, and the robots stand.
+    wait_for_end(&processes);
+    assert_robots_stand(&crashed, None);
+    let left = place.sessions();
+    assert_eq!(&left, crashed.had());
+    let left_segments: usize = left.iter().map(|session| segments(session).len()).sum();
+    // A hundred more, in all stages of a start, and files of others.
+    for number in 0_u64..100 {
+        let session = place.base().join(format!("0123abcd-{number:012x}"));
+        std::fs::create_dir(&session).expect("a folder");
+        if number % 2 == 0 {
+            std::fs::write(session.join("lock"), "").expect("a file");
+            std::fs::write(format!("/dev/shm/mrroc_{number:012x}_x.data"), "").expect("a segment");
+        }
+    }
+    let foreign = place.base().join("notes-of-mine");
+    std::fs::write(&foreign, "").expect("a file");
+    let mut next = place.start("next", VIRTUAL);
+    assert!(next.end().success(), "{}", next.said());
+    let mut memory = place.start("memory", MEMORY);
+    assert!(memory.end().success());
+    assert!(ROBOTS.iter().all(|robot| memory.record(robot) == next.record(robot)));
+    assert_eq!(place.sessions().into_iter().collect::<Vec<_>>(), ["notes-of-mine"]);
+    for session in left.iter().cloned().chain((0..100).map(|number| format!("0123abcd-{number:012x}"))) {
+        assert_eq!(segments(&session), Vec::<String>::new());
+    }
+    println!("a crashed launch left {left_segments} segments; the next one removed them, and 100 sessions");
+}
+
+fn an_interrupt_aborts_and_ends_the_cell() {
+    let place = Place::new(6);
+    let mut launch = place.start("interrupted", REAL);
+    while launch.record("left").len() < 100 {
+        assert!(launch.end_if_over().is_none(), "{}", launch.said());
+        launch.let_run(Duration::from_millis(1));
+    }
+    let processes = launch.processes();
+    launch.signal(Signal::INT);
+    let status = launch.end().code();
+    let said = launch.said();
+    assert!(status == Some(1) && (said.contains("abort") || is_late(&said)), "{status:?}: {said}");
+    assert_robots_stand(&launch, None);
+    assert!(launch.record("left").last().map(|line| demanded(line).to_owned()).is_some());
+    launch.assert_nothing_left(&processes);
+}
+
+/// How many kills a test makes.
+fn kills() -> usize {
+    std::env::var("MRROC_KILLS").ok().and_then(|count| count.parse().ok()).unwrap_or(10)
+}
+
+/// A seeded generator (xorshift64): the seed is printed and may be given again.
+struct Random {
+    seed: u64,
+    state: u64,
+}
+
+impl Random {
+    fn new() -> Random {
+        let seed = std::env::var("MRROC_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(20_260_926);
+        Random { seed, state: seed }
+    }
+
+    fn below(&mut self, limit: u64) -> u64 {
+        self.state ^= self.state << 13;
+        self.state ^= self.state >> 7;
+        self.state ^= self.state << 17;
+        self.state % limit.max(1)
+    }
+}
