@@ -16,6 +16,7 @@ template-all:
 bench:
     cargo bench -p mrroc-tests --bench steps
     cargo bench -p mrroc-generators --bench generators
+    cargo bench -p mrroc-generators --bench jerk
     cargo bench -p mrroc-robots --bench kinematics
 
 # What jerk-limited plans keep, for 256,000 random inputs of each kind.
