@@ -115,11 +115,7 @@ impl LinePath {
     /// # Errors
     /// A pose that is not finite or a limit that is not positive.
     pub fn profile(&self, limits: ToolLimits) -> Result<Trapezoid, ProfileError> {
-        // A turn that is not a number has no angle; it must not pass as none.
-        let is_finite = |pose: &Isometry3<f64>| pose.rotation.coords.iter().all(|x| x.is_finite());
-        if !(is_finite(&self.from) && is_finite(&self.to)) {
-            return Err(ProfileError::Distance(f64::NAN));
-        }
+        self.check_turn()?;
         unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
     }
 
@@ -128,7 +124,18 @@ impl LinePath {
     /// # Errors
     /// A pose that is not finite or a limit that is not positive and finite.
     pub fn smooth_profile(&self, limits: SmoothToolLimits) -> Result<SevenPhase, ProfileError> {
+        self.check_turn()?;
         smooth_unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
+    }
+
+    /// A turn that is not a number has no angle; it must not pass as none.
+    fn check_turn(&self) -> Result<(), ProfileError> {
+        let is_finite = |pose: &Isometry3<f64>| pose.rotation.coords.iter().all(|x| x.is_finite());
+        if is_finite(&self.from) && is_finite(&self.to) {
+            Ok(())
+        } else {
+            Err(ProfileError::Distance(f64::NAN))
+        }
     }
 }
 

@@ -12,11 +12,13 @@ use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::{Corrected, CorrectionLimits, Override};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
+use mrroc_generators::curve::{CurveError, Helix};
 use mrroc_generators::feed::{FeedError, FeedLimits};
 use mrroc_generators::force::{Behaviour, ForceControl, Give};
 use mrroc_generators::generators::*;
-use mrroc_generators::line::ToolLimits;
-use mrroc_generators::profile::ProfileLimits;
+use mrroc_generators::jerk::JointLimits;
+use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
+use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -122,6 +124,36 @@ pub fn ordered<G: Generator<Robots = Irp6, Sensors = (), Order = Displacement>>(
 pub fn tool_limits(velocity: f64, acceleration: f64) -> ToolLimits {
     let limits = ProfileLimits { velocity, acceleration };
     ToolLimits { translation: limits, rotation: limits }
+}
+
+pub fn smooth_limits(velocity: f64, acceleration: f64, jerk: f64) -> SmoothToolLimits {
+    let limits = JerkLimits { velocity, acceleration, jerk };
+    SmoothToolLimits { translation: limits, rotation: limits }
+}
+
+pub fn joint_limits(velocity: f64, acceleration: f64, jerk: f64) -> JointLimits<Six> {
+    JointLimits {
+        velocity: Six::repeat(velocity),
+        acceleration: Six::repeat(acceleration),
+        jerk: Six::repeat(jerk),
+    }
+}
+
+/// Limits that are none, one at a time and all.
+pub fn odd_limits(x: f64) -> [[f64; 3]; 5] {
+    [[0.5, 1.0, 10.0], [x, 1.0, 10.0], [0.5, x, 10.0], [0.5, 1.0, x], [x, x, x]]
+}
+
+/// A helix beside the tool: radius and pitch \[m\], angle \[rad\].
+pub fn helix(radius: f64, pitch: f64, angle: f64) -> Result<Helix, CurveError> {
+    Helix::about(Vector3::zeros(), Vector3::new(radius, 0.0, 0.0), Vector3::z_axis(), angle, pitch)
+}
+
+/// An arm that is to reach joint positions beside its own.
+pub fn reaching(by: f64) -> Given<ReachState<Irp6>> {
+    let mut joints = [0.0; mrroc::MAX_JOINTS];
+    joints.iter_mut().zip(arm().iter()).for_each(|(joint, q)| *joint = q + by);
+    Given { order: Order::new(JointOrder { joints }), e: State::new(image()), v: Reading::new(()) }
 }
 
 /// Poses at which something may go wrong: at an odd number, half a turn away, where the tool is.

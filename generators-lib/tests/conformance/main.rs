@@ -8,9 +8,11 @@ use mrroc::{Order, Pose, Reading, State, Wrench};
 use mrroc_generators::combinators::{Corrected, InParallel, Override, Sequence};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
+use mrroc_generators::curve::Helix;
 use mrroc_generators::force::Give;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::*;
+use mrroc_generators::profile::JerkLimits;
 use mrroc_generators::teach::{Jogging, Space, Taught};
 use mrroc_robots::{Irp6, Irp6FiveDof, Six};
 use nalgebra::Vector3;
@@ -43,6 +45,109 @@ generator_conformance! {
             odd.extend(odd_poses(x).map(|pose| StraightLine::by(pose, limits)));
         }
         odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    smooth_joint_move: SmoothJointMove<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: SmoothJointMove::to(arm() + Six::repeat(0.2), joint_limits(0.5, 1.0, 10.0)),
+    given: alone,
+    odd: |x| {
+        let mut odd = vec![SmoothJointMove::to(arm(), joint_limits(0.5, 1.0, 10.0))];
+        for [v, a, j] in odd_limits(x) {
+            odd.push(SmoothJointMove::to(Six::repeat(x), joint_limits(v, a, j)));
+            odd.push(SmoothJointMove::to(Six::zeros(), joint_limits(v, a, j)));
+            odd.push(SmoothJointMove::to(arm() + Six::new(x, 0.0, 0.0, 0.0, 0.0, 0.1), joint_limits(v, a, j)));
+        }
+        odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    smooth_line: SmoothLine<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: SmoothLine::by(Pose::new(Vector3::new(0.05, 0.02, 0.1), Vector3::new(0.1, 0.2, 0.3)), smooth_limits(0.3, 1.0, 10.0)),
+    given: alone,
+    odd: |x| {
+        let mut odd = vec![SmoothLine::to(start(), smooth_limits(0.1, 1.0, 10.0))];
+        for [v, a, j] in odd_limits(x) {
+            odd.extend(odd_poses(x).map(|pose| SmoothLine::to(pose, smooth_limits(v, a, j))));
+            odd.extend(odd_poses(x).map(|pose| SmoothLine::by(pose, smooth_limits(v, a, j))));
+        }
+        odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    reach_state: ReachState<Irp6>,
+    class: "ECP f*4(c0, c), first step f*6(c0, c, e)",
+    make: ReachState::within(joint_limits(0.5, 1.0, 10.0)),
+    given: |step| reaching(if step < 100 { 0.2 } else { -0.1 }),
+    odd: |x| odd_limits(x).map(|[v, a, j]| ReachState::within(joint_limits(v, a, j))).into(),
+    allocated: bytes,
+}
+
+generator_conformance! {
+    joint_spline: JointSpline<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: JointSpline::through(
+        vec![arm() + Six::repeat(0.1), arm() + Six::new(0.2, 0.1, 0.1, 0.0, -0.1, 0.3)],
+        Six::repeat(0.5),
+        Six::repeat(1.0),
+        0.2,
+    ),
+    given: alone,
+    odd: |x| {
+        let mut odd = vec![JointSpline::through(vec![], Six::repeat(1.0), Six::repeat(1.0), 0.2)];
+        for points in [vec![arm()], vec![arm(), arm()], vec![Six::repeat(x)], vec![Six::repeat(x), arm()]] {
+            for [v, a, ramp] in [[0.5, 1.0, 0.2], [x, 1.0, 0.2], [0.5, x, 0.2], [0.5, 1.0, x], [x, x, x]] {
+                odd.push(JointSpline::through(points.clone(), Six::repeat(v), Six::repeat(a), ramp));
+            }
+        }
+        odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    circular_move: CircularMove<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: CircularMove::through(
+        start().translation.vector + Vector3::new(0.05, 0.03, 0.0),
+        start() * Pose::new(Vector3::new(0.0, 0.1, 0.02), Vector3::new(0.1, 0.2, 0.3)),
+        smooth_limits(0.3, 1.0, 10.0),
+    ),
+    given: alone,
+    odd: |x| {
+        let at = start().translation.vector;
+        let mut odd = Vec::new();
+        for [v, a, j] in odd_limits(x) {
+            for via in [at, at + Vector3::repeat(x), Vector3::repeat(x), Vector3::new(0.1, x, 0.3)] {
+                odd.extend(odd_poses(x).map(|pose| CircularMove::through(via, pose, smooth_limits(v, a, j))));
+            }
+        }
+        odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    curve_move: CurveMove<Irp6, Helix>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: CurveMove::along(helix(0.05, 0.02, 6.0).expect("in range"), JerkLimits { velocity: 0.2, acceleration: 1.0, jerk: 10.0 }),
+    given: alone,
+    odd: |x| {
+        let curves = [helix(0.05, 0.02, 6.0), helix(x, 0.02, 6.0), helix(0.05, x, 6.0), helix(0.05, 0.02, x), helix(x, x, x)];
+        let limits = odd_limits(x).map(|[velocity, acceleration, jerk]| JerkLimits { velocity, acceleration, jerk });
+        curves
+            .into_iter()
+            .flatten()
+            .flat_map(|curve| limits.map(|limits| CurveMove::along(curve, limits)))
+            .collect()
     },
     allocated: bytes,
 }
