@@ -4,7 +4,7 @@
 //! joint (or translation and rotation alike) within its limits: with `|dq_j|` the way of joint `j`,
 //! `V = min_j V_j / |dq_j|`, `A = min_j A_j / |dq_j|`.
 
-use crate::profile::{ProfileError, ProfileLimits, Trapezoid};
+use crate::profile::{JerkLimits, ProfileError, ProfileLimits, SevenPhase, Trapezoid};
 use mrroc::JointVector;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
@@ -50,6 +50,15 @@ pub struct ToolLimits {
     pub translation: ProfileLimits,
     /// Of rotation [rad/s], [rad/s^2].
     pub rotation: ProfileLimits,
+}
+
+/// Limits of a tool's motion, with jerk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothToolLimits {
+    /// Of translation [m/s], [m/s^2], [m/s^3].
+    pub translation: JerkLimits,
+    /// Of rotation [rad/s], [rad/s^2], [rad/s^3].
+    pub rotation: JerkLimits,
 }
 
 /// A straight line of the tool frame: its origin moves linearly, its orientation turns at a constant rate about a
@@ -106,12 +115,50 @@ impl LinePath {
     /// # Errors
     /// A pose that is not finite or a limit that is not positive.
     pub fn profile(&self, limits: ToolLimits) -> Result<Trapezoid, ProfileError> {
+        self.check_turn()?;
         unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
+    }
+
+    /// The same with jerk limited: the fastest profile of `s` from 0 to 1 within `limits`.
+    ///
+    /// # Errors
+    /// A pose that is not finite or a limit that is not positive and finite.
+    pub fn smooth_profile(&self, limits: SmoothToolLimits) -> Result<SevenPhase, ProfileError> {
+        self.check_turn()?;
+        smooth_unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
+    }
+
+    /// A turn that is not a number has no angle; it must not pass as none.
+    fn check_turn(&self) -> Result<(), ProfileError> {
+        let is_finite = |pose: &Isometry3<f64>| pose.rotation.coords.iter().all(|x| x.is_finite());
+        if is_finite(&self.from) && is_finite(&self.to) {
+            Ok(())
+        } else {
+            Err(ProfileError::Distance(f64::NAN))
+        }
     }
 }
 
+/// The jerk-limited profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
+pub(crate) fn smooth_unit_profile(shares: [(f64, JerkLimits); 2]) -> Result<SevenPhase, ProfileError> {
+    let mut distance = 0.0;
+    let mut unit = JerkLimits { velocity: f64::MAX, acceleration: f64::MAX, jerk: f64::MAX };
+    for (way, share) in shares {
+        SevenPhase::new(way, share)?;
+        if way > 0.0 {
+            distance = 1.0;
+            unit.velocity = unit.velocity.min(share.velocity / way);
+            unit.acceleration = unit.acceleration.min(share.acceleration / way);
+            unit.jerk = unit.jerk.min(share.jerk / way);
+        }
+    }
+    SevenPhase::new(distance, if distance > 0.0 { unit } else { shares[0].1 })
+}
+
 /// The profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
-fn unit_profile(shares: impl IntoIterator<Item = (f64, ProfileLimits)>) -> Result<Trapezoid, ProfileError> {
+pub(crate) fn unit_profile(
+    shares: impl IntoIterator<Item = (f64, ProfileLimits)>,
+) -> Result<Trapezoid, ProfileError> {
     let mut distance = 0.0;
     let mut limits = ProfileLimits { velocity: f64::INFINITY, acceleration: f64::MAX };
     for (way, share) in shares {

@@ -9,11 +9,16 @@ use mrroc_generators::cooperation::{
     BodyFrame, Displacement, FreeDirection, GraspStiffness, KinematicLoop, SqueezeBounds, SqueezeGains,
     SqueezeLaw, TimedBody,
 };
+use mrroc_generators::curve::Helix;
 use mrroc_generators::feed::{FedPath, FeedLimits};
-use mrroc_generators::generators::{FollowMaster, RigidCarry, SharedDrive, SqueezedCarry, YieldingTransmit};
-use mrroc_generators::line::ToolLimits;
-use mrroc_generators::profile::ProfileLimits;
-use mrroc_robots::{Five, Irp6FiveDof};
+use mrroc_generators::generators::{
+    CircularMove, CurveMove, FollowMaster, JointOrder, JointSpline, ReachState, RigidCarry, SharedDrive,
+    SmoothJointMove, SmoothLine, SqueezedCarry, YieldingTransmit,
+};
+use mrroc_generators::jerk::JointLimits;
+use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
+use mrroc_generators::profile::{JerkLimits, ProfileLimits};
+use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::Vector3;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -145,6 +150,49 @@ fn cooperation_allocates_nothing() {
     let (one, order) =
         (State::new(images[0]), Order::new(Displacement { pose: Pose::translation(0.0, 0.02, 0.0) }));
     assert_eq!(stepped(YieldingTransmit::by(robot, free), &one, &none, &order), 0);
+}
+
+#[test]
+fn smooth_motions_allocate_nothing() {
+    let (robot, q) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+    let state = RobotState { joints: q, velocity: Six::zeros(), pose: robot.forward(&q) };
+    let (e, none, no_order) =
+        (State::<Irp6>::new(RobotImage::new(state, state)), Reading::new(()), Order::new(()));
+    let limits =
+        JointLimits { velocity: Six::repeat(0.5), acceleration: Six::repeat(2.0), jerk: Six::repeat(20.0) };
+    let goal = q + Six::repeat(0.2);
+    assert_eq!(stepped(SmoothJointMove::<Irp6>::to(goal, limits), &e, &none, &no_order), 0);
+    let along = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
+    let tool = SmoothToolLimits { translation: along, rotation: along };
+    let goal = state.pose * Pose::translation(0.0, 0.03, 0.0);
+    assert_eq!(stepped(SmoothLine::<Irp6>::to(goal, tool), &e, &none, &no_order), 0);
+    let via = (state.pose * Pose::translation(0.01, 0.015, 0.0)).translation.vector;
+    assert_eq!(stepped(CircularMove::<Irp6>::through(via, goal, tool), &e, &none, &no_order), 0);
+    let helix = Helix::about(Vector3::x(), Vector3::zeros(), Vector3::z_axis(), 0.1, 0.0).unwrap();
+    assert_eq!(stepped(CurveMove::<Irp6, _>::along(helix, along), &e, &none, &no_order), 0);
+    // The target of the orders changes in every step.
+    let t = Tick { step: 0, dt: 1e-3, duration: 1e-3 };
+    let mut reach = ReachState::<Irp6>::within(limits);
+    let bytes = allocated(|| {
+        for i in 0..500 {
+            let order = Order::new(JointOrder { joints: [1e-3 * f64::from(i); 8] });
+            let step = if i == 0 {
+                reach.first_step(&order, &e, &none, t)
+            } else {
+                reach.next_step(&order, &e, &none, t)
+            };
+            assert!(step.is_ok());
+        }
+    });
+    assert_eq!(bytes, 0);
+    // A spline through a list of points is solved in the first step; the next ones only follow it.
+    let mut spline =
+        JointSpline::<Irp6>::through(vec![q + Six::repeat(0.1)], limits.velocity, limits.acceleration, 0.05);
+    assert!(spline.first_step(&no_order, &e, &none, t).is_ok());
+    assert_eq!(
+        allocated(|| while !matches!(spline.next_step(&no_order, &e, &none, t), Ok(Step::Done)) {}),
+        0
+    );
 }
 
 /// The counter does count.

@@ -49,30 +49,47 @@ macro_rules! entry {
 
 /// All generators of the library, by name.
 pub const CATALOGUE: &[Entry] = &[
+    entry!("await_operator", "AwaitOperator", "ECP f*0(c)"),
+    entry!("circular_move", "CircularMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("compliant_transmit", "CompliantTransmit", "ECP f*5(c0, c, v)"),
+    entry!("constant_order", "ConstantOrder", "MP f**() = const"),
+    entry!("curve_move", "CurveMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("delay", "Delay", "ECP f*0(c)"),
+    entry!("eye_in_hand", "EyeInHand", "ECP f*3(c, e, v)"),
     entry!("follow_master", "FollowMaster", "MP f*2(c0, e)"),
+    entry!("force_law", "ForceLaw", "ECP f*1(c, v), first step f*3(c, e, v)"),
     entry!("guarded_approach", "GuardedApproach", "ECP f*1(c, v), first step f*3(c, e, v)"),
+    entry!("guided_body", "GuidedBody", "MP f*3(c0, e, v)"),
+    entry!("jog", "Jog", "ECP f*0(c), first step f*2(c, e)"),
     entry!("joint_move", "JointMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("joint_spline", "JointSpline", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("moving_frame", "MovingFrame", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("ordered_force", "OrderedForce", "ECP f*7(c0, c, e, v)"),
+    entry!("reach_state", "ReachState", "ECP f*4(c0, c), first step f*6(c0, c, e)"),
+    entry!("replay", "Replay", "ECP f*0(c), first step f*2(c, e)"),
     entry!("rigid_carry", "RigidCarry", "MP f*0(c0), first step f*2(c0, e)"),
+    entry!("settle", "Settle", "ECP f*2(c, e)"),
     entry!("shared_drive", "SharedDrive", "MP f*0(c0), first step f*2(c0, e)"),
+    entry!("sleep", "Sleep", "ECP f*0(c)"),
+    entry!("smooth_joint_move", "SmoothJointMove", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("smooth_line", "SmoothLine", "ECP f*0(c), first step f*2(c, e)"),
     entry!("spline_track", "SplineTrack", "ECP f*0(c)"),
     entry!("squeezed_carry", "SqueezedCarry", "MP f*1(c0, v), first step f*3(c0, e, v)"),
     entry!("straight_line", "StraightLine", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("tool_offset", "ToolOffset", "ECP f*0(c)"),
     entry!("transmit_displacement", "TransmitDisplacement", "ECP f*4(c0, c)"),
+    entry!("watched_transmit", "WatchedTransmit", "ECP f*6(c0, c, e)"),
     entry!("yielding_transmit", "YieldingTransmit", "ECP f*4(c0, c), first step f*6(c0, c, e)"),
 ];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Generator, Payload, Sensor};
+    use mrroc::{Generator, Pose, Sensor};
     use mrroc_generators::cooperation::StraightBody;
-    use mrroc_generators::generators::{
-        FollowMaster, GuardedApproach, JointMove, RigidCarry, SharedDrive, SplineTrack, SqueezedCarry,
-        StraightLine, TransmitDisplacement, YieldingTransmit,
-    };
+    use mrroc_generators::generators::*;
+    use mrroc_generators::teach::Jogging;
     use mrroc_robots::Irp6;
-
-    struct Touch;
 
     struct Wrist;
 
@@ -82,31 +99,41 @@ mod tests {
         type Configuration = ();
     }
 
-    #[derive(Clone, Copy, Payload)]
-    struct Contact {
-        made: bool,
-    }
-
-    impl Sensor for Touch {
-        const KIND: &'static str = "touch";
-        type Reading = Contact;
-        type Configuration = ();
-    }
-
     #[test]
     fn the_classes_are_those_of_the_code() {
         type Points = std::vec::IntoIter<nalgebra::Vector3<f64>>;
         type Two = [Irp6; 2];
         let classes = [
+            AwaitOperator::<Irp6, fn() -> bool>::CLASS,
+            CircularMove::<Irp6>::CLASS,
+            CompliantTransmit::<Irp6, Wrist>::CLASS,
+            ConstantOrder::<Two>::CLASS,
+            CurveMove::<Irp6, mrroc_generators::curve::Helix>::CLASS,
+            Delay::<Irp6>::CLASS,
+            EyeInHand::<Irp6, Wrist>::CLASS,
             FollowMaster::<Two, StraightBody>::CLASS,
-            GuardedApproach::<Irp6, Touch>::CLASS,
+            ForceLaw::<Irp6, Wrist>::CLASS,
+            GuardedApproach::<Irp6, Wrist>::CLASS,
+            GuidedBody::<Two, [Wrist; 2]>::CLASS,
+            Jog::<Irp6, fn() -> Jogging>::CLASS,
             JointMove::<Irp6>::CLASS,
+            JointSpline::<Irp6>::CLASS,
+            MovingFrame::<Irp6, Pose>::CLASS,
+            OrderedForce::<Irp6, Wrist>::CLASS,
+            ReachState::<Irp6>::CLASS,
+            Replay::<Irp6>::CLASS,
             RigidCarry::<Two, StraightBody>::CLASS,
+            Settle::<Irp6>::CLASS,
             SharedDrive::<Two, StraightBody>::CLASS,
+            Sleep::<Irp6>::CLASS,
+            SmoothJointMove::<Irp6>::CLASS,
+            SmoothLine::<Irp6>::CLASS,
             SplineTrack::<Irp6, Points>::CLASS,
             SqueezedCarry::<Two, [Wrist; 2], StraightBody>::CLASS,
             StraightLine::<Irp6>::CLASS,
+            ToolOffset::<Irp6>::CLASS,
             TransmitDisplacement::<Irp6>::CLASS,
+            WatchedTransmit::<Irp6>::CLASS,
             YieldingTransmit::<Irp6>::CLASS,
         ];
         assert_eq!(CATALOGUE.len(), classes.len());

@@ -133,6 +133,44 @@ impl<R: Robot> Demand<R> {
         Self::of(Coordinates::Displacement(X_EsE))
     }
 
+    /// The joint positions [rad or m], where these are what it says.
+    #[must_use]
+    pub const fn as_joints(&self) -> Option<R::Joints> {
+        match self.coordinates {
+            Coordinates::Joints(q) => Some(q),
+            Coordinates::Hold | Coordinates::Pose(_) | Coordinates::Displacement(_) => None,
+        }
+    }
+
+    /// The pose `X_WE` of the tool in the world, where this is what it says.
+    #[must_use]
+    pub const fn as_pose(&self) -> Option<Pose> {
+        match self.coordinates {
+            Coordinates::Pose(pose) => Some(pose),
+            Coordinates::Hold | Coordinates::Joints(_) | Coordinates::Displacement(_) => None,
+        }
+    }
+
+    /// The displacement `X_EsE`, where this is what it says.
+    #[must_use]
+    pub const fn as_displacement(&self) -> Option<Pose> {
+        match self.coordinates {
+            Coordinates::Displacement(pose) => Some(pose),
+            Coordinates::Hold | Coordinates::Joints(_) | Coordinates::Pose(_) => None,
+        }
+    }
+
+    /// The same demand with the tool moved on by `X_EE'` in its own axes; `None` where it says joint positions or to hold.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn moved_in_tool(mut self, X_EE: &Pose) -> Option<Self> {
+        match &mut self.coordinates {
+            Coordinates::Pose(pose) | Coordinates::Displacement(pose) => *pose *= X_EE,
+            Coordinates::Hold | Coordinates::Joints(_) => return None,
+        }
+        Some(self)
+    }
+
     /// The same demand for another tool: `X_FE`, the tool frame in the flange frame. It stays in force until
     /// the next demand with a tool.
     #[must_use]

@@ -79,7 +79,12 @@ impl SensorPort {
                     self.awaiting = true;
                 }
             }
-            Source::NonInteractive(boards) => boards.orders.write(&self.order),
+            Source::NonInteractive(boards) => {
+                if self.asked.is_none() {
+                    self.since = step;
+                }
+                boards.orders.write(&self.order);
+            }
         }
         self.asked = Some(step);
     }
@@ -90,7 +95,9 @@ impl SensorPort {
         let read = self.read.then_some(self.reply.header.step);
         match &self.source {
             Source::WithDelay(_) => Some(read.map_or(self.since, |read| read.max(self.since))),
-            Source::Interactive(_) | Source::NonInteractive(_) => read,
+            // One that has never read is as old as the first order.
+            Source::NonInteractive(_) => read.or(Some(self.since)),
+            Source::Interactive(_) => read,
         }
     }
 

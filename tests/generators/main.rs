@@ -6,13 +6,18 @@ use mrroc::{
 use mrroc::{Fault, Payload};
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::cooperation::{Displacement, StraightBody};
+use mrroc_generators::curve::Helix;
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{
-    FollowMaster, GuardedApproach, JointMove, RigidCarry, SharedDrive, SplineTrack, SqueezedCarry,
-    StraightLine, TransmitDisplacement, YieldingTransmit,
+    AwaitOperator, CircularMove, CompliantTransmit, ConstantOrder, CurveMove, Delay, EyeInHand, FollowMaster,
+    ForceLaw, GuardedApproach, GuidedBody, Jog, JointMove, JointSpline, MovingFrame, OrderedForce,
+    ReachState, Replay, RigidCarry, Settle, SharedDrive, Sleep, SmoothJointMove, SmoothLine, SplineTrack,
+    SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
 };
+use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
+use mrroc_generators::teach::Jogging;
 use mrroc_robots::{Irp6, Six};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 use nalgebra::{Translation3, UnitQuaternion, UnitVector3, Vector3};
@@ -27,6 +32,12 @@ fn classes_are_those_of_the_paper() {
     type Points = std::vec::IntoIter<Vector3<f64>>;
     assert_eq!(JointMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(StraightLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(SmoothJointMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(SmoothLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(CircularMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(CurveMove::<Gantry, Helix>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(JointSpline::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(ReachState::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
     assert_eq!(SplineTrack::<Gantry, Points>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(GuardedApproach::<Gantry, Probe>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
     type Mixed = (Gantry, Irp6);
@@ -39,6 +50,21 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(Squeezed::CLASS.to_string(), "MP f*1(c0, v), first step f*3(c0, e, v)");
     assert_eq!(TransmitDisplacement::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c)");
     assert_eq!(YieldingTransmit::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
+    assert_eq!(ConstantOrder::<Mixed>::CLASS.to_string(), "MP f**() = const");
+    assert_eq!(GuidedBody::<Mixed, (Wrist, Wrist)>::CLASS.to_string(), "MP f*3(c0, e, v)");
+    assert_eq!(MovingFrame::<Gantry, Pose>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(ToolOffset::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(Replay::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(Jog::<Gantry, fn() -> Jogging>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(AwaitOperator::<Gantry, fn() -> bool>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(Delay::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(Sleep::<Gantry>::CLASS.to_string(), "ECP f*0(c)");
+    assert_eq!(ForceLaw::<Gantry, Wrist>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
+    assert_eq!(Settle::<Gantry>::CLASS.to_string(), "ECP f*2(c, e)");
+    assert_eq!(EyeInHand::<Gantry, Probe>::CLASS.to_string(), "ECP f*3(c, e, v)");
+    assert_eq!(CompliantTransmit::<Gantry, Wrist>::CLASS.to_string(), "ECP f*5(c0, c, v)");
+    assert_eq!(WatchedTransmit::<Gantry>::CLASS.to_string(), "ECP f*6(c0, c, e)");
+    assert_eq!(OrderedForce::<Gantry, Wrist>::CLASS.to_string(), "ECP f*7(c0, c, e, v)");
 }
 
 struct Wrist;
@@ -64,6 +90,31 @@ fn a_joint_move_takes_the_closed_form_time_and_ends_exactly() {
     let (v, a) = peaks(&trace, 1e-3);
     assert!((v - 0.5).abs() < 1e-9 && a <= 5.0 + 1e-6, "{v} {a}");
     // All joints are on the line between the ends.
+    assert!(trace.iter().all(|q| (q[1] + 0.5 * q[0]).abs() < 1e-12 && (q[2] - 0.25 * q[0]).abs() < 1e-12));
+}
+
+#[test]
+fn a_smooth_joint_move_takes_the_closed_form_time_and_keeps_its_jerk() {
+    let (robot, trace) = gantry("g");
+    let robot = robot.program(|ecp| {
+        let limits = JointLimits {
+            velocity: Vector3::repeat(0.5),
+            acceleration: Vector3::repeat(5.0),
+            jerk: Vector3::repeat(50.0),
+        };
+        ecp.move_robot((), SmoothJointMove::to(Vector3::new(0.4, -0.2, 0.1), limits)).map(drop)
+    });
+    let report = Cell::new(MS).robot(robot).run().expect("within the limits");
+    // D / V + V / A + A / J = 1.0 s.
+    assert!((1001..=1004).contains(&report.steps), "{}", report.steps);
+    let trace = trace.borrow();
+    assert_eq!(*trace.last().expect("recorded"), Vector3::new(0.4, -0.2, 0.1));
+    let (v, a) = peaks(&trace, 1e-3);
+    assert!((v - 0.5).abs() < 1e-9 && a <= 5.0 + 1e-6, "{v} {a}");
+    for q in trace.windows(4) {
+        let jerk = (q[3] - q[2] * 3.0 + q[1] * 3.0 - q[0]) / 1e-9;
+        assert!(jerk.amax() < 50.0 + 1e-3, "{jerk}");
+    }
     assert!(trace.iter().all(|q| (q[1] + 0.5 * q[0]).abs() < 1e-12 && (q[2] - 0.25 * q[0]).abs() < 1e-12));
 }
 

@@ -22,6 +22,10 @@ pub(crate) fn length_measured(span: &Span, a: f64, b: f64) -> (f64, bool) {
     if (length_5(span, a, b) - whole).abs() <= AGREEMENT * whole {
         return (whole, true);
     }
+    // What overflows agrees with nothing, however finely it is cut.
+    if !whole.is_finite() {
+        return (whole, false);
+    }
     // A dyadic grid: a piece that is refused is halved, one that is accepted is followed by the largest piece that
     // the grid allows there.
     let floor = AGREEMENT * 1e-4 * whole;

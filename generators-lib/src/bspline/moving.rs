@@ -12,6 +12,9 @@ pub const WINDOW_MIN: usize = 4;
 pub const WINDOW_MAX: usize = 16;
 /// Points nearer to each other than this \[m\] are one.
 pub(super) const COINCIDENT: f64 = 1e-9;
+/// Points must be nearer to the origin than this \[m\], along each axis: farther out, neighbours are rounded to [`COINCIDENT`]
+/// and worse, and the powers that curvatures are made of overflow in the end.
+const FARTHEST: f64 = 1e7;
 /// Places of the arrays: the window moves down once in `PLACES - WINDOW_MAX` points.
 const PLACES: usize = 4 * WINDOW_MAX;
 
@@ -63,8 +66,8 @@ pub enum SplineError {
     /// The corner angle is not in 0..pi.
     #[error("corner angle {0} rad must be greater than 0 and at most pi")]
     Corner(f64),
-    /// A coordinate is infinite or not a number.
-    #[error("path point ({x}, {y}, {z}) m must be finite")]
+    /// A coordinate is not a number, or farther out than 1e7 m.
+    #[error("path point ({x}, {y}, {z}) m must be finite and within {FARTHEST} m")]
     Point {
         /// Coordinate \[m\].
         x: f64,
@@ -161,7 +164,7 @@ impl MovingSegment {
     /// A point that is not finite, or one that was not asked for.
     pub fn push(&mut self, point: SplinePoint) -> Result<(), SplineError> {
         let p = point.position;
-        if !p.iter().all(|x| x.is_finite()) {
+        if !p.iter().all(|x| x.abs() <= FARTHEST) {
             return Err(SplineError::Point { x: p.x, y: p.y, z: p.z });
         }
         if self.phase != Phase::Filling || self.count == self.settings.window {

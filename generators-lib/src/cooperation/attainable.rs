@@ -121,13 +121,13 @@ pub enum Cause {
 
 /// Why a motion of a body is refused: an arm cannot follow.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("{} cannot follow in {direction} of its tool at {time:.3} s: {cause}", arm.as_ref().map_or("the arm", Name::as_str))]
+#[error("{} cannot follow in {direction} at {time:.3} s: {cause}", arm.as_ref().map_or("the arm", Name::as_str))]
 pub struct Unattainable {
     /// The robot, if its model has a name.
     pub arm: Option<Name>,
     /// Path time \[s\]; 0 at the start.
     pub time: f64,
-    /// The direction that its joints give least where it fails.
+    /// The direction of its tool that its joints give least where it fails; where one has come to a limit, the others.
     pub direction: Direction,
     /// Why.
     pub cause: Cause,
@@ -152,7 +152,23 @@ impl From<DryRunError> for Fault {
     fn from(error: DryRunError) -> Fault {
         match error {
             DryRunError::Path(fault) => fault,
-            DryRunError::Unattainable(_) | DryRunError::Increment(_) => Fault::thrown(&error.to_string()),
+            DryRunError::Unattainable(refused) => Fault::from(&*refused),
+            DryRunError::Increment(_) => Fault::thrown(&error.to_string()),
+        }
+    }
+}
+
+/// A fault of the program; its text is short, so a limit's numbers go beside it.
+impl From<&Unattainable> for Fault {
+    fn from(refused: &Unattainable) -> Fault {
+        let Unattainable { direction, time, cause, .. } = refused;
+        match *cause {
+            Cause::Limit { joint, actual, limit, unit } => {
+                let arm = refused.arm.as_ref().map_or("the arm", Name::as_str);
+                let text = format!("{arm} cannot follow in {direction} at {time:.3} s: joint {joint}");
+                Fault::thrown(&text).exceeds(actual, limit, unit)
+            }
+            Cause::NoInverse(_) | Cause::NotSolved(_) => Fault::thrown(&refused.to_string()),
         }
     }
 }
@@ -232,18 +248,19 @@ impl<R: Robot> Arm<R> {
         difference(&at(-DIFFERENCE), &at(DIFFERENCE)) / (2.0 * DIFFERENCE)
     }
 
-    /// `J J^T`.
-    fn mobility(&self, q: &R::Joints) -> Matrix6<f64> {
+    /// `J J^T`, without the column of a joint that has come to its limit.
+    fn mobility(&self, q: &R::Joints, stopped: Option<usize>) -> Matrix6<f64> {
         (0..R::Joints::LEN)
+            .filter(|&i| Some(i) != stopped)
             .map(|i| self.column(q, i))
             .fold(Matrix6::zeros(), |sum, c| sum + c * c.transpose())
     }
 
-    /// The direction that the joints give least.
-    fn weakest(&self, q: &R::Joints) -> Direction {
+    /// The direction that the joints give least, without one that is `stopped`.
+    fn weakest(&self, q: &R::Joints, stopped: Option<usize>) -> Direction {
         let scale = Matrix6::from_diagonal(&Vector6::new(GRIPPER, GRIPPER, GRIPPER, 1.0, 1.0, 1.0));
         let unscale = Matrix6::from_diagonal(&scale.diagonal().map(f64::recip));
-        let eigen = SymmetricEigen::new(unscale * self.mobility(q) * unscale);
+        let eigen = SymmetricEigen::new(unscale * self.mobility(q, stopped) * unscale);
         let v = scale * eigen.eigenvectors.column(eigen.eigenvalues.imin());
         Direction { moving: v.fixed_rows::<3>(0).into(), turning: v.fixed_rows::<3>(3).into() }
     }
@@ -258,7 +275,7 @@ impl<R: Robot> Arm<R> {
             if left <= SOLVED {
                 return Ok((q, x));
             }
-            let Some(inverse) = (self.mobility(&q) + a * a.transpose()).try_inverse() else { break };
+            let Some(inverse) = (self.mobility(&q, None) + a * a.transpose()).try_inverse() else { break };
             let y = inverse * error;
             q = R::Joints::from_joints(|i| q[i] + self.column(&q, i).dot(&y));
             x -= a.dot(&y);
@@ -306,7 +323,11 @@ impl<R: Robot> ArmModel for Arm<R> {
     #[allow(non_snake_case)]
     fn follow(&mut self, X_WE: &Pose) -> Result<(), Box<Unattainable>> {
         let (q, x) = self.moved(X_WE).map_err(|cause| {
-            let direction = self.weakest(&self.joints);
+            let stopped = match cause {
+                Cause::Limit { joint, .. } => joint.checked_sub(1),
+                Cause::NoInverse(_) | Cause::NotSolved(_) => None,
+            };
+            let direction = self.weakest(&self.joints, stopped);
             Box::new(Unattainable { arm: self.name, time: 0.0, direction, cause })
         })?;
         self.joints = q;

@@ -64,9 +64,7 @@ pub enum BadSqueeze {
         value: f64,
     },
     /// The loop would have too little reserve: `rate * (delay + inertia)` must be less than 1.
-    #[error(
-        "a squeeze law of {rate} 1/s with {lag} s of delay and inertia has no reserve of stability: the product must be less than 1"
-    )]
+    #[error("no reserve of stability: rate {rate} 1/s times delay and inertia {lag:.4} s is not below 1")]
     NoReserve {
         /// The rate [1/s].
         rate: f64,

@@ -23,8 +23,8 @@ pub struct FeedLimits {
 /// Why a path cannot be followed.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum FeedError {
-    /// A limit is not positive or not finite.
-    #[error("{name} limit {value} must be positive (and finite, but for chord error and jerk)")]
+    /// A limit is not positive, or its square overflows or vanishes.
+    #[error("{name} limit {value} must lie within 1e-100 and 1e100 (chord error and jerk: or be infinite)")]
     Limit {
         /// Which.
         name: &'static str,
@@ -46,7 +46,7 @@ impl FeedLimits {
     /// Checks every limit.
     ///
     /// # Errors
-    /// The first that is not positive, or infinite where it must not be.
+    /// The first that is not positive, infinite where it must not be, or so small or large that its square is none.
     pub fn validate(&self) -> Result<(), FeedError> {
         let all = [
             ("feed", self.feed, true),
@@ -57,7 +57,8 @@ impl FeedLimits {
             ("jerk", self.jerk, false),
         ];
         for (name, value, finite) in all {
-            if !(value > 0.0 && (value.is_finite() || !finite)) {
+            let unlimited = !finite && value == f64::INFINITY;
+            if !(unlimited || (1e-100..=1e100).contains(&value)) {
                 return Err(FeedError::Limit { name, value });
             }
         }

@@ -51,6 +51,9 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> FollowMaster<L, P, O> {
 #[generator(mp)]
 impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> FollowMaster<L, P, O> {
     fn first_step(&mut self, e: &State<L>, t: Tick) -> Result<Step<L, O>, Fault> {
+        if !(self.lag.is_finite() && self.lag >= 0.0) {
+            return Err(Fault::thrown("the lag of a slave must be finite and >= 0"));
+        }
         self.starts = e.demanded_poses();
         self.goal = self.starts.as_ref()[0];
         let measured = e.measured_poses().as_ref()[0];

@@ -63,6 +63,11 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
 #[generator(ecp)]
 impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
     fn first_step(&mut self, e: &State<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
+        if [self.speed, self.acceleration, self.way].iter().any(|x| !(x.is_finite() && *x > 0.0)) {
+            return Err(Fault::thrown(
+                "speed, acceleration and way of a guarded approach must be finite and > 0",
+            ));
+        }
         self.start = e.demanded().pose;
         self.advance(v, t)
     }

@@ -1,36 +1,71 @@
 //! Generators, each in one file on the public API alone: to be used as they are, or copied and changed.
 //!
-//! | generator | what it does | class |
-//! |---|---|---|
-//! | [`RigidCarry`] | several arms carry a rigid body along a path | MP `f*0(c0)`, first step `f*2(c0, e)` |
-//! | [`SqueezedCarry`] | the same, with a wanted internal force | MP `f*1(c0, v)`, first step `f*3(c0, e, v)` |
-//! | [`FollowMaster`] | slaves follow a master as measured | MP `f*2(c0, e)` |
-//! | [`SharedDrive`] | arms engage with a drive frame and move with it | MP `f*0(c0)`, first step `f*2(c0, e)` |
-//! | [`TransmitDisplacement`] | passes the coordinator's displacements on | ECP `f*4(c0, c)` |
-//! | [`YieldingTransmit`] | the same, where a grasp leaves a direction free | ECP `f*4(c0, c)`, first step `f*6(c0, c, e)` |
-//! | [`JointMove`] | straight line in joint space | ECP `f*0(c)`, first step `f*2(c, e)` |
-//! | [`StraightLine`] | straight line of the tool frame | ECP `f*0(c)`, first step `f*2(c, e)` |
-//! | [`SplineTrack`] | the moving-segment B-spline through a stream of points | ECP `f*0(c)` |
-//! | [`GuardedApproach`] | straight on until a sensor says so | ECP `f*1(c, v)`, first step `f*3(c, e, v)` |
+//! "Uses" is what a step takes besides the function's own state; lines are lines of code. Every class of section 6 of the
+//! paper has at least one. [`combinators`](crate::combinators) make generators out of these.
+//! What some demand over time, and their paths in space, is drawn in the folder `pictures` of this crate.
+//!
+#![doc = include_str!("../../classes.md")]
 
+mod await_operator;
+mod circular_move;
+mod compliant_transmit;
+mod constant_order;
+mod curve_move;
+mod delay;
+mod eye_in_hand;
 mod follow_master;
+mod force_law;
 mod guarded_approach;
+mod guided_body;
+mod jog;
 mod joint_move;
+mod joint_spline;
+mod moving_frame;
+mod ordered_force;
+mod reach_state;
+mod replay;
 mod rigid_carry;
+mod settle;
 mod shared_drive;
+mod sleep;
+mod smooth_joint_move;
+mod smooth_line;
 mod spline_track;
 mod squeezed_carry;
 mod straight_line;
+mod tool_offset;
 mod transmit_displacement;
+mod watched_transmit;
 mod yielding_transmit;
 
+pub use await_operator::AwaitOperator;
+pub use circular_move::CircularMove;
+pub use compliant_transmit::CompliantTransmit;
+pub use constant_order::ConstantOrder;
+pub use curve_move::CurveMove;
+pub use delay::Delay;
+pub use eye_in_hand::{EyeInHand, Servoing};
 pub use follow_master::FollowMaster;
+pub use force_law::ForceLaw;
 pub use guarded_approach::GuardedApproach;
+pub use guided_body::GuidedBody;
+pub use jog::Jog;
 pub use joint_move::JointMove;
+pub use joint_spline::JointSpline;
+pub use moving_frame::MovingFrame;
+pub use ordered_force::{OrderedForce, Pressing};
+pub use reach_state::{JointOrder, ReachState};
+pub use replay::Replay;
 pub use rigid_carry::RigidCarry;
+pub use settle::Settle;
 pub use shared_drive::SharedDrive;
+pub use sleep::Sleep;
+pub use smooth_joint_move::SmoothJointMove;
+pub use smooth_line::SmoothLine;
 pub use spline_track::SplineTrack;
 pub use squeezed_carry::SqueezedCarry;
 pub use straight_line::StraightLine;
+pub use tool_offset::ToolOffset;
 pub use transmit_displacement::TransmitDisplacement;
+pub use watched_transmit::WatchedTransmit;
 pub use yielding_transmit::YieldingTransmit;

@@ -12,14 +12,15 @@ use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, 
 /// `X_WE_i = X_WB(t) X_BE_i X_EE'_i`, where `X_EE'` is the answer of a [`SqueezeLaw`] to the internal part of what the
 /// sensors of the list `V`, one at each wrist, read. The body's path is not disturbed.
 ///
-/// Without a new reading the correction stays as it is; a reading that is too old is a fault, and so is a correction
-/// beyond the law's bounds. At standstill nothing is corrected.
+/// A reading counts until the next one comes; one that is too old is a fault, and so are sensors that have read nothing for
+/// as long, and a correction beyond the law's bounds. At standstill nothing is corrected.
 pub struct SqueezedCarry<L: RobotList, V, P, O = Motion> {
     body: BodyFrame,
     path: P,
     law: SqueezeLaw,
     squeeze: f64,
     oldest: u32,
+    unread: u32,
     starts: L::Each<Pose>,
     grasps: Grasps<L::Each<Pose>>,
     split: Option<InternalForce<L::Each<Sharing>>>,
@@ -35,18 +36,20 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, P: BodyPath, O: 'static> 
         const { assert!(<L as RobotList>::LEN == <V as SensorList>::LEN, "one wrist sensor for each robot") };
         let (starts, corrections) = (L::array(|_| Pose::identity()), L::array(|_| Correction::default()));
         let (grasps, split, of) = (Grasps::close(&Pose::identity(), starts), None, PhantomData);
-        SqueezedCarry { body, path, law, squeeze, oldest, starts, grasps, split, corrections, of }
+        SqueezedCarry { body, path, law, squeeze, oldest, unread: 0, starts, grasps, split, corrections, of }
     }
 
     #[allow(non_snake_case)]
     fn advance(&mut self, v: &Reading<V>, t: Tick) -> Result<Step<L, O>, Fault> {
         let Some(X_WB) = self.path.advance(t.dt)? else { return Ok(Step::Done) };
         let readings = v.each::<Wrench>();
-        let oldest = readings.as_ref().iter().flatten().map(|(_, age)| *age).max();
-        if let Some(age) = oldest.filter(|&age| age > self.oldest) {
+        let all_read = readings.as_ref().iter().all(Option::is_some);
+        self.unread = if all_read { 0 } else { self.unread + 1 };
+        let ages = readings.as_ref().iter().flatten().map(|(_, age)| *age);
+        let age = ages.fold(self.unread, u32::max);
+        if age > self.oldest {
             return Err(Fault::new(FaultKind::SensorStale).exceeds(age.into(), self.oldest.into(), "step"));
         }
-        let all_read = readings.as_ref().iter().all(Option::is_some);
         let mut internal = L::array(|i| readings.as_ref()[i].map_or(Wrench::default(), |(wrench, _)| wrench));
         if let Some(split) = self.split.as_ref() {
             split.keep_internal(internal.as_mut());

@@ -34,7 +34,7 @@ impl<R: Robot> YieldingTransmit<R> {
     fn next_step(&mut self, order: &Order<Displacement>) -> Result<Step<R>, Fault> {
         let Some(arm) = &mut self.arm else { return Ok(Step::Next(Demand::hold())) };
         let X_WE = arm.start() * order.value().pose;
-        arm.follow(&X_WE).map_err(|refused| Fault::thrown(&refused.to_string()))?;
+        arm.follow(&X_WE).map_err(|refused| Fault::from(&*refused))?;
         Ok(Step::Next(Demand::joints(*arm.joints())))
     }
 }

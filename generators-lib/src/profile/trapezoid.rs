@@ -1,7 +1,4 @@
-//! Rest-to-rest profiles of a path scalar: trapezoidal, or triangular where the distance is short.
-//!
-//! In: a distance and the limits of velocity and acceleration along it. Out: the path scalar and its first two
-//! derivatives over *path time*, which an operator's feed rate stretches or stops:
+//! The trapezoidal profile, or the triangular one where the distance is short: the fastest without a limit of jerk.
 //!
 //! ```text
 //! v_p = min(V, sqrt(A D))      peak velocity
@@ -11,49 +8,7 @@
 //!
 //! Source: Biagiotti and Melchiorri, *Trajectory Planning for Automatic Machines and Robots*, section 3.2.
 
-use thiserror::Error;
-
-/// Limits of a path scalar's rate of change.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProfileLimits {
-    /// Largest velocity [units/s], > 0.
-    pub velocity: f64,
-    /// Largest acceleration and deceleration [units/s^2], finite, > 0.
-    pub acceleration: f64,
-}
-
-/// Why a profile cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-pub enum ProfileError {
-    /// The distance is negative, infinite or not a number.
-    #[error("profile distance {0} must be finite and not negative")]
-    Distance(f64),
-    /// The velocity limit is not positive.
-    #[error("profile velocity limit {0} must be greater than 0")]
-    Velocity(f64),
-    /// The acceleration limit is not positive or not finite.
-    #[error("profile acceleration limit {0} must be finite and greater than 0")]
-    Acceleration(f64),
-    /// A duration was asked for that would need more than the limits allow.
-    #[error("profile duration {asked} s is shorter than the least possible, {least} s")]
-    Duration {
-        /// Duration asked for \[s\].
-        asked: f64,
-        /// Shortest duration within the limits \[s\].
-        least: f64,
-    },
-}
-
-/// Path scalar and its derivatives at one instant of path time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ProfilePoint {
-    /// Path scalar, from 0 to the profile's distance \[units\].
-    pub s: f64,
-    /// Its velocity [units/s], >= 0.
-    pub v: f64,
-    /// Its acceleration [units/s^2]; at a corner of the profile, that of the later phase.
-    pub a: f64,
-}
+use super::{Profile, ProfileCursor, ProfileError, ProfileLimits, ProfilePoint, whole_steps};
 
 /// A trapezoidal (or triangular) rest-to-rest profile; immutable.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +42,15 @@ impl Trapezoid {
         Ok(Self { distance, peak, acceleration, ramp, duration })
     }
 
+    /// The fastest profile over `distance` \[units\] within an `acceleration` [units/s^2] alone: a triangle of velocity,
+    /// `T = 2 sqrt(D / A)`.
+    ///
+    /// # Errors
+    /// A distance that is negative or not finite, or an acceleration that is not positive and finite.
+    pub fn triangular(distance: f64, acceleration: f64) -> Result<Self, ProfileError> {
+        Self::new(distance, ProfileLimits { velocity: f64::INFINITY, acceleration })
+    }
+
     /// The same motion in exactly `duration` \[s\], slower: with `k = duration / T`, velocities shrink by `k` and
     /// accelerations by `k^2`, so no limit is broken. Synchronises axes and arms.
     ///
@@ -113,10 +77,7 @@ impl Trapezoid {
     /// falls on a step. A `dt` that is not positive leaves the profile as it is.
     #[must_use]
     pub fn in_whole_steps(self, dt: f64) -> Self {
-        // A duration that is whole but for rounding must not gain a step.
-        let steps = (self.duration / dt - 1e-9).ceil();
-        let duration = (steps * dt).max(self.duration);
-        if dt > 0.0 { self.stretched_to(duration).unwrap_or(self) } else { self }
+        self.stretched_to(whole_steps(self.duration, dt)).unwrap_or(self)
     }
 
     /// Distance `D` \[units\].
@@ -158,7 +119,7 @@ impl Trapezoid {
     /// A cursor at the start of this profile.
     #[must_use]
     pub fn cursor(self) -> ProfileCursor {
-        ProfileCursor { profile: self, time: 0.0, ended: false }
+        ProfileCursor::new(self)
     }
 
     fn end(&self) -> ProfilePoint {
@@ -166,39 +127,21 @@ impl Trapezoid {
     }
 }
 
-/// A walk along a [`Trapezoid`] in increments of path time, which may differ from step to step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProfileCursor {
-    profile: Trapezoid,
-    time: f64,
-    ended: bool,
-}
-
-impl ProfileCursor {
-    /// Advances by `dt` \[s\], >= 0. The exact end is emitted once, then `None`.
-    pub fn advance(&mut self, dt: f64) -> Option<ProfilePoint> {
-        if self.ended {
-            return None;
-        }
-        self.time += dt;
-        // The sum of n increments may miss n * dt by rounding; that must not cost a step.
-        if self.profile.duration - self.time <= 1e-9 * dt {
-            self.ended = true;
-            return Some(self.profile.end());
-        }
-        Some(self.profile.at(self.time))
+impl Profile for Trapezoid {
+    fn distance(&self) -> f64 {
+        self.distance
     }
 
-    /// Path time so far \[s\].
-    #[must_use]
-    pub fn time(&self) -> f64 {
-        self.time
+    fn duration(&self) -> f64 {
+        self.duration
     }
 
-    /// The profile being walked.
-    #[must_use]
-    pub fn profile(&self) -> &Trapezoid {
-        &self.profile
+    fn at(&self, t: f64) -> ProfilePoint {
+        Trapezoid::at(self, t)
+    }
+
+    fn stretched_to(self, duration: f64) -> Result<Self, ProfileError> {
+        Trapezoid::stretched_to(self, duration)
     }
 }
 

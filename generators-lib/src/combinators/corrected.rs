@@ -1,0 +1,208 @@
+//! Any generator of poses, corrected by a sensor.
+
+use core::marker::PhantomData;
+
+use mrroc::{
+    Class, Fault, FaultKind, Generator, Motion, Order, Pose, Reading, Robot, Sensor, State, Step, Tick,
+};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+/// How fast and how far a correction may go; all within 1e-9 and 1e9.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CorrectionLimits {
+    /// Speed [m/s].
+    pub speed: f64,
+    /// Angular speed [rad/s].
+    pub turning: f64,
+    /// Time in which the correction's speed reaches these \[s\], and in which it approaches its goal.
+    pub ramp: f64,
+    /// Distance \[m\] beyond which a correction is a fault.
+    pub way: f64,
+    /// Angle \[rad\] beyond which it is one.
+    pub angle: f64,
+    /// Age of a reading that is too old \[steps\].
+    pub oldest: u32,
+}
+
+/// Adds to what a generator `G` without sensors demands, poses or displacements, a correction in the tool's own axes: `X_WE X_EE'`.
+/// The correction `X_EE'` goes towards what `correct` makes of a reading, at a limited speed and acceleration; without a
+/// reading it stays. The generator knows nothing of it.
+pub struct Corrected<G, S: Sensor> {
+    generator: G,
+    correct: fn(&S::Reading) -> Pose,
+    limits: CorrectionLimits,
+    way: Vector3<f64>,
+    turn: Vector3<f64>,
+    speed: Vector3<f64>,
+    turning: Vector3<f64>,
+    of: PhantomData<S>,
+}
+
+impl<G: Generator<Language = Motion, Sensors = ()>, S: Sensor> Corrected<G, S> {
+    /// `generator`, displaced by what `correct` makes of a reading, within `limits`.
+    #[must_use]
+    pub fn by(generator: G, correct: fn(&S::Reading) -> Pose, limits: CorrectionLimits) -> Self {
+        let still = Vector3::zeros();
+        Corrected {
+            generator,
+            correct,
+            limits,
+            way: still,
+            turn: still,
+            speed: still,
+            turning: still,
+            of: PhantomData,
+        }
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        let CorrectionLimits { speed, turning, ramp, way, angle, .. } = self.limits;
+        if [speed, turning, ramp, way, angle].iter().all(|x| (1e-9..=1e9).contains(x)) {
+            return Ok(());
+        }
+        Err(Fault::thrown("the limits of a correction must lie within 1e-9 and 1e9"))
+    }
+
+    /// The correction after `t` more, towards what the sensor says.
+    fn advance(&mut self, v: &Reading<(S,)>, t: Tick) -> Result<Pose, Fault> {
+        let (limits, age) = (self.limits, v.0.age());
+        if let Some(reading) = v.0.reading() {
+            if age > limits.oldest {
+                return Err(Fault::new(FaultKind::SensorStale).exceeds(
+                    age.into(),
+                    limits.oldest.into(),
+                    "step",
+                ));
+            }
+            let goal = (self.correct)(&reading);
+            let (way, turn) = (goal.translation.vector, goal.rotation.scaled_axis());
+            let finite = way.iter().chain(goal.rotation.coords.iter()).all(|x| x.is_finite());
+            if !finite || way.norm() > limits.way || turn.norm() > limits.angle {
+                let fault = Fault::thrown("the sensor asks for a correction out of bounds");
+                return Err(fault.exceeds(way.norm(), limits.way, "m"));
+            }
+            pull(&mut self.way, &mut self.speed, &way, limits.speed, limits.ramp, t.dt);
+            pull(&mut self.turn, &mut self.turning, &turn, limits.turning, limits.ramp, t.dt);
+        }
+        let rotation = UnitQuaternion::from_scaled_axis(self.turn);
+        Ok(Pose::from_parts(Translation3::from(self.way), rotation))
+    }
+
+    fn corrected<R: Robot>(&mut self, step: Step<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
+        let Step::Next(demand) = step else { return Ok(Step::Done) };
+        let moved = demand.moved_in_tool(&self.advance(v, t)?);
+        let refused = || Fault::thrown("only poses and displacements can be corrected, no joint positions");
+        moved.map(Step::Next).ok_or_else(refused)
+    }
+}
+
+/// Draws `x` towards `goal`: critically damped, within a speed, and an acceleration of that speed in `ramp`.
+fn pull(x: &mut Vector3<f64>, v: &mut Vector3<f64>, goal: &Vector3<f64>, speed: f64, ramp: f64, dt: f64) {
+    if dt <= 0.0 {
+        return;
+    }
+    // Implicit in v: stable whatever the step.
+    let rate = 4.0 / ramp;
+    let wanted = (*v + (goal - *x) * (rate * rate * dt)) / (1.0 + 2.0 * rate * dt + rate * rate * dt * dt);
+    let within = |x: Vector3<f64>, most: f64| if x.norm() > most { x * (most / x.norm()) } else { x };
+    *v += within(within(wanted, speed) - *v, speed / ramp * dt);
+    *x += *v * dt;
+}
+
+impl<G, S, R> Generator for Corrected<G, S>
+where
+    G: Generator<Robots = R, Language = Motion, Sensors = ()>,
+    S: Sensor,
+    R: Robot,
+{
+    type Robots = R;
+    type Language = Motion;
+    type Sensors = (S,);
+    type Order = G::Order;
+    const CLASS: Class = {
+        let mut class = G::CLASS;
+        (class.first.sensors, class.first.state, class.first.tick) = (true, true, true);
+        (class.next.sensors, class.next.state, class.next.tick) = (true, true, true);
+        class
+    };
+    const ENDS: bool = G::ENDS;
+
+    fn first_step(
+        &mut self,
+        c0: &Order<G::Order>,
+        e: &State<R>,
+        v: &Reading<(S,)>,
+        t: Tick,
+    ) -> Result<Step<R>, Fault> {
+        self.check()?;
+        let step = self.generator.first_step(c0, e, &Reading::new(()), t)?;
+        self.corrected(step, v, t)
+    }
+
+    fn next_step(
+        &mut self,
+        c0: &Order<G::Order>,
+        e: &State<R>,
+        v: &Reading<(S,)>,
+        t: Tick,
+    ) -> Result<Step<R>, Fault> {
+        let step = self.generator.next_step(c0, e, &Reading::new(()), t)?;
+        self.corrected(step, v, t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cooperation::Displacement;
+    use crate::generators::ToolOffset;
+    use crate::line::ToolLimits;
+    use crate::profile::ProfileLimits;
+    use mrroc::{RobotImage, RobotState, SensorImage};
+    use mrroc_robots::{Irp6, Six};
+
+    struct Seam;
+
+    impl Sensor for Seam {
+        const KIND: &'static str = "seam";
+        type Reading = Displacement;
+        type Configuration = ();
+    }
+
+    #[test]
+    fn a_line_is_drawn_onto_the_seam_within_the_limits_of_the_correction() {
+        let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+        let line = ToolOffset::<Irp6>::by(
+            Pose::translation(0.2, 0.0, 0.0),
+            ToolLimits { translation: limits, rotation: limits },
+        );
+        let (speed, ramp, dt) = (0.02, 0.1, 2e-3);
+        let bounds = CorrectionLimits { speed, turning: 0.1, ramp, way: 0.02, angle: 0.1, oldest: 1 };
+        let mut generator = Corrected::<_, Seam>::by(line, |seam| seam.pose, bounds);
+        assert_eq!(<Corrected<ToolOffset<Irp6>, Seam> as Generator>::CLASS.to_string(), "ECP f*1(c, v)");
+        let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
+        let (e, c0) = (State::new(RobotImage::new(state, state)), Order::new(()));
+        let seam = |y: f64| {
+            let pose = Pose::translation(0.0, y, 0.0);
+            Reading::<(Seam,)>::new((SensorImage::new(Displacement { pose }, 0),))
+        };
+        let t = Tick { step: 0, dt, duration: dt };
+        let mut p = vec![Vector3::zeros(); 2];
+        let mut step = generator.first_step(&c0, &e, &seam(0.01), t);
+        while let Ok(Step::Next(demand)) = step {
+            p.push(demand.as_displacement().expect("a displacement").translation.vector);
+            step = generator.next_step(&c0, &e, &seam(0.01), t);
+        }
+        assert_eq!(step, Ok(Step::Done));
+        for w in p.windows(3) {
+            let (v, a) = ((w[1].y - w[0].y) / dt, (w[2].y - 2.0 * w[1].y + w[0].y) / (dt * dt));
+            assert!(v.abs() <= speed * (1.0 + 1e-9) && a.abs() <= speed / ramp * (1.0 + 1e-6), "{v} {a}");
+            assert!(w[2].y < 0.0103, "overshoot: {}", w[2].y);
+        }
+        // The line itself is as it was: 0.2 m, with the correction of the seam.
+        let end = p[p.len() - 1];
+        assert!((end - Vector3::new(0.2, 0.01, 0.0)).norm() < 1e-6, "{end}");
+        let far = generator.advance(&seam(0.03), t).expect_err("out of bounds");
+        assert!(far.excess().is_some_and(|x| x.actual == 0.03 && x.limit == 0.02));
+    }
+}

@@ -1,0 +1,112 @@
+//! The motions of two robots at once.
+
+use mrroc::{Class, Demand, Fault, Generator, Level, Motion, Order, Reading, Robot, State, Step, Tick};
+
+/// Runs a generator of one robot and a generator of another, both written for ECPs, as one motion of the MP: they begin in the
+/// same step and share its path time; the one that is done first holds until the other is, too.
+///
+/// For generators without sensors and orders. Its robots have transparent ECPs.
+pub struct InParallel<A, B> {
+    parts: (A, B),
+    done: (bool, bool),
+}
+
+impl<A, B> InParallel<A, B> {
+    /// The motion of the list's first robot, and that of its second.
+    #[must_use]
+    pub fn of(first: A, second: B) -> Self {
+        InParallel { parts: (first, second), done: (false, false) }
+    }
+}
+
+/// A demand, or to hold where the generator is done.
+fn told<R: Robot>(step: Step<R>, done: &mut bool) -> Demand<R> {
+    match step {
+        Step::Next(demand) => demand,
+        Step::Done => {
+            *done = true;
+            Demand::hold()
+        }
+    }
+}
+
+impl<A, B, R, S> Generator for InParallel<A, B>
+where
+    A: Generator<Robots = R, Language = Motion, Sensors = (), Order = ()>,
+    B: Generator<Robots = S, Language = Motion, Sensors = (), Order = ()>,
+    R: Robot,
+    S: Robot,
+{
+    type Robots = (R, S);
+    type Language = Motion;
+    type Sensors = ();
+    type Order = ();
+    const CLASS: Class = {
+        let (a, b) = (A::CLASS, B::CLASS);
+        let (mut first, mut next) = (a.first_uses().and(b.first_uses()), a.next_uses().and(b.next_uses()));
+        // Which of them is done is a state of the coordinator.
+        (first.state, next.state) = (true, true);
+        Class { level: Level::Mp, first, next, until: None }
+    };
+    const ENDS: bool = A::ENDS && B::ENDS;
+
+    fn first_step(
+        &mut self,
+        c0: &Order<()>,
+        e: &State<(R, S)>,
+        v: &Reading<()>,
+        t: Tick,
+    ) -> Result<Step<(R, S)>, Fault> {
+        let one = told(self.parts.0.first_step(c0, &State::new(e.0), v, t)?, &mut self.done.0);
+        let two = told(self.parts.1.first_step(c0, &State::new(e.1), v, t)?, &mut self.done.1);
+        Ok(if self.done == (true, true) { Step::Done } else { Step::Next((one, two)) })
+    }
+
+    fn next_step(
+        &mut self,
+        c0: &Order<()>,
+        e: &State<(R, S)>,
+        v: &Reading<()>,
+        t: Tick,
+    ) -> Result<Step<(R, S)>, Fault> {
+        let (mut one, mut two) = (Demand::hold(), Demand::hold());
+        if !self.done.0 {
+            one = told(self.parts.0.next_step(c0, &State::new(e.0), v, t)?, &mut self.done.0);
+        }
+        if !self.done.1 {
+            two = told(self.parts.1.next_step(c0, &State::new(e.1), v, t)?, &mut self.done.1);
+        }
+        Ok(if self.done == (true, true) { Step::Done } else { Step::Next((one, two)) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generators::JointMove;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_robots::{Irp6, Polycrank, Seven, Simulated, SimulatedIrp6, Six};
+    use std::time::Duration;
+
+    #[test]
+    fn two_robots_move_at_once_and_the_longer_motion_ends_both() {
+        let (q6, q7) = (Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0), Seven::repeat(0.3));
+        let arms = (SimulatedIrp6::new(Irp6::nominal(), &q6), Simulated::new(Polycrank::new(), &q7));
+        let shafts = (arms.0.shaft(), arms.1.shaft());
+        let cell = Cell::new(Duration::from_millis(2))
+            .robot(RobotSetup::new("irp6", Irp6::nominal(), arms.0))
+            .robot(RobotSetup::new("polycrank", Polycrank::new(), arms.1));
+        let cell = cell.program(move |mp| {
+            let (mut one, mut two) = (mp.robot::<Irp6>("irp6")?, mp.robot::<Polycrank>("polycrank")?);
+            let short = JointMove::to(q6 + Six::repeat(0.05), Six::repeat(0.4), Six::repeat(0.8));
+            let long = JointMove::to(q7 + Seven::repeat(0.2), Seven::repeat(0.4), Seven::repeat(0.8));
+            mp.move_robots((&mut one, &mut two), (), InParallel::of(short, long)).map(drop)
+        });
+        let report = cell.run().expect("within the limits");
+        // 2 sqrt(D / A) of the longer one.
+        let duration = report.time.as_secs_f64();
+        assert!((1.0..1.02).contains(&duration), "{duration} s");
+        assert!((shafts.0.state().position - q6 - Six::repeat(0.05)).amax() < 1e-3);
+        assert!((shafts.1.state().position - q7 - Seven::repeat(0.2)).amax() < 1e-3);
+    }
+}

@@ -1,0 +1,54 @@
+//! Stays where it is until a person confirms.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Robot, Step, generator};
+
+/// Holds the robot until what it asks in every step says yes: a button, a dialog's answer that another thread has stored in
+/// an `AtomicBool`. While the cell is suspended nobody is asked.
+pub struct AwaitOperator<R, F> {
+    confirmed: F,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot, F: FnMut() -> bool> AwaitOperator<R, F> {
+    /// Until `confirmed`, which must neither block nor allocate: it is asked in every step.
+    #[must_use]
+    pub fn until(confirmed: F) -> Self {
+        AwaitOperator { confirmed, of: PhantomData }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot, F: FnMut() -> bool> AwaitOperator<R, F> {
+    fn next_step(&mut self) -> Step<R> {
+        if (self.confirmed)() { Step::Done } else { Step::Next(Demand::hold()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU32, Ordering};
+    use std::time::Duration;
+
+    #[test]
+    fn it_asks_once_a_step_until_it_is_confirmed() {
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let asked = Arc::new(AtomicU32::new(0));
+        let button = Arc::clone(&asked);
+        let robot = RobotSetup::new("irp6", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start))
+            .program(move |ecp| {
+                let pressed = move || button.fetch_add(1, Ordering::Relaxed) == 100;
+                ecp.move_robot((), AwaitOperator::until(pressed)).map(drop)
+            });
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("nothing moves");
+        assert_eq!(asked.load(Ordering::Relaxed), 101);
+        // A hundred steps of 2 ms, and a few to begin and to end.
+        let duration = report.time.as_secs_f64();
+        assert!((0.2..0.22).contains(&duration), "{duration} s");
+    }
+}

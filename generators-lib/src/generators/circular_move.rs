@@ -1,0 +1,102 @@
+//! An arc of a circle of the tool with limited jerk, from rest to rest.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use nalgebra::{Translation3, Vector3};
+
+use mrroc_generators::curve::{Arc, Curve};
+use mrroc_generators::line::{LinePath, SmoothToolLimits};
+use mrroc_generators::profile::{JerkLimits, Profile, ProfileCursor, SevenPhase};
+
+/// Moves the tool on the circle through a point to a pose, while it turns the short way, by one jerk-limited profile.
+///
+/// Starts from the pose demanded last, at rest. Limits are those along the circle; across it there is `v^2 / r`.
+pub struct CircularMove<R> {
+    via: Vector3<f64>,
+    goal: Pose,
+    limits: SmoothToolLimits,
+    path: Option<(Arc, LinePath, ProfileCursor<SevenPhase>)>,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot> CircularMove<R> {
+    /// Through the point `p_WV` of the world \[m\] to the pose `X_WE` of the tool.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn through(p_WV: Vector3<f64>, X_WE: Pose, limits: SmoothToolLimits) -> Self {
+        CircularMove { via: p_WV, goal: X_WE, limits, path: None, of: PhantomData }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((arc, turn, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            Some(point) => {
+                let position = Translation3::from(arc.at(point.s).position);
+                let rotation = turn.pose(point.s / cursor.profile().distance()).rotation;
+                Step::Next(Demand::pose(Pose::from_parts(position, rotation)))
+            }
+            None => Step::Done,
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> CircularMove<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        let start = e.demanded().pose;
+        let arc = Arc::through(start.translation.vector, self.via, self.goal.translation.vector);
+        let arc = arc.map_err(|error| Fault::thrown(&error.to_string()))?;
+        let (turn, SmoothToolLimits { translation, rotation }) =
+            (LinePath::new(start, self.goal), self.limits);
+        // The turn's limits, as limits of the length that goes with it.
+        let rate = arc.length() / turn.angle().max(1e-12);
+        let limits = JerkLimits {
+            velocity: translation.velocity.min(rotation.velocity * rate),
+            acceleration: translation.acceleration.min(rotation.acceleration * rate),
+            jerk: translation.jerk.min(rotation.jerk * rate),
+        };
+        let profile = SevenPhase::new(arc.length(), limits);
+        let profile = profile.map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((arc, turn, ProfileCursor::new(profile)));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use std::{cell::RefCell, rc::Rc, time::Duration};
+
+    #[test]
+    fn half_a_circle_is_a_circle_and_takes_the_closed_form_time() {
+        const RADIUS: f64 = 0.03;
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let (trace, pose) = (Rc::new(RefCell::new(Vec::new())), irp6.forward(&start));
+        let recorder = Rc::clone(&trace);
+        let at = |x: f64, y: f64| pose * Pose::translation(x, y, 0.0);
+        let (via, goal) = (at(RADIUS, RADIUS).translation.vector, at(2.0 * RADIUS, 0.0));
+        let limits = JerkLimits { velocity: 0.05, acceleration: 0.25, jerk: 2.5 };
+        let limits = SmoothToolLimits { translation: limits, rotation: limits };
+        let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))
+            .observe(move |record: &ServoRecord<Irp6>| recorder.borrow_mut().push(record.demanded))
+            .program(move |ecp| ecp.move_robot((), CircularMove::through(via, goal, limits)).map(drop));
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // T = D / V + V / A + A / J = pi r / 0.05 + 0.2 + 0.1.
+        let least = std::f64::consts::PI * RADIUS / 0.05 + 0.3;
+        let duration = report.time.as_secs_f64();
+        assert!((least - 0.01..least + 0.02).contains(&duration), "{duration} s, {least} s");
+        // To 20 um, as the encoders count the start.
+        let centre = at(RADIUS, 0.0);
+        for q in trace.borrow().iter() {
+            let p = centre.inv_mul(&irp6.forward(q)).translation.vector;
+            assert!((p.xy().norm() - RADIUS).abs() < 2e-5 && p.z.abs() < 2e-5, "{p}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Any curve of the tool with limited jerk, from rest to rest.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use nalgebra::Translation3;
+
+use mrroc_generators::curve::Curve;
+use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
+
+/// Leads the tool along a curve (a helix, an ellipse, a blended polyline ..) from where it is, at a steady orientation.
+///
+/// The curve's displacements from its own start are taken along the world's axes. Limits are those along the curve;
+/// across it there is `v^2` times its curvature.
+pub struct CurveMove<R, C> {
+    curve: C,
+    limits: JerkLimits,
+    path: Option<(Pose, ProfileCursor<SevenPhase>)>,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot, C: Curve> CurveMove<R, C> {
+    /// Along `curve` \[m\] within `limits` [m/s], [m/s²], [m/s³].
+    #[must_use]
+    pub fn along(curve: C, limits: JerkLimits) -> Self {
+        CurveMove { curve, limits, path: None, of: PhantomData }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((start, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            Some(point) => {
+                let way = self.curve.at(point.s).position - self.curve.at(0.0).position;
+                Step::Next(Demand::pose(Translation3::from(way) * *start))
+            }
+            None => Step::Done,
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot, C: Curve + 'static> CurveMove<R, C> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        let profile = SevenPhase::new(self.curve.length(), self.limits);
+        let profile = profile.map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((e.demanded().pose, ProfileCursor::new(profile)));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_generators::curve::Helix;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
+    use std::time::Duration;
+
+    #[test]
+    fn a_turn_of_a_helix_ends_one_pitch_higher_in_the_closed_form_time() {
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let arm = SimulatedIrp6::new(irp6.clone(), &start);
+        let shaft = arm.shaft();
+        let turn = std::f64::consts::TAU;
+        let helix = Helix::about(Vector3::x() * 0.02, Vector3::zeros(), Vector3::z_axis(), turn, 0.03);
+        let helix = helix.expect("a helix");
+        let limits = JerkLimits { velocity: 0.05, acceleration: 0.25, jerk: 2.5 };
+        let robot = RobotSetup::new("irp6", irp6.clone(), arm)
+            .program(move |ecp| ecp.move_robot((), CurveMove::along(helix, limits)).map(drop));
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // T = D / V + V / A + A / J, D = hypot(2 pi r, pitch).
+        let least = (turn * 0.02).hypot(0.03) / 0.05 + 0.3;
+        let duration = report.time.as_secs_f64();
+        assert!((least - 0.01..least + 0.02).contains(&duration), "{duration} s, {least} s");
+        let up = irp6.forward(&shaft.state().position).translation.vector
+            - irp6.forward(&start).translation.vector;
+        assert!((up - Vector3::z() * 0.03).norm() < 1e-3, "{up}");
+    }
+}

@@ -1,0 +1,52 @@
+//! Stays where it is for a time by the clock.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Robot, Step, Tick, generator};
+
+/// Holds the robot for a real time, whatever the operator's speed: for glue that dries, a tool that runs up. It goes on while
+/// the cell is suspended; what shall wait with the robots is a [`Sleep`](mrroc_generators::generators::Sleep).
+pub struct Delay<R> {
+    duration: f64,
+    time: f64,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot> Delay<R> {
+    /// For `duration` \[s\], >= 0, finite, rounded up to whole steps.
+    #[must_use]
+    pub fn lasting(duration: f64) -> Self {
+        Delay { duration, time: 0.0, of: PhantomData }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> Delay<R> {
+    fn next_step(&mut self, t: Tick) -> Result<Step<R>, Fault> {
+        if !(self.duration.is_finite() && self.duration >= 0.0) {
+            return Err(Fault::thrown("the duration of a delay must be finite and >= 0"));
+        }
+        // The sum of n increments may miss n * dt by rounding; that must not cost a step.
+        if self.time >= self.duration - 1e-9 * t.duration {
+            return Ok(Step::Done);
+        }
+        self.time += t.duration;
+        Ok(Step::Next(Demand::hold()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_robots::Irp6;
+
+    #[test]
+    fn the_operators_speed_does_not_stretch_it() {
+        for dt in [0.0, 1e-3, 2e-3] {
+            let mut delay = Delay::<Irp6>::lasting(0.5);
+            let t = Tick { step: 0, dt, duration: 2e-3 };
+            let steps = (0..).take_while(|_| delay.next_step(t) == Ok(Step::Next(Demand::hold()))).count();
+            assert_eq!(steps, 250);
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! MRROC++'s force control: every axis of the tool moves freely, is guarded, or keeps a load.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, FaultKind, Pose, Reading, Robot, Sensor, State, Step, Tick, Wrench, generator};
+
+use mrroc_generators::force::ForceControl;
+
+/// Moves the tool by a [`ForceControl`] on what a wrist sensor reads: what the surroundings do to the tool, in its own axes.
+///
+/// Starts from the pose demanded last, at rest, and ends after a path time. Without a reading nothing moves; one that is too
+/// old is a fault.
+pub struct ForceLaw<R, S> {
+    law: ForceControl,
+    duration: f64,
+    oldest: u32,
+    pose: Pose,
+    time: f64,
+    of: PhantomData<(R, S)>,
+}
+
+impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
+    /// By `law` for `duration` \[s\], >= 0, which may be infinite; readings may be `oldest` steps old.
+    #[must_use]
+    pub fn lasting(law: ForceControl, duration: f64, oldest: u32) -> Self {
+        ForceLaw { law, duration, oldest, pose: Pose::identity(), time: 0.0, of: PhantomData }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
+    fn first_step(&mut self, e: &State<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
+        self.pose = e.demanded().pose;
+        self.next_step(v, t)
+    }
+
+    fn next_step(&mut self, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
+        if self.duration.is_nan() || self.time >= self.duration {
+            return Ok(Step::Done);
+        }
+        self.time += t.dt;
+        if let Some(load) = v.0.reading() {
+            let age = v.0.age();
+            if age > self.oldest {
+                let fault = Fault::new(FaultKind::SensorStale);
+                return Err(fault.exceeds(age.into(), self.oldest.into(), "step"));
+            }
+            self.pose *= self.law.advance(&load, t.dt)?;
+            self.pose.rotation.renormalize_fast();
+        }
+        Ok(Step::Next(Demand::pose(self.pose)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, ReadingOrder, RobotSetup, SensorSetup, VirtualSensor};
+    use mrroc_generators::force::{Behaviour, Give};
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
+    use std::time::Duration;
+
+    struct Wrist;
+
+    impl Sensor for Wrist {
+        const KIND: &'static str = "wrist";
+        type Reading = Wrench;
+        type Configuration = ();
+    }
+
+    /// A table at this height \[m\], a spring of 2 N/mm, under a tool that points down.
+    struct Table(f64);
+
+    impl VirtualSensor for Table {
+        type Kind = Wrist;
+        fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Wrench, Fault> {
+            let tool = order.robot.ok_or_else(|| Fault::thrown("the sensor is on no robot"))?;
+            let up = Vector3::z() * 2000.0 * (self.0 - tool.pose.translation.z).max(0.0);
+            Ok(Wrench::new(tool.pose.rotation.inverse_transform_vector(&up), Vector3::zeros()))
+        }
+    }
+
+    #[test]
+    fn the_tool_finds_the_table_and_presses_on_it_as_told() {
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let arm = SimulatedIrp6::new(irp6.clone(), &start);
+        let shaft = arm.shaft();
+        let height = irp6.forward(&start).translation.z - 5e-3;
+        let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(|ecp| {
+            let mut wrist = ecp.sensor::<Wrist>("wrist")?;
+            let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
+            axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+            let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+            ecp.move_robot((&mut wrist,), ForceLaw::lasting(law, 4.0, 1)).map(drop)
+        });
+        let wrist = SensorSetup::new("wrist", Table(height)).of("irp6");
+        Cell::new(Duration::from_millis(2)).robot(robot).sensor(wrist).run().expect("within the limits");
+        let depth = height - irp6.forward(&shaft.state().position).translation.z;
+        // F = K depth; an encoder count is some 10 um, which is 0.02 N.
+        assert!((2000.0 * depth - 10.0).abs() < 0.2, "{} N", 2000.0 * depth);
+    }
+}

@@ -1,0 +1,135 @@
+//! Several arms carry a body to where a person pushes it.
+
+use core::marker::PhantomData;
+
+use mrroc::{Fault, Motion, Pose, Reading, RobotList, RobotsEach, SensorList, SensorsEach, State};
+use mrroc::{Step, Tick, Wrench, generator};
+use nalgebra::{Translation3, Vector3};
+
+use mrroc_generators::cooperation::Placed;
+use mrroc_generators::force::Give;
+
+/// Moves all tools of the list `L` by one translation, whose velocity follows the push on the body: `u = (b F T + b m u') / (T + b
+/// m)`, with `F` the sum of what the wrist sensors of the list `V` read, turned into the world by the tools as *measured*, less
+/// what it was in the first step: the body's weight, of which a translation changes nothing. No arm presses against another.
+///
+/// Pushes below the threshold are none. Farther from the start than it may go, it is a fault; readings of any arm that are
+/// missing or too old hold the body.
+pub struct GuidedBody<L: RobotList, V, O = Motion> {
+    give: Give,
+    threshold: f64,
+    reach: f64,
+    duration: f64,
+    starts: L::Each<Pose>,
+    weight: Option<Vector3<f64>>,
+    velocity: Vector3<f64>,
+    way: Vector3<f64>,
+    time: f64,
+    of: PhantomData<(V, O)>,
+}
+
+impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L, V, O> {
+    /// Yielding by `give` to pushes above `threshold` \[N\], >= 0, at most `reach` \[m\] from the start, for `duration` \[s\].
+    #[must_use]
+    pub fn yielding(give: Give, threshold: f64, reach: f64, duration: f64) -> Self {
+        const { assert!(<L as RobotList>::LEN == <V as SensorList>::LEN, "one wrist sensor for each robot") };
+        let (starts, still) = (L::array(|_| Pose::identity()), Vector3::zeros());
+        let (weight, velocity, way, time, of) = (None, still, still, 0.0, PhantomData);
+        GuidedBody { give, threshold, reach, duration, starts, weight, velocity, way, time, of }
+    }
+}
+
+#[generator(mp)]
+impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L, V, O> {
+    fn first_step(&mut self, e: &State<L>, v: &Reading<V>, t: Tick) -> Result<Step<L, O>, Fault> {
+        let Give { reciprocal_damping, inertia } = self.give;
+        if ![reciprocal_damping, inertia, self.threshold, self.reach]
+            .iter()
+            .all(|x| x.is_finite() && *x >= 0.0)
+        {
+            return Err(Fault::thrown(
+                "damping, inertia, threshold and reach of a guided body must be finite and >= 0",
+            ));
+        }
+        self.starts = e.demanded_poses();
+        self.next_step(e, v, t)
+    }
+
+    #[allow(non_snake_case)]
+    fn next_step(&mut self, e: &State<L>, v: &Reading<V>, t: Tick) -> Result<Step<L, O>, Fault> {
+        if self.duration.is_nan() || self.time >= self.duration {
+            return Ok(Step::Done);
+        }
+        self.time += t.dt;
+        let (measured, readings) = (e.measured_poses(), v.each::<Wrench>());
+        let mut sum = Some(Vector3::zeros());
+        for (X, reading) in measured.as_ref().iter().zip(readings.as_ref()) {
+            let fresh = reading.filter(|(_, age)| *age <= 1).map(|(wrench, _)| X.rotation * wrench.force);
+            sum = sum.zip(fresh).map(|(sum, force): (Vector3<f64>, _)| sum + force);
+        }
+        let Give { reciprocal_damping: b, inertia: m } = self.give;
+        let push = sum.map_or(Vector3::zeros(), |sum| sum - *self.weight.get_or_insert(sum));
+        let push = if push.norm() > self.threshold {
+            push * (1.0 - self.threshold / push.norm())
+        } else {
+            push * 0.0
+        };
+        if t.dt > 0.0 {
+            self.velocity = (push * (b * t.dt) + self.velocity * (b * m)) / (t.dt + b * m);
+        }
+        self.way += self.velocity * t.dt;
+        let far = self.way.norm();
+        if far.is_nan() || far > self.reach {
+            return Err(
+                Fault::thrown("a guided body was pushed out of its reach").exceeds(far, self.reach, "m")
+            );
+        }
+        let (starts, moved) = (&self.starts, Translation3::from(self.way));
+        Ok(Step::Next(L::each(|i| Placed { X_WEs: starts.as_ref()[i], X_WE: moved * starts.as_ref()[i] })))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Demand, RobotImage, RobotState, Sensor, SensorImage};
+    use mrroc_robots::{Irp6, Six};
+    use std::f64::consts::PI;
+
+    struct Wrist;
+
+    impl Sensor for Wrist {
+        const KIND: &'static str = "wrist";
+        type Reading = Wrench;
+        type Configuration = ();
+    }
+
+    #[test]
+    fn the_body_goes_where_it_is_pushed_and_its_weight_is_no_push() {
+        let poses = [0.5, 0.9].map(|x| Pose::new(Vector3::new(x, 0.0, 0.3), Vector3::x() * PI));
+        let e = State::<[Irp6; 2]>::new(poses.map(|pose| {
+            let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
+            RobotImage::new(state, state)
+        }));
+        // Tools point down: 15 N of weight along z of each; a push of 10 N along x of the world, felt by one.
+        let felt =
+            |x| SensorImage::<Wrist>::new(Wrench::new(Vector3::new(x, 0.0, 15.0), Vector3::zeros()), 0);
+        let v = |x| Reading::<[Wrist; 2]>::new([felt(x), felt(0.0)]);
+        let (b, m, dt) = (0.01, 10.0, 2e-3);
+        let give = Give { reciprocal_damping: b, inertia: m };
+        let mut generator = GuidedBody::<[Irp6; 2], [Wrist; 2]>::yielding(give, 2.0, 0.1, 5.0);
+        let t = Tick { step: 0, dt, duration: dt };
+        let held = generator.first_step(&e, &v(0.0), t).expect("in reach");
+        assert_eq!(held, Step::Next(poses.map(Demand::pose)));
+        let r = b * m / (dt + b * m);
+        for n in 1..=200 {
+            let step = generator.next_step(&e, &v(10.0), t).expect("in reach");
+            assert!(matches!(step, Step::Next(_)));
+            // Of 10 N, 8 are above the threshold: u_n = b F (1 - r^n), x_n = T sum u.
+            let x = dt * b * 8.0 * (f64::from(n) - r * (1.0 - r.powi(n)) / (1.0 - r));
+            assert!((generator.way - Vector3::new(x, 0.0, 0.0)).norm() < 1e-12, "{}", generator.way);
+        }
+        let fault = (0..2000).find_map(|_| generator.next_step(&e, &v(20.0), t).err()).expect("out of reach");
+        assert!(fault.excess().is_some_and(|x| x.actual > 0.1 && x.limit == 0.1));
+    }
+}

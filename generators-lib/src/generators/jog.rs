@@ -1,0 +1,132 @@
+//! Moves the tool as a person at a panel says, and remembers where.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
+
+/// Teach-in: moves the tool in its own axes by what a panel says, within an acceleration, and records the pose demanded then.
+/// The motion ends at rest; what was recorded is taken from the generator that the Move gives back.
+pub struct Jog<R, F> {
+    panel: F,
+    acceleration: (f64, f64),
+    pose: Pose,
+    along: Vector3<f64>,
+    about: Vector3<f64>,
+    recorded: Vec<Pose>,
+    pressed: bool,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
+    /// By `panel`, asked once a step, within `acceleration` [m/s²] and [rad/s²], both > 0; room for `most` poses.
+    #[must_use]
+    pub fn by(panel: F, acceleration: (f64, f64), most: usize) -> Self {
+        let (still, recorded) = (Vector3::zeros(), Vec::with_capacity(most));
+        let pose = Pose::identity();
+        Jog {
+            panel,
+            acceleration,
+            pose,
+            along: still,
+            about: still,
+            recorded,
+            pressed: false,
+            of: PhantomData,
+        }
+    }
+
+    /// What was recorded, to be replayed with these shares of velocity and acceleration; `None` for shares out of range.
+    #[must_use]
+    pub fn taught(&self, velocity: f64, acceleration: f64) -> Option<Taught> {
+        let poses = self.recorded.iter().map(|pose| TaughtPose::of_pose(velocity, acceleration, pose));
+        Some(Taught {
+            space: Space::AngleAxis,
+            reference: Reference::Absolute,
+            poses: poses.collect::<Option<_>>()?,
+        })
+    }
+}
+
+/// `v` drawn towards `goal` by at most `most`.
+fn towards(v: Vector3<f64>, goal: Vector3<f64>, most: f64) -> Vector3<f64> {
+    let left = goal - v;
+    if left.norm() <= most { goal } else { v + left * (most / left.norm()) }
+}
+
+#[generator(ecp)]
+impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        if ![self.acceleration.0, self.acceleration.1].iter().all(|a| a.is_finite() && *a > 0.0) {
+            return Err(Fault::thrown("the accelerations of jogging must be finite and > 0"));
+        }
+        self.pose = e.demanded().pose;
+        self.next_step(t)
+    }
+
+    fn next_step(&mut self, t: Tick) -> Result<Step<R>, Fault> {
+        let Jogging { along, about, record, done } = (self.panel)();
+        let (along, about) = if done { (Vector3::zeros(), Vector3::zeros()) } else { (along, about) };
+        if !(along.norm_squared() + about.norm_squared()).is_finite() {
+            return Err(Fault::thrown("the panel asks for a velocity that is not finite"));
+        }
+        self.along = towards(self.along, along, self.acceleration.0 * t.dt);
+        self.about = towards(self.about, about, self.acceleration.1 * t.dt);
+        let rotation = UnitQuaternion::from_scaled_axis(self.about * t.dt);
+        self.pose *= Pose::from_parts(Translation3::from(self.along * t.dt), rotation);
+        self.pose.rotation.renormalize_fast();
+        if record && !self.pressed {
+            // Room was made for so many: a step must not make more.
+            if self.recorded.len() == self.recorded.capacity() {
+                return Err(Fault::thrown("there is no room to record one more pose"));
+            }
+            self.recorded.push(self.pose);
+        }
+        self.pressed = record;
+        let at_rest = self.along == Vector3::zeros() && self.about == Vector3::zeros();
+        Ok(if done && at_rest { Step::Done } else { Step::Next(Demand::pose(self.pose)) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState};
+    use mrroc_robots::{Irp6, Six};
+
+    #[test]
+    fn what_is_recorded_is_where_the_closed_form_says_and_survives_its_file() {
+        let start = Pose::new(Vector3::new(0.8, 0.0, 0.3), Vector3::x() * 3.0);
+        let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: start };
+        let e = State::<Irp6>::new(RobotImage::new(state, state));
+        let (t, mut i) = (Tick { step: 0, dt: 0.01, duration: 0.01 }, 0);
+        let panel = || {
+            i += 1;
+            Jogging {
+                along: Vector3::z() * 0.1,
+                record: i == 1 || (100..105).contains(&i),
+                done: i > 120,
+                ..Default::default()
+            }
+        };
+        let mut jog = Jog::<Irp6, _>::by(panel, (1.0, 1.0), 2);
+        let mut step = jog.first_step(&e, t);
+        while matches!(step, Ok(Step::Next(_))) {
+            step = jog.next_step(t);
+        }
+        assert_eq!(step, Ok(Step::Done));
+        // Ten steps up to 0.1 m/s, by 0.01 m/s each: dt sum(v) = 0.01 (0.01 .. 0.1) = 5.5 mm, then 1 mm a step; ten down.
+        let taught = jog.taught(0.2, 0.1).expect("shares");
+        let ways: Vec<_> = jog.recorded.iter().map(|pose| start.inv_mul(pose).translation.z).collect();
+        assert_eq!(ways.len(), 2);
+        assert!((ways[0] - 1e-4).abs() < 1e-12 && (ways[1] - 0.0955).abs() < 1e-12, "{ways:?}");
+        let end = start.inv_mul(&jog.pose).translation.z;
+        assert!((end - 0.1155 - 0.0045).abs() < 1e-12, "{end}");
+        let again: Taught = taught.to_string().parse().expect("in order");
+        let pose = again.poses[1].pose(again.space).expect("six coordinates");
+        assert!((pose.translation.vector - jog.recorded[1].translation.vector).norm() == 0.0);
+        assert!(pose.rotation.angle_to(&jog.recorded[1].rotation) < 1e-7);
+    }
+}

@@ -1,0 +1,107 @@
+//! A cubic spline through joint positions with limited jerk along it, from rest to rest.
+
+use mrroc::{Demand, Fault, JointVector, Robot, State, Step, Tick, generator};
+
+use mrroc_generators::curve::{CubicSpline, SplineEnds};
+use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
+
+/// Leads the joints from where they are through all points without a stop, on the natural cubic spline.
+///
+/// The speed along the spline keeps every joint within its velocity and acceleration: with `|q'|`, `|q''|` the largest on
+/// the spline, `u' <= V / |q'|` and `u'^2 |q''| + u'' |q'| <= A`, half of it for either.
+pub struct JointSpline<R: Robot> {
+    points: Vec<R::Joints>,
+    velocity: R::Joints,
+    acceleration: R::Joints,
+    ramp: f64,
+    path: Option<(CubicSpline<R::Joints>, ProfileCursor<SevenPhase>)>,
+}
+
+impl<R: Robot> JointSpline<R> {
+    /// Through `points` [rad or m] within a velocity and an acceleration per joint, all > 0; the acceleration along the
+    /// spline builds up in `ramp` \[s\], > 0. Leave a tenth of the robot's limits to the operator's feed rate.
+    #[must_use]
+    pub fn through(points: Vec<R::Joints>, velocity: R::Joints, acceleration: R::Joints, ramp: f64) -> Self {
+        JointSpline { points, velocity, acceleration, ramp, path: None }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((spline, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            Some(point) => Step::Next(Demand::joints(spline.at(point.s).value)),
+            None => Step::Done,
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> JointSpline<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        self.points.insert(0, e.demanded().joints);
+        // Knots by the distance between the points, the chord.
+        let chord = |p: &[R::Joints]| (p[1] - p[0]).as_slice().iter().map(|x| x * x).sum::<f64>().sqrt();
+        let knots = self.points.windows(2).scan(0.0, |u, pair| {
+            *u += chord(pair);
+            Some(*u)
+        });
+        let knots: Vec<f64> = core::iter::once(0.0).chain(knots).collect();
+        let length = knots[knots.len() - 1];
+        let spline = CubicSpline::new(knots, core::mem::take(&mut self.points), SplineEnds::Natural);
+        let spline = spline.map_err(|error| Fault::thrown(&error.to_string()))?;
+        let (first, second) = spline.peaks();
+        let (mut velocity, mut acceleration) = (f64::MAX, f64::MAX);
+        for i in 0..R::Joints::LEN {
+            let (v, a) = (self.velocity[i], 0.5 * self.acceleration[i]);
+            velocity = velocity.min(v / first[i]).min((a / second[i]).sqrt());
+            acceleration = acceleration.min(a / first[i]);
+        }
+        let limits = JerkLimits { velocity, acceleration, jerk: acceleration / self.ramp };
+        let profile = SevenPhase::new(length, limits).map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((spline, ProfileCursor::new(profile)));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState};
+    use mrroc_robots::{Irp6, Six};
+
+    #[test]
+    fn every_point_is_passed_within_the_limits_of_every_joint() {
+        let (robot, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
+        let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
+        let (velocity, acceleration) = (Six::repeat(0.5), Six::new(1.0, 2.0, 3.0, 1.0, 2.0, 3.0));
+        let state = RobotState { joints: start, velocity: Six::zeros(), pose: robot.forward(&start) };
+        let mut motion = JointSpline::<Irp6>::through(points.clone(), velocity, acceleration, 0.05);
+        let tick = Tick { step: 0, dt: 1e-3, duration: 1e-3 };
+        let mut step = motion.first_step(&State::new(RobotImage::new(state, state)), tick).expect("a spline");
+        let mut trace = vec![start, start];
+        while step != Step::Done {
+            let (spline, cursor) = motion.path.as_ref().expect("made in the first step");
+            let u = mrroc_generators::profile::Profile::at(cursor.profile(), cursor.time()).s;
+            trace.push(spline.at(u).value);
+            assert_eq!(step, Step::Next(Demand::joints(spline.at(u).value)));
+            step = motion.next_step(tick);
+        }
+        for q in trace.windows(3) {
+            let (v0, v1) = ((q[1] - q[0]) / 1e-3, (q[2] - q[1]) / 1e-3);
+            let a = (v1 - v0) / 1e-3;
+            assert!(
+                (0..6).all(|i| v1[i].abs() <= 0.5 + 1e-9 && a[i].abs() <= acceleration[i] + 1e-6),
+                "{v1} {a}"
+            );
+        }
+        for point in &points {
+            let nearest = trace.iter().map(|q| (q - point).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-3, "{nearest}");
+        }
+        assert_eq!(trace.last(), points.last());
+    }
+}

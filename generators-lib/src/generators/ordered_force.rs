@@ -1,0 +1,115 @@
+//! Presses as hard as the coordinator orders, with a tool whose weight is known.
+
+use core::marker::PhantomData;
+
+use mrroc::{
+    Demand, Fault, Order, Payload, Pose, Reading, Robot, Sensor, State, Step, Tick, Wrench, generator,
+};
+use nalgebra::Vector3;
+
+use mrroc_generators::force::{Behaviour, ForceControl, Give};
+
+/// What the coordinator orders: tight cooperation by a force and a velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Payload)]
+pub struct Pressing {
+    /// Force of the tool on its surroundings along its z axis \[N\].
+    pub force: f64,
+    /// Velocity across it, along its x and y axes [m/s].
+    pub across: [f64; 2],
+}
+
+/// Keeps the ordered force along the tool's z axis while it moves across as ordered, without turning; ends with the
+/// coordinator's motion. The sensor feels the tool's weight, which the *measured* orientation tells the share of in each axis.
+pub struct OrderedForce<R, S> {
+    weight: f64,
+    law: Result<ForceControl, Fault>,
+    give: Give,
+    pose: Pose,
+    of: PhantomData<(R, S)>,
+}
+
+impl<R: Robot, S: Sensor<Reading = Wrench>> OrderedForce<R, S> {
+    /// With a tool of this weight \[N\], whose centre of gravity matters for torques alone, and a way to yield along z.
+    #[must_use]
+    pub fn with_tool(weight: f64, give: Give) -> Self {
+        let law = ForceControl::new([Behaviour::Unguarded { velocity: 0.0 }; 6]);
+        let law = law.map_err(|bad| Fault::thrown(&bad.to_string()));
+        OrderedForce { weight, law, give, pose: Pose::identity(), of: PhantomData }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot, S: Sensor<Reading = Wrench>> OrderedForce<R, S> {
+    fn first_step(
+        &mut self,
+        order: &Order<Pressing>,
+        e: &State<R>,
+        v: &Reading<(S,)>,
+        t: Tick,
+    ) -> Result<Step<R>, Fault> {
+        self.pose = e.demanded().pose;
+        self.next_step(order, e, v, t)
+    }
+
+    fn next_step(
+        &mut self,
+        order: &Order<Pressing>,
+        e: &State<R>,
+        v: &Reading<(S,)>,
+        t: Tick,
+    ) -> Result<Step<R>, Fault> {
+        let (Pressing { force: load, across: [x, y] }, law) = (order.value(), self.law.as_mut());
+        let law = law.map_err(|fault| fault.clone())?;
+        let behaviours = [x, y].map(|velocity| Behaviour::Unguarded { velocity });
+        for (axis, behaviour) in
+            behaviours.into_iter().chain([Behaviour::Contact { load, give: self.give }]).enumerate()
+        {
+            law.set(axis, behaviour).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+        }
+        if let Some(felt) = v.0.reading() {
+            let down = e.measured().pose.rotation.inverse_transform_vector(&-Vector3::z());
+            self.pose *= law.advance(&(felt - Wrench::new(down * self.weight, Vector3::zeros())), t.dt)?;
+        }
+        Ok(Step::Next(Demand::pose(self.pose)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState, SensorImage};
+    use mrroc_robots::{Irp6, Six};
+    use std::f64::consts::PI;
+
+    struct Wrist;
+
+    impl Sensor for Wrist {
+        const KIND: &'static str = "wrist";
+        type Reading = Wrench;
+        type Configuration = ();
+    }
+
+    #[test]
+    fn the_weight_of_the_tool_is_no_contact_and_the_order_is_the_load_on_a_spring() {
+        let down = Pose::new(Vector3::new(0.8, 0.0, 0.3), Vector3::x() * PI);
+        let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: down };
+        let e = State::<Irp6>::new(RobotImage::new(state, state));
+        let order = Order::new(Pressing { force: 10.0, across: [0.01, 0.0] });
+        let (t, stiffness) = (Tick { step: 0, dt: 2e-3, duration: 2e-3 }, 2000.0);
+        let mut generator = OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE);
+        let mut z = 0.0_f64;
+        for i in 0..3000 {
+            // The tool hangs along its z; the spring pushes against it.
+            let felt = Wrench::new(Vector3::new(0.0, 0.0, 13.18 - stiffness * z.max(0.0)), Vector3::zeros());
+            let v = Reading::new((SensorImage::new(felt, 0),));
+            let step = match i {
+                0 => generator.first_step(&order, &e, &v, t),
+                _ => generator.next_step(&order, &e, &v, t),
+            };
+            assert_eq!(step.expect("finite"), Step::Next(Demand::pose(generator.pose)));
+            z = down.inv_mul(&generator.pose).translation.z;
+        }
+        assert!((stiffness * z - 10.0).abs() < 1e-6, "{} N", stiffness * z);
+        assert!((generator.pose.translation.x - 0.8 - 0.01 * 6.0).abs() < 1e-9);
+    }
+}

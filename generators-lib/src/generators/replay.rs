@@ -1,0 +1,120 @@
+//! Goes through poses that were taught.
+
+use mrroc::{Demand, Fault, JointVector, Pose, Robot, State, Step, Tick, generator};
+
+use mrroc_generators::line::{JointLine, LinePath, ToolLimits};
+use mrroc_generators::profile::{ProfileCursor, ProfileLimits};
+use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
+
+/// Moves from pose to pose of a [`Taught`] sequence, each from rest to rest by one trapezoidal profile: straight in the joints
+/// where it is taught in joints, straight in space where it is taught in poses of the tool.
+pub struct Replay<R: Robot> {
+    taught: Taught,
+    velocity: R::Joints,
+    acceleration: R::Joints,
+    limits: ToolLimits,
+    /// Where the next leg starts: joints [rad or m] and `X_WE`.
+    from: (R::Joints, Pose),
+    next: usize,
+    leg: Option<Leg<R::Joints>>,
+}
+
+enum Leg<J> {
+    Joints(JointLine<J>, ProfileCursor),
+    Tool(LinePath, ProfileCursor),
+}
+
+impl<R: Robot> Replay<R> {
+    /// `taught`, by its shares of a velocity [rad/s or m/s] and an acceleration [rad/s² or m/s²] per joint, and of the tool's.
+    #[must_use]
+    pub fn of(taught: Taught, velocity: R::Joints, acceleration: R::Joints, limits: ToolLimits) -> Self {
+        let from = (R::Joints::zeros(), Pose::identity());
+        Replay { taught, velocity, acceleration, limits, from, next: 0, leg: None }
+    }
+
+    /// The way to a pose from where the one before has led.
+    fn begin(&mut self, pose: &TaughtPose) -> Result<Leg<R::Joints>, Fault> {
+        let relative = self.taught.reference == Reference::Relative;
+        let refused = |error: &dyn core::fmt::Display| Fault::thrown(&error.to_string());
+        match self.taught.space {
+            Space::Motor => Err(Fault::thrown("poses that are taught in motor angles cannot be replayed")),
+            Space::Joint => {
+                let q = pose
+                    .joints::<R::Joints>()
+                    .ok_or_else(|| Fault::thrown("a pose was taught to another robot"))?;
+                let line = JointLine::new(self.from.0, if relative { self.from.0 + q } else { q });
+                let (v, a) = (self.velocity * pose.velocity, self.acceleration * pose.acceleration);
+                self.from.0 = line.joints(1.0);
+                Ok(Leg::Joints(line, line.profile(&v, &a).map_err(|error| refused(&error))?.cursor()))
+            }
+            space @ (Space::Zyz | Space::AngleAxis) => {
+                let goal =
+                    pose.pose(space).ok_or_else(|| Fault::thrown("a taught pose has not six coordinates"))?;
+                let line = LinePath::new(self.from.1, if relative { self.from.1 * goal } else { goal });
+                let share = |limits: ProfileLimits| ProfileLimits {
+                    velocity: limits.velocity * pose.velocity,
+                    acceleration: limits.acceleration * pose.acceleration,
+                };
+                let ToolLimits { translation, rotation } = self.limits;
+                let limits = ToolLimits { translation: share(translation), rotation: share(rotation) };
+                self.from.1 = line.pose(1.0);
+                Ok(Leg::Tool(line, line.profile(limits).map_err(|error| refused(&error))?.cursor()))
+            }
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> Replay<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        self.from = (e.demanded().joints, e.demanded().pose);
+        self.next_step(t)
+    }
+
+    fn next_step(&mut self, t: Tick) -> Result<Step<R>, Fault> {
+        loop {
+            let demand = match &mut self.leg {
+                Some(Leg::Joints(line, cursor)) => {
+                    cursor.advance(t.dt).map(|at| Demand::joints(line.joints(at.s)))
+                }
+                Some(Leg::Tool(line, cursor)) => cursor.advance(t.dt).map(|at| Demand::pose(line.pose(at.s))),
+                None => None,
+            };
+            if let Some(demand) = demand {
+                return Ok(Step::Next(demand));
+            }
+            let Some(pose) = self.taught.poses.get(self.next).copied() else { return Ok(Step::Done) };
+            self.next += 1;
+            self.leg = Some(self.begin(&pose)?);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use std::time::Duration;
+
+    #[test]
+    fn a_trj_file_is_replayed_in_the_closed_form_time() {
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let arm = SimulatedIrp6::new(Irp6::nominal(), &start);
+        let shaft = arm.shaft();
+        let share = |x: f64| [x; 6].map(|x| format!("{x} ")).concat() + "\n";
+        let leg = |q: &str| format!("{}{}{q} 0 0 0 0 0\n", share(0.5), share(0.25));
+        let file = format!("JOINT 2 RELATIVE\n{}{}", leg("0.2"), leg("-0.1"));
+        let taught = Taught::from_trj(&file).expect("in order");
+        let robot = RobotSetup::new("irp6", Irp6::nominal(), arm).program(move |ecp| {
+            let tool = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+            let tool = ToolLimits { translation: tool, rotation: tool };
+            ecp.move_robot((), Replay::of(taught, Six::repeat(0.8), Six::repeat(3.2), tool)).map(drop)
+        });
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // V = 0.4, A = 0.8: 0.2 / 0.4 + 0.4 / 0.8 = 1 s, then 2 sqrt(0.1 / 0.8) = 0.707 s.
+        let duration = report.time.as_secs_f64();
+        assert!((1.707..1.72).contains(&duration), "{duration} s");
+        assert!((shaft.state().position - start - Six::new(0.1, 0.0, 0.0, 0.0, 0.0, 0.0)).amax() < 1e-3);
+    }
+}

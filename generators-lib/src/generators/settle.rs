@@ -1,0 +1,74 @@
+//! Waits until the robot has come to where it was demanded to be.
+
+use mrroc::{Demand, Fault, FaultKind, JointVector, Robot, State, Step, Tick, generator};
+
+/// Holds until every joint, as measured, stays near its demand for a while: before a measurement or a grasp.
+///
+/// A robot that does not settle in time is a fault.
+pub struct Settle<R: Robot> {
+    tolerance: R::Joints,
+    dwell: f64,
+    patience: f64,
+    near: f64,
+    time: f64,
+}
+
+impl<R: Robot> Settle<R> {
+    /// Within `tolerance` [rad or m] of the demand for `dwell` \[s\], which must happen within `patience` \[s\]; all > 0.
+    #[must_use]
+    pub fn within(tolerance: R::Joints, dwell: f64, patience: f64) -> Self {
+        Settle { tolerance, dwell, patience, near: 0.0, time: 0.0 }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> Settle<R> {
+    fn next_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        if ![self.dwell, self.patience].iter().all(|x| x.is_finite() && *x > 0.0) {
+            return Err(Fault::thrown("dwell and patience of a robot that settles must be finite and > 0"));
+        }
+        let off = e.measured().joints - e.demanded().joints;
+        // The joint that is farthest off, if any is; what is not a number is.
+        let off = (0..R::Joints::LEN).map(|i| (i, off[i].abs(), self.tolerance[i]));
+        let far = off
+            .filter(|(_, off, tolerance)| off.partial_cmp(tolerance).is_none_or(|order| order.is_gt()))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        self.near = if far.is_some() { 0.0 } else { self.near + t.dt };
+        self.time += t.dt;
+        // The sum of n increments may miss n * dt by rounding; that must not cost a step.
+        let rounding = 1e-9 * t.dt;
+        if self.near >= self.dwell - rounding {
+            return Ok(Step::Done);
+        }
+        match far {
+            Some((joint, off, tolerance)) if self.time >= self.patience - rounding => {
+                let unit = "rad or m";
+                Err(Fault::new(FaultKind::TimedOut).at_joint(joint).exceeds(off, tolerance, unit))
+            }
+            Some(_) | None => Ok(Step::Next(Demand::hold())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Pose, RobotImage, RobotState};
+    use mrroc_robots::{Irp6, Six};
+
+    #[test]
+    fn it_waits_for_the_last_joint_and_no_longer_than_told() {
+        let at = |q: Six| RobotState { joints: q, velocity: Six::zeros(), pose: Pose::identity() };
+        let e = |off: f64| State::<Irp6>::new(RobotImage::new(at(Six::repeat(off)), at(Six::zeros())));
+        let t = Tick { step: 0, dt: 0.1, duration: 0.1 };
+        let settle = || Settle::<Irp6>::within(Six::repeat(1e-3), 0.25, 1.0);
+        let mut quick = settle();
+        let offs = [0.1, 1e-4, 1e-2, 1e-4, 1e-4, 1e-4];
+        let steps = offs.map(|off| quick.next_step(&e(off), t).expect("in time"));
+        assert!(steps[..5].iter().all(|step| *step == Step::Next(Demand::hold())));
+        assert_eq!(steps[5], Step::Done);
+        let mut never = settle();
+        let fault = (0..10).find_map(|_| never.next_step(&e(0.1), t).err()).expect("after a second");
+        assert_eq!((fault.kind(), fault.excess().map(|x| x.actual)), (FaultKind::TimedOut, Some(0.1)));
+    }
+}

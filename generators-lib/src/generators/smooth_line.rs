@@ -1,0 +1,107 @@
+//! A straight line of the tool frame with limited jerk, from rest to rest.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+
+use mrroc_generators::line::{LinePath, SmoothToolLimits};
+use mrroc_generators::profile::{ProfileCursor, SevenPhase};
+
+/// Moves the tool straight to a pose while it turns the short way, by one jerk-limited profile.
+///
+/// Starts from the pose demanded last, at rest. No joint coordinates: it serves every robot.
+pub struct SmoothLine<R> {
+    goal: Goal,
+    limits: SmoothToolLimits,
+    path: Option<(LinePath, ProfileCursor<SevenPhase>)>,
+    of: PhantomData<R>,
+}
+
+enum Goal {
+    /// `X_WE` of the end.
+    Pose(Pose),
+    /// The end in the tool frame of the start.
+    Displacement(Pose),
+}
+
+impl<R: Robot> SmoothLine<R> {
+    /// To the pose `X_WE` of the tool in the world.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn to(X_WE: Pose, limits: SmoothToolLimits) -> Self {
+        SmoothLine { goal: Goal::Pose(X_WE), limits, path: None, of: PhantomData }
+    }
+
+    /// By `X_EsE`, in the tool's own axes at the start.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn by(X_EsE: Pose, limits: SmoothToolLimits) -> Self {
+        SmoothLine { goal: Goal::Displacement(X_EsE), limits, path: None, of: PhantomData }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((line, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            Some(point) => Step::Next(Demand::pose(line.pose(point.s))),
+            None => Step::Done,
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> SmoothLine<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        let start = e.demanded().pose;
+        let goal = match self.goal {
+            Goal::Pose(pose) => pose,
+            Goal::Displacement(displacement) => start * displacement,
+        };
+        let line = LinePath::new(start, goal);
+        let profile = line.smooth_profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((line, ProfileCursor::new(profile)));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc_generators::profile::JerkLimits;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use std::{cell::RefCell, rc::Rc, time::Duration};
+
+    #[test]
+    fn the_tool_goes_straight_down_in_the_closed_form_time() {
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let trace = Rc::new(RefCell::new(Vec::new()));
+        let recorder = Rc::clone(&trace);
+        let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))
+            .observe(move |record: &ServoRecord<Irp6>| recorder.borrow_mut().push(record.demanded))
+            .program(|ecp| {
+                let (forward, turn) = (
+                    JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 },
+                    JerkLimits { velocity: 0.5, acceleration: 2.0, jerk: 20.0 },
+                );
+                let limits = SmoothToolLimits { translation: forward, rotation: turn };
+                ecp.move_robot((), SmoothLine::by(Pose::translation(0.0, 0.0, 0.05), limits)).map(drop)
+            });
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // T = D / V + V / A + A / J = 0.05 / 0.1 + 0.1 / 0.5 + 0.5 / 5.
+        let duration = report.time.as_secs_f64();
+        assert!((0.80..0.82).contains(&duration), "{duration} s");
+        // Seen from the tool of the start, it goes along z: to 10 um, as the encoders count the start.
+        for q in trace.borrow().iter() {
+            let way = irp6.forward(&start).inv_mul(&irp6.forward(q));
+            let aside = way.translation.vector.xy().norm();
+            assert!(aside < 1e-5 && way.rotation.angle() < 1e-4, "{way}");
+        }
+        let end = irp6.forward(trace.borrow().last().expect("recorded"));
+        let way = irp6.forward(&start).inv_mul(&end).translation.vector;
+        assert!((way.z - 0.05).abs() < 1e-5, "{way}");
+    }
+}

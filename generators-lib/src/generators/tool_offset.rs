@@ -1,0 +1,70 @@
+//! By an offset from where the tool was demanded to be, without knowing where that is.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Pose, Robot, Step, Tick, generator};
+
+use mrroc_generators::line::{LinePath, ToolLimits};
+use mrroc_generators::profile::ProfileCursor;
+
+/// Moves the tool straight by an offset in its own axes, by one trapezoidal profile, and needs no feedback at all: what it
+/// demands are displacements from the pose demanded at the start of the motion, which the driver knows.
+pub struct ToolOffset<R> {
+    offset: Pose,
+    limits: ToolLimits,
+    path: Option<(LinePath, ProfileCursor)>,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot> ToolOffset<R> {
+    /// By `X_EsE`, in the tool's axes at the start.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn by(X_EsE: Pose, limits: ToolLimits) -> Self {
+        ToolOffset { offset: X_EsE, limits, path: None, of: PhantomData }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> ToolOffset<R> {
+    fn first_step(&mut self, t: Tick) -> Result<Step<R>, Fault> {
+        let line = LinePath::new(Pose::identity(), self.offset);
+        let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((line, profile.cursor()));
+        Ok(self.next_step(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        let Some((line, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            Some(point) => Step::Next(Demand::displacement(line.pose(point.s))),
+            None => Step::Done,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_generators::profile::ProfileLimits;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
+    use std::time::Duration;
+
+    #[test]
+    fn the_tool_goes_by_the_offset_from_wherever_it_is() {
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.1, -1.57, 0.16, -0.16, 4.71, 0.3));
+        let arm = SimulatedIrp6::new(irp6.clone(), &start);
+        let shaft = arm.shaft();
+        let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(|ecp| {
+            let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+            let limits = ToolLimits { translation: limits, rotation: limits };
+            ecp.move_robot((), ToolOffset::by(Pose::translation(0.01, 0.02, 0.05), limits)).map(drop)
+        });
+        Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        let way = irp6.forward(&start).inv_mul(&irp6.forward(&shaft.state().position));
+        let off = way.translation.vector - Vector3::new(0.01, 0.02, 0.05);
+        assert!(off.norm() < 1e-3 && way.rotation.angle() < 1e-3, "{way}");
+    }
+}

@@ -1,0 +1,61 @@
+//! Passes the coordinator's displacements on for as long as the robot follows them.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, FaultKind, Order, Robot, State, Step, generator};
+
+use mrroc_generators::cooperation::Displacement;
+
+/// The ECP's half of tight cooperation by displacements where something may be in the way: an arm whose tool, as measured,
+/// stays behind its demand by more than its drives explain has met it, and a fault stops all arms. A touch without a sensor.
+pub struct WatchedTransmit<R> {
+    way: f64,
+    angle: f64,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot> WatchedTransmit<R> {
+    /// The tool may be `way` \[m\] and `angle` \[rad\] off, both > 0; at the speed `v` a lag of the drives of `d` seconds and one
+    /// step `T` explain `v (d + T)`.
+    #[must_use]
+    pub fn within(way: f64, angle: f64) -> Self {
+        WatchedTransmit { way, angle, of: PhantomData }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> WatchedTransmit<R> {
+    fn next_step(&self, order: &Order<Displacement>, e: &State<R>) -> Result<Step<R>, Fault> {
+        let off = e.demanded().pose.inv_mul(&e.measured().pose);
+        let shares =
+            [(off.translation.vector.norm(), self.way, "m"), (off.rotation.angle(), self.angle, "rad")];
+        for (actual, limit, unit) in shares {
+            // What is not a number is off, too.
+            if actual.partial_cmp(&limit).is_none_or(|order| order.is_gt()) {
+                return Err(Fault::new(FaultKind::FollowingError).exceeds(actual, limit, unit));
+            }
+        }
+        Ok(Step::Next(Demand::displacement(order.value().pose)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Pose, RobotImage, RobotState};
+    use mrroc_robots::{Irp6, Six};
+
+    #[test]
+    fn an_arm_that_is_held_back_stops_the_motion() {
+        let at = |pose| RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
+        let e = |off| {
+            State::<Irp6>::new(RobotImage::new(at(Pose::translation(off, 0.0, 0.0)), at(Pose::identity())))
+        };
+        let pose = Pose::translation(0.1, 0.2, 0.3);
+        let (order, watched) = (Order::new(Displacement { pose }), WatchedTransmit::within(5e-3, 0.02));
+        let step = watched.next_step(&order, &e(4e-3)).expect("near");
+        assert_eq!(step, Step::Next(Demand::displacement(pose)));
+        let fault = watched.next_step(&order, &e(6e-3)).expect_err("far");
+        assert_eq!(fault.excess().map(|x| (x.actual, x.limit, x.unit)), Some((6e-3, 5e-3, "m")));
+    }
+}

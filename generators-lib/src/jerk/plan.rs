@@ -1,0 +1,208 @@
+//! One axis: the shortest duration, which longer ones are impossible, and a profile of any that is possible.
+//!
+//! The positions that an axis can reach in `T`, arriving with the target's velocity, are an interval, since states
+//! and limits are convex; its ends are the extremal motions. So `T` is possible if the target lies between them:
+//!
+//! ```text
+//! D_min(T) <= D <= D_max(T)
+//! ```
+//!
+//! From the shortest duration on all are possible, but for a few open intervals: too long to go straight there and too
+//! short to turn round. Where the shortest is not asked for, `D` divides the extremal motions of the duration in a
+//! ratio, and the same ratio of the motions themselves is a motion within the limits.
+
+use super::extremal::Extremal;
+use super::profile::Phases;
+use super::rest::rest_to_rest;
+use super::{AxisLimits, AxisState, AxisTarget, JerkError, JerkProfile};
+
+/// Most blocked intervals; two are known to occur.
+const BLOCKED: usize = 4;
+
+/// How an axis reaches its target.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisPlan {
+    start: AxisState,
+    target: AxisTarget,
+    limits: AxisLimits,
+    fastest: Phases,
+    least: f64,
+    blocked: [(f64, f64); BLOCKED],
+}
+
+/// The farthest motion forwards, or backwards as that of the mirrored axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    Forwards,
+    Backwards,
+}
+
+impl Side {
+    fn sign(self) -> f64 {
+        if self == Side::Forwards { 1.0 } else { -1.0 }
+    }
+
+    fn extreme(self, start: &AxisState, target: &AxisTarget, limits: &AxisLimits, cut: bool) -> Extremal {
+        if self == Side::Forwards {
+            return Extremal::new(start, target.velocity, limits, cut);
+        }
+        let AxisState { position, velocity, acceleration } = *start;
+        let mirrored = AxisState { position, velocity: -velocity, acceleration: -acceleration };
+        Extremal::new(&mirrored, -target.velocity, &limits.mirrored(), cut)
+    }
+}
+
+impl AxisPlan {
+    /// From `start` to `target` within `limits`.
+    ///
+    /// # Errors
+    /// A limit of the wrong sign, a number that is not finite, a start that has left the limits or must leave them, a
+    /// target's velocity outside the limits.
+    pub fn new(start: &AxisState, target: &AxisTarget, limits: &AxisLimits) -> Result<Self, JerkError> {
+        limits.validate()?;
+        limits.check(start, target)?;
+        let mut plan = AxisPlan {
+            start: *start,
+            target: *target,
+            limits: limits.around(start),
+            fastest: [(0.0, 0.0); 7],
+            least: 0.0,
+            blocked: [(0.0, 0.0); BLOCKED],
+        };
+        let way = target.position - start.position;
+        if plan.rests() {
+            // Nothing is impossible from rest to rest.
+            if way != 0.0 {
+                let side = if way > 0.0 { Side::Forwards } else { Side::Backwards };
+                plan.fastest = rest_to_rest(way.abs(), side.sign(), limits).unwrap_or_else(|| {
+                    let extreme = side.extreme(start, target, limits, true);
+                    let place =
+                        extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
+                    extreme.phases(&place, side.sign())
+                });
+                plan.least = plan.fastest.iter().map(|(duration, _)| duration).sum();
+            }
+        } else {
+            plan.plan_moving(way);
+        }
+        check_end(start, target, &JerkProfile::through(start, &plan.fastest))?;
+        Ok(plan)
+    }
+
+    fn rests(&self) -> bool {
+        self.start.velocity == 0.0 && self.start.acceleration == 0.0 && self.target.velocity == 0.0
+    }
+
+    /// The fastest motion and the gaps behind it, of an axis that moves at its start or at its target.
+    fn plan_moving(&mut self, way: f64) {
+        let AxisPlan { start, target, limits, .. } = self;
+        let sides = [Side::Forwards, Side::Backwards];
+        let forwards = Side::Forwards.extreme(start, target, limits, true);
+        let backwards = Side::Backwards.extreme(start, target, limits, true);
+        let extremes = [&forwards, &backwards];
+        let least_way = extremes[0].least_way();
+        // On the fastest change of velocity: to the rounding of what it was computed from.
+        let (beginning, a0) = (extremes[0].beginning(), start.acceleration);
+        let speed = start.velocity.abs() + target.velocity.abs() + a0 * a0 / limits.jerk;
+        let rounding = 1e-11 * (way.abs() + least_way.abs())
+            + 64.0 * f64::EPSILON * speed * beginning.duration
+            + 8.0 * f64::EPSILON * (start.position.abs() + target.position.abs());
+        let there = (way - least_way).abs() <= rounding;
+        let all = [0, 1].map(|i| extremes[i].gaps(way * sides[i].sign(), there));
+        let gaps = || {
+            all.iter().enumerate().flat_map(|(i, gaps)| gaps.items.iter().flatten().map(move |gap| (i, gap)))
+        };
+        let mut fastest = (0, beginning);
+        // Each gap is left once at most.
+        for _ in 0..2 * BLOCKED {
+            let least = fastest.1.duration;
+            let Some((i, (_, end))) =
+                gaps().find(|(_, (from, end))| from + 1e-12 * least < least && least < end.duration)
+            else {
+                break;
+            };
+            fastest = (i, *end);
+        }
+        let (i, place) = fastest;
+        (self.fastest, self.least) = (extremes[i].phases(&place, sides[i].sign()), place.duration);
+        let later = gaps().filter(|(_, (_, end))| end.duration > place.duration);
+        for (slot, (_, (from, end))) in self.blocked.iter_mut().zip(later) {
+            *slot = (from.max(place.duration), end.duration);
+        }
+    }
+
+    /// Shortest duration \[s\].
+    #[must_use]
+    pub fn least(&self) -> f64 {
+        self.least
+    }
+
+    /// Open intervals of longer durations \[s\] that are impossible, in no order; they may overlap or be empty.
+    #[must_use]
+    pub fn blocked(&self) -> [(f64, f64); BLOCKED] {
+        self.blocked
+    }
+
+    /// The shortest possible duration \[s\] that is not below `duration`.
+    #[must_use]
+    pub fn possible_from(&self, duration: f64) -> f64 {
+        let mut duration = duration.max(self.least());
+        for _ in 0..BLOCKED {
+            for (from, until) in self.blocked {
+                if duration > from && duration < until {
+                    duration = until;
+                }
+            }
+        }
+        duration
+    }
+
+    /// The fastest motion.
+    #[must_use]
+    pub fn fastest(&self) -> JerkProfile {
+        JerkProfile::through(&self.start, &self.fastest).ending_at(self.least, &self.target)
+    }
+
+    /// A motion of exactly `duration` \[s\].
+    ///
+    /// # Errors
+    /// A duration that is impossible.
+    pub fn lasting(&self, duration: f64) -> Result<JerkProfile, JerkError> {
+        let next = self.possible_from(duration);
+        if next != duration {
+            return Err(JerkError::Duration { asked: duration, least: self.least(), next });
+        }
+        let (start, target, limits) = (&self.start, &self.target, &self.limits);
+        if duration == self.least() {
+            return Ok(self.fastest());
+        }
+        let profile = if self.rests() {
+            if self.least() == 0.0 {
+                return Ok(JerkProfile::resting(start.position, duration));
+            }
+            self.fastest().slowed(duration / self.least())
+        } else {
+            let extreme = |side: Side| {
+                let extreme = side.extreme(start, target, limits, false);
+                JerkProfile::through(start, &extreme.phases(&extreme.lasting(duration), side.sign()))
+            };
+            let (far, near) = (extreme(Side::Forwards), extreme(Side::Backwards));
+            let (high, low) = (far.last().point.position, near.last().point.position);
+            let share = (target.position - low) / (high - low);
+            // Not a number where both extremes are one motion.
+            let share = if share >= 0.0 { share.min(1.0) } else { 0.0 };
+            far.mixed(&near, share)
+        };
+        check_end(start, target, &profile)?;
+        Ok(profile.ending_at(duration, target))
+    }
+}
+
+/// Double precision must be enough: never hand out a motion that jumps at its end.
+fn check_end(start: &AxisState, target: &AxisTarget, profile: &JerkProfile) -> Result<(), JerkError> {
+    let end = profile.last();
+    let size = profile.size() + start.position.abs() + target.position.abs();
+    let miss = (end.point.position - target.position).abs();
+    let enough = size.is_finite() && end.time.is_finite() && miss <= 1e-9 * size;
+    if enough { Ok(()) } else { Err(JerkError::Precision(miss)) }
+}

@@ -1,0 +1,117 @@
+//! What was taught.
+
+use mrroc::{AngleAxis, JointVector, MAX_JOINTS, Pose, Zyz};
+use nalgebra::{Translation3, Vector3};
+
+/// The most coordinates of a pose.
+pub const MAX_COORDINATES: usize = MAX_JOINTS;
+
+/// What the coordinates mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// Motor angles \[rad\]: readable, but only the robot's own transmission knows where they lead.
+    Motor,
+    /// Joint positions [rad or m].
+    Joint,
+    /// Position \[m\] and ZYZ Euler angles \[rad\] of the tool.
+    Zyz,
+    /// Position \[m\] and rotation vector \[rad\] of the tool.
+    AngleAxis,
+}
+
+/// What the coordinates count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reference {
+    /// The robot's zero, or the world.
+    Absolute,
+    /// The pose before: joint by joint, or in its tool frame.
+    Relative,
+}
+
+/// One pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TaughtPose {
+    /// Share of the largest velocity, > 0, <= 1.
+    pub velocity: f64,
+    /// Share of the largest acceleration, > 0, <= 1.
+    pub acceleration: f64,
+    pub(super) coordinates: [f64; MAX_COORDINATES],
+    pub(super) count: usize,
+}
+
+impl TaughtPose {
+    /// Of up to [`MAX_COORDINATES`] coordinates, with shares of velocity and acceleration; `None` where there are more, none, or
+    /// a number is out of range.
+    #[must_use]
+    pub fn new(velocity: f64, acceleration: f64, coordinates: &[f64]) -> Option<Self> {
+        let is_share = |x: f64| x > 0.0 && x <= 1.0;
+        let fits = (1..=MAX_COORDINATES).contains(&coordinates.len());
+        if !(fits
+            && is_share(velocity)
+            && is_share(acceleration)
+            && coordinates.iter().all(|x| x.is_finite()))
+        {
+            return None;
+        }
+        let mut all = [0.0; MAX_COORDINATES];
+        all[..coordinates.len()].copy_from_slice(coordinates);
+        Some(TaughtPose { velocity, acceleration, coordinates: all, count: coordinates.len() })
+    }
+
+    /// A pose `X_WE` of the tool, as position and rotation vector.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn of_pose(velocity: f64, acceleration: f64, X_WE: &Pose) -> Option<Self> {
+        let (p, r) = (X_WE.translation.vector, AngleAxis::of(&X_WE.rotation).0);
+        Self::new(velocity, acceleration, &[p.x, p.y, p.z, r.x, r.y, r.z])
+    }
+
+    /// The coordinates.
+    #[must_use]
+    pub fn coordinates(&self) -> &[f64] {
+        &self.coordinates[..self.count]
+    }
+
+    /// As joint positions, where there is one for each.
+    #[must_use]
+    pub fn joints<J: JointVector>(&self) -> Option<J> {
+        (self.count == J::LEN).then(|| J::from_joints(|i| self.coordinates[i]))
+    }
+
+    /// As a pose or displacement of the tool, where `space` says so and there are six coordinates.
+    #[must_use]
+    pub fn pose(&self, space: Space) -> Option<Pose> {
+        let &[x, y, z, a, b, c] = self.coordinates() else { return None };
+        let rotation = match space {
+            Space::Zyz => Zyz { alpha: a, beta: b, gamma: c }.rotation(),
+            Space::AngleAxis => AngleAxis(Vector3::new(a, b, c)).rotation(),
+            Space::Motor | Space::Joint => return None,
+        };
+        Some(Pose::from_parts(Translation3::new(x, y, z), rotation))
+    }
+}
+
+/// A sequence of taught poses. Edit it as the list that it is; [`Display`](core::fmt::Display) and
+/// [`FromStr`](core::str::FromStr) write and read its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Taught {
+    /// What the coordinates mean.
+    pub space: Space,
+    /// What they count from.
+    pub reference: Reference,
+    /// The poses, in order.
+    pub poses: Vec<TaughtPose>,
+}
+
+/// What the panel says by which a tool is jogged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Jogging {
+    /// Velocity along the tool's axes [m/s].
+    pub along: Vector3<f64>,
+    /// Angular velocity about them [rad/s].
+    pub about: Vector3<f64>,
+    /// Whether the button is pressed that records: once for each time.
+    pub record: bool,
+    /// Whether the session is over.
+    pub done: bool,
+}

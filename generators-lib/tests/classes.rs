@@ -1,0 +1,52 @@
+//! The table of classes is true, and every class of the paper has a generator.
+
+#[path = "../examples/classes.rs"]
+mod classes;
+
+use classes::{ROWS, table};
+use mrroc::Class;
+
+#[test]
+fn the_table_in_the_documentation_is_that_of_the_code() {
+    let documented = include_str!("../classes.md");
+    assert!(
+        documented == table(),
+        "write it anew: cargo run -p mrroc-generators --example classes > generators-lib/classes.md"
+    );
+}
+
+#[test]
+fn every_generator_of_the_folder_is_in_the_table() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/generators");
+    let files = std::fs::read_dir(folder).expect("the folder of the generators");
+    let files = files.map(|entry| entry.expect("an entry").file_name().into_string().expect("a plain name"));
+    let mut names: Vec<_> = files.filter_map(|file| Some(file.strip_suffix(".rs")?.to_owned())).collect();
+    names.retain(|name| name != "mod");
+    names.sort();
+    assert_eq!(names, ROWS.iter().map(|row| row.name).collect::<Vec<_>>());
+}
+
+/// Section 6 of the paper: five classes of the coordinator, eight of an effector's controller. A generator is of the class of
+/// its next steps.
+#[test]
+fn every_class_of_the_paper_has_a_generator() {
+    let functions = [
+        "MP f**() = const",
+        "MP f*0(c0)",
+        "MP f*1(c0, v)",
+        "MP f*2(c0, e)",
+        "MP f*3(c0, e, v)",
+        "ECP f*0(c)",
+        "ECP f*1(c, v)",
+        "ECP f*2(c, e)",
+        "ECP f*3(c, e, v)",
+        "ECP f*4(c0, c)",
+        "ECP f*5(c0, c, v)",
+        "ECP f*6(c0, c, e)",
+        "ECP f*7(c0, c, e, v)",
+    ];
+    for function in functions {
+        let is_it = |class: &Class| Class::new(class.level, class.next).to_string() == function;
+        assert!(ROWS.iter().any(|row| is_it(&row.class)), "no generator of class {function}");
+    }
+}

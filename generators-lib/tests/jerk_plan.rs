@@ -1,0 +1,191 @@
+//! Jerk-limited plans against closed forms, and on inputs at the edge.
+
+use mrroc_generators::jerk::*;
+use nalgebra::{Vector2, Vector3};
+use std::f64::consts::PI;
+
+fn rest(distance: f64, limits: &AxisLimits) -> Result<AxisPlan, JerkError> {
+    AxisPlan::new(&AxisState::default(), &AxisTarget { position: distance, velocity: 0.0 }, limits)
+}
+
+/// `Ta = V/A + A/J`, or `2 sqrt(V/J)`; `T = D/V + Ta`, or `A/J + sqrt((A/J)^2 + 4D/A)`, or `4 cbrt(D/2J)`.
+fn closed_form(d: f64, v: f64, a: f64, j: f64) -> f64 {
+    let ramp = if v >= a * a / j { v / a + a / j } else { 2.0 * (v / j).sqrt() };
+    if d >= v * ramp {
+        d / v + ramp
+    } else if d >= 2.0 * a.powi(3) / j.powi(2) {
+        a / j + ((a / j).powi(2) + 4.0 * d / a).sqrt()
+    } else {
+        4.0 * (d / (2.0 * j)).cbrt()
+    }
+}
+
+#[test]
+fn rest_to_rest_takes_the_closed_form_time() {
+    let table = [
+        (1.0, 1.0, 1.0, 1.0, 3.174_802_103_936),
+        (1.0, 1.0, 1.0, 2.0, 2.561_552_812_809),
+        (1.0, 0.6, 1.0, 2.0, 2.766_666_666_667),
+        (1.0, 0.4, 1.0, 2.0, 3.394_427_191),
+        (0.5, 1.0, 1.0, 10.0, 1.517_744_687_876),
+        (2.0, 1.0, 4.0, 40.0, 2.35),
+        (PI / 2.0, 2.5, 7.5, 50.0, 1.111_651_864_051),
+    ];
+    for (d, v, a, j, expected) in table {
+        for sign in [1.0, -1.0] {
+            let duration = rest(sign * d, &AxisLimits::symmetric(v, a, j)).unwrap().least();
+            assert!((duration - expected).abs() < 1e-11, "{duration} {expected}");
+            assert!((duration - closed_form(d, v, a, j)).abs() < 1e-13, "{duration} {expected}");
+        }
+    }
+}
+
+#[test]
+fn all_phases_of_a_long_way_are_those_of_the_book() {
+    // 2 m at 1 m/s, 4 m/s^2, 40 m/s^3: ramps 0.1, 0.15, 0.1 s, cruise from 0.35 to 2.0 s.
+    let profile = rest(2.0, &AxisLimits::symmetric(1.0, 4.0, 40.0)).unwrap().fastest();
+    let at = |t: f64| profile.at(t);
+    assert!((at(0.1).velocity - 0.2).abs() < 1e-14 && (at(0.1).position - 40.0 * 1e-3 / 6.0).abs() < 1e-14);
+    assert!((at(0.2).acceleration - 4.0).abs() < 1e-13 && at(0.2).jerk == 0.0);
+    assert!((at(1.175).velocity - 1.0).abs() < 1e-13 && (at(1.175).position - 1.0).abs() < 1e-13);
+    assert!((at(2.3).acceleration + 40.0 * 0.05).abs() < 1e-12 && (at(2.3).jerk - 40.0).abs() < 1e-12);
+    let peaks = profile.peaks();
+    let expected =
+        [(peaks.velocity, (1.0, 0.0)), (peaks.acceleration, (4.0, -4.0)), (peaks.jerk, (40.0, -40.0))];
+    for ((high, low), (most, least)) in expected {
+        assert!((high - most).abs() < 1e-12 && (low - least).abs() < 1e-12);
+    }
+    assert_eq!(at(9.0), AxisPoint { position: 2.0, ..AxisPoint::default() });
+}
+
+#[test]
+fn from_rest_a_longer_duration_is_the_same_way_slowed() {
+    let plan =
+        rest(1.0, &AxisLimits { min_acceleration: -0.5, ..AxisLimits::symmetric(1.0, 2.0, 9.0) }).unwrap();
+    let (fast, slow) = (plan.fastest(), plan.lasting(3.0 * plan.least()).unwrap());
+    for i in 0..=100 {
+        let t = f64::from(i) * 0.01 * plan.least();
+        assert!((slow.at(3.0 * t).position - fast.at(t).position).abs() < 1e-12);
+        assert!((slow.at(3.0 * t).jerk * 27.0 - fast.at(t).jerk).abs() < 1e-10);
+    }
+    // Even with limits that differ by direction, an axis that has nowhere to go stays.
+    let still =
+        rest(0.0, &AxisLimits { min_velocity: -0.2, ..AxisLimits::symmetric(1.0, 1.0, 1.0) }).unwrap();
+    assert_eq!((still.least(), still.lasting(2.0).unwrap().at(1.3).position), (0.0, 0.0));
+}
+
+#[test]
+fn a_duration_between_going_straight_and_turning_round_is_refused() {
+    // At 1 m/s with 1 m/s to arrive with: 1 s straight on; longer takes a detour with turns.
+    let moving = AxisState { velocity: 1.0, ..AxisState::default() };
+    let limits = AxisLimits::symmetric(1.5, 2.0, 10.0);
+    let plan = AxisPlan::new(&moving, &AxisTarget { position: 0.01, velocity: 1.0 }, &limits).unwrap();
+    assert!(plan.least() < 0.01);
+    let (from, until) = plan.blocked()[0];
+    assert!(plan.least() <= from && until > 1.0, "{from} {until}");
+    let refused = plan.lasting(0.5 * (from + until)).unwrap_err();
+    assert_eq!(
+        refused,
+        JerkError::Duration { asked: 0.5 * (from + until), least: plan.least(), next: until }
+    );
+    assert!(plan.lasting(until).is_ok() && plan.lasting(from).is_ok());
+}
+
+#[test]
+fn joints_from_rest_to_rest_move_along_a_straight_line() {
+    let goal = Vector3::new(1.0, -0.4, 0.0);
+    let limits = JointLimits {
+        velocity: Vector3::repeat(0.8),
+        acceleration: Vector3::new(3.0, 2.0, 1.0),
+        jerk: Vector3::new(30.0, 20.0, 9.0),
+    };
+    let motion =
+        SynchronisedMove::new(&JointState::rest(Vector3::zeros()), &JointTarget::rest(goal), &limits)
+            .unwrap();
+    assert!((motion.duration() - closed_form(1.0, 0.8, 3.0, 30.0)).abs() < 1e-12);
+    for i in 0..=50 {
+        let q = motion.at(f64::from(i) * 0.02 * motion.duration()).position;
+        assert!((q - goal * q.x).norm() < 1e-15, "{q}");
+    }
+    assert_eq!(motion.at(motion.duration()).position, goal);
+}
+
+#[test]
+fn what_makes_no_plan_is_refused_with_its_numbers() {
+    let good = AxisLimits::symmetric(1.0, 2.0, 10.0);
+    for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for bad in [
+            AxisLimits { max_velocity: value, ..good },
+            AxisLimits { min_velocity: -value, ..good },
+            AxisLimits { max_acceleration: value, ..good },
+            AxisLimits { min_acceleration: -value, ..good },
+            AxisLimits { jerk: value, ..good },
+        ] {
+            assert!(matches!(rest(1.0, &bad), Err(JerkError::Limit { .. })), "{bad:?}");
+        }
+        if value != 0.0 && value != -1.0 {
+            assert!(matches!(rest(value, &good), Err(JerkError::NotFinite { name: "target position", .. })));
+        }
+    }
+    let to = AxisTarget::default();
+    let from = |velocity, acceleration| AxisState { position: 0.0, velocity, acceleration };
+    let name = |start| match AxisPlan::new(&start, &to, &good) {
+        Err(JerkError::Outside { name, .. }) => name,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(name(from(1.1, 0.0)), "start velocity");
+    assert_eq!(name(from(0.0, -2.1)), "start acceleration");
+    // 0.95 + 1.5^2 / 20 = 1.0625 m/s before the acceleration can be 0.
+    assert_eq!(name(from(0.95, 1.5)), "velocity inevitable from the start");
+    let steps = SynchronisedMove::in_whole_steps(
+        &JointState::rest(Vector2::zeros()),
+        &JointTarget::rest(Vector2::x()),
+        &JointLimits {
+            velocity: Vector2::repeat(1.0),
+            acceleration: Vector2::repeat(1.0),
+            jerk: Vector2::repeat(1.0),
+        },
+        0.0,
+    );
+    assert!(matches!(steps, Err(JerkError::Limit { name: "step", .. })));
+}
+
+#[test]
+fn numbers_of_any_size_make_a_finite_plan_or_an_error() {
+    let sizes = [0.0, 1e-300, 1e-100, 1e-15, 1e-3, 1.0, 1e6, 1e100, 1e300];
+    let positive = &sizes[1..];
+    for &distance in &sizes {
+        for &v in positive {
+            for &a in positive {
+                for &j in positive {
+                    let limits = AxisLimits::symmetric(v, a, j);
+                    for velocity in [0.0, 0.5 * v, -v] {
+                        let start = AxisState { position: -distance, velocity, acceleration: 0.0 };
+                        let target = AxisTarget { position: distance, velocity: 0.0 };
+                        let Ok(plan) = AxisPlan::new(&start, &target, &limits) else { continue };
+                        let profile = plan.fastest();
+                        let point = profile.at(0.5 * profile.duration());
+                        let all =
+                            [plan.least(), point.position, point.velocity, point.acceleration, point.jerk];
+                        assert!(all.iter().all(|x| x.is_finite()), "{start:?} {target:?} {limits:?} {all:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Ruckig's issue 160: a target 1e-15 away from the current state.
+#[test]
+fn a_target_a_rounding_away_is_reached() {
+    let limits = AxisLimits::symmetric(2.0, 5.0, 50.0);
+    for off in [0.0, 1e-17, 1e-15, -1e-15, 1e-12, -1e-9] {
+        for position in [0.0, 0.5, -1234.5] {
+            let start = AxisState { position, velocity: 0.0, acceleration: 0.0 };
+            let plan =
+                AxisPlan::new(&start, &AxisTarget { position: position + off, velocity: 0.0 }, &limits)
+                    .unwrap();
+            assert!(plan.least() < 4.0 * (off.abs() / 100.0).cbrt() + 1e-3, "{}", plan.least());
+        }
+    }
+}
