@@ -1,0 +1,241 @@
+//! EDP: the effector driver process of one robot.
+//!
+//! In: demands of the ECP, one per step. Out: the joint positions that the drives get, one per servo period,
+//! and the robot's image in every reply. Servo periods begin half a period after the steps, so that the demand of a step
+//! is there before the drives ask for it; each gets the position for its end, interpolated in joints or in the task
+//! space ([`Interpolation`]). The reply to a demand leaves as soon as the demand is accepted: the next one is computed
+//! while the robot moves.
+
+mod following;
+mod serving;
+#[cfg(test)]
+mod tests;
+
+use core::time::Duration;
+
+use crate::braking::Braking;
+use crate::driver::{Driver, Measured, Regulators};
+use crate::fault::{Fault, FaultKind, ProcessId};
+use crate::interpolation::{Interpolation, InterpolationSpace};
+use crate::joints::JointVector;
+use crate::limits::{AcceptedDemand, Acceptor};
+use crate::link::{Closed, Nanos, Server, Waiter};
+use crate::message::Message;
+use crate::pose::Pose;
+use crate::robot::Robot;
+use crate::stopping::{detection_time, stop_steps};
+use crate::task_space::TaskSpace;
+
+/// What a servo period did, for recording and for pictures.
+pub struct ServoRecord<R: Robot> {
+    /// Time since the cell started, at the period's end \[s\].
+    pub time: f64,
+    /// Joint positions that the drives got [rad or m].
+    pub demanded: R::Joints,
+    /// What the encoders read at the period's end.
+    pub measured: Measured<R::Joints>,
+    /// The tool in force, `X_FE`.
+    pub tool: Pose,
+}
+
+/// What an observer of servo periods is.
+pub type Observer<R> = Box<dyn FnMut(&ServoRecord<R>)>;
+
+/// How a robot is set up.
+pub(crate) struct EdpConfig<R: Robot> {
+    pub process: ProcessId,
+    pub robot: R,
+    pub driver: Box<dyn Driver<R>>,
+    pub tool: Pose,
+    pub step: Duration,
+    /// The cell's delay between demands and drives; `None`: drives take each demand as it is.
+    pub delay: Option<Duration>,
+    pub space: InterpolationSpace,
+    /// Largest difference between demanded and measured joint positions [rad or m].
+    pub following_error: R::Joints,
+    pub observers: Vec<Observer<R>>,
+}
+
+#[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
+enum Mode<J> {
+    /// No demand is due.
+    Holding,
+    /// A demand is due in every step; those of so many steps are missing.
+    Moving { missed: u32 },
+    /// On the way to a standstill.
+    Braking(Braking<J>),
+    /// A drive gave up and has its brake applied.
+    Off,
+}
+
+/// The process.
+pub(crate) struct Edp<'w, R: Robot> {
+    config: EdpConfig<R>,
+    waiter: &'w dyn Waiter,
+    port: Box<dyn Server>,
+    acceptor: Acceptor<R>,
+    mode: Mode<R::Joints>,
+    /// Accepted for the step that is about to begin, and the regulators chosen with it.
+    next: Option<AcceptedDemand<R>>,
+    regulators: Option<Regulators>,
+    /// What the ticks make of the demands.
+    interpolation: Interpolation<R::Joints>,
+    task_space: TaskSpace<R::Joints>,
+    /// What the drives were told last.
+    commanded: R::Joints,
+    /// The first step that has not begun here, and when it does; when the next servo period begins \[ns\].
+    due: u64,
+    next_step: Nanos,
+    next_tick: Nanos,
+    step: Nanos,
+    servo: Nanos,
+    /// Steps for which the demands have stood still.
+    still: u64,
+    measured: Measured<R::Joints>,
+    stopped: bool,
+    fault: Option<Fault>,
+    request: Message,
+    reply: Message,
+}
+
+impl<'w, R: Robot> Edp<'w, R> {
+    pub fn new(config: EdpConfig<R>, waiter: &'w dyn Waiter, port: Box<dyn Server>) -> Self {
+        let measured = config.driver.measured();
+        let (step, servo) = (config.step.as_nanos() as Nanos, config.driver.period().as_nanos() as Nanos);
+        let reaction = detection_time(config.step);
+        let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
+        let (now, shorter) = (waiter.now(), servo.min(step));
+        // Half a period after multiples of the period, from now on.
+        let due = (now + step - shorter / 2).div_ceil(step.max(1)).saturating_sub(1);
+        let tick = now.saturating_sub(servo / 2).div_ceil(servo.max(1));
+        let interpolation = Interpolation::new(measured.position, due, config.step, config.delay);
+        let mut edp = Edp {
+            waiter,
+            port,
+            acceptor,
+            mode: Mode::Holding,
+            next: None,
+            regulators: None,
+            still: interpolation.settling_steps(),
+            interpolation,
+            task_space: TaskSpace::new(),
+            commanded: measured.position,
+            due,
+            next_step: due * step + shorter / 2,
+            next_tick: tick * servo + servo / 2,
+            step,
+            servo,
+            measured,
+            stopped: false,
+            fault: None,
+            request: Message::empty(),
+            reply: Message::empty(),
+            config,
+        };
+        // Where encoders give no numbers, there is nothing to hold: the drives get no demand at all.
+        if let Err(fault) = edp.check_following(edp.interpolation.goal(), FaultKind::FollowingError) {
+            edp.mode = Mode::Off;
+            edp.latch(fault, 0);
+        }
+        edp
+    }
+
+    /// Keeps the first fault.
+    fn latch(&mut self, fault: Fault, step: u64) {
+        self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
+    }
+
+    /// Serves until the cell closes.
+    ///
+    /// # Errors
+    /// `PeerLost` when the robot still moved then and did not come to a standstill in the time that its stops may take.
+    pub fn run(mut self) -> Result<(), Fault> {
+        while self.waiter.wait(Some(self.next_step.min(self.next_tick))) != Err(Closed) {
+            while self.port.receive(&mut self.request) {
+                self.serve();
+            }
+            while self.waiter.now() >= self.next_step.min(self.next_tick) {
+                self.advance();
+            }
+        }
+        self.come_to_rest()
+    }
+
+    /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
+    /// nothing moves.
+    fn come_to_rest(&mut self) -> Result<(), Fault> {
+        self.stopped = true;
+        self.brake();
+        let delay = self.config.delay.unwrap_or_default();
+        let began = self.due;
+        let last = began + stop_steps(self.config.robot.limits(), self.config.step, delay);
+        // The demand that holds is one of the next step, and the drives are there at the end of that step.
+        while !self.is_at_standstill() || self.due <= began + 2 {
+            if self.due > last {
+                let text = "the cell closed while the robot moved, and it does not come to a standstill";
+                return Err(Fault::new(FaultKind::PeerLost).in_process(self.config.process).text(text));
+            }
+            let next = self.next_step.min(self.next_tick);
+            if self.waiter.wait_closing(next).is_err() {
+                return Ok(());
+            }
+            while self.waiter.now() >= self.next_step.min(self.next_tick) {
+                self.advance();
+            }
+        }
+        Ok(())
+    }
+
+    /// The step or servo period that begins next; a step before the servo period that begins with it.
+    fn advance(&mut self) {
+        if self.next_step <= self.next_tick {
+            self.begin_step();
+            self.next_step += self.step;
+        } else {
+            self.tick(self.next_tick);
+            self.next_tick += self.servo;
+        }
+    }
+
+    fn check_following(&self, demanded: &R::Joints, kind: FaultKind) -> Result<(), Fault> {
+        for i in 0..R::Joints::LEN {
+            let (error, limit) =
+                ((self.measured.position[i] - demanded[i]).abs(), self.config.following_error[i]);
+            // A NaN from an encoder is no small error.
+            let is_small = error <= limit && self.measured.velocity[i].is_finite();
+            if !is_small {
+                return Err(Fault::new(kind).at_joint(i).exceeds(
+                    error,
+                    limit,
+                    self.config.robot.joint(i).unit(0),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn brake(&mut self) {
+        match self.mode {
+            Mode::Moving { .. } if self.acceptor.can_hold(self.config.step.as_secs_f64()) => {
+                self.mode = Mode::Holding
+            }
+            Mode::Moving { .. } => self.mode = Mode::Braking(self.acceptor.braking()),
+            Mode::Holding | Mode::Braking(_) | Mode::Off => {}
+        }
+    }
+
+    /// Whether the robot stands, and its drives have come to the last demand.
+    fn is_at_standstill(&self) -> bool {
+        match self.mode {
+            Mode::Holding => self.still >= self.interpolation.settling_steps(),
+            Mode::Off => true,
+            Mode::Moving { .. } | Mode::Braking(_) => false,
+        }
+    }
+}
+
+/// Runs code of the user's, a driver, an observer, a robot's kinematics; its panic is a fault of the process.
+pub(crate) fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Fault> {
+    let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
+    caught.map_err(|panic| crate::fault::panicked(&*panic))
+}

@@ -1,0 +1,144 @@
+//! What an EDP answers: queries, demands, brakes and stops of its ECP.
+//!
+//! In: a request. Out: the reply, with the robot's image when it is asked for, or with the fault that is latched. A demand
+//! is accepted or refused here; what becomes of it is [`following`](super::following)'s.
+
+use crate::demand::{Coordinates, Demand};
+use crate::driver::Regulators;
+use crate::fault::{Fault, FaultKind};
+use crate::image::{RobotImage, RobotState};
+use crate::interpolation::InterpolationSpace;
+use crate::joints::JointVector;
+use crate::message::{Kind, RequestKind, flag};
+use crate::robot::Robot;
+use crate::wire::Wire;
+
+use super::{Edp, Mode, guarded};
+
+impl<R: Robot> Edp<'_, R> {
+    pub(super) fn serve(&mut self) {
+        let result = guarded(|| self.act()).and_then(|result| result);
+        if let Err(fault) = result {
+            self.latch(fault, self.request.header.step);
+            self.brake();
+        }
+        if let Err(fault) = guarded(|| self.answer()) {
+            self.latch(fault, self.request.header.step);
+            self.brake();
+            // With a fault there is no image to compute.
+            self.answer();
+        }
+    }
+
+    fn act(&mut self) -> Result<(), Fault> {
+        let request = match self.request.header.kind {
+            Kind::Request(request) => request,
+            Kind::Order(_) | Kind::Read | Kind::Reply | Kind::Fault => {
+                return Err(Fault::new(FaultKind::Message));
+            }
+        };
+        match request {
+            RequestKind::Query => self.check_standing_start(),
+            RequestKind::Demand => self.demand(),
+            RequestKind::Brake => {
+                self.brake();
+                Ok(())
+            }
+            RequestKind::Stop => {
+                self.stopped = true;
+                self.brake();
+                Ok(())
+            }
+        }
+    }
+
+    /// A robot that does not stand where it was last told to stand must not start.
+    fn check_standing_start(&self) -> Result<(), Fault> {
+        if self.request.is(flag::FIRST) && matches!(self.mode, Mode::Holding) {
+            self.check_following(self.interpolation.goal(), FaultKind::StartPoseMismatch)
+                .map_err(|fault| fault.text("the robot is not where its last demand put it"))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn demand(&mut self) -> Result<(), Fault> {
+        if self.stopped || self.fault.is_some() {
+            return Err(Fault::new(FaultKind::StoppedByCell));
+        }
+        let header = self.request.header;
+        // Woken late: what was due before the demand's step comes before the demand.
+        while self.due < header.step && self.waiter.now() >= self.next_step.min(self.next_tick) {
+            self.advance();
+        }
+        if self.request.is(flag::FIRST) {
+            self.acceptor.begin();
+        }
+        let demand = Demand::get(self.request.words()).map_err(|_| Fault::new(FaultKind::Message))?;
+        if let Some(sets) = &demand.regulators {
+            self.check_regulators(sets)?;
+            self.regulators = Some(*sets);
+        }
+        // What was to be done in a step that is over has been bridged, and is never made up for; what was chosen with
+        // it stays in force.
+        if header.step < self.due {
+            return self.acceptor.choose_tool(&demand);
+        }
+        // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
+        let duration = self.config.step.as_secs_f64();
+        let accepted = self.acceptor.accept(&demand, header.dt / header.duration * duration, duration);
+        let first = self.request.is(flag::FIRST) && !matches!(self.mode, Mode::Moving { .. });
+        self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
+        let stands = self.config.space == InterpolationSpace::Task && self.interpolation.stands();
+        match demand.coordinates {
+            Coordinates::Hold => {}
+            Coordinates::Joints(_) => self.task_space.accept(false, stands),
+            Coordinates::Pose(_) | Coordinates::Displacement(_) => self.task_space.accept(true, stands),
+        }
+        self.mode = Mode::Moving { missed: 0 };
+        Ok(())
+    }
+
+    fn check_regulators(&self, sets: &Regulators) -> Result<(), Fault> {
+        let driver = &self.config.driver;
+        match (0..R::Joints::LEN).find(|&joint| !driver.has_regulator(joint, sets.set(joint))) {
+            Some(joint) => {
+                let text = format!("parameter set {}", sets.set(joint));
+                Err(Fault::new(FaultKind::NoRegulator).at_joint(joint).text(&text))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn answer(&mut self) {
+        let at_standstill = self.is_at_standstill();
+        let reply = &mut self.reply;
+        reply.header.step = self.request.header.step;
+        reply.header.instruction = self.request.header.instruction;
+        reply.header.flags = 0;
+        if at_standstill {
+            reply.header.flags |= flag::STANDSTILL;
+        }
+        if let Some(fault) = &self.fault {
+            reply.set_fault(fault);
+        } else {
+            reply.header.kind = Kind::Reply;
+            reply.header.headroom = self.acceptor.headroom();
+            reply.header.len = 0;
+            if self.request.is(flag::WANT_STATE) {
+                reply.header.flags |= flag::STATE;
+                reply.header.len = RobotImage::<R>::LEN as u32;
+                let (q, v) = (*self.acceptor.position(), *self.acceptor.velocity());
+                let demanded = RobotState { joints: q, velocity: v, pose: self.acceptor.tool_pose(&q) };
+                let q = self.measured.position;
+                let measured = RobotState {
+                    joints: q,
+                    velocity: self.measured.velocity,
+                    pose: self.acceptor.tool_pose(&q),
+                };
+                RobotImage::<R>::new(measured, demanded).put(&mut reply.body);
+            }
+        }
+        self.port.reply(reply);
+    }
+}
