@@ -316,10 +316,10 @@ impl<R: Robot> Acceptor<R> {
         self.robot.inverse(pose, near).map_err(|error| no_inverse(&error, pose, "flange"))
     }
 
-    /// Whether the joints may go from one position to another in `duration` \[s\].
-    pub fn check_speed(&self, from: &R::Joints, to: &R::Joints, duration: f64) -> Result<(), Fault> {
+    /// Whether the joints may go this way [rad or m] in `duration` \[s\].
+    pub fn check_way(&self, way: &R::Joints, duration: f64) -> Result<(), Fault> {
         for i in 0..R::Joints::LEN {
-            let (speed, limit) = ((to[i] - from[i]).abs() / duration, self.robot.limits().velocity[i]);
+            let (speed, limit) = (way[i].abs() / duration, self.robot.limits().velocity[i]);
             // A NaN is no small speed.
             let is_small = speed <= limit * (1.0 + RELATIVE) + ROUND_OFF / duration;
             if !is_small {

@@ -5,7 +5,6 @@
 
 use crate::fault::{Fault, FaultKind};
 use crate::interpolation::InterpolationSpace;
-use crate::joints::JointVector;
 use crate::limits::AcceptedDemand;
 use crate::link::Nanos;
 use crate::robot::Robot;
@@ -56,10 +55,9 @@ impl<R: Robot> Edp<'_, R> {
         let pose = self.interpolation.pose_at(end, |joints| robot.forward(joints));
         let difference = self.acceptor.flange_joints(&pose, joints)? - *joints;
         // On another branch, or where the pose turns about a singularity that the joints do not.
-        self.acceptor.check_speed(&R::Joints::zeros(), &difference, self.config.step.as_secs_f64())?;
-        let before = self.commanded - *joints;
-        let way = difference - before;
-        self.acceptor.check_speed(&R::Joints::zeros(), &way, self.servo as f64 * 1e-9)?;
+        self.acceptor.check_way(&difference, self.config.step.as_secs_f64())?;
+        let way = *joints + difference - self.commanded;
+        self.acceptor.check_way(&way, self.servo as f64 * 1e-9)?;
         Ok(difference)
     }
 
