@@ -3,7 +3,8 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use mrroc::{Driver, EffectorState, MAX_JOINTS, Pose, ReadingOrder, Robot, VirtualSensor};
+use mrroc::{Driver, EffectorState, MAX_JOINTS, Name, Pose, ReadingOrder, Robot, RobotView, VirtualSensor};
+use mrroc_robots::clearance::{Capsule, Clearance, Obstacle, Stopping};
 use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, Table, World, WristOrder};
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven,
@@ -101,4 +102,44 @@ fn servo_periods_of_arms_that_hold_a_body_and_readings_of_a_wrist_allocate_nothi
     }
     assert!(world.table_force().norm() > 0.0, "it touches");
     assert_eq!(COUNT.with(Cell::get) - before, 0, "{sum}");
+}
+
+fn view(name: &str, joints: [f64; 8]) -> RobotView {
+    let demanded = EffectorState { joints, velocity: [0.02; 8], pose: Pose::identity() };
+    RobotView { name: Name::new(name).unwrap(), measured: demanded, demanded }
+}
+
+#[test]
+fn clearance_checks_that_pass_and_that_fail_allocate_nothing() {
+    let rod = [Capsule::new(Vector3::zeros(), Vector3::new(0.0, 0.0, 0.2), 0.02)];
+    let build = |margin| {
+        Clearance::with_margin(margin)
+            .robot("rnt", Rnt::new())
+            .unwrap()
+            .robot("polycrank", Polycrank::new().with_base(Pose::translation(1.8, 0.0, 0.0)))
+            .unwrap()
+            .robot("irp6", Irp6Track::nominal().with_base(Pose::translation(-3.0, 0.0, 0.8)))
+            .unwrap()
+            .tool("rnt", &rod)
+            .unwrap()
+            .obstacle("floor", Obstacle::table(-0.3))
+            .unwrap()
+            .build(Stopping::of_guard(std::time::Duration::from_millis(2), 5))
+            .unwrap()
+    };
+    let states = [
+        view("rnt", [0.0, 0.5, 0.55, 0.0, 1.3, 0.0, 0.0, 0.0]),
+        view("polycrank", [0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2, 0.0]),
+        view("irp6", [0.5, 0.0, -1.57, 0.16, -0.16, 4.71, 0.0, 0.0]),
+    ];
+    for (margin, passes) in [(0.0, true), (5.0, false)] {
+        let mut clearance = build(margin);
+        let before = COUNT.with(Cell::get);
+        for _ in 0..100 {
+            let checked = clearance.check(&states);
+            assert!(checked.is_ok() == passes, "{checked:?}");
+            assert!(clearance.nearest(&states).is_ok());
+        }
+        assert_eq!(COUNT.with(Cell::get) - before, 0);
+    }
 }
