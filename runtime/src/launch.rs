@@ -5,7 +5,7 @@
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::fs::OpenOptions;
-use std::io::{self, ErrorKind, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -14,6 +14,7 @@ use lexopt::prelude::*;
 
 use crate::cell::{Cell, CellError, RunReport};
 use crate::cell_file::CellFile;
+use crate::console::{complain, refused, say};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::name::Name;
 use crate::operator::Operator;
@@ -169,7 +170,7 @@ pub fn launch(
     match drawn {
         Ok(()) => ended,
         Err(error) => {
-            complain(&error);
+            report(&error);
             ExitCode::FAILURE
         }
     }
@@ -241,8 +242,8 @@ const NO_PROCESSES: &str = "this program was built without processes\n help: on 
 /// Says which fault stopped the cell, and what to do about it.
 fn stopped(fault: &Fault) -> ExitCode {
     match fault.help() {
-        Some(help) => complain(&format!("{fault}\n help: {help}")),
-        None => complain(fault),
+        Some(help) => report(&format!("{fault}\n help: {help}")),
+        None => report(fault),
     }
     ExitCode::FAILURE
 }
@@ -349,39 +350,21 @@ fn nearest_cell() -> PathBuf {
     found.map_or(here, |folder| folder.join("cell.toml"))
 }
 
-/// Prints a text. A reader that has had enough and closed the pipe is no failure.
-fn say(text: &str) -> ExitCode {
-    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            complain(&format!("the standard output cannot be written: {error}"));
-            ExitCode::FAILURE
-        }
-        Ok(()) | Err(_) => ExitCode::SUCCESS,
-    }
-}
-
-/// Nothing has moved.
-fn refused(error: &dyn Display) -> ExitCode {
-    complain(error);
-    ExitCode::from(2)
-}
-
-/// The same, for all that is wrong with a cell.
+/// Tells of all that is wrong with a cell.
 fn cell_refused(error: &CellError) -> ExitCode {
     match error {
-        CellError::Several(errors) => errors.iter().for_each(|error| complain(error)),
-        one => complain(one),
+        CellError::Several(errors) => errors.iter().for_each(|one| report(one)),
+        one => report(one),
     }
     ExitCode::from(2)
 }
 
-fn complain(error: &dyn Display) {
-    // Without a standard error the exit status alone must tell.
-    let _ = writeln!(io::stderr(), "error: {error}");
+fn report(error: &dyn Display) {
+    complain(&format!("error: {error}"));
 }
 
 fn note(text: &str) {
-    let _ = writeln!(io::stderr(), "note: {text}");
+    complain(&format!("note: {text}"));
 }
 
 /// Whoever waits for a run that may have no end is told of it, ever more seldom.

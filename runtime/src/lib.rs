@@ -62,6 +62,7 @@ mod braking;
 mod cell;
 mod cell_file;
 mod class;
+pub mod console;
 mod demand;
 mod driver;
 mod ecp;

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::error::Error;
-use std::io::{self, ErrorKind, Write};
+use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 use std::rc::Rc;
@@ -22,6 +22,7 @@ use engraving::sampling::Sampling;
 use engraving::summary::{JointPeaks, PathDeviation, PlateHeight, Summary};
 use engraving::{NAMEPLATE, error::DrawingError};
 use mrroc::Robot;
+use mrroc::console::{complain, refused, say};
 
 /// The demanded path may lie this far from the drawing \[mm\].
 const DEMANDED_BOUND: f64 = 0.01;
@@ -64,28 +65,6 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// Prints a text. A reader that has had enough and closed the pipe is no failure.
-fn say(text: &str) -> ExitCode {
-    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            complain(&format!("error: the standard output cannot be written: {error}"));
-            ExitCode::FAILURE
-        }
-        Ok(()) | Err(_) => ExitCode::SUCCESS,
-    }
-}
-
-fn complain(line: &str) {
-    // Without a standard error the exit status alone must tell.
-    let _ = writeln!(io::stderr(), "{line}");
-}
-
-/// Nothing has moved.
-fn refused(error: &dyn std::fmt::Display) -> ExitCode {
-    complain(&format!("error: {error}"));
-    ExitCode::from(2)
 }
 
 fn broken(summary: &Summary) -> ExitCode {

@@ -1,10 +1,11 @@
 //! Two simulated arms carry a bar: `cargo run --release -p transfer -- --help`.
 
 use std::error::Error;
-use std::io::{self, ErrorKind, Write};
+use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
+use mrroc::console::{complain, refused, say};
 use mrroc::{CellError, CellFile, Recorder};
 use transfer::options::{HELP, Options, Talk, parse};
 use transfer::pictures::{film, plot};
@@ -72,26 +73,4 @@ fn unwritable(path: &Path, error: &io::Error) -> String {
         "{}: cannot be written: {error}\n help: give a folder that can be written by --out",
         path.display()
     )
-}
-
-/// Prints a text. A reader that has had enough and closed the pipe is no failure.
-fn say(text: &str) -> ExitCode {
-    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            complain(&format!("error: the standard output cannot be written: {error}"));
-            ExitCode::FAILURE
-        }
-        Ok(()) | Err(_) => ExitCode::SUCCESS,
-    }
-}
-
-fn complain(line: &str) {
-    // Without a standard error the exit status alone must tell.
-    let _ = writeln!(io::stderr(), "{line}");
-}
-
-/// Nothing has moved.
-fn refused(error: &dyn std::fmt::Display) -> ExitCode {
-    complain(&format!("error: {error}"));
-    ExitCode::from(2)
 }
