@@ -18,9 +18,12 @@ use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
+use crate::replay::RobotTape;
+use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
 
@@ -124,6 +127,7 @@ pub(crate) struct Place {
     pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
+    pub tap: Tap,
 }
 
 /// A robot of any kind at the end of a servo period, as a recorder sees it.
@@ -163,6 +167,8 @@ pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
+    /// Its drives read from a recording.
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
@@ -204,6 +210,12 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             (observer.borrow_mut())(&observation);
         }));
+    }
+
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration) {
+        // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
+        self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
+        self.drives = recorded(&self.drives, tape, step);
     }
 
     fn name(&self) -> &str {
@@ -269,9 +281,13 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
         let ended = Rc::clone(&outcomes);
         let run = move |waiter: &dyn Waiter| {
+            let tap = place.tap.of(process);
             let driver = match drives {
                 Drives::Homed(driver) => Some(driver),
-                Drives::Unhomed(homing) => home(process, waiter, &*server, homing),
+                Drives::Unhomed(homing) => home(process, waiter, &*server, homing).inspect(|_| {
+                    let now = waiter.now();
+                    tap.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                }),
             };
             if let Some(driver) = driver {
                 let (step, delay) = (place.step, place.delay);
@@ -285,6 +301,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     space,
                     following_error,
                     observers,
+                    tap,
                 };
                 if let Err(fault) = Edp::new(config, waiter, server).run() {
                     ended.borrow_mut().push((process, Err(fault)));

@@ -8,6 +8,7 @@
 
 mod following;
 mod serving;
+mod telling;
 #[cfg(test)]
 mod tests;
 
@@ -25,6 +26,7 @@ use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
+use crate::witness::Tap;
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
@@ -54,6 +56,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     /// Largest difference between demanded and measured joint positions [rad or m].
     pub following_error: R::Joints,
     pub observers: Vec<Observer<R>>,
+    /// Where each step is shown.
+    pub tap: Tap,
 }
 
 #[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
@@ -142,7 +146,11 @@ impl<'w, R: Robot> Edp<'w, R> {
 
     /// Keeps the first fault.
     fn latch(&mut self, fault: Fault, step: u64) {
-        self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
+        if self.fault.is_none() {
+            let fault = fault.in_process(self.config.process).at_step(step);
+            self.tell_fault(&fault, step);
+            self.fault = Some(fault);
+        }
     }
 
     /// Serves until the cell closes.

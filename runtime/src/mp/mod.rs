@@ -9,10 +9,12 @@ mod clock;
 mod exchange;
 mod instruction;
 mod motion;
+mod telling;
 mod waiting;
 
 use core::any::TypeId;
 use core::time::Duration;
+use std::rc::Rc;
 
 use crate::ecp::MAX_REFUSALS;
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
@@ -22,9 +24,11 @@ use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
+use crate::replay::Script;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
 use crate::suggestion::suggestion;
+use crate::witness::Tap;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
@@ -47,6 +51,11 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    tap: Tap,
+    /// Whether the operator was seen to abort in this step.
+    aborts: bool,
+    /// A replay's steps.
+    script: Option<Rc<Script>>,
 }
 
 impl<'w> Mp<'w> {
@@ -62,7 +71,23 @@ impl<'w> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         let (guard, protective, latched) = (None, None, None);
         let (ordinal, refusals) = (0, 0);
-        Mp { waiter, robots, sensing, operator, hook, guard, protective, clock, ordinal, latched, refusals }
+        let (tap, aborts, script) = (sensing.tap.clone(), false, None);
+        Mp {
+            waiter,
+            robots,
+            sensing,
+            operator,
+            hook,
+            guard,
+            protective,
+            clock,
+            ordinal,
+            latched,
+            refusals,
+            tap,
+            aborts,
+            script,
+        }
     }
 
     /// Lets a guard watch over all robots.
@@ -115,6 +140,7 @@ impl<'w> Mp<'w> {
 
     /// Begins a step, unless one has begun that no exchange has used.
     fn begin_step(&mut self) -> Result<(), Fault> {
+        self.keep_to_script();
         let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
             // A hook that panics is not called again by the stop that follows.
@@ -122,10 +148,14 @@ impl<'w> Mp<'w> {
                 hook(self.clock.step(), &self.operator);
                 self.hook = Some(hook);
             }
+            self.follow_script();
             let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
             self.clock.advance(rate, self.operator.is_suspended());
+            self.tell_step()?;
         }
-        self.hear_news()
+        self.hear_news()?;
+        self.tell_abort();
+        Ok(())
     }
 
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
