@@ -89,6 +89,7 @@ mod pose;
 mod processes;
 mod realtime;
 mod recording;
+#[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
 mod replay;
 mod robot;
 mod sensing;
@@ -127,6 +128,11 @@ pub use name::{BadName, MAX_NAME, Name};
 pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
 pub use pose::{AngleAxis, Pose, Zyz};
+#[cfg(feature = "recording")]
+pub use recording::{CutOff, NotReplayable, ReplayError};
+pub use recording::{NotRecorded, Recording};
+#[cfg(feature = "recording")]
+pub use replay::compare::{Compared, Difference};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
 pub use shape::Shape;
 pub use step::{Always, Step, Tick};

@@ -4,6 +4,7 @@
 
 mod assembly;
 mod error;
+mod layout;
 mod limits;
 mod robot;
 mod sensor;
@@ -20,7 +21,7 @@ use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
 use crate::realtime::Realtime;
-use crate::recording::Recording;
+use crate::recording::{self, Recorder, Recording};
 use crate::replay::Tape;
 use crate::robot::Robot;
 use crate::stopping::STOP_TIME;
@@ -30,6 +31,7 @@ use crate::witness::Witness;
 use robot::SharedObserver;
 use sensor::AnySensor;
 
+pub(crate) use layout::{Layout, RobotLayout, SensorLayout};
 pub(crate) use robot::AnyRobot;
 
 pub use error::CellError;
@@ -229,14 +231,27 @@ impl Cell {
         self
     }
 
+    /// Records every step to a file: what robots are demanded and do, what sensors read, what the MP orders. It takes the
+    /// feature `recording`.
+    #[must_use]
+    pub fn record(mut self, recording: Recording) -> Cell {
+        self.recording = Some(recording);
+        self
+    }
+
+    /// What it is recorded to.
+    pub(crate) const fn recording(&self) -> Option<&Recording> {
+        self.recording.as_ref()
+    }
+
     /// Shows what happens in the cell's processes to a witness.
     pub(crate) fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
         self.witnesses.push(witness);
         self
     }
 
-    /// Answers from a recording in place of drives, sensors and the operator. What was found wrong with it before anything
-    /// moves is [`check_tape`](crate::replay::compare)'s.
+    /// Answers from a recording in place of drives, sensors and the operator. The recording is of this cell.
+    #[cfg(feature = "recording")]
     pub(crate) fn replaying(mut self, tape: Rc<Tape>) -> Cell {
         let step = self.step;
         for robot in &mut self.robots {
@@ -254,8 +269,24 @@ impl Cell {
     /// [`CellError`]: what is wrong with the set-up, before anything moves; or the first cause of a stop.
     pub fn run(mut self) -> Result<RunReport, CellError> {
         let names = self.check()?;
+        let recorder = match &self.recording {
+            Some(recording) => Some(recording::begin(recording, &self.layout())?),
+            None => None,
+        };
+        if let Some(recorder) = &recorder {
+            let witness: Rc<Recorder> = Rc::clone(recorder);
+            self = self.witnessed_by(witness);
+        }
+        let outcome = self.run_on_memory(&names);
+        // Bodies that were given up keep theirs.
+        recorder.iter().for_each(|recorder| recorder.finish());
+        outcome
+    }
+
+    /// Runs a cell in which nothing is wrong.
+    pub(crate) fn run_on_memory(self, names: &[Name]) -> Result<RunReport, CellError> {
         let mut scheduler = Scheduler::new();
-        let assembly = self.assemble(&names, &mut scheduler)?;
+        let assembly = self.assemble(names, &mut scheduler)?;
         let time = scheduler.run()?;
         first_cause(&assembly.outcomes.borrow())?;
         Ok(RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })
@@ -308,6 +339,9 @@ impl Cell {
         }
         let without = |name: &&String| self.sensors.iter().all(|sensor| sensor.name() != name.as_str());
         errors.extend(self.expected_sensors.iter().filter(without).cloned().map(CellError::NoVsp));
+        let layout = self.recording.as_ref().map(|_| self.layout());
+        let unrecorded = self.recording.iter().zip(&layout).flat_map(|(asked, layout)| asked.check(layout));
+        errors.extend(unrecorded.map(CellError::from));
         let misplaced =
             |error: &CellError| matches!(error, CellError::NoRobot(..) | CellError::OtherKind { .. });
         let has_program = self.program.is_some() || self.robots.iter().any(|robot| robot.has_program());

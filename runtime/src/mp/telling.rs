@@ -39,6 +39,7 @@ impl Mp<'_> {
             return Ok(());
         }
         if self.tap.is_over(step) {
+            self.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
         let (speed, suspended) = (self.operator.speed(), self.clock.is_suspended());
