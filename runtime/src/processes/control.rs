@@ -43,6 +43,9 @@ pub(super) enum Frame {
     Ready { lacks: Lacks },
     /// In lock-step: it waits, at most until this time; places that it sent messages to, one bit each.
     Waits { deadline: Nanos, woken: u64 },
+    /// In lock-step: the process at a place is to run until it waits, and then this one goes on; other places that it sent
+    /// messages to.
+    Calls { place: u64, woken: u64 },
     /// It cannot take part.
     Refuses(String),
     /// It has ended: steps begun, the time, and how its program ended, if it had one.
@@ -91,6 +94,10 @@ impl Frame {
                 words[1..3].copy_from_slice(&[*deadline, *woken]);
                 10
             }
+            Frame::Calls { place, woken } => {
+                words[1..3].copy_from_slice(&[*place, *woken]);
+                13
+            }
             Frame::Refuses(text) => {
                 let mut len = text.len().min(TEXT);
                 while !text.is_char_boundary(len) {
@@ -130,7 +137,7 @@ impl Frame {
             3 => Frame::Go { origin: words[1] },
             4 => Frame::Resume { now: words[1] },
             5 => {
-                let roles = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp];
+                let roles = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant];
                 let role = roles.into_iter().find(|role| *role as u64 == words[1]).ok_or(BadWords)?;
                 Frame::Lost(ProcessId { role, name: Name::get(&words[2..5]).ok() })
             }
@@ -153,6 +160,7 @@ impl Frame {
                 };
                 Frame::Over { steps: words[1], time: words[2], outcome }
             }
+            13 => Frame::Calls { place: words[1], woken: words[2] },
             _ => return Err(BadWords),
         })
     }
@@ -228,6 +236,7 @@ mod tests {
             Frame::Created { fingerprint: 7 },
             Frame::Ready { lacks: Lacks::from_word(5) },
             Frame::Waits { deadline: 8, woken: 9 },
+            Frame::Calls { place: 8, woken: 9 },
             Frame::Refuses("no shared memory: größer".to_owned()),
             Frame::Over { steps: 1, time: 2, outcome: None },
             Frame::Over { steps: 1, time: 2, outcome: Some(Ok(())) },

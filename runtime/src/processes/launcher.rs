@@ -56,7 +56,7 @@ pub(crate) enum LaunchError {
 pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> {
     let stop = cell.stop_limit();
     // The launcher's own look at the cell: it runs no part of it.
-    let mut fabric = Fabric::new(ProcessId::MP);
+    let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell)?;
     let signals = Signals::hear()?;
@@ -180,7 +180,7 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration) -> Run {
                             death.get_or_insert(member.death(&how));
                             close(&mut closing);
                         }
-                        Role::Ecp | Role::Edp => {
+                        Role::Ecp | Role::Edp | Role::Plant => {
                             death.get_or_insert(member.death(&how));
                             crew.tell_mp(&Frame::Lost(member.id));
                         }
@@ -234,6 +234,8 @@ fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError
             stopped: Arc::clone(&signals.came),
             death: Rc::clone(&death),
             stop: stop.as_nanos() as Nanos,
+            all: crew.0.clone(),
+            place,
         };
         scheduler.body(place, Box::new(move |waiter| proxy.run(waiter)))?;
     }
@@ -251,6 +253,9 @@ struct Proxy {
     death: Rc<core::cell::RefCell<Option<Fault>>>,
     /// How long robots may take to stop \[ns\].
     stop: Nanos,
+    /// All processes by their places, and this one's.
+    all: Vec<Rc<Member>>,
+    place: usize,
 }
 
 impl Proxy {
@@ -270,6 +275,11 @@ impl Proxy {
                     let open = waiter.wait(Some(deadline)).is_ok();
                     frame = if open { Frame::Resume { now: waiter.now() } } else { Frame::Close };
                 }
+                Ok(Frame::Calls { place, woken }) => {
+                    (self.wake)(woken);
+                    self.call(place, waiter.now());
+                    frame = Frame::Resume { now: waiter.now() };
+                }
                 Ok(Frame::Over { steps, time, outcome }) => {
                     self.member.over.replace(Some(Over { steps, time, outcome }));
                     if mp {
@@ -279,6 +289,20 @@ impl Proxy {
                 }
                 Ok(_) | Err(_) => return self.mourn(waiter, mp),
             }
+        }
+    }
+
+    /// Lets the process at a place run until it waits, as if it were a part of this one.
+    fn call(&self, place: u64, now: Nanos) {
+        let Some(called) = usize::try_from(place).ok().and_then(|place| self.all.get(place)) else { return };
+        if called.gone.get() || called.over.borrow().is_some() {
+            return;
+        }
+        match called.control.send(&Frame::Resume { now }).and_then(|()| called.control.receive()) {
+            // This one goes on at once.
+            Ok(Frame::Waits { woken, .. }) => (self.wake)(woken & !(1 << self.place)),
+            // Its own turn finds that it is gone.
+            Ok(_) | Err(_) => (self.wake)(1 << place),
         }
     }
 
