@@ -217,7 +217,8 @@ impl<R: Robot> Part for Drives<R> {
     }
 
     fn rest(&self) -> Option<Rest> {
-        let off = self.off.as_ref().filter(|off| off.silent > 0)?;
+        // One that stood already has nothing to tell.
+        let off = self.off.as_ref().filter(|off| off.silent > 0 && off.braking > 0)?;
         let steps = |periods: u64| (periods * self.servo).div_ceil(self.step);
         Some(Rest { edp: self.edp, braked_after: steps(off.silent), stood_after: steps(off.braking) })
     }

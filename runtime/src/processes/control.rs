@@ -12,6 +12,7 @@ use crate::fault::{Fault, FaultWords, ProcessId, Role};
 use crate::link::Nanos;
 use crate::link::iceoryx::{Clock, Seal};
 use crate::name::Name;
+use crate::plant::Rest;
 use crate::wire::{BadWords, Wire};
 
 /// Words of a frame.
@@ -46,6 +47,8 @@ pub(super) enum Frame {
     /// In lock-step: the process at a place is to run until it waits, and then this one goes on; other places that it sent
     /// messages to.
     Calls { place: u64, woken: u64 },
+    /// From the plant: a robot whose commands had stopped has come to a standstill.
+    Rested(Rest),
     /// It cannot take part.
     Refuses(String),
     /// It has ended: steps begun, the time, and how its program ended, if it had one.
@@ -97,6 +100,13 @@ impl Frame {
             Frame::Calls { place, woken } => {
                 words[1..3].copy_from_slice(&[*place, *woken]);
                 13
+            }
+            Frame::Rested(rest) => {
+                words[1..3].copy_from_slice(&[rest.braked_after, rest.stood_after]);
+                if let Some(name) = rest.edp.name {
+                    name.put(&mut words[3..6]);
+                }
+                14
             }
             Frame::Refuses(text) => {
                 let mut len = text.len().min(TEXT);
@@ -161,6 +171,11 @@ impl Frame {
                 Frame::Over { steps: words[1], time: words[2], outcome }
             }
             13 => Frame::Calls { place: words[1], woken: words[2] },
+            14 => Frame::Rested(Rest {
+                edp: ProcessId::new(Role::Edp, Name::get(&words[3..6])?),
+                braked_after: words[1],
+                stood_after: words[2],
+            }),
             _ => return Err(BadWords),
         })
     }
@@ -237,6 +252,7 @@ mod tests {
             Frame::Ready { lacks: Lacks::from_word(5) },
             Frame::Waits { deadline: 8, woken: 9 },
             Frame::Calls { place: 8, woken: 9 },
+            Frame::Rested(Rest { edp, braked_after: 11, stood_after: 3 }),
             Frame::Refuses("no shared memory: größer".to_owned()),
             Frame::Over { steps: 1, time: 2, outcome: None },
             Frame::Over { steps: 1, time: 2, outcome: Some(Ok(())) },

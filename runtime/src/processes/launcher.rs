@@ -22,6 +22,7 @@ use crate::fault::{Fault, ProcessId, Role};
 use crate::link::iceoryx::{Clock, Fabric, monotonic};
 use crate::link::memory::Scheduler;
 use crate::link::{Link, Nanos, Waiter};
+use crate::plant::Rest;
 
 /// How often a launch is tried whose processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -66,8 +67,8 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
         match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
             Ok(crew) => {
                 let run = match plan.clock {
-                    Clock::Real => supervise(&crew, &signals, stop),
-                    Clock::Virtual => pace(&crew, &signals, stop)?,
+                    Clock::Real => supervise(&crew, &signals, stop, plan.quiet),
+                    Clock::Virtual => pace(&crew, &signals, stop, plan.quiet)?,
                 };
                 crew.reap(Instant::now() + CLOSING);
                 return run.report().map_err(|fault| LaunchError::Cell(fault.into()));
@@ -135,7 +136,7 @@ impl Signals {
 }
 
 /// Runs a cell in real time: hears who is gone and who has ended, until all have.
-fn supervise(crew: &Crew, signals: &Signals, stop: Duration) -> Run {
+fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run {
     crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
     let mut closing: Option<Instant> = None;
@@ -167,6 +168,7 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration) -> Run {
                         close(&mut closing);
                     }
                 }
+                Ok(Frame::Rested(rest)) => tell_rest(&rest, quiet),
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();
@@ -219,9 +221,20 @@ fn note(member: &Member, how: &str) {
     eprintln!("note: {}: {how}", member.id);
 }
 
+/// Says how a robot came to a standstill that was demanded nothing any more.
+fn tell_rest(rest: &Rest, quiet: bool) {
+    if !quiet {
+        let Rest { edp, braked_after, stood_after } = rest;
+        eprintln!(
+            "note: {edp}: its drives applied their brakes {braked_after} steps after the last demand; the robot stood \
+             {stood_after} steps later"
+        );
+    }
+}
+
 /// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes the processes instead of
 /// coroutines, one at a time and in the same order, so that they do the same.
-fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
+fn pace(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Result<Run, CellError> {
     crew.tell(&Frame::Go { origin: 0 });
     let mut scheduler = Scheduler::new();
     let places: Vec<_> = crew.0.iter().map(|member| scheduler.place(member.id)).collect();
@@ -236,6 +249,7 @@ fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError
             stop: stop.as_nanos() as Nanos,
             all: crew.0.clone(),
             place,
+            quiet,
         };
         scheduler.body(place, Box::new(move |waiter| proxy.run(waiter)))?;
     }
@@ -256,6 +270,7 @@ struct Proxy {
     /// All processes by their places, and this one's.
     all: Vec<Rc<Member>>,
     place: usize,
+    quiet: bool,
 }
 
 impl Proxy {
@@ -265,7 +280,11 @@ impl Proxy {
         drop(self.member.control.wait_for_ever());
         let mut frame = Frame::Resume { now: waiter.now() };
         loop {
-            let answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
+            let mut answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
+            while let Ok(Frame::Rested(rest)) = answered {
+                tell_rest(&rest, self.quiet);
+                answered = self.member.control.receive();
+            }
             match answered {
                 Ok(Frame::Waits { deadline, woken }) => {
                     (self.wake)(woken);

@@ -139,6 +139,9 @@ fn take_part(
             waiter.now()
         }
     };
+    for rest in assembly.rests.borrow().iter() {
+        say(control, &Frame::Rested(*rest))?;
+    }
     let outcome = assembly.outcomes.borrow().iter().find(|(process, _)| *process == me).cloned();
     Ok(Frame::Over { steps: assembly.steps.get(), time, outcome: outcome.map(|(_, outcome)| outcome) })
 }
