@@ -93,6 +93,14 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
         measured
     }
 
+    fn switch_off(&mut self) -> bool {
+        self.arm.switch_off()
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.arm.switch_on()
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.arm.has_regulator(joint, set)
     }

@@ -54,6 +54,14 @@ impl Driver<Gripper> for Fingers {
         self.drive.tick(demanded)
     }
 
+    fn switch_off(&mut self) -> bool {
+        self.drive.switch_off()
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.drive.switch_on()
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.drive.has_regulator(joint, set)
     }

@@ -7,6 +7,7 @@
 //! while the robot moves.
 
 mod following;
+mod resetting;
 mod serving;
 #[cfg(test)]
 mod tests;
@@ -18,6 +19,7 @@ use crate::driver::{Driver, Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
 use crate::message::Message;
@@ -64,7 +66,7 @@ enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
-    /// A drive gave up and has its brake applied.
+    /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
 
@@ -92,8 +94,11 @@ pub(crate) struct Edp<'w, R: Robot> {
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
-    stopped: bool,
+    /// Shut by a stop or a fault.
+    gate: Gate,
     fault: Option<Fault>,
+    /// The driver has panicked: what it still does is unknown.
+    lost: bool,
     request: Message,
     reply: Message,
 }
@@ -126,8 +131,9 @@ impl<'w, R: Robot> Edp<'w, R> {
             step,
             servo,
             measured,
-            stopped: false,
+            gate: Gate::default(),
             fault: None,
+            lost: false,
             request: Message::empty(),
             reply: Message::empty(),
             config,
@@ -140,8 +146,15 @@ impl<'w, R: Robot> Edp<'w, R> {
         edp
     }
 
+    /// The same behind the gate that was kept while the robot looked for its marks.
+    pub fn behind(mut self, gate: Gate) -> Self {
+        self.gate = gate;
+        self
+    }
+
     /// Keeps the first fault.
     fn latch(&mut self, fault: Fault, step: u64) {
+        self.gate = self.gate.closed();
         self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
     }
 
@@ -164,7 +177,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
     /// nothing moves.
     fn come_to_rest(&mut self) -> Result<(), Fault> {
-        self.stopped = true;
+        self.gate = self.gate.closed();
         self.brake();
         let delay = self.config.delay.unwrap_or_default();
         let began = self.due;

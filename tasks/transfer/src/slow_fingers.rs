@@ -43,6 +43,16 @@ impl Driver<Gripper> for SlowFingers {
         Ok(measured)
     }
 
+    fn switch_off(&mut self) -> bool {
+        self.fingers.switch_off()
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.fingers.switch_on()?;
+        self.demanded = self.fingers.measured().position;
+        Ok(())
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.fingers.has_regulator(joint, set)
     }
