@@ -93,9 +93,9 @@ impl Cell {
         plant.spawn(link, Rc::clone(&rests))?;
 
         let close = link.closer();
-        let (operator, step, rate_change, program) =
+        let (operator, step, rate_change, mut program) =
             (self.operator, self.step, self.rate_change, self.program);
-        let (hook, guard) = (self.hook, self.guard);
+        let (hook, guard, after_fault) = (self.hook, self.guard, self.after_fault);
         let steps = Rc::new(core::cell::Cell::new(0));
         let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
         link.body(
@@ -103,7 +103,7 @@ impl Cell {
             Box::new(move |waiter| {
                 let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 mp.watch_by(guard);
-                let outcome = mp.run_program(|mp| match program {
+                let outcome = mp.run_program(after_fault, |mp| match &mut program {
                     Some(program) => program(mp),
                     None => mp.nudge(),
                 });

@@ -13,6 +13,7 @@ use crate::fault::{Fault, ProcessId, Role};
 use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
@@ -23,7 +24,7 @@ use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
 
-type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
+type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
 
 /// A robot of a cell: its model, its drives and its program.
 pub struct RobotSetup<R: Robot> {
@@ -93,9 +94,10 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
-    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on.
+    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on. It is called
+    /// again, from its first line, after a reset: what it would give away it clones.
     #[must_use]
-    pub fn program(mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
+    pub fn program(mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
         self.give_program(program);
         self
     }
@@ -104,7 +106,7 @@ impl<R: Robot> RobotSetup<R> {
         name.clone_into(&mut self.name);
     }
 
-    pub(super) fn give_program(&mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
+    pub(super) fn give_program(&mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
         self.program = Some(Box::new(program));
     }
 
@@ -284,46 +286,43 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             Drives::Unhomed(homing) => Err(homing),
         };
         let run = move |waiter: &dyn Waiter| {
-            let drive = match drives {
-                Ok(drive) => Some(drive),
-                Err(homing) => home(process, waiter, &*server, homing).map(Drive::Here),
+            let homed = match drives {
+                Ok(drive) => Some((drive, Gate::default())),
+                Err(homing) => {
+                    home(process, waiter, &*server, homing).map(|(driver, gate)| (Drive::Here(driver), gate))
+                }
             };
-            if let Some(drive) = drive {
+            if let Some((drive, gate)) = homed {
                 let (step, delay) = (place.step, place.delay);
-                let config = EdpConfig {
-                    process,
-                    robot,
-                    drive,
-                    tool,
-                    step,
-                    delay,
-                    space,
-                    following_error,
-                    observers,
-                };
-                if let Err(fault) = Edp::new(config, waiter, server).run() {
+                let config =
+                    EdpConfig { process, robot, drive, tool, step, delay, space, following_error, observers };
+                if let Err(fault) = Edp::new(config, waiter, server).behind(gate).run() {
                     ended.borrow_mut().push((process, Err(fault)));
                 }
             }
         };
         link.body(edp, Box::new(run))?;
-        let (program, nudged) = (self.program, place.nudged);
+        let (mut program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
         link.body(
             place.ecp,
             Box::new(move |waiter| {
                 let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
-                let has_own = program.is_some();
-                let outcome = ecp.run_program(|ecp| match program {
-                    Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
-                    Some(program) => program(ecp),
-                    None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
-                    None => crate::transparent::program(ecp),
-                });
-                ecp.serve(&outcome);
-                if has_own {
-                    outcomes.borrow_mut().push((process, outcome));
+                loop {
+                    let outcome = ecp.run_program(|ecp| match &mut program {
+                        Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
+                        Some(program) => program(ecp),
+                        None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
+                        None => crate::transparent::program(ecp),
+                    });
+                    let starts_again = ecp.serve(&outcome);
+                    if !starts_again {
+                        if program.is_some() {
+                            outcomes.borrow_mut().push((process, outcome));
+                        }
+                        break;
+                    }
                 }
             }),
         )

@@ -22,7 +22,7 @@ impl<R: Robot> Edp<'_, R> {
             if let Some(sets) = self.regulators.take() {
                 let chosen = guarded(|| self.config.drive.choose_regulators(&sets));
                 if let Err(panic) = chosen {
-                    self.mode = Mode::Off;
+                    (self.mode, self.lost) = (Mode::Off, true);
                     self.latch(panic, self.due);
                 }
             }
@@ -75,7 +75,7 @@ impl<R: Robot> Edp<'_, R> {
             }
             // What a driver that panicked still does is unknown: it is told nothing more.
             Err(panic) => {
-                self.mode = Mode::Off;
+                (self.mode, self.lost) = (Mode::Off, true);
                 Some(panic)
             }
             Ok(Err(fault)) => {

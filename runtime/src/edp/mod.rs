@@ -8,6 +8,7 @@
 
 mod drives;
 mod following;
+mod resetting;
 mod serving;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ use crate::driver::{Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
 use crate::message::Message;
@@ -67,7 +69,7 @@ enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
-    /// A drive gave up and has its brake applied.
+    /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
 
@@ -95,8 +97,11 @@ pub(crate) struct Edp<'w, R: Robot> {
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
-    stopped: bool,
+    /// Shut by a stop or a fault.
+    gate: Gate,
     fault: Option<Fault>,
+    /// The driver has panicked: what it still does is unknown.
+    lost: bool,
     request: Message,
     reply: Message,
 }
@@ -129,8 +134,9 @@ impl<'w, R: Robot> Edp<'w, R> {
             step,
             servo,
             measured,
-            stopped: false,
+            gate: Gate::default(),
             fault: None,
+            lost: false,
             request: Message::empty(),
             reply: Message::empty(),
             config,
@@ -143,8 +149,15 @@ impl<'w, R: Robot> Edp<'w, R> {
         edp
     }
 
+    /// The same behind the gate that was kept while the robot looked for its marks.
+    pub fn behind(mut self, gate: Gate) -> Self {
+        self.gate = gate;
+        self
+    }
+
     /// Keeps the first fault.
     fn latch(&mut self, fault: Fault, step: u64) {
+        self.gate = self.gate.closed();
         self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
     }
 
@@ -167,7 +180,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
     /// nothing moves.
     fn come_to_rest(&mut self) -> Result<(), Fault> {
-        self.stopped = true;
+        self.gate = self.gate.closed();
         self.brake();
         let delay = self.config.delay.unwrap_or_default();
         let began = self.due;

@@ -3,12 +3,13 @@
 //! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. The
 //! MP alone paces the cell: [`clock`] says when a step begins and how much path time it has, [`exchange`] is one
 //! scatter and gather, [`instruction`] opens, ends and stops instructions by it, [`motion`] is Move and [`waiting`]
-//! Wait.
+//! Wait; [`restart`] runs the program, and again after a reset.
 
 mod clock;
 mod exchange;
 mod instruction;
 mod motion;
+mod restart;
 mod waiting;
 
 use core::any::TypeId;
@@ -47,6 +48,10 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    /// Resets that were tried.
+    epoch: u32,
+    /// A process that is gone: without it there is no restart.
+    gone: Option<ProcessId>,
 }
 
 impl<'w> Mp<'w> {
@@ -60,9 +65,21 @@ impl<'w> Mp<'w> {
         rate_change: f64,
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
-        let (guard, protective, latched) = (None, None, None);
-        let (ordinal, refusals) = (0, 0);
-        Mp { waiter, robots, sensing, operator, hook, guard, protective, clock, ordinal, latched, refusals }
+        Mp {
+            waiter,
+            robots,
+            sensing,
+            operator,
+            hook,
+            guard: None,
+            protective: None,
+            clock,
+            ordinal: 0,
+            latched: None,
+            refusals: 0,
+            epoch: 0,
+            gone: None,
+        }
     }
 
     /// Lets a guard watch over all robots.
@@ -131,14 +148,20 @@ impl<'w> Mp<'w> {
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
     fn hear_news(&mut self) -> Result<(), Fault> {
         match self.waiter.news() {
-            Some(News::Lost(process)) if self.latched.is_none() => {
+            Some(News::Lost(process)) => {
+                self.gone.get_or_insert(process);
+                if self.latched.is_some() {
+                    return Ok(());
+                }
                 Err(Fault::new(FaultKind::PeerLost).in_process(process).at_step(self.clock.step()))
             }
+            // From the terminal: the program is to end, and not to be started again.
             Some(News::Abort) => {
                 self.operator.abort();
+                self.operator.give_up();
                 Ok(())
             }
-            Some(News::Lost(_)) | None => Ok(()),
+            None => Ok(()),
         }
     }
 
@@ -210,31 +233,5 @@ impl<'w> Mp<'w> {
         self.clock.spend();
         self.begin_step()?;
         Err(fault)
-    }
-
-    /// Runs the coordinating program. A panic in it stops the robots as any fault does.
-    pub(crate) fn run_program(
-        &mut self,
-        program: impl FnOnce(&mut Self) -> Result<(), Fault>,
-    ) -> Result<(), Fault> {
-        let run = std::panic::AssertUnwindSafe(|| {
-            self.instruction(Self::home)?;
-            program(self)
-        });
-        let outcome = match std::panic::catch_unwind(run) {
-            Ok(outcome) => {
-                let settled = self.settle().map_err(|fault| self.stop(fault));
-                // A program that swallows a latched fault does not undo it.
-                let latched = self.latched.clone().map_or(Ok(()), Err);
-                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
-            }
-            Err(panic) => {
-                let fault =
-                    crate::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.clock.step());
-                Err(self.stop(fault))
-            }
-        };
-        self.operator.end();
-        outcome
     }
 }
