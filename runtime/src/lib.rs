@@ -90,8 +90,11 @@ mod pose;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod processes;
 mod realtime;
+mod recording;
+mod replay;
 mod robot;
 mod sensing;
+mod shape;
 mod step;
 mod step_fn;
 mod stopping;
@@ -100,6 +103,7 @@ mod task_space;
 mod transparent;
 mod vsp;
 mod wire;
+mod witness;
 mod wrench;
 
 pub use cell::{AfterFault, Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
@@ -127,6 +131,7 @@ pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
 pub use pose::{AngleAxis, Pose, Zyz};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
+pub use shape::Shape;
 pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;
 pub use vsp::{EffectorState, ReadingOrder, VirtualSensor, VspMode};

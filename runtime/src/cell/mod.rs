@@ -20,9 +20,12 @@ use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
 use crate::realtime::Realtime;
+use crate::recording::Recording;
+use crate::replay::Tape;
 use crate::robot::Robot;
 use crate::stopping::STOP_TIME;
 use crate::vsp::VirtualSensor;
+use crate::witness::Witness;
 
 use robot::SharedObserver;
 use sensor::AnySensor;
@@ -73,6 +76,12 @@ pub struct Cell {
     expected_sensors: Vec<String>,
     /// What its processes ask of the machine.
     realtime: Option<Realtime>,
+    /// Who watches the run.
+    witnesses: Vec<Rc<dyn Witness>>,
+    /// What it is recorded to.
+    recording: Option<Recording>,
+    /// What it replays.
+    tape: Option<Rc<Tape>>,
     /// What was found wrong while the cell was put together.
     errors: Vec<CellError>,
 }
@@ -94,6 +103,9 @@ impl Cell {
             guard: None,
             expected_sensors: Vec::new(),
             realtime: None,
+            witnesses: Vec::new(),
+            recording: None,
+            tape: None,
             errors: Vec::new(),
         }
     }
@@ -236,6 +248,25 @@ impl Cell {
     /// Asks this of the machine for its processes.
     pub(crate) fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
         self.realtime = realtime;
+        self
+    }
+
+    /// Shows what happens in the cell's processes to a witness.
+    pub(crate) fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
+        self.witnesses.push(witness);
+        self
+    }
+
+    /// Answers from a recording in place of drives, sensors and the operator. What was found wrong with it before anything
+    /// moves is [`check_tape`](crate::replay::compare)'s.
+    pub(crate) fn replaying(mut self, tape: Rc<Tape>) -> Cell {
+        let step = self.step;
+        for robot in &mut self.robots {
+            if let Some(recorded) = tape.robot(robot.name()) {
+                robot.replay(Rc::clone(recorded), step);
+            }
+        }
+        self.tape = Some(tape);
         self
     }
 

@@ -20,9 +20,12 @@ use crate::name::Name;
 use crate::payload::Nudge;
 use crate::plant::Site;
 use crate::pose::Pose;
+use crate::replay::RobotTape;
+use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
 
@@ -127,6 +130,7 @@ pub(crate) struct Place {
     pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
+    pub tap: Tap,
 }
 
 /// A robot of any kind at the end of a servo period, as a recorder sees it.
@@ -166,6 +170,8 @@ pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
+    /// Its drives read from a recording.
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
@@ -210,6 +216,12 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             (observer.borrow_mut())(&observation);
         }));
+    }
+
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration) {
+        // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
+        self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
+        self.drives = recorded(&self.drives, tape, step);
     }
 
     fn name(&self) -> &str {
@@ -286,16 +298,29 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             Drives::Unhomed(homing) => Err(homing),
         };
         let run = move |waiter: &dyn Waiter| {
+            let tap = place.tap.of(process);
             let homed = match drives {
                 Ok(drive) => Some((drive, Gate::default())),
-                Err(homing) => {
-                    home(process, waiter, &*server, homing).map(|(driver, gate)| (Drive::Here(driver), gate))
-                }
+                Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
+                    let now = waiter.now();
+                    tap.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    (Drive::Here(driver), gate)
+                }),
             };
             if let Some((drive, gate)) = homed {
                 let (step, delay) = (place.step, place.delay);
-                let config =
-                    EdpConfig { process, robot, drive, tool, step, delay, space, following_error, observers };
+                let config = EdpConfig {
+                    process,
+                    robot,
+                    drive,
+                    tool,
+                    step,
+                    delay,
+                    space,
+                    following_error,
+                    observers,
+                    tap,
+                };
                 if let Err(fault) = Edp::new(config, waiter, server).behind(gate).run() {
                     ended.borrow_mut().push((process, Err(fault)));
                 }

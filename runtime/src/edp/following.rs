@@ -27,6 +27,7 @@ impl<R: Robot> Edp<'_, R> {
                 }
             }
         }
+        self.tell_step();
         self.due += 1;
     }
 

@@ -10,6 +10,7 @@ mod drives;
 mod following;
 mod resetting;
 mod serving;
+mod telling;
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +29,7 @@ use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
+use crate::witness::Tap;
 
 pub(crate) use drives::{Drive, PlantDrive, PlantEnd};
 
@@ -59,6 +61,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     /// Largest difference between demanded and measured joint positions [rad or m].
     pub following_error: R::Joints,
     pub observers: Vec<Observer<R>>,
+    /// Where each step is shown.
+    pub tap: Tap,
 }
 
 #[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
@@ -158,7 +162,11 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Keeps the first fault.
     fn latch(&mut self, fault: Fault, step: u64) {
         self.gate = self.gate.closed();
-        self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
+        if self.fault.is_none() {
+            let fault = fault.in_process(self.config.process).at_step(step);
+            self.tell_fault(&fault, step);
+            self.fault = Some(fault);
+        }
     }
 
     /// Serves until the cell closes.

@@ -8,12 +8,13 @@ use core::any::TypeId;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::guard::RobotView;
 use crate::image::State;
-use crate::link::Client;
-use crate::list::{RobotList, SensorList, SensorsOf};
+use crate::link::{Client, Nanos};
+use crate::list::{PayloadType, RobotList, SensorList, SensorsOf};
 use crate::message::{Header, Kind, Message, OrderKind, flag};
 use crate::name::Name;
 use crate::vsp::EffectorState;
 use crate::wire::{BadWords, Wire};
+use crate::witness::{Tap, What};
 
 use super::Mp;
 
@@ -33,6 +34,8 @@ pub(crate) struct RobotPort {
     pub(super) is_silent: bool,
     /// Whether the last instruction handed it over moving.
     pub(super) handed_over: bool,
+    /// The type of its orders.
+    pub(super) payload: PayloadType,
     pub(super) order: Message,
     pub(super) reply: Message,
 }
@@ -46,6 +49,7 @@ impl RobotPort {
         homed: bool,
     ) -> RobotPort {
         let (order, reply) = (Message::empty(), Message::empty());
+        let payload = PayloadType::of::<()>();
         RobotPort {
             name,
             kind,
@@ -56,6 +60,7 @@ impl RobotPort {
             stop_steps,
             is_silent: false,
             handed_over: false,
+            payload,
             order,
             reply,
         }
@@ -73,6 +78,13 @@ impl RobotPort {
         let (measured, demanded) = words.split_at_checked(EffectorState::LEN)?;
         let state = |words: &[u64]| EffectorState::get(words).ok();
         Some(RobotView { name: self.name, measured: state(measured)?, demanded: state(demanded)? })
+    }
+
+    /// Shows the order that it was sent.
+    fn show_order(&self, kind: OrderKind, tap: &Tap, now: Nanos) {
+        let (robot, PayloadType { name: payload, shape, .. }) = (self.name, self.payload);
+        let (step, instruction) = (self.order.header.step, self.order.header.instruction);
+        tap.show(now, &What::Order { robot, step, instruction, kind, payload, shape }, self.order.words());
     }
 
     pub(super) fn process(&self) -> ProcessId {
@@ -130,6 +142,7 @@ impl Mp<'_> {
                 header.len = 0;
             }
             robot.client.send(&robot.order);
+            robot.show_order(kind, &self.tap, self.waiter.now());
         }
         let deadline = self.waiter.now() + self.sensing.patience;
         let mut first: Option<Fault> = None;

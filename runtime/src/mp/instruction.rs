@@ -30,7 +30,8 @@ impl Mp<'_> {
         }
         for (i, &index) in indices.iter().enumerate() {
             let robot = &mut self.robots[index];
-            robot.order.header.payload = payload(i).id;
+            robot.payload = payload(i);
+            robot.order.header.payload = robot.payload.id;
             robot.order.header.len = 0;
         }
         let started = self.exchange(indices, OrderKind::Start, flag::WANT_STATE).map_err(|fault| {
@@ -131,6 +132,7 @@ impl Mp<'_> {
 
     /// Stops every robot of the cell and latches the first cause.
     pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
+        self.tell_stop(&fault);
         let fault = self.latched.get_or_insert(fault).clone();
         let _ = self.operator.meet(Event::Fault);
         self.take_handed_over();

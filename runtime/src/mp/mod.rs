@@ -10,10 +10,12 @@ mod exchange;
 mod instruction;
 mod motion;
 mod restart;
+mod telling;
 mod waiting;
 
 use core::any::TypeId;
 use core::time::Duration;
+use std::rc::Rc;
 
 use crate::ecp::MAX_REFUSALS;
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
@@ -23,9 +25,11 @@ use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
+use crate::replay::Script;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
 use crate::suggestion::suggestion;
+use crate::witness::Tap;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
@@ -52,6 +56,11 @@ pub struct Mp<'w> {
     epoch: u32,
     /// A process that is gone: without it there is no restart.
     gone: Option<ProcessId>,
+    tap: Tap,
+    /// Whether the operator was seen to abort in this step.
+    aborts: bool,
+    /// A replay's steps.
+    script: Option<Rc<Script>>,
 }
 
 impl<'w> Mp<'w> {
@@ -65,20 +74,26 @@ impl<'w> Mp<'w> {
         rate_change: f64,
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
+        let (guard, protective, latched) = (None, None, None);
+        let (ordinal, refusals) = (0, 0);
+        let (tap, aborts, script) = (sensing.tap.clone(), false, None);
         Mp {
             waiter,
             robots,
             sensing,
             operator,
             hook,
-            guard: None,
-            protective: None,
-            clock,
-            ordinal: 0,
-            latched: None,
-            refusals: 0,
+            guard,
             epoch: 0,
             gone: None,
+            protective,
+            clock,
+            ordinal,
+            latched,
+            refusals,
+            tap,
+            aborts,
+            script,
         }
     }
 
@@ -132,6 +147,7 @@ impl<'w> Mp<'w> {
 
     /// Begins a step, unless one has begun that no exchange has used.
     fn begin_step(&mut self) -> Result<(), Fault> {
+        self.keep_to_script();
         let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
             // A hook that panics is not called again by the stop that follows.
@@ -139,10 +155,14 @@ impl<'w> Mp<'w> {
                 hook(self.clock.step(), &self.operator);
                 self.hook = Some(hook);
             }
+            self.follow_script();
             let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
             self.clock.advance(rate, self.operator.is_suspended());
+            self.tell_step()?;
         }
-        self.hear_news()
+        self.hear_news()?;
+        self.tell_abort();
+        Ok(())
     }
 
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
