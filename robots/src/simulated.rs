@@ -274,12 +274,12 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
     }
 
     /// Not where motors hold on by limiting their current: a gripper keeps its grip.
-    fn switch_off(&mut self) -> bool {
-        let releases = self.drives.iter().all(|drive| drive.data.overload != Overload::Limit);
-        if releases {
-            self.brake();
-        }
-        releases
+    fn has_brakes(&self) -> bool {
+        self.drives.iter().all(|drive| drive.data.overload != Overload::Limit)
+    }
+
+    fn switch_off(&mut self) {
+        self.brake();
     }
 
     /// The brakes bring to rest what a trip left moving.
@@ -293,6 +293,14 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
 
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         joint < N && RegulatorSet::numbered(set).is_some()
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<SVector<f64, N>> {
+        Simulated::brake(self)
     }
 
     fn choose_regulators(&mut self, sets: &Regulators) {

@@ -200,9 +200,12 @@ impl Driver<Gantry> for Trips {
         Ok(self.measured())
     }
 
-    fn switch_off(&mut self) -> bool {
-        self.off.set(true);
+    fn has_brakes(&self) -> bool {
         true
+    }
+
+    fn switch_off(&mut self) {
+        self.off.set(true);
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

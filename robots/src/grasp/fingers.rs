@@ -54,8 +54,20 @@ impl Driver<Gripper> for Fingers {
         self.drive.tick(demanded)
     }
 
-    fn switch_off(&mut self) -> bool {
-        self.drive.switch_off()
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<One> {
+        self.drive.brake()
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.drive.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.drive.switch_off();
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

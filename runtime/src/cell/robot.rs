@@ -8,7 +8,7 @@ use std::rc::Rc;
 use super::{CellError, Outcomes, limits};
 use crate::driver::{Driver, Homing};
 use crate::ecp::{Ecp, Pace};
-use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
+use crate::edp::{Drive, Edp, EdpConfig, Observer, ServoRecord};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
@@ -18,6 +18,7 @@ use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
+use crate::plant::Site;
 use crate::pose::Pose;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
@@ -171,12 +172,15 @@ pub(crate) trait AnyRobot {
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
+    /// Whether its drives may be in the plant.
+    fn is_simulated(&self) -> bool;
     fn check_space(&self, name: Name) -> Option<CellError>;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
         link: &mut dyn Link,
+        plant: &mut Site,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -241,6 +245,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         matches!(self.drives, Drives::Homed(_))
     }
 
+    fn is_simulated(&self) -> bool {
+        matches!(&self.drives, Drives::Homed(driver) if driver.is_simulated())
+    }
+
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
         limits::check(
             name,
@@ -258,6 +266,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     fn spawn(
         self: Box<Self>,
         link: &mut dyn Link,
+        plant: &mut Site,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -267,27 +276,26 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
         let (client, server) = link.port(place.ecp, edp);
-        let (robot, drives, observers) = (self.robot, self.drives, self.observers);
+        let (robot, observers) = (self.robot, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
         let ended = Rc::clone(&outcomes);
+        // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
+        // that is called no more comes to rest by itself.
+        let drives = match self.drives {
+            Drives::Homed(driver) => Ok(plant.take(link, (process, edp), driver)),
+            Drives::Unhomed(homing) => Err(homing),
+        };
         let run = move |waiter: &dyn Waiter| {
             let homed = match drives {
-                Drives::Homed(driver) => Some((driver, Gate::default())),
-                Drives::Unhomed(homing) => home(process, waiter, &*server, homing),
+                Ok(drive) => Some((drive, Gate::default())),
+                Err(homing) => {
+                    home(process, waiter, &*server, homing).map(|(driver, gate)| (Drive::Here(driver), gate))
+                }
             };
-            if let Some((driver, gate)) = homed {
+            if let Some((drive, gate)) = homed {
                 let (step, delay) = (place.step, place.delay);
-                let config = EdpConfig {
-                    process,
-                    robot,
-                    driver,
-                    tool,
-                    step,
-                    delay,
-                    space,
-                    following_error,
-                    observers,
-                };
+                let config =
+                    EdpConfig { process, robot, drive, tool, step, delay, space, following_error, observers };
                 if let Err(fault) = Edp::new(config, waiter, server).behind(gate).run() {
                     ended.borrow_mut().push((process, Err(fault)));
                 }

@@ -15,14 +15,12 @@ use super::{Edp, Mode, guarded};
 impl<R: Robot> Edp<'_, R> {
     /// A fault stop is over when the robot stands: power off, brakes on, where the drives have such.
     pub(super) fn switch_off(&mut self) {
-        if matches!(self.mode, Mode::Holding) && self.is_at_standstill() {
-            match guarded(|| self.config.driver.switch_off()) {
-                Ok(true) => self.mode = Mode::Off,
-                Ok(false) => {}
-                Err(panic) => {
-                    (self.mode, self.lost) = (Mode::Off, true);
-                    self.latch(panic, self.request.header.step);
-                }
+        let holds = matches!(self.mode, Mode::Holding) && self.is_at_standstill();
+        if holds && self.config.drive.has_brakes() {
+            self.mode = Mode::Off;
+            if let Err(panic) = guarded(|| self.config.drive.switch_off(self.waiter)) {
+                self.lost = true;
+                self.latch(panic, self.request.header.step);
             }
         }
     }
@@ -52,10 +50,10 @@ impl<R: Robot> Edp<'_, R> {
 
     /// Power for drives that have none, with the regulators that they began with.
     fn power(&mut self) -> Result<(), Fault> {
-        let driver = &mut self.config.driver;
-        driver.switch_on().map_err(|trip| Fault::of_drive(&trip))?;
-        driver.choose_regulators(&Regulators::default());
-        self.measured = driver.measured();
+        let drive = &mut self.config.drive;
+        drive.switch_on(self.waiter)?;
+        drive.choose_regulators(&Regulators::default());
+        self.measured = drive.measured();
         Ok(())
     }
 

@@ -21,7 +21,7 @@ impl<R: Robot> Edp<'_, R> {
     pub(super) fn serve(&mut self) {
         let request = match self.request.header.kind {
             Kind::Request(request) => Some(request),
-            Kind::Order(_) | Kind::Read | Kind::Reply | Kind::Fault => None,
+            Kind::Order(_) | Kind::Command | Kind::Read | Kind::Reply | Kind::Fault => None,
         };
         let asked = request.map_or(Asked::Look, asked);
         let (gate, admission) = self.gate.meet(self.request.header.epoch, asked, self.is_at_standstill());
@@ -113,8 +113,8 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     fn check_regulators(&self, sets: &Regulators) -> Result<(), Fault> {
-        let driver = &self.config.driver;
-        match (0..R::Joints::LEN).find(|&joint| !driver.has_regulator(joint, sets.set(joint))) {
+        let drive = &self.config.drive;
+        match (0..R::Joints::LEN).find(|&joint| !drive.has_regulator(joint, sets.set(joint))) {
             Some(joint) => {
                 let text = format!("parameter set {}", sets.set(joint));
                 Err(Fault::new(FaultKind::NoRegulator).at_joint(joint).text(&text))

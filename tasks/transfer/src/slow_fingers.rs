@@ -43,8 +43,23 @@ impl Driver<Gripper> for SlowFingers {
         Ok(measured)
     }
 
-    fn switch_off(&mut self) -> bool {
-        self.fingers.switch_off()
+    fn is_simulated(&self) -> bool {
+        self.fingers.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<One> {
+        for _ in 1..Self::PARTS {
+            self.fingers.brake();
+        }
+        self.fingers.brake()
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.fingers.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.fingers.switch_off();
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

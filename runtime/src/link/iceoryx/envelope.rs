@@ -14,7 +14,7 @@ pub(crate) const LAYOUT: u64 = 2;
 const HEAD: usize = 12;
 
 /// The kinds of messages; one travels as its place in this list.
-const KINDS: [Kind; 16] = [
+const KINDS: [Kind; 17] = [
     Kind::Order(OrderKind::Query),
     Kind::Order(OrderKind::Start),
     Kind::Order(OrderKind::Step),
@@ -31,6 +31,7 @@ const KINDS: [Kind; 16] = [
     Kind::Read,
     Kind::Reply,
     Kind::Fault,
+    Kind::Command,
 ];
 
 /// What every message of a cell's run carries: messages of another run, or of an earlier attempt to start it, are none.
@@ -185,7 +186,7 @@ mod tests {
     fn a_damaged_head_is_no_message() {
         // Kind, flags, instruction, length, epoch: the words that not every number spells.
         for (word, value) in
-            [(0, 16), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX), (11, 1 << 32)]
+            [(0, 17), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX), (11, 1 << 32)]
         {
             let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
             envelope.head[word] = value;
