@@ -75,6 +75,7 @@ mod homing;
 mod image;
 mod interpolation;
 mod joints;
+mod latch;
 mod launch;
 mod limits;
 mod link;
@@ -84,6 +85,7 @@ mod mp;
 mod name;
 mod operator;
 mod payload;
+mod plant;
 mod pose;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod processes;
@@ -105,7 +107,7 @@ mod wire;
 mod witness;
 mod wrench;
 
-pub use cell::{Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
+pub use cell::{AfterFault, Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
 pub use cell_file::{CellFile, CellFileError, Kinds, RobotEntry};
 pub use class::{Class, Level, Uses};
 pub use demand::Demand;
@@ -118,6 +120,7 @@ pub use guard::RobotView;
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
+pub use latch::{Latch, LatchRefusal};
 pub use launch::{Recorder, launch};
 pub use list::{
     AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,

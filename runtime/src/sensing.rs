@@ -212,6 +212,11 @@ impl Sensing {
         Ok(SensorHandle { index, name: port.name, configuration, image: SensorImage::unknown() })
     }
 
+    /// Programs start again: each sensor has its handle to give.
+    pub fn release(&mut self) {
+        self.ports.iter_mut().for_each(|port| port.taken = false);
+    }
+
     /// The robot that the sensor at a place of a list belongs to.
     pub fn robot_of<V: SensorList>(&self, sensors: &impl SensorsOf<V>, place: usize) -> Option<usize> {
         sensors.indices().as_ref().get(place).and_then(|&index| self.ports[index].robot)

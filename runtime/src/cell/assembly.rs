@@ -10,6 +10,7 @@ use crate::fault::{ProcessId, Role};
 use crate::link::{Link, Nanos};
 use crate::mp::{Mp, RobotPort};
 use crate::name::Name;
+use crate::plant::{Rests, Site};
 use crate::sensing::Sensing;
 use crate::stopping::missed_step_budget;
 use crate::witness::{Tap, What};
@@ -20,6 +21,12 @@ pub(crate) struct Assembly {
     pub outcomes: Outcomes,
     /// Steps that the MP began.
     pub steps: Rc<core::cell::Cell<u64>>,
+    /// How robots in the plant came to a standstill whose commands had stopped.
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "told to the launcher")
+    )]
+    pub rests: Rests,
 }
 
 impl Cell {
@@ -40,6 +47,8 @@ impl Cell {
         let outcomes = Outcomes::default();
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
+
+        let mut plant = Site::new(link, self.step, self.robots.iter().any(|robot| robot.is_simulated()));
 
         let tap = Tap::to(self.witnesses);
         let mut mp_sensing = Sensing { ports: Vec::new(), patience, tap: tap.of(ProcessId::MP) };
@@ -84,13 +93,15 @@ impl Cell {
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps: steps };
             let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged, tap: tap.clone() };
-            robot.spawn(link, place, server, sensing, Rc::clone(&outcomes))?;
+            robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
+        let rests = Rests::default();
+        plant.spawn(link, Rc::clone(&rests))?;
 
         let close = link.closer();
-        let (operator, step, rate_change, program) =
+        let (operator, step, rate_change, mut program) =
             (self.operator, self.step, self.rate_change, self.program);
-        let (hook, guard) = (self.hook, self.guard);
+        let (hook, guard, after_fault) = (self.hook, self.guard, self.after_fault);
         let script = self.tape.map(|tape| Rc::clone(&tape.script));
         let steps = Rc::new(core::cell::Cell::new(0));
         let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
@@ -100,7 +111,7 @@ impl Cell {
                 let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 mp.watch_by(guard);
                 mp.follow(script);
-                let outcome = mp.run_program(|mp| match program {
+                let outcome = mp.run_program(after_fault, |mp| match &mut program {
                     Some(program) => program(mp),
                     None => mp.nudge(),
                 });
@@ -111,6 +122,6 @@ impl Cell {
                 close();
             }),
         )?;
-        Ok(Assembly { outcomes, steps })
+        Ok(Assembly { outcomes, steps, rests })
     }
 }

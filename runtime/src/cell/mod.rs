@@ -47,13 +47,26 @@ pub struct RunReport {
     pub time: Duration,
 }
 
-type MpProgram = Box<dyn FnOnce(&mut Mp) -> Result<(), Fault>>;
+/// What a cell does when a fault has stopped it and its robots stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AfterFault {
+    /// The run ends with the first cause, as nobody may be there.
+    #[default]
+    End,
+    /// It stays latched until its [`Operator`] acknowledges the fault and resets it, or gives it up. Then drives come on
+    /// where the robots are, and all programs start again from their first line. Under the virtual clock the time passes
+    /// meanwhile as fast as ever.
+    AwaitReset,
+}
+
+type MpProgram = Box<dyn FnMut(&mut Mp) -> Result<(), Fault>>;
 type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
 
 /// A set-up cell.
 pub struct Cell {
     step: Duration,
     stop_time: Duration,
+    after_fault: AfterFault,
     rate_change: f64,
     robots: Vec<Box<dyn AnyRobot>>,
     sensors: Vec<Box<dyn AnySensor>>,
@@ -82,6 +95,7 @@ impl Cell {
         Cell {
             step,
             stop_time: STOP_TIME,
+            after_fault: AfterFault::End,
             rate_change: crate::feed::DEFAULT_CHANGE,
             robots: Vec::new(),
             sensors: Vec::new(),
@@ -107,6 +121,13 @@ impl Cell {
         self
     }
 
+    /// What the cell does when a fault has stopped it: it ends, unless it is told to await a reset.
+    #[must_use]
+    pub fn after_fault(mut self, after_fault: AfterFault) -> Cell {
+        self.after_fault = after_fault;
+        self
+    }
+
     /// Adds a robot.
     #[must_use]
     pub fn robot<R: Robot>(mut self, setup: RobotSetup<R>) -> Cell {
@@ -115,12 +136,12 @@ impl Cell {
     }
 
     /// Gives the ECP of a robot that was added before its program. Without one an ECP is transparent: it passes the MP's
-    /// demands on.
+    /// demands on. It is called again after a [reset](AfterFault::AwaitReset).
     #[must_use]
     pub fn ecp<R: Robot>(
         mut self,
         robot: &str,
-        program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static,
+        program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static,
     ) -> Cell {
         let found = self.robots.iter_mut().find(|known| known.name() == robot);
         match found.map(|found| (found.kind_name(), found.as_any().downcast_mut::<RobotSetup<R>>())) {
@@ -168,9 +189,10 @@ impl Cell {
         self
     }
 
-    /// The program of the MP. Without one the MP nudges: it starts every ECP's program and waits for all.
+    /// The program of the MP. Without one the MP nudges: it starts every ECP's program and waits for all. It is called
+    /// again, from its first line, after a [reset](AfterFault::AwaitReset): what it would give away it clones.
     #[must_use]
-    pub fn program(mut self, program: impl FnOnce(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
+    pub fn program(mut self, program: impl FnMut(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
         self.program = Some(Box::new(program));
         self
     }

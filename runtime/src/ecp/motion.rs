@@ -105,6 +105,7 @@ impl<R: Robot> Ecp<'_, R> {
                 | Duty::Report
                 | Duty::Stop
                 | Duty::Refuse
+                | Duty::Reset
                 | Duty::Foreign) => return Err(self.decline(duty)),
             };
             let (mut dt, mut duration) = (self.orders.header().dt, self.orders.header().duration);

@@ -6,7 +6,9 @@
 //! space ([`Interpolation`]). The reply to a demand leaves as soon as the demand is accepted: the next one is computed
 //! while the robot moves.
 
+mod drives;
 mod following;
+mod resetting;
 mod serving;
 mod telling;
 #[cfg(test)]
@@ -15,10 +17,11 @@ mod tests;
 use core::time::Duration;
 
 use crate::braking::Braking;
-use crate::driver::{Driver, Measured, Regulators};
+use crate::driver::{Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Server, Waiter};
 use crate::message::Message;
@@ -27,6 +30,8 @@ use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
 use crate::witness::Tap;
+
+pub(crate) use drives::{Drive, PlantDrive, PlantEnd};
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
@@ -47,7 +52,7 @@ pub type Observer<R> = Box<dyn FnMut(&ServoRecord<R>)>;
 pub(crate) struct EdpConfig<R: Robot> {
     pub process: ProcessId,
     pub robot: R,
-    pub driver: Box<dyn Driver<R>>,
+    pub drive: Drive<R>,
     pub tool: Pose,
     pub step: Duration,
     /// The cell's delay between demands and drives; `None`: drives take each demand as it is.
@@ -68,7 +73,7 @@ enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
-    /// A drive gave up and has its brake applied.
+    /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
 
@@ -96,16 +101,19 @@ pub(crate) struct Edp<'w, R: Robot> {
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
-    stopped: bool,
+    /// Shut by a stop or a fault.
+    gate: Gate,
     fault: Option<Fault>,
+    /// The driver has panicked: what it still does is unknown.
+    lost: bool,
     request: Message,
     reply: Message,
 }
 
 impl<'w, R: Robot> Edp<'w, R> {
     pub fn new(config: EdpConfig<R>, waiter: &'w dyn Waiter, port: Box<dyn Server>) -> Self {
-        let measured = config.driver.measured();
-        let (step, servo) = (config.step.as_nanos() as Nanos, config.driver.period().as_nanos() as Nanos);
+        let measured = config.drive.measured();
+        let (step, servo) = (config.step.as_nanos() as Nanos, config.drive.period().as_nanos() as Nanos);
         let reaction = detection_time(config.step);
         let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
         let (now, shorter) = (waiter.now(), servo.min(step));
@@ -130,8 +138,9 @@ impl<'w, R: Robot> Edp<'w, R> {
             step,
             servo,
             measured,
-            stopped: false,
+            gate: Gate::default(),
             fault: None,
+            lost: false,
             request: Message::empty(),
             reply: Message::empty(),
             config,
@@ -144,8 +153,15 @@ impl<'w, R: Robot> Edp<'w, R> {
         edp
     }
 
+    /// The same behind the gate that was kept while the robot looked for its marks.
+    pub fn behind(mut self, gate: Gate) -> Self {
+        self.gate = gate;
+        self
+    }
+
     /// Keeps the first fault.
     fn latch(&mut self, fault: Fault, step: u64) {
+        self.gate = self.gate.closed();
         if self.fault.is_none() {
             let fault = fault.in_process(self.config.process).at_step(step);
             self.tell_fault(&fault, step);
@@ -172,7 +188,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
     /// nothing moves.
     fn come_to_rest(&mut self) -> Result<(), Fault> {
-        self.stopped = true;
+        self.gate = self.gate.closed();
         self.brake();
         let delay = self.config.delay.unwrap_or_default();
         let began = self.due;

@@ -132,8 +132,8 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
 /// Whether a word goes on with what a process is called: `mp`, `ecp NAME`.
 fn is_role(role: &[OsString], word: &OsStr) -> bool {
     match role {
-        [] => ["mp", "ecp", "edp", "vsp"].iter().any(|role| word == OsStr::new(role)),
-        [role] => role != "mp",
+        [] => ["mp", "plant", "ecp", "edp", "vsp"].iter().any(|role| word == OsStr::new(role)),
+        [role] => role != "mp" && role != "plant",
         _ => false,
     }
 }
@@ -141,6 +141,7 @@ fn is_role(role: &[OsString], word: &OsStr) -> bool {
 fn read_role(words: &[OsString]) -> Option<ProcessId> {
     let role = match words.first()?.to_str()? {
         "mp" => return Some(ProcessId::MP),
+        "plant" => return Some(ProcessId::PLANT),
         "ecp" => Role::Ecp,
         "edp" => Role::Edp,
         _ => Role::Vsp,

@@ -3,12 +3,13 @@
 //! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. The
 //! MP alone paces the cell: [`clock`] says when a step begins and how much path time it has, [`exchange`] is one
 //! scatter and gather, [`instruction`] opens, ends and stops instructions by it, [`motion`] is Move and [`waiting`]
-//! Wait.
+//! Wait; [`restart`] runs the program, and again after a reset.
 
 mod clock;
 mod exchange;
 mod instruction;
 mod motion;
+mod restart;
 mod telling;
 mod waiting;
 
@@ -51,6 +52,10 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    /// Resets that were tried.
+    epoch: u32,
+    /// A process that is gone: without it there is no restart.
+    gone: Option<ProcessId>,
     tap: Tap,
     /// Whether the operator was seen to abort in this step.
     aborts: bool,
@@ -79,6 +84,8 @@ impl<'w> Mp<'w> {
             operator,
             hook,
             guard,
+            epoch: 0,
+            gone: None,
             protective,
             clock,
             ordinal,
@@ -161,14 +168,20 @@ impl<'w> Mp<'w> {
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
     fn hear_news(&mut self) -> Result<(), Fault> {
         match self.waiter.news() {
-            Some(News::Lost(process)) if self.latched.is_none() => {
+            Some(News::Lost(process)) => {
+                self.gone.get_or_insert(process);
+                if self.latched.is_some() {
+                    return Ok(());
+                }
                 Err(Fault::new(FaultKind::PeerLost).in_process(process).at_step(self.clock.step()))
             }
+            // From the terminal: the program is to end, and not to be started again.
             Some(News::Abort) => {
                 self.operator.abort();
+                self.operator.give_up();
                 Ok(())
             }
-            Some(News::Lost(_)) | None => Ok(()),
+            None => Ok(()),
         }
     }
 
@@ -244,31 +257,5 @@ impl<'w> Mp<'w> {
             self.refusals = 0;
             std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
         }
-    }
-
-    /// Runs the coordinating program. A panic in it stops the robots as any fault does.
-    pub(crate) fn run_program(
-        &mut self,
-        program: impl FnOnce(&mut Self) -> Result<(), Fault>,
-    ) -> Result<(), Fault> {
-        let run = std::panic::AssertUnwindSafe(|| {
-            self.instruction(Self::home)?;
-            program(self)
-        });
-        let outcome = match std::panic::catch_unwind(run) {
-            Ok(outcome) => {
-                let settled = self.settle().map_err(|fault| self.stop(fault));
-                // A program that swallows a latched fault does not undo it.
-                let latched = self.latched.clone().map_or(Ok(()), Err);
-                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
-            }
-            Err(panic) => {
-                let fault =
-                    crate::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.clock.step());
-                Err(self.stop(fault))
-            }
-        };
-        self.operator.end();
-        outcome
     }
 }

@@ -184,14 +184,14 @@ fn end(
     let me = ids()[usize::from(!asks)];
     match kind {
         "mrroc" => {
-            let mut fabric = Fabric::new(me);
+            let mut fabric = Fabric::new(me, Clock::Real);
             for id in ids() {
                 fabric.place(id);
             }
             let (client, server) = fabric.port(0, 1);
-            fabric.create(&folder(of), &format!("mrl{of}a_"), SEAL, Clock::Real).expect("made");
+            fabric.create(&folder(of), &format!("mrl{of}a_"), SEAL).expect("made");
             barrier();
-            fabric.connect(SEAL, Clock::Real).expect("connected");
+            fabric.connect(SEAL).expect("connected");
             barrier();
             let listener = fabric.take_listener().expect("made");
             let waiter = RealTime::new(listener, control, 0, 0);

@@ -255,6 +255,7 @@ const fn order_kind(kind: OrderKind) -> &'static str {
         OrderKind::Abort => "abort",
         OrderKind::Brake => "brake",
         OrderKind::Stop => "stop",
+        OrderKind::Reset => "reset",
     }
 }
 
