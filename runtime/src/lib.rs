@@ -58,6 +58,7 @@
 extern crate self as mrroc;
 
 mod advice;
+mod approach;
 mod braking;
 mod cell;
 mod cell_file;

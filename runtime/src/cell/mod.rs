@@ -11,6 +11,7 @@ mod sensor;
 
 use core::time::Duration;
 use std::cell::RefCell;
+use std::path::Path;
 use std::rc::Rc;
 
 use crate::ecp::Ecp;
@@ -31,7 +32,7 @@ use crate::witness::Witness;
 use robot::SharedObserver;
 use sensor::AnySensor;
 
-pub(crate) use layout::{Layout, RobotLayout, SensorLayout};
+pub(crate) use layout::{JointLayout, Layout, RobotLayout, SensorLayout};
 pub(crate) use robot::AnyRobot;
 
 pub use error::CellError;
@@ -82,6 +83,8 @@ pub struct Cell {
     witnesses: Vec<Rc<dyn Witness>>,
     /// What it is recorded to.
     recording: Option<Recording>,
+    /// Whether a dry run comes before one in real time.
+    dry_run: bool,
     /// What it replays.
     tape: Option<Rc<Tape>>,
     /// What was found wrong while the cell was put together.
@@ -107,6 +110,7 @@ impl Cell {
             realtime: None,
             witnesses: Vec::new(),
             recording: None,
+            dry_run: false,
             tape: None,
             errors: Vec::new(),
         }
@@ -242,7 +246,6 @@ impl Cell {
     }
 
     /// What its processes ask of the machine.
-    #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn realtime(&self) -> Option<&Realtime> {
         self.realtime.as_ref()
     }
@@ -259,6 +262,30 @@ impl Cell {
     pub fn record(mut self, recording: Recording) -> Cell {
         self.recording = Some(recording);
         self
+    }
+
+    /// Records to this file what it is asked to record, or everything.
+    pub(crate) fn record_to(mut self, file: &Path) -> Cell {
+        let asked = self.recording.take().unwrap_or_else(|| Recording::to(file));
+        self.recording = Some(asked.into(file));
+        self
+    }
+
+    /// Records nothing.
+    pub(crate) fn unrecorded(mut self) -> Cell {
+        self.recording = None;
+        self
+    }
+
+    /// Lets no run in real time begin before a dry run has gone well.
+    pub(crate) const fn demand_dry_run(mut self) -> Cell {
+        self.dry_run = true;
+        self
+    }
+
+    /// Whether a dry run comes before one in real time.
+    pub(crate) const fn demands_dry_run(&self) -> bool {
+        self.dry_run
     }
 
     /// What it is recorded to.

@@ -114,7 +114,8 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
                 ("duration", number.clone()),
                 ("speed", number),
                 ("suspended", truth.clone()),
-                ("aborting", truth),
+                ("aborting", truth.clone()),
+                ("resetting", truth),
             ]);
             ("/steps".to_owned(), "mrroc.Step".to_owned(), step)
         }
@@ -161,9 +162,9 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
     let words = record.words();
     // Writing to a text cannot fail.
     let _ = match record.what {
-        What::Step { step, dt, duration, speed, suspended, aborting } => write!(
+        What::Step { step, dt, duration, speed, suspended, aborting, resetting } => write!(
             out,
-            "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting}}}"
+            "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting},\"resetting\":{resetting}}}"
         ),
         What::Image { step, mode } => return write_image(out, step, mode, words, joints),
         What::Order { step, instruction, kind, shape, .. } => {

@@ -39,7 +39,8 @@ mod running;
 #[path = "without.rs"]
 mod running;
 
-use std::path::PathBuf;
+use core::fmt;
+use std::path::{Path, PathBuf};
 
 use crate::cell::Layout;
 
@@ -88,6 +89,11 @@ impl Recording {
         Recording { file: file.into(), robots: None, sensors: None }
     }
 
+    /// The same, to another file.
+    pub(crate) fn into(self, file: &Path) -> Recording {
+        Recording { file: file.to_owned(), ..self }
+    }
+
     /// Of the robots only these. A recording without all robots cannot be replayed.
     #[must_use]
     pub fn robots<'a>(mut self, names: impl IntoIterator<Item = &'a str>) -> Recording {
@@ -123,5 +129,17 @@ impl Recording {
             names.map(|name| NotRecorded::NotThere(what, name.clone(), there.join(", ")))
         });
         missing.collect()
+    }
+}
+
+impl fmt::Display for Recording {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        for (what, names) in [("robots", &self.robots), ("sensors", &self.sensors)] {
+            if let Some(names) = names {
+                write!(f, ", {what} {}", if names.is_empty() { "none".to_owned() } else { names.join(" ") })?;
+            }
+        }
+        Ok(())
     }
 }
