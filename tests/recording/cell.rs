@@ -1,12 +1,11 @@
 //! The cell of these tests: two arms that are coordinated loosely and tightly, sensors in three modes that the MP and an
 //! ECP read, and an operator who slows down, suspends and resumes in known steps.
 
-use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use mrroc::{
-    Always, Cell, Demand, Ecp, Fault, Mp, Operator, Order, Payload, Reading, ReadingOrder, Recording,
-    RobotSetup, Sensor, SensorSetup, State, Step, Tick, VirtualSensor, VspMode, condition, generator,
+    Always, Cell, Demand, Ecp, Fault, Mp, Operator, Order, Payload, Reading, ReadingOrder, RobotSetup,
+    Sensor, SensorSetup, State, Step, Tick, VirtualSensor, VspMode, condition, generator,
 };
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
@@ -27,28 +26,23 @@ pub enum Change {
 pub fn arms(change: Change) -> Cell {
     let arm =
         |name: &str| RobotSetup::new(name, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &START));
-    Cell::new(STEP)
+    let cell = Cell::new(STEP)
         .robot(arm("left"))
         .robot(arm("right"))
         .sensor(SensorSetup::new("count", Counting(0)).of("left"))
         .sensor(
             SensorSetup::new("slow", Counting(0)).of("left").mode(VspMode::WithDelay).latency(5 * STEP / 2),
         )
-        .sensor(SensorSetup::new("free", Counting(0)).of("right").mode(VspMode::NonInteractive(2 * STEP)))
-        .ecp("left", obey)
-        .ecp("right", obey)
-        .on_step(operate)
-        .program(move |mp| coordinate(mp, change))
+        .sensor(SensorSetup::new("free", Counting(0)).of("right").mode(VspMode::NonInteractive(2 * STEP)));
+    programmed(cell, change)
 }
 
-/// Records a run to a file of this name.
-pub fn recorded(name: &str) -> PathBuf {
-    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    arms(Change::Nothing).record(Recording::to(&file)).run().expect("keeps the limits");
-    file
+/// Gives such a cell its programs.
+pub fn programmed(cell: Cell, change: Change) -> Cell {
+    cell.ecp("left", obey).ecp("right", obey).on_step(operate).program(move |mp| coordinate(mp, change))
 }
 
-fn operate(step: u64, operator: &Operator) {
+pub fn operate(step: u64, operator: &Operator) {
     match step {
         100 => operator.set_speed(0.4).expect("a share"),
         250 => operator.suspend(),
@@ -85,7 +79,8 @@ pub struct Counted {
     pub column: f64,
 }
 
-struct Counting(u64);
+#[derive(Default)]
+pub struct Counting(u64);
 
 impl VirtualSensor for Counting {
     type Kind = Count;
@@ -153,11 +148,10 @@ fn obey(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let from = ecp.image().demanded().joints;
     for _ in 0..2 {
         ecp.obey(|ecp, phase: Phase| match phase {
-            Phase::Out if ecp.sensor::<Count>("slow").is_ok() => {
-                let mut slow = ecp.sensor::<Count>("count").or_else(|_| ecp.sensor::<Count>("free"))?;
-                ecp.move_robot((&mut slow,), Feel { goal: 0.01, from, t: 0.0 }).map(drop)
-            }
-            Phase::Out => ecp.move_robot((), GoTo { angle: 0.01, from, t: 0.0 }).map(drop),
+            Phase::Out => match ecp.sensor::<Count>("slow") {
+                Ok(mut slow) => ecp.move_robot((&mut slow,), Feel { goal: 0.01, from, t: 0.0 }).map(drop),
+                Err(_) => ecp.move_robot((), GoTo { angle: 0.01, from, t: 0.0 }).map(drop),
+            },
             Phase::Back => ecp.move_robot((), GoTo { angle: 0.0, from, t: 0.0 }).map(drop),
         })?;
     }

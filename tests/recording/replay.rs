@@ -2,7 +2,8 @@
 
 use mrroc::{CutOff, Recording};
 
-use crate::cell::{Change, arms, recorded};
+use crate::cell::{Change, arms};
+use crate::recorded;
 
 #[test]
 fn the_same_programs_demand_the_same_to_the_bit() {

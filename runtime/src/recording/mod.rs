@@ -31,6 +31,11 @@ mod json;
 mod messages;
 #[cfg(feature = "recording")]
 mod reader;
+#[cfg(all(feature = "recording", feature = "processes", target_os = "linux"))]
+pub(crate) mod relay;
+#[cfg(all(not(feature = "recording"), feature = "processes", target_os = "linux"))]
+#[path = "no_relay.rs"]
+pub(crate) mod relay;
 #[cfg(feature = "recording")]
 mod ring;
 #[cfg(feature = "recording")]
@@ -46,6 +51,10 @@ use crate::cell::Layout;
 
 #[cfg(feature = "recording")]
 pub use reader::{CutOff, NotReplayable};
+#[cfg(all(not(feature = "recording"), feature = "processes", target_os = "linux"))]
+pub(crate) use relay::Pace;
+#[cfg(all(feature = "recording", feature = "processes", target_os = "linux"))]
+pub(crate) use ring::Pace;
 #[cfg(feature = "recording")]
 pub(crate) use ring::Recorder;
 #[cfg(not(feature = "recording"))]

@@ -60,6 +60,10 @@ impl Record {
 /// What a full ring means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pace {
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "of processes")
+    )]
     /// Time goes on: what finds no room is dropped.
     Real,
     /// Time stands still: there will be room, unless the thread is stuck.
