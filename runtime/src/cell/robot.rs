@@ -16,6 +16,7 @@ use crate::joints::JointVector;
 use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::payload::Nudge;
 use crate::plant::Site;
 use crate::pose::Pose;
@@ -290,17 +291,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             if let Some(drive) = drive {
                 let (step, delay) = (place.step, place.delay);
-                let config = EdpConfig {
-                    process,
-                    robot,
-                    drive,
-                    tool,
-                    step,
-                    delay,
-                    space,
-                    following_error,
-                    observers,
-                };
+                let config =
+                    EdpConfig { process, robot, drive, tool, step, delay, space, following_error, observers };
                 if let Err(fault) = Edp::new(config, waiter, server).run() {
                     ended.borrow_mut().push((process, Err(fault)));
                 }
@@ -313,7 +305,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         link.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
+                let timed = Timed::new(waiter);
+                let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace);
                 let has_own = program.is_some();
                 let outcome = ecp.run_program(|ecp| match program {
                     Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

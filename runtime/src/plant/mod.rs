@@ -19,7 +19,7 @@ use crate::driver::{Driver, Measured};
 use crate::edp::{Drive, PlantDrive, PlantEnd};
 use crate::fault::ProcessId;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Nanos, Simulation, Waiter};
+use crate::link::{Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
 use crate::stopping::missed_step_budget;
 
@@ -115,8 +115,17 @@ fn run(mut parts: Vec<Box<dyn Part>>, waiter: &dyn Waiter, rests: &Rests) {
         let now = waiter.now();
         parts.iter_mut().for_each(|part| part.advance(now));
     };
-    while waiter.wait(due(&parts)).is_ok() {
+    loop {
+        let awaited = due(&parts);
+        if waiter.wait(awaited).is_err() {
+            break;
+        }
+        let woke = waiter.now();
         attend(&mut parts);
+        if let Some(late) = awaited.and_then(|due| woke.checked_sub(due)) {
+            waiter.sample(Sample::Late(late));
+            waiter.sample(Sample::Worked(waiter.now().saturating_sub(woke)));
+        }
     }
     // EDPs may still brake their robots. Those that are gone send nothing more.
     while parts.iter().any(|part| !part.rests()) {
