@@ -9,6 +9,8 @@ mod clock;
 mod exchange;
 mod instruction;
 mod motion;
+#[cfg(test)]
+mod tests;
 mod waiting;
 
 use core::any::TypeId;
