@@ -35,6 +35,27 @@ pub trait Driver<R: Robot> {
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
+    /// Whether the robot holds by brakes when its drives have no power. Drives without them, and that is what a driver is
+    /// taken for that does not say otherwise, go on holding after a fault stop and are ticked on: what holds a body by its
+    /// drives alone, as a gripper does, must not let go.
+    fn has_brakes(&self) -> bool {
+        false
+    }
+
+    /// Takes the power away from a robot that stands and applies its [brakes](Driver::has_brakes), after a fault stop; the
+    /// next call is [`switch_on`](Driver::switch_on).
+    fn switch_off(&mut self) {}
+
+    /// Powers the drives at a reset, after a trip or a [`switch_off`](Driver::switch_off), where the robot stands: the next
+    /// tick's position is what [`measured`](Driver::measured) gives after it. Drives that come on by themselves need not
+    /// say more.
+    ///
+    /// # Errors
+    /// [`DriveFault`] while a drive cannot come on: the cell stays latched.
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        Ok(())
+    }
+
     /// Whether the regulator of `joint` has a parameter set of this number. Set 0, the usual one, is always there.
     fn has_regulator(&self, _joint: usize, set: u8) -> bool {
         set == 0

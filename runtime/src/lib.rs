@@ -75,6 +75,7 @@ mod homing;
 mod image;
 mod interpolation;
 mod joints;
+mod latch;
 mod launch;
 mod limits;
 mod link;
@@ -90,8 +91,11 @@ mod pose;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod processes;
 mod realtime;
+mod recording;
+mod replay;
 mod robot;
 mod sensing;
+mod shape;
 mod step;
 mod step_fn;
 mod stopping;
@@ -100,9 +104,10 @@ mod task_space;
 mod transparent;
 mod vsp;
 mod wire;
+mod witness;
 mod wrench;
 
-pub use cell::{Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
+pub use cell::{AfterFault, Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
 pub use cell_file::{CellFile, CellFileError, Kinds, RobotEntry};
 pub use class::{Class, Level, Uses};
 pub use demand::Demand;
@@ -115,6 +120,7 @@ pub use guard::RobotView;
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
+pub use latch::{Latch, LatchRefusal};
 pub use launch::{Recorder, launch};
 pub use list::{
     AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
@@ -126,6 +132,7 @@ pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
 pub use pose::{AngleAxis, Pose, Zyz};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
+pub use shape::Shape;
 pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;
 pub use vsp::{EffectorState, ReadingOrder, VirtualSensor, VspMode};

@@ -9,6 +9,7 @@ use crate::joints::MAX_JOINTS;
 use crate::link::{Board, Closed, Nanos, Sample, Server, Waiter};
 use crate::message::{Kind, Message};
 use crate::pose::Pose;
+use crate::shape::Shape;
 use crate::wire::{BadWords, WORDS, Wire};
 
 /// Words of a reading order that the configuration may take.
@@ -57,6 +58,11 @@ pub struct EffectorState {
 impl Wire for EffectorState {
     const LEN: usize = 2 * MAX_JOINTS + 7;
     const LAYOUT: u64 = crate::wire::layout_hash(0, "mrroc::EffectorState");
+    const SHAPE: &'static Shape = &Shape::Fields(&[
+        ("joints", <[f64; MAX_JOINTS]>::SHAPE),
+        ("velocity", <[f64; MAX_JOINTS]>::SHAPE),
+        ("pose", Shape::POSE),
+    ]);
 
     fn put(&self, words: &mut [u64]) {
         self.joints.put(words);

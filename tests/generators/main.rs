@@ -172,15 +172,15 @@ fn a_spline_track_leads_the_tool_through_its_points() {
         chord_error: f64::INFINITY,
         jerk: f64::INFINITY,
     };
-    let track = SplineTrack::through(
+    let mut track = Some(SplineTrack::through(
         points,
         SplineSettings::default(),
         feed,
         Pose::translation(0.85, 0.0, 0.35),
         flange([0.0; 3]).rotation,
-    )
-    .expect("settings in range");
-    let setup = setup.program(|ecp| ecp.move_robot((), track).map(drop));
+    ));
+    let mut track = move || track.take().expect("one run").expect("settings in range");
+    let setup = setup.program(move |ecp| ecp.move_robot((), track()).map(drop));
     Cell::new(MS).robot(setup).run().expect("within the limits");
     let trace = trace.borrow();
     let centre = Vector3::new(0.86, 0.0, 0.35);

@@ -105,6 +105,18 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
         self.in_world(Simulated::brake)
     }
 
+    fn has_brakes(&self) -> bool {
+        self.arm.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.arm.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.arm.switch_on()
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.arm.has_regulator(joint, set)
     }

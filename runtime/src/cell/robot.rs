@@ -13,6 +13,7 @@ use crate::fault::{Fault, ProcessId, Role};
 use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
@@ -20,11 +21,14 @@ use crate::overruns::Timed;
 use crate::payload::Nudge;
 use crate::plant::Site;
 use crate::pose::Pose;
+use crate::replay::RobotTape;
+use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::witness::{Tap, What};
 
-type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
+type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
 
 /// A robot of a cell: its model, its drives and its program.
 pub struct RobotSetup<R: Robot> {
@@ -94,9 +98,10 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
-    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on.
+    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on. It is called
+    /// again, from its first line, after a reset: what it would give away it clones.
     #[must_use]
-    pub fn program(mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
+    pub fn program(mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
         self.give_program(program);
         self
     }
@@ -105,7 +110,7 @@ impl<R: Robot> RobotSetup<R> {
         name.clone_into(&mut self.name);
     }
 
-    pub(super) fn give_program(&mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
+    pub(super) fn give_program(&mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
         self.program = Some(Box::new(program));
     }
 
@@ -126,6 +131,7 @@ pub(crate) struct Place {
     pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
+    pub tap: Tap,
 }
 
 /// A robot of any kind at the end of a servo period, as a recorder sees it.
@@ -165,6 +171,8 @@ pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
+    /// Its drives read from a recording.
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
@@ -209,6 +217,12 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             (observer.borrow_mut())(&observation);
         }));
+    }
+
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration) {
+        // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
+        self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
+        self.drives = recorded(&self.drives, tape, step);
     }
 
     fn name(&self) -> &str {
@@ -285,21 +299,36 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             Drives::Unhomed(homing) => Err(homing),
         };
         let run = move |waiter: &dyn Waiter| {
-            let drive = match drives {
-                Ok(drive) => Some(drive),
-                Err(homing) => home(process, waiter, &*server, homing).map(Drive::Here),
+            let tap = place.tap.of(process);
+            let homed = match drives {
+                Ok(drive) => Some((drive, Gate::default())),
+                Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
+                    let now = waiter.now();
+                    tap.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    (Drive::Here(driver), gate)
+                }),
             };
-            if let Some(drive) = drive {
+            if let Some((drive, gate)) = homed {
                 let (step, delay) = (place.step, place.delay);
-                let config =
-                    EdpConfig { process, robot, drive, tool, step, delay, space, following_error, observers };
-                if let Err(fault) = Edp::new(config, waiter, server).run() {
+                let config = EdpConfig {
+                    process,
+                    robot,
+                    drive,
+                    tool,
+                    step,
+                    delay,
+                    space,
+                    following_error,
+                    observers,
+                    tap,
+                };
+                if let Err(fault) = Edp::new(config, waiter, server).behind(gate).run() {
                     ended.borrow_mut().push((process, Err(fault)));
                 }
             }
         };
         link.body(edp, Box::new(run))?;
-        let (program, nudged) = (self.program, place.nudged);
+        let (mut program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
         link.body(
@@ -307,16 +336,20 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             Box::new(move |waiter| {
                 let timed = Timed::new(waiter);
                 let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace);
-                let has_own = program.is_some();
-                let outcome = ecp.run_program(|ecp| match program {
-                    Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
-                    Some(program) => program(ecp),
-                    None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
-                    None => crate::transparent::program(ecp),
-                });
-                ecp.serve(&outcome);
-                if has_own {
-                    outcomes.borrow_mut().push((process, outcome));
+                loop {
+                    let outcome = ecp.run_program(|ecp| match &mut program {
+                        Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
+                        Some(program) => program(ecp),
+                        None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
+                        None => crate::transparent::program(ecp),
+                    });
+                    let starts_again = ecp.serve(&outcome);
+                    if !starts_again {
+                        if program.is_some() {
+                            outcomes.borrow_mut().push((process, outcome));
+                        }
+                        break;
+                    }
                 }
             }),
         )

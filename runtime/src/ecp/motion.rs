@@ -105,6 +105,7 @@ impl<R: Robot> Ecp<'_, R> {
                 | Duty::Report
                 | Duty::Stop
                 | Duty::Refuse
+                | Duty::Reset
                 | Duty::Foreign) => return Err(self.decline(duty)),
             };
             self.count_own_time(step)?;

@@ -22,11 +22,12 @@ impl<R: Robot> Edp<'_, R> {
             if let Some(sets) = self.regulators.take() {
                 let chosen = guarded(|| self.config.drive.choose_regulators(&sets));
                 if let Err(panic) = chosen {
-                    self.mode = Mode::Off;
+                    (self.mode, self.lost) = (Mode::Off, true);
                     self.latch(panic, self.due);
                 }
             }
         }
+        self.tell_step();
         self.due += 1;
     }
 
@@ -75,7 +76,7 @@ impl<R: Robot> Edp<'_, R> {
             }
             // What a driver that panicked still does is unknown: it is told nothing more.
             Err(panic) => {
-                self.mode = Mode::Off;
+                (self.mode, self.lost) = (Mode::Off, true);
                 Some(panic)
             }
             Ok(Err(fault)) => {

@@ -8,7 +8,9 @@
 
 mod drives;
 mod following;
+mod resetting;
 mod serving;
+mod telling;
 #[cfg(test)]
 mod tests;
 
@@ -19,6 +21,7 @@ use crate::driver::{Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::limits::{AcceptedDemand, Acceptor};
 use crate::link::{Closed, Nanos, Sample, Server, Waiter};
 use crate::message::Message;
@@ -27,6 +30,7 @@ use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
+use crate::witness::Tap;
 
 pub(crate) use drives::{Drive, PlantDrive, PlantEnd};
 
@@ -58,6 +62,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     /// Largest difference between demanded and measured joint positions [rad or m].
     pub following_error: R::Joints,
     pub observers: Vec<Observer<R>>,
+    /// Where each step is shown.
+    pub tap: Tap,
 }
 
 #[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
@@ -68,7 +74,7 @@ enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
-    /// A drive gave up and has its brake applied.
+    /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
 
@@ -99,8 +105,11 @@ pub(crate) struct Edp<'w, R: Robot> {
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
-    stopped: bool,
+    /// Shut by a stop or a fault.
+    gate: Gate,
     fault: Option<Fault>,
+    /// The driver has panicked: what it still does is unknown.
+    lost: bool,
     request: Message,
     reply: Message,
 }
@@ -135,8 +144,9 @@ impl<'w, R: Robot> Edp<'w, R> {
             overruns: Overruns::new(config.step),
             behind: 0,
             measured,
-            stopped: false,
+            gate: Gate::default(),
             fault: None,
+            lost: false,
             request: Message::empty(),
             reply: Message::empty(),
             config,
@@ -149,9 +159,20 @@ impl<'w, R: Robot> Edp<'w, R> {
         edp
     }
 
+    /// The same behind the gate that was kept while the robot looked for its marks.
+    pub fn behind(mut self, gate: Gate) -> Self {
+        self.gate = gate;
+        self
+    }
+
     /// Keeps the first fault.
     fn latch(&mut self, fault: Fault, step: u64) {
-        self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
+        self.gate = self.gate.closed();
+        if self.fault.is_none() {
+            let fault = fault.in_process(self.config.process).at_step(step);
+            self.tell_fault(&fault, step);
+            self.fault = Some(fault);
+        }
     }
 
     /// Serves until the cell closes.
@@ -177,7 +198,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
     /// nothing moves.
     fn come_to_rest(&mut self) -> Result<(), Fault> {
-        self.stopped = true;
+        self.gate = self.gate.closed();
         self.brake();
         let delay = self.config.delay.unwrap_or_default();
         let began = self.due;

@@ -89,6 +89,7 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
         space: InterpolationSpace::Joints,
         following_error: Vector1::new(1.0),
         observers: Vec::new(),
+        tap: crate::witness::Tap::to(Vec::new()),
     };
     let replies = Rc::default();
     (Edp::new(config, &Still, Box::new(Replies(Rc::clone(&replies)))), replies)

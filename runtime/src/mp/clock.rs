@@ -16,6 +16,8 @@ pub(super) struct StepClock {
     /// Index of the step that has begun, and whether it has been used up.
     step: u64,
     used: bool,
+    /// The first step that may begin next: in a replay those that were skipped are skipped again.
+    earliest: u64,
     /// Real time and path time of the step \[s\].
     duration: f64,
     dt: f64,
@@ -28,7 +30,17 @@ pub(super) struct StepClock {
 impl StepClock {
     pub fn new(period: Nanos, grace: Nanos, feed: Feed) -> Self {
         let duration = period as f64 * 1e-9;
-        StepClock { period, grace, step: 0, used: true, duration, dt: duration, suspended: false, feed }
+        StepClock {
+            period,
+            grace,
+            step: 0,
+            used: true,
+            earliest: 0,
+            duration,
+            dt: duration,
+            suspended: false,
+            feed,
+        }
     }
 
     /// Length of a step \[ns\].
@@ -71,6 +83,16 @@ impl StepClock {
         self.used = true;
     }
 
+    /// Whether nothing more may take place in this step.
+    pub const fn is_spent(&self) -> bool {
+        self.used
+    }
+
+    /// No step before this one begins.
+    pub const fn not_before(&mut self, step: u64) {
+        self.earliest = step;
+    }
+
     /// Nothing moved in this step: what comes next may take place in it as well.
     pub const fn keep(&mut self) {
         self.used = false;
@@ -88,7 +110,7 @@ impl StepClock {
             return Ok(false);
         }
         let now = waiter.now();
-        let mut next = (self.step + 1) * self.period;
+        let mut next = (self.step + 1).max(self.earliest) * self.period;
         if now >= next && now % self.period >= self.grace {
             // Too late for this step as well.
             next = now - now % self.period + self.period;

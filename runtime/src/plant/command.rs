@@ -17,6 +17,14 @@ pub(crate) struct Command<J> {
     pub demanded: J,
 }
 
+/// Power for drives that have none, or none for drives that stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Switch {
+    /// Ordinal of the order, counted from 1: each is acted on once.
+    pub ordinal: u64,
+    pub on: bool,
+}
+
 /// What drives did in a servo period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading<J> {
@@ -30,6 +38,7 @@ pub(crate) struct Reading<J> {
 
 const COMMAND_WORDS: usize = 2 + MAX_JOINTS;
 const READING_WORDS: usize = 3 * MAX_JOINTS;
+const SWITCH_WORDS: usize = 1;
 const _: () = assert!(COMMAND_WORDS <= WORDS && READING_WORDS <= WORDS);
 
 fn put<J: JointVector>(joints: &J, words: &mut [u64]) {
@@ -63,6 +72,25 @@ impl<J: JointVector> Command<J> {
             regulators: Regulators::from_word(words[1]),
             demanded: get(&words[2..]),
         })
+    }
+}
+
+impl Switch {
+    pub fn put(&self, message: &mut Message) {
+        message.header.kind = Kind::Command;
+        (message.header.step, message.header.len) = (self.ordinal, SWITCH_WORDS as u32);
+        message.body[0] = u64::from(self.on);
+    }
+
+    /// # Errors
+    /// [`BadWords`] when the message is no switch.
+    pub fn get(message: &Message) -> Result<Self, BadWords> {
+        match message.words() {
+            &[on @ (0 | 1)] if message.header.kind == Kind::Command => {
+                Ok(Switch { ordinal: message.header.step, on: on == 1 })
+            }
+            _ => Err(BadWords),
+        }
     }
 }
 

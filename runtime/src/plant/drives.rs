@@ -11,7 +11,7 @@
 
 use std::rc::Rc;
 
-use super::command::{Command, Reading};
+use super::command::{Command, Reading, Switch};
 use super::{Part, Rest, stands};
 use crate::driver::{Driver, Measured};
 use crate::edp::guarded;
@@ -46,6 +46,8 @@ pub(super) struct Drives<R: Robot> {
     at: R::Joints,
     way: R::Joints,
     choice: u64,
+    /// How often their power was switched.
+    switched: u64,
     measured: Measured<R::Joints>,
     /// Why they have no power.
     off: Option<Off>,
@@ -80,6 +82,7 @@ impl<R: Robot> Drives<R> {
             at: measured.position,
             way: R::Joints::zeros(),
             choice: 0,
+            switched: 0,
             measured,
             off: None,
             message: Message::empty(),
@@ -88,6 +91,13 @@ impl<R: Robot> Drives<R> {
 
     /// Takes the command in the message, unless it is none or an old one.
     fn take(&mut self) {
+        if let Ok(order) = Switch::get(&self.message) {
+            if order.ordinal > self.switched {
+                self.switched = order.ordinal;
+                self.switch(order.on);
+            }
+            return;
+        }
         let Ok(command) = Command::get(&self.message) else { return };
         match &self.newest {
             // The first command says which period it is.
@@ -96,6 +106,24 @@ impl<R: Robot> Drives<R> {
             Some(_) => {}
         }
         self.newest = Some(command);
+    }
+
+    /// As they were before their first command: standing, with power or without. What they had tripped for is over.
+    fn switch(&mut self, on: bool) {
+        (self.newest, self.off, self.way) = (None, None, R::Joints::zeros());
+        let switched = guarded(|| match on {
+            true => self.driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
+            false => Ok(self.driver.switch_off()),
+        });
+        self.measured = self.driver.measured();
+        self.at = self.measured.position;
+        if let Err(fault) = switched.and_then(|result| result) {
+            self.trip(fault);
+        }
+        self.tell();
+        if let Commands::Free(_, readings) = &self.commands {
+            readings.write(&self.message);
+        }
     }
 
     /// All periods up to this one.
@@ -159,6 +187,8 @@ impl<R: Robot> Drives<R> {
                 self.message.header.step = period;
             }
         }
+        // What is told of the time before a switch is old.
+        self.message.header.instruction = self.switched as u32;
     }
 }
 

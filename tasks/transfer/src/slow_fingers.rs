@@ -54,6 +54,20 @@ impl Driver<Gripper> for SlowFingers {
         self.fingers.brake()
     }
 
+    fn has_brakes(&self) -> bool {
+        self.fingers.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.fingers.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.fingers.switch_on()?;
+        self.demanded = self.fingers.measured().position;
+        Ok(())
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.fingers.has_regulator(joint, set)
     }
