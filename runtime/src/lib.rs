@@ -84,6 +84,7 @@ mod message;
 mod mp;
 mod name;
 mod operator;
+mod overruns;
 mod payload;
 mod plant;
 mod pose;

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::Sensor;
 use crate::joints::MAX_JOINTS;
-use crate::link::{Board, Closed, Nanos, Server, Waiter};
+use crate::link::{Board, Closed, Nanos, Sample, Server, Waiter};
 use crate::message::{Kind, Message};
 use crate::pose::Pose;
 use crate::shape::Shape;
@@ -230,6 +230,7 @@ impl<V: VirtualSensor> Vsp<'_, V> {
     }
 
     fn aggregate(&mut self, request: &Message, reply: &mut Message) {
+        let began = self.waiter.now();
         reply.header.step = request.header.step;
         let result = Self::read(request).and_then(|order| {
             let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));
@@ -249,5 +250,6 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                 reply.set_fault(&fault);
             }
         }
+        self.waiter.sample(Sample::Worked(self.waiter.now().saturating_sub(began)));
     }
 }

@@ -10,6 +10,7 @@ use crate::fault::{ProcessId, Role};
 use crate::link::{Link, Nanos};
 use crate::mp::{Mp, RobotPort};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::plant::{Rests, Site};
 use crate::sensing::Sensing;
 use crate::stopping::missed_step_budget;
@@ -108,7 +109,8 @@ impl Cell {
         link.body(
             mp,
             Box::new(move |waiter| {
-                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                let timed = Timed::new(waiter);
+                let mut mp = Mp::new(&timed, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 mp.watch_by(guard);
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {

@@ -11,6 +11,8 @@ mod instruction;
 mod motion;
 mod restart;
 mod telling;
+#[cfg(test)]
+mod tests;
 mod waiting;
 
 use core::any::TypeId;
@@ -25,6 +27,7 @@ use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
+use crate::overruns::Overruns;
 use crate::replay::Script;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
@@ -52,6 +55,7 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    overruns: Overruns,
     /// Resets that were tried.
     epoch: u32,
     /// A process that is gone: without it there is no restart.
@@ -75,7 +79,7 @@ impl<'w> Mp<'w> {
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         let (guard, protective, latched) = (None, None, None);
-        let (ordinal, refusals) = (0, 0);
+        let (ordinal, refusals, overruns) = (0, 0, Overruns::new(step));
         let (tap, aborts, script) = (sensing.tap.clone(), false, None);
         Mp {
             waiter,
@@ -91,6 +95,7 @@ impl<'w> Mp<'w> {
             ordinal,
             latched,
             refusals,
+            overruns,
             tap,
             aborts,
             script,
@@ -150,6 +155,7 @@ impl<'w> Mp<'w> {
         self.keep_to_script();
         let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
+            self.count_own_time()?;
             // A hook that panics is not called again by the stop that follows.
             if let Some(mut hook) = self.hook.take() {
                 hook(self.clock.step(), &self.operator);
@@ -163,6 +169,15 @@ impl<'w> Mp<'w> {
         self.hear_news()?;
         self.tell_abort();
         Ok(())
+    }
+
+    /// A step that began late because of the MP itself is one of those that may be too many.
+    fn count_own_time(&mut self) -> Result<(), Fault> {
+        let missed = self.waiter.own_time() / self.clock.period();
+        if self.latched.is_some() {
+            return Ok(());
+        }
+        self.overruns.note(missed).map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
     }
 
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
@@ -201,6 +216,10 @@ impl<'w> Mp<'w> {
     /// are the next one's, and so is an abort that came too late for it.
     fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.check_latch()?;
+        if self.robots.iter().all(|robot| !robot.handed_over) {
+            // What a program does while its robots stand makes no step late.
+            self.waiter.own_time();
+        }
         self.operator.begin();
         let outcome = work(self).map_err(|fault| self.conclude(fault));
         if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {

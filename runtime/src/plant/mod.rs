@@ -19,7 +19,7 @@ use crate::driver::{Driver, Measured};
 use crate::edp::{Drive, PlantDrive, PlantEnd};
 use crate::fault::ProcessId;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Nanos, Simulation, Waiter};
+use crate::link::{Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
 use crate::stopping::missed_step_budget;
 
@@ -110,21 +110,28 @@ impl Site {
 /// Runs until the cell closes and all robots stand.
 fn run(mut parts: Vec<Box<dyn Part>>, waiter: &dyn Waiter, rests: &Rests) {
     let due = |parts: &[Box<dyn Part>]| parts.iter().filter_map(|part| part.due()).min();
-    let attend = |parts: &mut [Box<dyn Part>]| {
+    let attend = |parts: &mut [Box<dyn Part>], now: Nanos| {
         parts.iter_mut().for_each(|part| part.serve());
-        let now = waiter.now();
         parts.iter_mut().for_each(|part| part.advance(now));
     };
-    while waiter.wait(due(&parts)).is_ok() {
-        attend(&mut parts);
+    loop {
+        let awaited = due(&parts);
+        if waiter.wait(awaited).is_err() {
+            break;
+        }
+        let woke = waiter.now();
+        attend(&mut parts, woke);
+        if let Some(late) = awaited.and_then(|due| woke.checked_sub(due)) {
+            waiter.sample(Sample::Late(late));
+            waiter.sample(Sample::Worked(waiter.now().saturating_sub(woke)));
+        }
     }
     // EDPs may still brake their robots. Those that are gone send nothing more.
     while parts.iter().any(|part| !part.rests()) {
         let Some(due) = due(&parts) else { break };
-        if waiter.wait_closing(due).is_err() {
-            break;
-        }
-        attend(&mut parts);
+        // Where time stands still then, that of the drives goes on.
+        let now = waiter.wait_closing(due).map_or(due, |()| waiter.now());
+        attend(&mut parts, now);
     }
     rests.borrow_mut().extend(parts.iter().filter_map(|part| part.rest()));
 }

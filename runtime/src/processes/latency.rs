@@ -8,6 +8,7 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use iceoryx2::prelude::*;
@@ -18,7 +19,7 @@ use rustix::thread::futex;
 use super::control::{Control, Frame};
 use super::scheduling::ask;
 use crate::fault::{ProcessId, Role};
-use crate::link::iceoryx::{Clock, Fabric, RealTime, Seal, monotonic};
+use crate::link::iceoryx::{Clock, Fabric, RealTime, Samples, Seal, monotonic};
 use crate::link::{Link, Waiter};
 use crate::message::{Kind, Message, OrderKind};
 use crate::name::Name;
@@ -194,7 +195,7 @@ fn end(
             fabric.connect(SEAL).expect("connected");
             barrier();
             let listener = fabric.take_listener().expect("made");
-            let waiter = RealTime::new(listener, control, 0, 0);
+            let waiter = RealTime::new(listener, control, (0, 0), Arc::new(Samples::new()));
             // The node lives as long as the process.
             std::mem::forget(fabric);
             let message = Message::new(Kind::Order(OrderKind::Step));

@@ -10,6 +10,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::control::{Control, Frame};
+use super::figures::Gauge;
 use super::scheduling::{Lacks, ask};
 use super::session::{Membership, prefix};
 use crate::cell::Cell;
@@ -105,7 +106,7 @@ fn take_part(
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
-    let realtime = cell.realtime().cloned();
+    let (realtime, step) = (cell.realtime().cloned(), cell.step());
     let mut fabric = Fabric::new(me, clock);
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
@@ -115,6 +116,11 @@ fn take_part(
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
     fabric.connect(seal).map_err(Ended::of)?;
+    // Before this thread asks for a priority that the other one is not to have.
+    let gauge = match clock {
+        Clock::Real => Some(Gauge::start(control, step).map_err(Ended::of)?),
+        Clock::Virtual => None,
+    };
     let lacks = match (clock, realtime) {
         (Clock::Real, Some(realtime)) => {
             let ecps: Vec<_> = fabric.places().iter().filter(|id| id.role == Role::Ecp).copied().collect();
@@ -124,16 +130,17 @@ fn take_part(
     };
     say(control, &Frame::Ready { lacks })?;
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
-    let time = match (clock, fabric.take_listener()) {
-        (Clock::Real, Some(listener)) => {
+    let time = match (gauge, fabric.take_listener()) {
+        (Some(gauge), Some(listener)) => {
             if has_robot(me) {
                 end_after_launcher(control).map_err(Ended::of)?;
             }
-            let waiter = RealTime::new(listener, control, origin, spin);
+            let waiter = RealTime::new(listener, control, (origin, spin), gauge.samples());
             body(&waiter);
+            gauge.end();
             waiter.now()
         }
-        (Clock::Virtual, _) | (Clock::Real, None) => {
+        _ => {
             let waiter = LockStep::new(control, fabric.woken());
             body(&waiter);
             waiter.now()

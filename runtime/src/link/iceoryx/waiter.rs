@@ -4,13 +4,15 @@ use core::cell::Cell;
 use core::num::NonZeroU64;
 use std::os::fd::BorrowedFd;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::{FileDescriptorBased, ipc};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 
-use crate::link::{Closed, Nanos, News, Waiter};
+use super::samples::Samples;
+use crate::link::{Closed, Nanos, News, Sample, Waiter};
 
 const NANOS: u64 = 1_000_000_000;
 
@@ -60,13 +62,20 @@ pub(crate) struct RealTime<'a, L: Launcher> {
     spin: Nanos,
     closing: Cell<bool>,
     news: Cell<Option<News>>,
+    samples: Arc<Samples>,
 }
 
 impl<'a, L: Launcher> RealTime<'a, L> {
-    pub fn new(listener: Listener<ipc::Service>, launcher: &'a L, origin: Nanos, spin: Nanos) -> Self {
+    pub fn new(
+        listener: Listener<ipc::Service>,
+        launcher: &'a L,
+        (origin, spin): (Nanos, Nanos),
+        samples: Arc<Samples>,
+    ) -> Self {
         // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
-        RealTime { listener, launcher, origin, spin, closing: Cell::new(false), news: Cell::new(None) }
+        let (closing, news) = (Cell::new(false), Cell::new(None));
+        RealTime { listener, launcher, origin, spin, closing, news, samples }
     }
 
     /// Takes the wake-ups that have come; whether there was one.
@@ -128,6 +137,10 @@ impl<L: Launcher> Waiter for RealTime<'_, L> {
         let until = timespec(self.origin.saturating_add(until));
         let _ = clock_nanosleep_absolute(ClockId::Monotonic, &until);
         Ok(())
+    }
+
+    fn sample(&self, sample: Sample) {
+        self.samples.push(sample);
     }
 
     fn news(&self) -> Option<News> {
