@@ -223,6 +223,10 @@ impl SimulatedWrist {
 impl VirtualSensor for SimulatedWrist {
     type Kind = WristForce;
 
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
     #[allow(non_snake_case)]
     fn aggregate(&mut self, order: &ReadingOrder<WristOrder>) -> Result<Wrench, Fault> {
         let arm = order.robot.ok_or_else(|| {

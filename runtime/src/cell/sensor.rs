@@ -9,6 +9,7 @@ use crate::fault::{ProcessId, Role};
 use crate::image::Sensor;
 use crate::link::{Client, Link, Nanos, Server};
 use crate::name::Name;
+use crate::plant::Site;
 use crate::replay::Tape;
 use crate::sensing::{Sensing, SensorPort, Source};
 use crate::shape::Shape;
@@ -104,6 +105,7 @@ pub(super) struct Requesters<'a> {
     /// What a replay says was collected.
     pub tape: Option<Rc<Tape>>,
     pub link: &'a mut dyn Link,
+    pub plant: &'a mut Site,
     pub step: Duration,
     pub mp: usize,
     pub robots: &'a [Name],
@@ -139,7 +141,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         if let Some(tape) = among.tape.clone() {
             return self.replay(among, &tape);
         }
-        let Requesters { link, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
+        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, name);
@@ -180,6 +182,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
         let step = step.as_nanos() as Nanos;
+        let sensor = plant.take_sensor(*link, (process, place), sensor);
         link.body(
             place,
             Box::new(move |waiter| {

@@ -42,6 +42,10 @@ impl PlateSurface {
 impl VirtualSensor for PlateSurface {
     type Kind = TouchProbe;
 
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
         let tip = self.arm.forward(&self.shaft.state().position) * self.tool;
         let contact = tip.translation.z <= self.surface;
