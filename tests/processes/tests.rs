@@ -10,7 +10,7 @@ use crate::launch::{Launch, Place, Process, demanded, periods_at_rest, segments,
 
 /// Runs those whose names contain a word of the command line, or all.
 pub fn main() -> ExitCode {
-    let all: [(&str, fn()); 8] = [
+    let own: [(&str, fn()); 8] = [
         (
             "processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link",
             processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link,
@@ -41,11 +41,10 @@ pub fn main() -> ExitCode {
         ),
         ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
     ];
+    let all = own.iter().chain(&crate::operator::TESTS);
     let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let mut failed = false;
-    for (name, test) in
-        all.iter().filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w)))
-    {
+    for (name, test) in all.filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w))) {
         let passed = catch_unwind(test).is_ok();
         println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
         failed |= !passed;
@@ -53,10 +52,10 @@ pub fn main() -> ExitCode {
     if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-const REAL: &[&str] = &["--processes", "--quiet"];
+pub const REAL: &[&str] = &["--processes", "--quiet"];
 const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
-const MEMORY: &[&str] = &["--no-picture", "--quiet"];
-const ROBOTS: [&str; 2] = ["left", "right"];
+pub const MEMORY: &[&str] = &["--no-picture", "--quiet"];
+pub const ROBOTS: [&str; 2] = ["left", "right"];
 
 /// Steps in which a robot must stand after a process is gone, `L + 2 + T_b`: at 2 ms `L` = 10, and the IRp-6 brakes from
 /// 1.5 rad/s at 7 rad/s2 in 108 steps; two more until its drives are where the last demand was.
@@ -97,14 +96,14 @@ fn assert_ended_well_or_late(launch: &Launch, status: Option<i32>) {
     }
 }
 
-fn is_late(said: &str) -> bool {
+pub fn is_late(said: &str) -> bool {
     ["the process at the other end is gone", "demanded acceleration exceeds", "demanded velocity exceeds"]
         .iter()
         .any(|kind| said.contains(kind))
 }
 
 /// A robot stands when its EDP goes; one whose EDP was killed is not told anything more.
-fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
+pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
     for robot in ROBOTS {
         if killed.is_some_and(|killed| killed.role == format!("edp {robot}")) {
             continue;

@@ -9,13 +9,14 @@ mod clock;
 mod exchange;
 mod instruction;
 mod motion;
+mod shown;
 mod waiting;
 
 use core::any::TypeId;
 use core::time::Duration;
 
 use crate::ecp::MAX_REFUSALS;
-use crate::fault::{Ended, Fault, FaultKind, ProcessId};
+use crate::fault::{Ended, Fault, FaultKind, FaultWords, ProcessId};
 use crate::feed::Feed;
 use crate::guard::Guard;
 use crate::image::{RobotImage, Sensor};
@@ -28,6 +29,7 @@ use crate::suggestion::suggestion;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
+pub(crate) use shown::{Doing, MpState};
 
 /// What is called at the start of every step: the cell's index of the step and its operator.
 pub(crate) type StepHook = Box<dyn FnMut(u64, &Operator)>;
@@ -47,6 +49,8 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    /// What an operator is shown.
+    shown: MpState,
 }
 
 impl<'w> Mp<'w> {
@@ -61,8 +65,21 @@ impl<'w> Mp<'w> {
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         let (guard, protective, latched) = (None, None, None);
-        let (ordinal, refusals) = (0, 0);
-        Mp { waiter, robots, sensing, operator, hook, guard, protective, clock, ordinal, latched, refusals }
+        let (ordinal, refusals, shown) = (0, 0, MpState::default());
+        Mp {
+            waiter,
+            robots,
+            sensing,
+            operator,
+            hook,
+            guard,
+            protective,
+            clock,
+            ordinal,
+            latched,
+            refusals,
+            shown,
+        }
     }
 
     /// Lets a guard watch over all robots.
@@ -122,8 +139,10 @@ impl<'w> Mp<'w> {
                 hook(self.clock.step(), &self.operator);
                 self.hook = Some(hook);
             }
+            self.hear_operator();
             let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
             self.clock.advance(rate, self.operator.is_suspended());
+            self.show_step();
         }
         self.hear_news()
     }
@@ -145,6 +164,7 @@ impl<'w> Mp<'w> {
     /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        self.shown.fault = Some(FaultWords::from(&fault));
         // What goes wrong while a guard's stop is under way is not its cause.
         let fault = match &self.protective {
             Some(protective) if exchange::precedes(protective, &fault) => protective.clone(),
@@ -159,6 +179,12 @@ impl<'w> Mp<'w> {
     fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.check_latch()?;
         self.operator.begin();
+        let outcome = self.carry_out(work);
+        self.show_end();
+        outcome
+    }
+
+    fn carry_out<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         let outcome = work(self).map_err(|fault| self.conclude(fault));
         if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {
             return outcome;
@@ -218,6 +244,7 @@ impl<'w> Mp<'w> {
         program: impl FnOnce(&mut Self) -> Result<(), Fault>,
     ) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
+            self.show_instruction(Doing::Homing, "");
             self.instruction(Self::home)?;
             program(self)
         });

@@ -13,4 +13,4 @@ mod waiter;
 
 pub(crate) use envelope::Seal;
 pub(crate) use fabric::{Clock, Fabric};
-pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, monotonic};
+pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Show, monotonic};
