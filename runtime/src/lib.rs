@@ -59,6 +59,11 @@ extern crate self as mrroc;
 
 mod advice;
 mod braking;
+#[cfg_attr(
+    not(all(feature = "processes", target_os = "linux")),
+    allow(dead_code, reason = "consoles are processes")
+)]
+mod button;
 mod cell;
 mod cell_file;
 mod class;
@@ -102,6 +107,8 @@ mod stopping;
 mod suggestion;
 mod task_space;
 mod transparent;
+#[cfg(all(feature = "view", target_os = "linux"))]
+mod view;
 mod vsp;
 mod wire;
 mod witness;

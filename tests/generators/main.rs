@@ -320,7 +320,7 @@ fn a_time_optimal_path_of_a_six_joint_arm_passes_the_limits_at_full_speed() {
     let (setup, trace) = traced(RobotSetup::new("irp6", robot, ExactDrive::new(q, MS)));
     let path = points.clone();
     let setup =
-        setup.program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path, limits)).map(drop));
+        setup.program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path.clone(), limits)).map(drop));
     let report = Cell::new(MS).robot(setup).run().expect("within the limits, at every step");
     let trace = trace.borrow();
     assert_eq!(*trace.last().expect("recorded"), q);

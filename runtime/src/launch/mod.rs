@@ -2,6 +2,8 @@
 //!
 //! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
 
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod operating;
 mod options;
 mod outcome;
 mod patience;
@@ -18,7 +20,7 @@ use std::process::ExitCode;
 
 use self::options::{HELP, nearest_cell, parse};
 use self::outcome::{cell_refused, tell};
-use self::processes::{examine, launch_processes, take_part};
+use self::processes::{examine, launch_processes, operate, take_part};
 use self::running::run;
 use crate::cell::{Cell, CellError};
 use crate::cell_file::CellFile;
@@ -58,6 +60,9 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
         Err(error) => return refused(&error),
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
+    if let Some(operating) = options.operating {
+        return operate(&path, operating);
+    }
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
     let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
     let cell = match checked {

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use super::options::Clock;
+use super::options::{Clock, Operating};
 use crate::cell::{Cell, RunReport};
 use crate::console::refused;
 use crate::fault::ProcessId;
@@ -14,6 +14,10 @@ const NO_PROCESSES: &str = "this program was built without processes\n help: on 
                             cargo run --release --features mrroc/processes -- --processes";
 
 pub(super) fn examine() -> ExitCode {
+    refused(&NO_PROCESSES)
+}
+
+pub(super) fn operate(_: &Path, _: Operating) -> ExitCode {
     refused(&NO_PROCESSES)
 }
 

@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+pub(super) use super::operating::operate;
 use super::options::Clock;
 use super::outcome::{cell_refused, stopped};
 use super::patience::Patience;

@@ -26,7 +26,7 @@ impl Waiter for Time {
 fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     let time = Time::default();
     let timed = Timed::new(&time);
-    let sensing = Sensing { ports: Vec::new(), patience: STEP };
+    let sensing = Sensing { ports: Vec::new(), patience: STEP, tap: Tap::to(Vec::new()) };
     let step = Duration::from_nanos(STEP);
     let mut mp = Mp::new(&timed, Vec::new(), sensing, Operator::new(), None, (step, STEP / 2), 5.0);
     for begun in 0..steps {

@@ -105,6 +105,11 @@ impl Member {
         Ok(Member { id, control: Control::new(ours), child, over, figures, gone })
     }
 
+    /// Its number.
+    pub fn pid(&self) -> u32 {
+        self.child.borrow().id()
+    }
+
     /// Waits for its end, which has come; says how it ended.
     pub fn reap(&self) -> String {
         self.gone.set(true);

@@ -14,10 +14,12 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
+use super::board::StateBoard;
 use super::control::Frame;
 use super::crew::{Crew, Member, NoStart, Over, Plan};
+use super::desk::Desk;
 use super::figures::table;
-use super::session::{CellLock, SessionError};
+use super::session::{CellLock, Session, SessionError};
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::link::iceoryx::{Clock, Fabric, monotonic};
@@ -46,6 +48,12 @@ pub(crate) enum LaunchError {
     /// A process could not be set up.
     #[error(transparent)]
     Start(#[from] NoStart),
+    /// It has no state board.
+    #[error("no shared memory for the cell's state: {0}\n help: make room in /dev/shm")]
+    Board(std::io::Error),
+    /// Its operator cannot reach it.
+    #[error("the operator's socket cannot be made: {0}")]
+    Desk(std::io::Error),
     /// Signals cannot be heard.
     #[error("signals cannot be heard: {0}")]
     Signals(#[from] std::io::Error),
@@ -65,11 +73,14 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
     let mut epoch = 1;
     loop {
         let session = lock.session()?;
+        let board = make_board(plan.clock, &session, fabric.places().len())?;
         match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
             Ok(crew) => {
-                let run = match plan.clock {
-                    Clock::Real => supervise(&crew, &signals, stop, plan.quiet),
-                    Clock::Virtual => pace(&crew, &signals, stop, plan.quiet)?,
+                let run = match board {
+                    Some(board) => {
+                        supervise(&crew, &signals, &open_desk(&session, board, &crew)?, (stop, plan.quiet))
+                    }
+                    None => pace(&crew, &signals, stop, plan.quiet)?,
                 };
                 crew.reap(Instant::now() + CLOSING);
                 let figures = crew.figures();
@@ -82,6 +93,20 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
             Err(error) => return Err(error.into()),
         }
     }
+}
+
+/// Where the processes of a cell in real time show what they do. Virtual time waits for nobody who looks on.
+fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<StateBoard>, LaunchError> {
+    match clock {
+        Clock::Real => StateBoard::create(session.number(), places).map(Some).map_err(LaunchError::Board),
+        Clock::Virtual => Ok(None),
+    }
+}
+
+/// Where the operator's consoles connect.
+fn open_desk(session: &Session, board: StateBoard, crew: &Crew) -> Result<Desk, LaunchError> {
+    let seats = crew.0.iter().map(|member| (member.id, member.pid()));
+    Desk::open(session.folder(), board, seats).map_err(LaunchError::Desk)
 }
 
 /// What became of a run.
@@ -141,7 +166,7 @@ impl Signals {
 }
 
 /// Runs a cell in real time: hears who is gone and who has ended, until all have.
-fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run {
+fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Duration, bool)) -> Run {
     crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
     let mut closing: Option<Instant> = None;
@@ -161,14 +186,16 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run
             left.iter().for_each(|member| member.kill());
             continue;
         }
-        let (signalled, spoke) = wait(&left, signals, rest);
+        let (signalled, spoke) = wait(&left, signals, desk, rest);
         if signalled {
             crew.tell_mp(&Frame::Abort);
         }
+        desk.presses().for_each(|press| crew.tell_mp(&press));
         for member in spoke {
             match member.control.receive() {
                 Ok(Frame::Over { steps, time, outcome }) => {
                     member.over.replace(Some(Over { steps, time, outcome }));
+                    desk.ended(member.id);
                     if member.id == ProcessId::MP {
                         close(&mut closing);
                     }
@@ -178,6 +205,7 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();
+                    desk.ended(member.id);
                     if member.over.borrow().is_some() {
                         continue;
                     }
@@ -199,16 +227,18 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run
     }
 }
 
-/// Waits until a signal comes, or a process says something or ends; at most for a time.
+/// Waits until a signal comes, a button is pressed, or a process says something or ends; at most for a time.
 fn wait<'a>(
     left: &[&'a Rc<Member>],
     signals: &Signals,
+    desk: &Desk,
     time: Option<Duration>,
 ) -> (bool, Vec<&'a Rc<Member>>) {
     let mut all: Vec<_> = left
         .iter()
         .map(|member| PollFd::from_borrowed_fd(member.control.descriptor(), PollFlags::IN))
         .collect();
+    all.push(PollFd::from_borrowed_fd(desk.descriptor(), PollFlags::IN));
     all.push(PollFd::from_borrowed_fd(signals.wakes.as_fd(), PollFlags::IN));
     let time = time.and_then(|time| Timespec::try_from(time).ok());
     if poll(&mut all, time.as_ref()).is_err() {

@@ -1,22 +1,27 @@
 //! One process of a cell: joins the session that its launcher made, runs its part, and says how it ended.
 
+use core::cell::OnceCell;
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+use std::rc::Rc;
 use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
+use super::board::StateBoard;
 use super::control::{Control, Frame};
 use super::figures::Gauge;
+use super::panel;
 use super::scheduling::{Lacks, ask};
 use super::session::{Membership, prefix};
-use crate::cell::Cell;
+use crate::cell::{Cell, Observation};
 use crate::fault::{ProcessId, Role};
-use crate::link::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal};
+use crate::link::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show};
 use crate::link::{Nanos, News, Waiter};
+use crate::mp::MpState;
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
@@ -31,6 +36,7 @@ impl Launcher for Control {
             Ok(Frame::Resume { now }) => Heard::Resume(now),
             Ok(Frame::Lost(process)) => Heard::News(News::Lost(process)),
             Ok(Frame::Abort) => Heard::News(News::Abort),
+            Ok(Frame::Press { number, button }) => Heard::Press(number, button),
             // A launcher that says anything else is none, and one that is gone says nothing more.
             Ok(_) | Err(_) => Heard::Close,
         }
@@ -108,10 +114,15 @@ fn take_part(
     }
     let (realtime, step) = (cell.realtime().cloned(), cell.step());
     let mut fabric = Fabric::new(me, clock);
+    let panel = Panel::default();
+    let cell = if me.role == Role::Edp { cell.watch(panel.of_robot()) } else { cell };
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
         return Err(Ended::Refuses("the cell has no such process".to_owned()));
     };
+    if clock == Clock::Real {
+        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
+    }
     fabric.create(folder, &prefix(seal.session), seal).map_err(Ended::of)?;
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
@@ -135,7 +146,8 @@ fn take_part(
             if has_robot(me) {
                 end_after_launcher(control).map_err(Ended::of)?;
             }
-            let waiter = RealTime::new(listener, control, (origin, spin), gauge.samples());
+            let waiter =
+                RealTime::new(listener, control, (origin, spin), gauge.samples()).showing(panel.of(me));
             body(&waiter);
             gauge.end();
             waiter.now()
@@ -156,6 +168,43 @@ fn take_part(
 /// Whether a robot brakes by what this process does.
 fn has_robot(me: ProcessId) -> bool {
     matches!(me.role, Role::Edp | Role::Plant)
+}
+
+/// This process's panel of the state board, once the cell is put together and its place is known.
+#[derive(Default)]
+struct Panel(Rc<OnceCell<(StateBoard, usize)>>);
+
+impl Panel {
+    fn hang(&self, fabric: &Fabric, me: ProcessId, seal: Seal) -> io::Result<()> {
+        let places = fabric.places();
+        let board = StateBoard::open(seal.session, places.len())?;
+        if let Some(place) = places.iter().position(|&place| place == me) {
+            // It is hung once.
+            drop(self.0.set((board, place)));
+        }
+        Ok(())
+    }
+
+    /// Shows every servo period of the robot of this process.
+    fn of_robot(&self) -> impl FnMut(&Observation<'_>) + 'static {
+        let panel = Rc::clone(&self.0);
+        move |seen| {
+            if let Some((board, place)) = panel.get() {
+                board.write(*place, &panel::of_robot(seen));
+            }
+        }
+    }
+
+    /// Shows every step of an MP.
+    fn of(&self, me: ProcessId) -> Option<Show> {
+        let panel = Rc::clone(&self.0);
+        let show = move |state: &MpState| {
+            if let Some((board, place)) = panel.get() {
+                board.write(*place, &panel::of_mp(state));
+            }
+        };
+        (me == ProcessId::MP).then(|| -> Show { Box::new(show) })
+    }
 }
 
 fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {

@@ -15,4 +15,4 @@ mod waiter;
 pub(crate) use envelope::Seal;
 pub(crate) use fabric::{Clock, Fabric};
 pub(crate) use samples::Samples;
-pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, monotonic};
+pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Show, monotonic};

@@ -12,7 +12,9 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 
 use super::samples::Samples;
+use crate::button::Button;
 use crate::link::{Closed, Nanos, News, Sample, Waiter};
+use crate::mp::MpState;
 
 const NANOS: u64 = 1_000_000_000;
 
@@ -43,12 +45,14 @@ pub(crate) trait Launcher {
 }
 
 /// What a launcher says to a process that runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Heard {
     /// Run on; it is now this time \[ns\].
     Resume(Nanos),
     /// Something has happened.
     News(News),
+    /// The operator has pressed a button, under this number.
+    Press(u64, Button),
     /// The cell closes, or the launcher is gone.
     Close,
 }
@@ -63,7 +67,13 @@ pub(crate) struct RealTime<'a, L: Launcher> {
     closing: Cell<bool>,
     news: Cell<Option<News>>,
     samples: Arc<Samples>,
+    /// One press of each kind: a newer one replaces it.
+    pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
+    shows: Option<Show>,
 }
+
+/// What shows the state of an MP.
+pub(crate) type Show = Box<dyn Fn(&MpState)>;
 
 impl<'a, L: Launcher> RealTime<'a, L> {
     pub fn new(
@@ -74,8 +84,23 @@ impl<'a, L: Launcher> RealTime<'a, L> {
     ) -> Self {
         // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
-        let (closing, news) = (Cell::new(false), Cell::new(None));
-        RealTime { listener, launcher, origin, spin, closing, news, samples }
+        RealTime {
+            listener,
+            launcher,
+            origin,
+            spin,
+            closing: Cell::new(false),
+            news: Cell::new(None),
+            samples,
+            pressed: Default::default(),
+            shows: None,
+        }
+    }
+
+    /// Shows what the MP does by this.
+    pub fn showing(mut self, shows: Option<Show>) -> Self {
+        self.shows = shows;
+        self
     }
 
     /// Takes the wake-ups that have come; whether there was one.
@@ -102,7 +127,10 @@ impl<'a, L: Launcher> RealTime<'a, L> {
         if spoken {
             match self.launcher.hear() {
                 Heard::Close => self.closing.set(true),
+                // An abort must not hide that a process is gone.
+                Heard::News(News::Abort) if self.news.get().is_some() => {}
                 Heard::News(news) => self.news.set(Some(news)),
+                Heard::Press(number, button) => self.pressed[button.kind()].set(Some((number, button))),
                 Heard::Resume(_) => {}
             }
         }
@@ -146,6 +174,16 @@ impl<L: Launcher> Waiter for RealTime<'_, L> {
     fn news(&self) -> Option<News> {
         self.news.take()
     }
+
+    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
+        self.pressed.get(kind)?.take()
+    }
+
+    fn show(&self, state: &MpState) {
+        if let Some(shows) = &self.shows {
+            shows(state);
+        }
+    }
 }
 
 /// Waits in lock-step: the launcher resumes one process at a time, and says what time it is.
@@ -168,7 +206,7 @@ impl<'a, L: Launcher> LockStep<'a, L> {
         match self.launcher.hear() {
             Heard::Resume(now) => self.now.set(now),
             // In lock-step nothing else is said.
-            Heard::Close | Heard::News(_) => self.closing.set(true),
+            Heard::Close | Heard::News(_) | Heard::Press(..) => self.closing.set(true),
         }
     }
 }
