@@ -277,6 +277,14 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         joint < N && RegulatorSet::numbered(set).is_some()
     }
 
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<SVector<f64, N>> {
+        Simulated::brake(self)
+    }
+
     fn choose_regulators(&mut self, sets: &Regulators) {
         for (i, drive) in self.drives.iter_mut().enumerate() {
             match RegulatorSet::numbered(sets.set(i)) {

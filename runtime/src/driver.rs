@@ -28,6 +28,9 @@ pub trait Driver<R: Robot> {
     /// One servo period: the drives take the joint position `demanded` for its end [rad or m];
     /// returns what the encoders read at its end.
     ///
+    /// In real time an EDP that wakes late leaves out the periods that are over: the position is then the one that is due
+    /// for the end of the present period, on the same curve and so many periods further.
+    ///
     /// # Errors
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
@@ -39,6 +42,18 @@ pub trait Driver<R: Robot> {
 
     /// Chooses the parameter sets of the regulators from the next tick on: only sets that there are.
     fn choose_regulators(&mut self, _sets: &Regulators) {}
+
+    /// Whether they are simulated. Where a cell runs as processes of the operating system, all its simulated drives are in
+    /// one of their own, `plant`, which outlives their EDPs as real drives do; real ones are reached by their EDP itself.
+    fn is_simulated(&self) -> bool {
+        false
+    }
+
+    /// One servo period without power and with the brakes applied; returns what the encoders read at its end. Simulated
+    /// drives alone are asked, once demands have stayed away for too long: real ones do it by themselves.
+    fn brake(&mut self) -> Measured<R::Joints> {
+        self.measured()
+    }
 }
 
 /// Which parameter set the regulator of each joint works with: the dynamic behaviour of a robot.

@@ -84,6 +84,7 @@ mod mp;
 mod name;
 mod operator;
 mod payload;
+mod plant;
 mod pose;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod processes;

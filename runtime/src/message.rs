@@ -11,6 +11,9 @@ pub enum Kind {
     Order(OrderKind),
     /// ECP to EDP.
     Request(RequestKind),
+    /// EDP to the plant: what simulated drives are to do in a servo period. Body: which choice of regulators it is, the
+    /// regulators, the joint positions.
+    Command,
     /// To a VSP: take a reading. Body: configuration, then the associated robot's state.
     Read,
     /// The answer to any of these. Body: the image of the robot, or the reading.

@@ -60,6 +60,14 @@ impl<R: Robot, D: Driver<R>> Driver<R> for Lent<R, D> {
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.0.borrow_mut().driver.choose_regulators(sets);
     }
+
+    fn is_simulated(&self) -> bool {
+        self.0.borrow().driver.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<R::Joints> {
+        self.0.borrow_mut().driver.brake()
+    }
 }
 
 /// Met after so many steps.

@@ -54,6 +54,14 @@ impl Driver<Gripper> for Fingers {
         self.drive.tick(demanded)
     }
 
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<One> {
+        self.drive.brake()
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.drive.has_regulator(joint, set)
     }

@@ -10,6 +10,7 @@ use crate::fault::{ProcessId, Role};
 use crate::link::{Link, Nanos};
 use crate::mp::{Mp, RobotPort};
 use crate::name::Name;
+use crate::plant::{Rests, Site};
 use crate::sensing::Sensing;
 use crate::stopping::missed_step_budget;
 
@@ -19,6 +20,12 @@ pub(crate) struct Assembly {
     pub outcomes: Outcomes,
     /// Steps that the MP began.
     pub steps: Rc<core::cell::Cell<u64>>,
+    /// How robots in the plant came to a standstill whose commands had stopped.
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "told to the launcher")
+    )]
+    pub rests: Rests,
 }
 
 impl Cell {
@@ -39,6 +46,8 @@ impl Cell {
         let outcomes = Outcomes::default();
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
+
+        let mut plant = Site::new(link, self.step, self.robots.iter().any(|robot| robot.is_simulated()));
 
         let mut mp_sensing = Sensing { ports: Vec::new(), patience };
         // An ECP loses patience first, so that it can say with whom.
@@ -78,8 +87,10 @@ impl Cell {
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps: steps };
             let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged };
-            robot.spawn(link, place, server, sensing, Rc::clone(&outcomes))?;
+            robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
+        let rests = Rests::default();
+        plant.spawn(link, Rc::clone(&rests))?;
 
         let close = link.closer();
         let (operator, step, rate_change, program) =
@@ -101,6 +112,6 @@ impl Cell {
                 close();
             }),
         )?;
-        Ok(Assembly { outcomes, steps })
+        Ok(Assembly { outcomes, steps, rests })
     }
 }

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use super::{CellError, Outcomes, limits};
 use crate::driver::{Driver, Homing};
 use crate::ecp::{Ecp, Pace};
-use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
+use crate::edp::{Drive, Edp, EdpConfig, Observer, ServoRecord};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
@@ -17,6 +17,7 @@ use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
+use crate::plant::Site;
 use crate::pose::Pose;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
@@ -169,12 +170,15 @@ pub(crate) trait AnyRobot {
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
+    /// Whether its drives may be in the plant.
+    fn is_simulated(&self) -> bool;
     fn check_space(&self, name: Name) -> Option<CellError>;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
         link: &mut dyn Link,
+        plant: &mut Site,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -239,6 +243,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         matches!(self.drives, Drives::Homed(_))
     }
 
+    fn is_simulated(&self) -> bool {
+        matches!(&self.drives, Drives::Homed(driver) if driver.is_simulated())
+    }
+
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
         limits::check(
             name,
@@ -256,6 +264,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     fn spawn(
         self: Box<Self>,
         link: &mut dyn Link,
+        plant: &mut Site,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -265,20 +274,26 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
         let (client, server) = link.port(place.ecp, edp);
-        let (robot, drives, observers) = (self.robot, self.drives, self.observers);
+        let (robot, observers) = (self.robot, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
         let ended = Rc::clone(&outcomes);
+        // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
+        // that is called no more comes to rest by itself.
+        let drives = match self.drives {
+            Drives::Homed(driver) => Ok(plant.take(link, (process, edp), driver)),
+            Drives::Unhomed(homing) => Err(homing),
+        };
         let run = move |waiter: &dyn Waiter| {
-            let driver = match drives {
-                Drives::Homed(driver) => Some(driver),
-                Drives::Unhomed(homing) => home(process, waiter, &*server, homing),
+            let drive = match drives {
+                Ok(drive) => Some(drive),
+                Err(homing) => home(process, waiter, &*server, homing).map(Drive::Here),
             };
-            if let Some(driver) = driver {
+            if let Some(drive) = drive {
                 let (step, delay) = (place.step, place.delay);
                 let config = EdpConfig {
                     process,
                     robot,
-                    driver,
+                    drive,
                     tool,
                     step,
                     delay,

@@ -126,7 +126,7 @@ impl Orders {
             self.open = match self.order.header.kind {
                 Kind::Order(kind) => Some(kind),
                 // Nobody but an MP is at the other end of this port.
-                Kind::Request(_) | Kind::Read | Kind::Reply | Kind::Fault => None,
+                Kind::Request(_) | Kind::Command | Kind::Read | Kind::Reply | Kind::Fault => None,
             };
         }
     }

@@ -6,6 +6,7 @@
 //! space ([`Interpolation`]). The reply to a demand leaves as soon as the demand is accepted: the next one is computed
 //! while the robot moves.
 
+mod drives;
 mod following;
 mod serving;
 #[cfg(test)]
@@ -14,7 +15,7 @@ mod tests;
 use core::time::Duration;
 
 use crate::braking::Braking;
-use crate::driver::{Driver, Measured, Regulators};
+use crate::driver::{Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
@@ -25,6 +26,8 @@ use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
+
+pub(crate) use drives::{Drive, PlantDrive, PlantEnd};
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
@@ -45,7 +48,7 @@ pub type Observer<R> = Box<dyn FnMut(&ServoRecord<R>)>;
 pub(crate) struct EdpConfig<R: Robot> {
     pub process: ProcessId,
     pub robot: R,
-    pub driver: Box<dyn Driver<R>>,
+    pub drive: Drive<R>,
     pub tool: Pose,
     pub step: Duration,
     /// The cell's delay between demands and drives; `None`: drives take each demand as it is.
@@ -100,8 +103,8 @@ pub(crate) struct Edp<'w, R: Robot> {
 
 impl<'w, R: Robot> Edp<'w, R> {
     pub fn new(config: EdpConfig<R>, waiter: &'w dyn Waiter, port: Box<dyn Server>) -> Self {
-        let measured = config.driver.measured();
-        let (step, servo) = (config.step.as_nanos() as Nanos, config.driver.period().as_nanos() as Nanos);
+        let measured = config.drive.measured();
+        let (step, servo) = (config.step.as_nanos() as Nanos, config.drive.period().as_nanos() as Nanos);
         let reaction = detection_time(config.step);
         let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
         let (now, shorter) = (waiter.now(), servo.min(step));

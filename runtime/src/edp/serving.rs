@@ -33,7 +33,7 @@ impl<R: Robot> Edp<'_, R> {
     fn act(&mut self) -> Result<(), Fault> {
         let request = match self.request.header.kind {
             Kind::Request(request) => request,
-            Kind::Order(_) | Kind::Read | Kind::Reply | Kind::Fault => {
+            Kind::Order(_) | Kind::Command | Kind::Read | Kind::Reply | Kind::Fault => {
                 return Err(Fault::new(FaultKind::Message));
             }
         };
@@ -100,8 +100,8 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     fn check_regulators(&self, sets: &Regulators) -> Result<(), Fault> {
-        let driver = &self.config.driver;
-        match (0..R::Joints::LEN).find(|&joint| !driver.has_regulator(joint, sets.set(joint))) {
+        let drive = &self.config.drive;
+        match (0..R::Joints::LEN).find(|&joint| !drive.has_regulator(joint, sets.set(joint))) {
             Some(joint) => {
                 let text = format!("parameter set {}", sets.set(joint));
                 Err(Fault::new(FaultKind::NoRegulator).at_joint(joint).text(&text))

@@ -7,7 +7,7 @@ use nalgebra::Vector1;
 
 use super::*;
 use crate::demand::Demand;
-use crate::driver::DriveFault;
+use crate::driver::{DriveFault, Driver};
 use crate::fault::Role;
 use crate::message::{Kind, OrderKind, RequestKind, flag};
 use crate::name::Name;
@@ -82,7 +82,7 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
     let config = EdpConfig {
         process: ProcessId::new(Role::Edp, Name::new("g").expect("a name")),
         robot: Slide(limits),
-        driver: Box::new(Exact(servo, Measured { position: zero, velocity: zero })),
+        drive: Drive::Here(Box::new(Exact(servo, Measured { position: zero, velocity: zero }))),
         tool: Pose::identity(),
         step: Duration::from_millis(1),
         delay: crate::interpolation::delay(Duration::from_millis(1), [servo].into_iter()),
@@ -119,7 +119,7 @@ fn fault_14_an_edp_bridges_twenty_steps_however_long_its_servo_period_is() {
 
 #[test]
 fn what_is_no_request_is_a_fault_and_moves_nothing() {
-    for kind in [Kind::Order(OrderKind::Step), Kind::Read, Kind::Reply, Kind::Fault] {
+    for kind in [Kind::Order(OrderKind::Step), Kind::Command, Kind::Read, Kind::Reply, Kind::Fault] {
         let (mut edp, replies) = edp(Duration::from_millis(1));
         edp.request = Message::new(kind);
         edp.serve();

@@ -33,6 +33,14 @@ pub trait Waiter {
     /// [`Closed`] when the cell is closing.
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed>;
 
+    /// In lock-step: lets the process at a place run until it waits, as if it were a part of this one.
+    ///
+    /// # Errors
+    /// [`Closed`] when the cell is closing.
+    fn call(&self, _place: usize) -> Result<(), Closed> {
+        Ok(())
+    }
+
     /// Waits until a time although the cell is closing: a robot that still moves is braked first.
     ///
     /// # Errors
@@ -90,6 +98,21 @@ pub trait Board {
 /// A process's body. It runs once the link does, and cannot keep the waiter.
 pub type Body = Box<dyn for<'w> FnOnce(&'w dyn Waiter)>;
 
+/// Where the simulated drives of a cell are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    not(all(feature = "processes", target_os = "linux")),
+    allow(dead_code, reason = "processes have a plant")
+)]
+pub enum Simulation {
+    /// Each in its EDP.
+    InEdps,
+    /// All in a process of their own, which does a servo period when it is asked to: under the virtual clock.
+    Asked,
+    /// All in a process of their own, which has its own clock, takes the newest commands and shows what it reads.
+    Free,
+}
+
 /// Where the processes of a cell are put. The same calls in the same order make the same cell, wherever they run.
 pub trait Link {
     /// A place for a process, which ports can name before its body is known.
@@ -106,6 +129,11 @@ pub trait Link {
     /// # Errors
     /// [`Stuck`] when it cannot have one.
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck>;
+
+    /// Where it puts simulated drives.
+    fn simulation(&self) -> Simulation {
+        Simulation::InEdps
+    }
 
     /// What closes the cell when the MP's program is over: every wait returns [`Closed`] from then on.
     fn closer(&self) -> Box<dyn Fn()>;

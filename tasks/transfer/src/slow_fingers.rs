@@ -43,6 +43,17 @@ impl Driver<Gripper> for SlowFingers {
         Ok(measured)
     }
 
+    fn is_simulated(&self) -> bool {
+        self.fingers.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<One> {
+        for _ in 1..Self::PARTS {
+            self.fingers.brake();
+        }
+        self.fingers.brake()
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.fingers.has_regulator(joint, set)
     }

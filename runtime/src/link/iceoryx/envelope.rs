@@ -8,13 +8,13 @@ use crate::message::{Header, Kind, Message, OrderKind, RequestKind};
 use crate::wire::{BadWords, WORDS};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
-pub(crate) const LAYOUT: u64 = 1;
+pub(crate) const LAYOUT: u64 = 2;
 
 /// Words of a message's head.
 const HEAD: usize = 11;
 
 /// The kinds of messages; one travels as its place in this list.
-const KINDS: [Kind; 14] = [
+const KINDS: [Kind; 15] = [
     Kind::Order(OrderKind::Query),
     Kind::Order(OrderKind::Start),
     Kind::Order(OrderKind::Step),
@@ -29,6 +29,7 @@ const KINDS: [Kind; 14] = [
     Kind::Read,
     Kind::Reply,
     Kind::Fault,
+    Kind::Command,
 ];
 
 /// What every message of a cell's run carries: messages of another run, or of an earlier attempt to start it, are none.
@@ -178,7 +179,7 @@ mod tests {
     #[test]
     fn a_damaged_head_is_no_message() {
         // Kind, flags, instruction, length: the words that not every number spells.
-        for (word, value) in [(0, 14), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX)] {
+        for (word, value) in [(0, 15), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX)] {
             let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
             envelope.head[word] = value;
             assert_eq!(envelope.open(&mut Message::empty()), Err(BadWords), "word {word}: {value}");

@@ -35,6 +35,9 @@ pub(crate) trait Launcher {
 
     /// In lock-step: the process waits, and sent messages to these places.
     fn yields(&self, deadline: Nanos, woken: u64);
+
+    /// In lock-step: the process at a place is to run before this one goes on, which sent messages to these places.
+    fn calls(&self, place: usize, woken: u64);
 }
 
 /// What a launcher says to a process that runs.
@@ -166,6 +169,14 @@ impl<L: Launcher> Waiter for LockStep<'_, L> {
         let deadline = deadline.unwrap_or(Nanos::MAX);
         if deadline > self.now.get() && !self.closing.get() {
             self.launcher.yields(deadline, self.woken.take());
+            self.be_resumed();
+        }
+        if self.closing.get() { Err(Closed) } else { Ok(()) }
+    }
+
+    fn call(&self, place: usize) -> Result<(), Closed> {
+        if !self.closing.get() {
+            self.launcher.calls(place, self.woken.take() & !(1 << place));
             self.be_resumed();
         }
         if self.closing.get() { Err(Closed) } else { Ok(()) }

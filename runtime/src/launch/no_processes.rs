@@ -1,0 +1,26 @@
+//! A program that was built without processes of the operating system.
+//!
+//! In: what would need them. Out: how to build it with them.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use super::options::Clock;
+use crate::cell::{Cell, RunReport};
+use crate::console::refused;
+use crate::fault::ProcessId;
+
+const NO_PROCESSES: &str = "this program was built without processes\n help: on Linux, build it with mrroc's feature `processes`: \
+                            cargo run --release --features mrroc/processes -- --processes";
+
+pub(super) fn examine() -> ExitCode {
+    refused(&NO_PROCESSES)
+}
+
+pub(super) fn take_part(_: Cell, process: ProcessId, _: &Path, _: bool) -> ExitCode {
+    refused(&format!("{process}: {NO_PROCESSES}"))
+}
+
+pub(super) fn launch_processes(_: Cell, _: (Clock, u64), _: PathBuf, _: bool) -> Result<RunReport, ExitCode> {
+    Err(refused(&NO_PROCESSES))
+}
