@@ -10,9 +10,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use mrroc::{
-    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp, Observation,
-    Payload, Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick, VirtualSensor, condition,
-    generator,
+    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp,
+    Observation, Payload, Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick,
+    VirtualSensor, condition, generator,
 };
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
@@ -73,7 +73,8 @@ impl Recorded {
     fn write(&mut self, what: &str, measured: &Measured<Six>) {
         let Some(folder) = std::env::var_os(RECORDS) else { return };
         let file = self.file.get_or_insert_with(|| {
-            File::create(Path::new(&folder).join(&self.name)).expect("the folder of the records can be written")
+            File::create(Path::new(&folder).join(&self.name))
+                .expect("the folder of the records can be written")
         });
         let line = |q: &Six| q.iter().map(|q| format!(" {q:e}")).collect::<String>();
         let text = format!("{what}{}{}\n", line(&measured.position), line(&measured.velocity));

@@ -290,17 +290,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             if let Some(drive) = drive {
                 let (step, delay) = (place.step, place.delay);
-                let config = EdpConfig {
-                    process,
-                    robot,
-                    drive,
-                    tool,
-                    step,
-                    delay,
-                    space,
-                    following_error,
-                    observers,
-                };
+                let config =
+                    EdpConfig { process, robot, drive, tool, step, delay, space, following_error, observers };
                 if let Err(fault) = Edp::new(config, waiter, server).run() {
                     ended.borrow_mut().push((process, Err(fault)));
                 }

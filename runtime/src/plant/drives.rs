@@ -111,7 +111,8 @@ impl<R: Robot> Drives<R> {
         let silent = self.next.saturating_sub(newest.period);
         if self.off.is_none() && silent * self.servo >= self.patience {
             let steps = |time: Nanos| (time / self.step) as f64;
-            let fault = Fault::new(FaultKind::Overrun).text("its drives got no demand and applied their brakes");
+            let fault =
+                Fault::new(FaultKind::Overrun).text("its drives got no demand and applied their brakes");
             let fault = fault.exceeds(steps(silent * self.servo), steps(self.patience) - 1.0, "step");
             self.off = Some(Off { fault, silent, braking: 0 });
         }

@@ -190,6 +190,11 @@ impl Control {
         Control(stream)
     }
 
+    /// The same end, for another thread.
+    pub(super) fn try_clone(&self) -> io::Result<Control> {
+        self.0.try_clone().map(Control)
+    }
+
     /// Sends a frame whole.
     pub(super) fn send(&self, frame: &Frame) -> io::Result<()> {
         let mut words = [0; WORDS];

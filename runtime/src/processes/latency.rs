@@ -187,17 +187,16 @@ fn end(
     let me = ids()[usize::from(!asks)];
     match kind {
         "mrroc" => {
-            let mut fabric = Fabric::new(me);
+            let mut fabric = Fabric::new(me, Clock::Real);
             for id in ids() {
                 fabric.place(id);
             }
             let (client, server) = fabric.port(0, 1);
-            fabric.create(&folder(of), &format!("mrl{of}a_"), SEAL, Clock::Real).expect("made");
+            fabric.create(&folder(of), &format!("mrl{of}a_"), SEAL).expect("made");
             barrier();
-            fabric.connect(SEAL, Clock::Real).expect("connected");
+            fabric.connect(SEAL).expect("connected");
             barrier();
-            let listener = fabric.take_listener().expect("made");
-            let waiter = RealTime::new(listener, control, 0, 0);
+            let waiter = waiter(&fabric);
             // The node lives as long as the process.
             std::mem::forget(fabric);
             let message = Message::new(Kind::Order(OrderKind::Step));
@@ -355,6 +354,11 @@ fn round_trips_of_every_kind() {
         }
     }
     let _ = std::fs::remove_dir_all(root);
+}
+
+/// Waits as a process of a cell does, with a launcher that says nothing.
+fn waiter(fabric: &Fabric) -> RealTime {
+    RealTime::new(fabric.bell().expect("made"), std::sync::mpsc::channel().1, 0, 0)
 }
 
 /// Where raw samples go.

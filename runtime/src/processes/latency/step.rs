@@ -48,13 +48,8 @@ enum Placement {
 }
 
 impl Placement {
-    const ALL: [Placement; 5] = [
-        Placement::Launcher,
-        Placement::RobotsByTurns,
-        Placement::MpWithFirst,
-        Placement::OneCore,
-        Placement::Anywhere,
-    ];
+    const ALL: [Placement; 4] =
+        [Placement::MpWithFirst, Placement::RobotsByTurns, Placement::OneCore, Placement::Anywhere];
 
     /// The core of the process at a place.
     fn core(self, place: usize, robots: usize) -> Option<usize> {
@@ -163,15 +158,9 @@ impl Part {
     }
 
     /// Its lines to the others; `meet` returns when all have come as far.
-    fn connect(
-        self,
-        of: u32,
-        control: &'static Control,
-        shared: &OwnedFd,
-        meet: &dyn Fn(),
-    ) -> Box<dyn Topology> {
+    fn connect(self, of: u32, shared: &OwnedFd, meet: &dyn Fn()) -> Box<dyn Topology> {
         match self.kind {
-            "mrroc" => ours((self.place, self.robots), of, control, meet),
+            "mrroc" => ours((self.place, self.robots), of, meet),
             _ => {
                 meet();
                 meet();
@@ -188,10 +177,10 @@ fn part() {
     let (part, of) = Part::read(&words);
     let stdin = std::io::stdin().as_fd().try_clone_to_owned().expect("a descriptor");
     let shared = std::io::stdout().as_fd().try_clone_to_owned().expect("a descriptor");
-    let control: &'static Control = Box::leak(Box::new(Control::new(UnixStream::from(stdin))));
-    let mut topology = part.connect(of, control, &shared, &|| barrier(control));
+    let control = Control::new(UnixStream::from(stdin));
+    let mut topology = part.connect(of, &shared, &|| barrier(&control));
     be_real_time(part.core);
-    barrier(control);
+    barrier(&control);
     let role = id(part.place, part.robots).role;
     for _ in 0..WARM_UP + STEPS {
         take_part(&mut *topology, role, part.work);
@@ -217,13 +206,10 @@ fn round(kind: &'static str, robots: usize, work: u64, placement: Placement) -> 
         controls.iter().for_each(|control| assert_eq!(control.receive().expect("came"), Frame::Connect));
         controls.iter().for_each(|control| control.send(&Frame::Connect).expect("sent"));
     };
-    // Nobody speaks on it: the MP's own launcher, as silent as a true one.
-    let (silent, _launcher) = UnixStream::pair().expect("sockets");
-    let silent: &'static Control = Box::leak(Box::new(Control::new(silent)));
     let mut samples = std::thread::scope(|scope| {
         // In a thread of its own, with which priority and core end.
         let mp = scope.spawn(|| {
-            let mut topology = part(0).connect(of, silent, &shared, &meet);
+            let mut topology = part(0).connect(of, &shared, &meet);
             meet();
             be_real_time(part(0).core);
             steps(&mut *topology, robots)

@@ -9,10 +9,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rustix::mm::{MapFlags, ProtFlags, mmap};
 use rustix::thread::futex;
 
-use super::super::control::Control;
-use super::{SEAL, SIZE, folder};
+use super::{SEAL, SIZE, folder, waiter};
 use crate::fault::{ProcessId, Role};
-use crate::link::iceoryx::{Clock, Fabric, RealTime};
+use crate::link::iceoryx::{Clock, Fabric};
 use crate::link::{Client, Link, Server, Waiter};
 use crate::message::{Kind, Message, OrderKind};
 use crate::name::Name;
@@ -78,13 +77,8 @@ impl<W: Waiter> Topology for Ours<W> {
 }
 
 /// The process at `place` on our link; `barrier` returns when all have come as far.
-pub fn ours(
-    (place, robots): (usize, usize),
-    of: u32,
-    control: &'static Control,
-    barrier: &dyn Fn(),
-) -> Box<dyn Topology> {
-    let mut fabric = Fabric::new(id(place, robots));
+pub fn ours((place, robots): (usize, usize), of: u32, barrier: &dyn Fn()) -> Box<dyn Topology> {
+    let mut fabric = Fabric::new(id(place, robots), Clock::Real);
     for place in 0..=2 * robots {
         fabric.place(id(place, robots));
     }
@@ -97,16 +91,16 @@ pub fn ours(
             mine.push(Line::Answers(server));
         }
     }
-    fabric.create(&folder(of), &format!("mrl{of}s_"), SEAL, Clock::Real).expect("made");
+    fabric.create(&folder(of), &format!("mrl{of}s_"), SEAL).expect("made");
     barrier();
-    fabric.connect(SEAL, Clock::Real).expect("connected");
+    fabric.connect(SEAL).expect("connected");
     barrier();
-    let listener = fabric.take_listener().expect("made");
+    let waiter = waiter(&fabric);
     // The node lives as long as the process.
     std::mem::forget(fabric);
     let mut message = Message::new(Kind::Order(OrderKind::Step));
     message.header.len = crate::wire::WORDS as u32;
-    Box::new(Ours { lines: mine, waiter: RealTime::new(listener, control, 0, 0), message })
+    Box::new(Ours { lines: mine, waiter, message })
 }
 
 /// Words of a message, and of a place for one: its ordinal first, on cache lines of its own.
