@@ -83,6 +83,7 @@ mod message;
 mod mp;
 mod name;
 mod operator;
+mod overruns;
 mod payload;
 mod plant;
 mod pose;

@@ -10,6 +10,7 @@ use crate::fault::{ProcessId, Role};
 use crate::link::{Link, Nanos};
 use crate::mp::{Mp, RobotPort};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::plant::{Rests, Site};
 use crate::sensing::Sensing;
 use crate::stopping::missed_step_budget;
@@ -61,6 +62,7 @@ impl Cell {
         let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
             link,
+            plant: &mut plant,
             step: self.step,
             mp,
             robots: names,
@@ -101,7 +103,8 @@ impl Cell {
         link.body(
             mp,
             Box::new(move |waiter| {
-                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                let timed = Timed::new(waiter);
+                let mut mp = Mp::new(&timed, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 mp.watch_by(guard);
                 let outcome = mp.run_program(|mp| match program {
                     Some(program) => program(mp),

@@ -16,6 +16,7 @@ use crate::joints::JointVector;
 use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::payload::Nudge;
 use crate::plant::Site;
 use crate::pose::Pose;
@@ -304,7 +305,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         link.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
+                let timed = Timed::new(waiter);
+                let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace);
                 let has_own = program.is_some();
                 let outcome = ecp.run_program(|ecp| match program {
                     Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

@@ -8,8 +8,9 @@ use crate::fault::{ProcessId, Role};
 use crate::image::Sensor;
 use crate::link::{Client, Link, Nanos, Server};
 use crate::name::Name;
+use crate::plant::Site;
 use crate::sensing::{Sensing, SensorPort, Source};
-use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::vsp::{Aggregator, Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
 use crate::wire::{WORDS, Wire};
 
 /// A virtual sensor of a cell.
@@ -72,6 +73,7 @@ pub(super) trait AnySensor {
 /// Who may read a sensor, and where: the MP, and the ECP of the robot that it belongs to.
 pub(super) struct Requesters<'a> {
     pub link: &'a mut dyn Link,
+    pub plant: &'a mut Site,
     pub step: Duration,
     pub mp: usize,
     pub robots: &'a [Name],
@@ -104,7 +106,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
     }
 
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError> {
-        let Requesters { link, step, mp, robots, ecps, mp_sensing, ecp_sensing } = among;
+        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing } = among;
         let name = Name::new(&self.name)?;
         let belongs = |robot: &String| {
             let place = robots.iter().position(|name| name.as_str() == robot);
@@ -149,10 +151,11 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
         let step = step.as_nanos() as Nanos;
+        let sensors = plant.take_sensor(*link, place, Aggregator { process, sensor });
         link.body(
             place,
             Box::new(move |waiter| {
-                Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();
+                Vsp { sensors, configuration, waiter, orders, latency, step }.run();
             }),
         )?;
         Ok(())

@@ -49,10 +49,30 @@ pub trait Waiter {
         Err(Closed)
     }
 
+    /// The time that the process itself took since it was asked last, for work between its waits and for waking late; 0
+    /// where that is not measured \[ns\].
+    fn own_time(&self) -> Nanos {
+        0
+    }
+
+    /// Counts something of this process, where anybody wants to know.
+    fn sample(&self, _sample: Sample) {}
+
     /// What has happened outside of the cell's own messages, once.
     fn news(&self) -> Option<News> {
         None
     }
+}
+
+/// What is counted of a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sample {
+    /// A step or a servo period began so much after it was due \[ns\].
+    Late(Nanos),
+    /// The process took so much time of its own for it \[ns\].
+    Worked(Nanos),
+    /// So many periods were left out.
+    Skipped(u64),
 }
 
 /// What an MP is told from outside of its cell.

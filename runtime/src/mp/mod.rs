@@ -22,6 +22,7 @@ use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
+use crate::overruns::Overruns;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
 use crate::suggestion::suggestion;
@@ -47,6 +48,7 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    overruns: Overruns,
 }
 
 impl<'w> Mp<'w> {
@@ -61,8 +63,21 @@ impl<'w> Mp<'w> {
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         let (guard, protective, latched) = (None, None, None);
-        let (ordinal, refusals) = (0, 0);
-        Mp { waiter, robots, sensing, operator, hook, guard, protective, clock, ordinal, latched, refusals }
+        let (ordinal, refusals, overruns) = (0, 0, Overruns::new(step));
+        Mp {
+            waiter,
+            robots,
+            sensing,
+            operator,
+            hook,
+            guard,
+            protective,
+            clock,
+            ordinal,
+            latched,
+            refusals,
+            overruns,
+        }
     }
 
     /// Lets a guard watch over all robots.
@@ -117,6 +132,7 @@ impl<'w> Mp<'w> {
     fn begin_step(&mut self) -> Result<(), Fault> {
         let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
+            self.count_own_time()?;
             // A hook that panics is not called again by the stop that follows.
             if let Some(mut hook) = self.hook.take() {
                 hook(self.clock.step(), &self.operator);
@@ -126,6 +142,15 @@ impl<'w> Mp<'w> {
             self.clock.advance(rate, self.operator.is_suspended());
         }
         self.hear_news()
+    }
+
+    /// A step that began late because of the MP itself is one of those that may be too many.
+    fn count_own_time(&mut self) -> Result<(), Fault> {
+        let missed = self.waiter.own_time() / self.clock.period();
+        if self.latched.is_some() {
+            return Ok(());
+        }
+        self.overruns.note(missed).map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
     }
 
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
@@ -158,6 +183,10 @@ impl<'w> Mp<'w> {
     /// are the next one's, and so is an abort that came too late for it.
     fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.check_latch()?;
+        if self.robots.iter().all(|robot| !robot.handed_over) {
+            // What a program does while its robots stand makes no step late.
+            self.waiter.own_time();
+        }
         self.operator.begin();
         let outcome = work(self).map_err(|fault| self.conclude(fault));
         if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {

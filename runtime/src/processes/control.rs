@@ -7,6 +7,7 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 
+use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
 use crate::fault::{Fault, FaultWords, ProcessId, Role};
 use crate::link::Nanos;
@@ -49,6 +50,8 @@ pub(super) enum Frame {
     Calls { place: u64, woken: u64 },
     /// From the plant: a robot whose commands had stopped has come to a standstill.
     Rested(Rest),
+    /// In real time, now and then and at the end: how late it was, how long it worked.
+    Figures(Figures),
     /// It cannot take part.
     Refuses(String),
     /// It has ended: steps begun, the time, and how its program ended, if it had one.
@@ -107,6 +110,10 @@ impl Frame {
                     name.put(&mut words[3..6]);
                 }
                 14
+            }
+            Frame::Figures(figures) => {
+                figures.put(&mut words[1..]);
+                15
             }
             Frame::Refuses(text) => {
                 let mut len = text.len().min(TEXT);
@@ -171,6 +178,10 @@ impl Frame {
                 Frame::Over { steps: words[1], time: words[2], outcome }
             }
             13 => Frame::Calls { place: words[1], woken: words[2] },
+            15 => {
+                let figures = words[1..].first_chunk::<FIGURES_WORDS>().ok_or(BadWords)?;
+                Frame::Figures(Figures::get(figures))
+            }
             14 => Frame::Rested(Rest {
                 edp: ProcessId::new(Role::Edp, Name::get(&words[3..6])?),
                 braked_after: words[1],
@@ -188,11 +199,6 @@ pub(crate) struct Control(UnixStream);
 impl Control {
     pub(super) fn new(stream: UnixStream) -> Control {
         Control(stream)
-    }
-
-    /// The same end, for another thread.
-    pub(super) fn try_clone(&self) -> io::Result<Control> {
-        self.0.try_clone().map(Control)
     }
 
     /// Sends a frame whole.
@@ -222,6 +228,11 @@ impl Control {
     /// Waits for frames without an end from now on.
     pub(super) fn wait_for_ever(&self) -> io::Result<()> {
         self.0.set_read_timeout(None)
+    }
+
+    /// Another handle of this end.
+    pub(super) fn try_clone(&self) -> io::Result<Control> {
+        self.0.try_clone().map(Control)
     }
 
     /// What to wait on for the next frame.
@@ -257,6 +268,7 @@ mod tests {
             Frame::Ready { lacks: Lacks::from_word(5) },
             Frame::Waits { deadline: 8, woken: 9 },
             Frame::Calls { place: 8, woken: 9 },
+            Frame::Figures(Figures { skipped: 1, overruns: 2, dropped: 3, ..Figures::default() }),
             Frame::Rested(Rest { edp, braked_after: 11, stood_after: 3 }),
             Frame::Refuses("no shared memory: größer".to_owned()),
             Frame::Over { steps: 1, time: 2, outcome: None },

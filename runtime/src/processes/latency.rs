@@ -358,7 +358,9 @@ fn round_trips_of_every_kind() {
 
 /// Waits as a process of a cell does, with a launcher that says nothing.
 fn waiter(fabric: &Fabric) -> RealTime {
-    RealTime::new(fabric.bell().expect("made"), std::sync::mpsc::channel().1, 0, 0)
+    let hears_nothing = std::sync::mpsc::channel().1;
+    let samples = std::sync::Arc::new(crate::link::iceoryx::Samples::new());
+    RealTime::new(fabric.bell().expect("made"), hears_nothing, (0, 0), samples)
 }
 
 /// Where raw samples go.

@@ -16,6 +16,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::control::Frame;
 use super::crew::{Crew, Member, NoStart, Over, Plan};
+use super::figures::table;
 use super::session::{CellLock, SessionError};
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::{Fault, ProcessId, Role};
@@ -71,6 +72,10 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
                     Clock::Virtual => pace(&crew, &signals, stop, plan.quiet)?,
                 };
                 crew.reap(Instant::now() + CLOSING);
+                let figures = crew.figures();
+                if !plan.quiet && !figures.is_empty() {
+                    eprint!("{}", table(&figures));
+                }
                 return run.report().map_err(|fault| LaunchError::Cell(fault.into()));
             }
             Err(NoStart::Died(..)) if epoch < ATTEMPTS && !signals.came() => epoch += 1,
@@ -169,6 +174,7 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run
                     }
                 }
                 Ok(Frame::Rested(rest)) => tell_rest(&rest, quiet),
+                Ok(Frame::Figures(figures)) => member.figures.set(Some(figures)),
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();

@@ -10,6 +10,7 @@ use std::time::Duration;
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::control::{Control, Frame};
+use super::figures::Gauge;
 use super::scheduling::{Lacks, ask};
 use super::session::{Membership, prefix};
 use crate::cell::Cell;
@@ -108,7 +109,7 @@ fn take_part(
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
-    let realtime = cell.realtime().cloned();
+    let (realtime, step) = (cell.realtime().cloned(), cell.step());
     let mut fabric = Fabric::new(me, clock);
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
@@ -118,6 +119,11 @@ fn take_part(
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
     fabric.connect(seal).map_err(Ended::of)?;
+    // Before this thread asks for a priority that the other one is not to have.
+    let gauge = match clock {
+        Clock::Real => Some(Gauge::start(control, step).map_err(Ended::of)?),
+        Clock::Virtual => None,
+    };
     let lacks = match (clock, realtime) {
         (Clock::Real, Some(realtime)) => {
             let ecps: Vec<_> = fabric.places().iter().filter(|id| id.role == Role::Ecp).copied().collect();
@@ -127,14 +133,15 @@ fn take_part(
     };
     say(control, &Frame::Ready { lacks })?;
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
-    let time = match (clock, fabric.bell()) {
-        (Clock::Real, Some(bell)) => {
+    let time = match (gauge, fabric.bell()) {
+        (Some(gauge), Some(bell)) => {
             let heard = listen(control, bell, has_robot(me)).map_err(Ended::of)?;
-            let waiter = RealTime::new(bell, heard, origin, spin);
+            let waiter = RealTime::new(bell, heard, (origin, spin), gauge.samples());
             body(&waiter);
+            gauge.end();
             waiter.now()
         }
-        (Clock::Virtual, _) | (Clock::Real, None) => {
+        _ => {
             let waiter = LockStep::new(control, fabric.woken());
             body(&waiter);
             waiter.now()

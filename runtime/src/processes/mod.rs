@@ -7,6 +7,7 @@
 mod control;
 mod crew;
 mod doctor;
+mod figures;
 #[cfg(test)]
 mod latency;
 mod launcher;

@@ -9,9 +9,11 @@ mod bell;
 mod envelope;
 mod fabric;
 mod ports;
+mod samples;
 mod waiter;
 
 pub(crate) use bell::Bell;
 pub(crate) use envelope::Seal;
 pub(crate) use fabric::{Clock, Fabric};
+pub(crate) use samples::Samples;
 pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, monotonic};

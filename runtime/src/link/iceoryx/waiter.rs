@@ -3,13 +3,15 @@
 use core::cell::Cell;
 use core::num::NonZeroU64;
 use std::rc::Rc;
+use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::Timespec;
 
 use super::bell::Bell;
-use crate::link::{Closed, Nanos, News, Waiter};
+use super::samples::Samples;
+use crate::link::{Closed, Nanos, News, Sample, Waiter};
 
 const NANOS: u64 = 1_000_000_000;
 
@@ -59,14 +61,20 @@ pub(crate) struct RealTime {
     spin: Nanos,
     closing: Cell<bool>,
     news: Cell<Option<News>>,
+    samples: Arc<Samples>,
 }
 
 impl RealTime {
-    pub fn new(bell: Bell, heard: Receiver<Heard>, origin: Nanos, spin: Nanos) -> Self {
+    pub fn new(
+        bell: Bell,
+        heard: Receiver<Heard>,
+        (origin, spin): (Nanos, Nanos),
+        samples: Arc<Samples>,
+    ) -> Self {
         // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
         let (rings, closing, news) = (Cell::new(0), Cell::new(false), Cell::new(None));
-        RealTime { bell, rings, heard, origin, spin, closing, news }
+        RealTime { bell, rings, heard, origin, spin, closing, news, samples }
     }
 
     /// Whether the bell has rung since this was asked last.
@@ -112,6 +120,10 @@ impl Waiter for RealTime {
         let until = timespec(self.origin.saturating_add(until));
         let _ = clock_nanosleep_absolute(ClockId::Monotonic, &until);
         Ok(())
+    }
+
+    fn sample(&self, sample: Sample) {
+        self.samples.push(sample);
     }
 
     fn news(&self) -> Option<News> {
