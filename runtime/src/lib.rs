@@ -115,7 +115,7 @@ pub use guard::RobotView;
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
-pub use launch::{Recorder, launch};
+pub use launch::{Clock, Launch, Ran, Recorder, launch};
 pub use list::{
     AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
     SensorList, SensorsEach, SensorsOf,
