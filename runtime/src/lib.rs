@@ -128,7 +128,7 @@ pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
 pub use latch::{Latch, LatchRefusal};
-pub use launch::{Recorder, launch};
+pub use launch::{Clock, Launch, Ran, Recorder, launch};
 pub use list::{
     AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
     SensorList, SensorsEach, SensorsOf,

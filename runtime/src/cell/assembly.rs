@@ -68,6 +68,7 @@ impl Cell {
         let mut requesters = Requesters {
             tape: self.tape.clone(),
             link,
+            plant: &mut plant,
             step: self.step,
             mp,
             robots: names,

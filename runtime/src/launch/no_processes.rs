@@ -2,11 +2,12 @@
 //!
 //! In: what would need them. Out: how to build it with them.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
+use super::Launch;
 use super::options::{Clock, Operating};
-use crate::cell::{Cell, RunReport};
+use crate::cell::{Cell, CellError, RunReport};
 use crate::console::refused;
 use crate::fault::ProcessId;
 
@@ -25,6 +26,6 @@ pub(super) fn take_part(_: Cell, process: ProcessId, _: &Path, _: bool) -> ExitC
     refused(&format!("{process}: {NO_PROCESSES}"))
 }
 
-pub(super) fn launch_processes(_: Cell, _: (Clock, u64), _: PathBuf, _: bool) -> Result<RunReport, ExitCode> {
-    Err(refused(&NO_PROCESSES))
+pub(super) fn launch_processes(_: Cell, _: Clock, _: Launch) -> Result<RunReport, CellError> {
+    Err(CellError::Processes(NO_PROCESSES.to_owned()))
 }

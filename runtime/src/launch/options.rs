@@ -82,8 +82,10 @@ pub(super) struct Options {
 
 /// Whose time processes run in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Clock {
+pub enum Clock {
+    /// The machine's.
     Real,
+    /// The launcher's virtual clock, in lock-step: the same demands to the bit as on the memory link.
     Virtual,
 }
 
@@ -196,6 +198,18 @@ fn is_role(role: &[OsString], word: &OsStr) -> bool {
         [role] => role != "mp" && role != "plant",
         _ => false,
     }
+}
+
+/// Splits off what a launcher tells a process that it starts: who it is, and in which session.
+pub(super) fn split_part(mut arguments: Vec<OsString>) -> (Option<(ProcessId, PathBuf)>, Vec<OsString>) {
+    let words = (0..2).take_while(|&n| arguments.get(n).is_some_and(|word| is_role(&arguments[..n], word)));
+    let words = words.count();
+    let part = match (read_role(&arguments[..words]), arguments.get(words), arguments.get(words + 1)) {
+        (Some(process), Some(session), Some(folder)) if session == "--session" => (process, folder.into()),
+        _ => return (None, arguments),
+    };
+    arguments.drain(..words + 2);
+    (Some(part), arguments)
 }
 
 fn read_role(words: &[OsString]) -> Option<ProcessId> {

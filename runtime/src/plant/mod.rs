@@ -4,10 +4,12 @@
 //! do: drives whose commands stop bridge `L` steps and apply their brakes in the next one (rows 1 to 3 of SAFETY.md). One
 //! process has all of them, because simulated robots may be in one world, with a body between them.
 //!
-//! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro.
+//! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro;
+//! [`sensors`] are virtual sensors that sense this world.
 
 pub(crate) mod command;
 mod drives;
+pub(crate) mod sensors;
 #[cfg(test)]
 mod tests;
 
@@ -22,8 +24,10 @@ use crate::link::memory::Stuck;
 use crate::link::{Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
 use crate::stopping::missed_step_budget;
+use crate::vsp::{Aggregator, RawSensors, VirtualSensor};
 
 use drives::{Commands, Drives};
+use sensors::{PlantSensor, Sensor};
 
 /// How a robot came to a standstill after its commands had stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +83,7 @@ impl Site {
         driver: Box<dyn Driver<R>>,
     ) -> Drive<R> {
         let Some(plant) = self.place.filter(|_| driver.is_simulated()) else { return Drive::Here(driver) };
-        let patience = (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos;
+        let patience = self.patience();
         let step = self.step.as_nanos() as Nanos;
         let (end, commands) = match self.simulation {
             Simulation::InEdps | Simulation::Asked => {
@@ -95,6 +99,27 @@ impl Site {
         let drive = Drive::Plant(PlantDrive::new(&*driver, end, patience));
         self.parts.push(Box::new(Drives::new(process, driver, commands, (step, patience))));
         drive
+    }
+
+    /// Takes the raw sensors of the VSP at `vsp`, if they are simulated and the plant has a place; returns what the VSP has
+    /// of them.
+    pub fn take_sensor<V: VirtualSensor>(
+        &mut self,
+        link: &mut dyn Link,
+        vsp: usize,
+        aggregator: Aggregator<V>,
+    ) -> RawSensors<V> {
+        let Some(plant) = self.place.filter(|_| aggregator.sensor.is_simulated()) else {
+            return RawSensors::Here(aggregator);
+        };
+        let (port, server) = link.port(vsp, plant);
+        self.parts.push(Box::new(Sensor::new(aggregator, server)));
+        RawSensors::Plant(PlantSensor { port, plant, patience: self.patience() })
+    }
+
+    /// For how long the plant may be silent \[ns\].
+    fn patience(&self) -> Nanos {
+        (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos
     }
 
     /// Gives the plant its body.
