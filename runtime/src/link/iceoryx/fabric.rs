@@ -12,9 +12,9 @@ use std::rc::Rc;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::*;
 
-use super::envelope::{Envelope, LAYOUT, Seal};
 use super::ports::{Answering, Asking, Bell, BoardEnd, End};
 use crate::fault::ProcessId;
+use crate::link::envelope::{Envelope, LAYOUT, Seal};
 use crate::link::memory::{MAX_PROCESSES, Stuck};
 use crate::link::{Board, Body, Client, Link, Server};
 use crate::wire::layout_hash;
