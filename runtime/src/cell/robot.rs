@@ -14,13 +14,14 @@ use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Server, Waiter};
+use crate::link::{Link, Nanos, Server, Waiter};
 use crate::name::Name;
 use crate::payload::Nudge;
 use crate::pose::Pose;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::testing::{Bounds, Witness};
 
 type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
 
@@ -163,6 +164,8 @@ pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>);
+    fn bounds(&self) -> Bounds;
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
@@ -204,6 +207,26 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             (observer.borrow_mut())(&observation);
         }));
+    }
+
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>) {
+        self.observers.push(Box::new(move |record| {
+            // A time that a servo period ends at, in nanoseconds again.
+            let end = (record.time * 1e9).round() as Nanos;
+            witness.borrow_mut().see(end, record.demanded.as_slice());
+        }));
+    }
+
+    fn bounds(&self) -> Bounds {
+        let limits = self.robot.limits();
+        let vector = |joints: &R::Joints| joints.as_slice().to_vec();
+        Bounds {
+            lower: vector(&limits.lower),
+            upper: vector(&limits.upper),
+            velocity: vector(&limits.velocity),
+            acceleration: vector(&limits.acceleration),
+            servo: self.drives.period().as_nanos() as Nanos,
+        }
     }
 
     fn name(&self) -> &str {
