@@ -1,4 +1,4 @@
-//! The operator: suspend, resume, abort, speed; and after a fault acknowledge, reset.
+//! The operator: suspend, resume, abort, stop, speed; and after a fault acknowledge, reset.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,7 +9,7 @@ use crate::latch::{Event, Latch, LatchRefusal, Latching};
 /// The operator's handle of a cell. It may be cloned and used from any thread.
 ///
 /// Speed and Suspend scale the path time of every step with a bounded change of rate, so that the robots slow
-/// down on their paths; Abort stops on the path too and then ends the instruction with a fault.
+/// down on their paths; Abort stops on the path too and then ends the instruction with a fault; Stop ends the cell so.
 ///
 /// After a fault stop the cell is latched. One that [awaits a reset](crate::AfterFault) starts its programs again when
 /// its operator has acknowledged the fault and then pressed the reset:
@@ -34,6 +34,7 @@ struct Panel {
     /// Bits of the speed, counted from those of full speed, which is the default.
     speed: AtomicU64,
     suspended: AtomicBool,
+    stopped: AtomicBool,
     /// One of the stages below.
     stage: AtomicU8,
     /// A [`Latching`] in one word.
@@ -104,6 +105,18 @@ impl Operator {
     /// not aborted for it. Pressed again while it is being carried out, it changes nothing.
     pub fn abort(&self) {
         let _ = self.panel.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    /// Stops all robots on their paths for good: the cell stops with a fault of kind `ProtectiveStop`, which is latched at
+    /// standstill. Pressed while nothing runs, it stops the next instruction before it moves anything.
+    pub fn stop(&self) {
+        self.panel.stopped.store(true, Ordering::Release);
+    }
+
+    /// Whether the cell is told to stop.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.panel.stopped.load(Ordering::Acquire)
     }
 
     /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
@@ -203,6 +216,7 @@ impl Operator {
     /// The programs start again: nothing is latched any more.
     pub(crate) fn forget(&self) {
         self.report(|report| *report = Report::default());
+        self.panel.stopped.store(false, Ordering::Release);
     }
 
     fn report<T>(&self, look: impl FnOnce(&mut Report) -> T) -> T {

@@ -6,8 +6,9 @@ use std::rc::Rc;
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::Sensor;
 use crate::joints::MAX_JOINTS;
-use crate::link::{Board, Client, Closed, Nanos, Sample, Server, Waiter};
+use crate::link::{Board, Closed, Nanos, Sample, Server, Waiter};
 use crate::message::{Kind, Message};
+use crate::plant::sensors::PlantSensor;
 use crate::pose::Pose;
 use crate::shape::Shape;
 use crate::wire::{BadWords, WORDS, Wire};
@@ -32,8 +33,8 @@ pub trait VirtualSensor: 'static {
         order: &ReadingOrder<<Self::Kind as Sensor>::Configuration>,
     ) -> Result<<Self::Kind as Sensor>::Reading, Fault>;
 
-    /// Whether it looks at what is simulated, such as a body between simulated robots. Where a cell runs as processes of
-    /// the operating system it aggregates in the process that has those, `plant`, and its VSP asks there.
+    /// Whether it senses a simulated world. Where a cell runs as processes of the operating system, that is in one of its
+    /// own, `plant`, with all simulated drives, and so is this sensor: its VSP passes orders on.
     fn is_simulated(&self) -> bool {
         false
     }
@@ -115,18 +116,9 @@ pub(crate) struct Boards {
     pub readings: Rc<dyn Board>,
 }
 
-/// Where a sensor aggregates.
-pub(crate) enum Senses<V> {
-    /// In its VSP.
-    Here(V),
-    /// In the plant, at this place, which answers within a time \[ns\].
-    Plant { port: Box<dyn Client>, place: usize, patience: Nanos },
-}
-
 /// The process.
 pub(crate) struct Vsp<'w, V: VirtualSensor> {
-    pub process: ProcessId,
-    pub sensor: Senses<V>,
+    pub sensors: RawSensors<V>,
     pub configuration: <V::Kind as Sensor>::Configuration,
     pub waiter: &'w dyn Waiter,
     pub orders: Orders,
@@ -229,68 +221,66 @@ impl<V: VirtualSensor> Vsp<'_, V> {
         Ok(())
     }
 
-    /// One aggregation, here or in the plant.
     fn aggregate(&mut self, request: &Message, reply: &mut Message) -> Result<(), Closed> {
         let began = self.waiter.now();
-        match &mut self.sensor {
-            Senses::Here(sensor) => answer(sensor, self.process, request, reply),
-            Senses::Plant { port, place, patience } => {
-                port.send(request);
-                self.waiter.call(*place)?;
-                while !port.receive(reply) {
-                    if self.waiter.now() >= began + *patience {
-                        let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::PLANT);
-                        reply.set_fault(&fault.at_step(request.header.step));
-                        break;
-                    }
-                    self.waiter.wait(Some(began + *patience))?;
-                }
-                reply.header.step = request.header.step;
-            }
+        match &mut self.sensors {
+            RawSensors::Here(aggregator) => aggregator.answer(request, reply),
+            RawSensors::Plant(sensor) => sensor.answer(request, reply, self.waiter)?,
         }
         self.waiter.sample(Sample::Worked(self.waiter.now().saturating_sub(began)));
         Ok(())
     }
 }
 
-/// What an order says: a configuration that cannot be read is a fault, never the default one.
-fn read<S: Sensor>(request: &Message) -> Result<ReadingOrder<S::Configuration>, Fault> {
-    let words = request.words();
-    let unreadable = |what| move |_| Fault::new(FaultKind::Message).text(what);
-    let configuration = Wire::get(words).map_err(unreadable("the sensor's configuration"))?;
-    let robot = match words.get(CONFIGURATION_WORDS..) {
-        Some(state) if !state.is_empty() => {
-            Some(EffectorState::get(state).map_err(unreadable("the state of the sensor's robot"))?)
-        }
-        Some(_) | None => None,
-    };
-    Ok(ReadingOrder { configuration, robot, step: request.header.step })
+/// Where the raw sensors of a VSP are.
+pub(crate) enum RawSensors<V: VirtualSensor> {
+    /// In its process.
+    Here(Aggregator<V>),
+    /// In the plant.
+    Plant(PlantSensor),
 }
 
-/// What a sensor, whose VSP is `process`, answers to an order.
-pub(crate) fn answer<V: VirtualSensor>(
-    sensor: &mut V,
-    process: ProcessId,
-    request: &Message,
-    reply: &mut Message,
-) {
-    reply.header.step = request.header.step;
-    let result = read::<V::Kind>(request).and_then(|order| {
-        let aggregate = std::panic::AssertUnwindSafe(|| sensor.aggregate(&order));
-        let aggregated = std::panic::catch_unwind(aggregate);
-        aggregated
-            .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)))
-            .map_err(Fault::thrown_by_program)
-    });
-    match result {
-        Ok(reading) => {
-            reply.header.kind = Kind::Reply;
-            reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
-            reading.put(&mut reply.body);
-        }
-        Err(fault) => {
-            let fault = fault.in_process(process).at_step(request.header.step);
-            reply.set_fault(&fault);
+/// A virtual sensor that answers orders.
+pub(crate) struct Aggregator<V: VirtualSensor> {
+    pub process: ProcessId,
+    pub sensor: V,
+}
+
+impl<V: VirtualSensor> Aggregator<V> {
+    /// What an order says: a configuration that cannot be read is a fault, never the default one.
+    fn read(request: &Message) -> Result<ReadingOrder<<V::Kind as Sensor>::Configuration>, Fault> {
+        let words = request.words();
+        let unreadable = |what| move |_| Fault::new(FaultKind::Message).text(what);
+        let configuration = Wire::get(words).map_err(unreadable("the sensor's configuration"))?;
+        let robot = match words.get(CONFIGURATION_WORDS..) {
+            Some(state) if !state.is_empty() => {
+                Some(EffectorState::get(state).map_err(unreadable("the state of the sensor's robot"))?)
+            }
+            Some(_) | None => None,
+        };
+        Ok(ReadingOrder { configuration, robot, step: request.header.step })
+    }
+
+    /// The reading for an order, or the fault that there is none.
+    pub fn answer(&mut self, request: &Message, reply: &mut Message) {
+        reply.header.step = request.header.step;
+        let result = Self::read(request).and_then(|order| {
+            let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));
+            let aggregated = std::panic::catch_unwind(aggregate);
+            aggregated
+                .unwrap_or_else(|panic| Err(crate::fault::panicked(&*panic)))
+                .map_err(Fault::thrown_by_program)
+        });
+        match result {
+            Ok(reading) => {
+                reply.header.kind = Kind::Reply;
+                reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
+                reading.put(&mut reply.body);
+            }
+            Err(fault) => {
+                let fault = fault.in_process(self.process).at_step(request.header.step);
+                reply.set_fault(&fault);
+            }
         }
     }
 }

@@ -319,8 +319,8 @@ fn a_time_optimal_path_of_a_six_joint_arm_passes_the_limits_at_full_speed() {
         vec![q + Six::new(0.3, 0.1, -0.1, 0.05, 0.4, -0.6), q + Six::new(0.1, 0.2, 0.1, 0.1, -0.3, 0.5), q];
     let (setup, trace) = traced(RobotSetup::new("irp6", robot, ExactDrive::new(q, MS)));
     let path = points.clone();
-    let setup =
-        setup.program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path, limits)).map(drop));
+    let setup = setup
+        .program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path.clone(), limits)).map(drop));
     let report = Cell::new(MS).robot(setup).run().expect("within the limits, at every step");
     let trace = trace.borrow();
     assert_eq!(*trace.last().expect("recorded"), q);

@@ -23,6 +23,14 @@ impl Place {
         Place(folder)
     }
 
+    /// The program, in this folder.
+    pub fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(std::env::current_exe().expect("a test has a path"));
+        command.args(["--cell", "cell.toml"]).args(arguments).current_dir(&self.0);
+        command.env("MRROC_TEST_PROGRAM", "1").env("XDG_RUNTIME_DIR", &self.0);
+        command
+    }
+
     /// Starts the program; its records go to a folder of this name.
     pub fn start(&self, records: &str, arguments: &[&str]) -> Launch {
         self.start_for(crate::program::RECORDS, records, arguments)
@@ -38,13 +46,9 @@ impl Place {
         let _ = fs::remove_dir_all(&records);
         fs::create_dir_all(&records).expect("a folder");
         let errors = records.join("stderr");
-        let child = Command::new(std::env::current_exe().expect("a test has a path"))
-            .args(arguments)
-            .args(["--cell", "cell.toml"])
-            .current_dir(&self.0)
-            .env("MRROC_TEST_PROGRAM", "1")
+        let child = self
+            .program(arguments)
             .env(what, &records)
-            .env("XDG_RUNTIME_DIR", &self.0)
             .stdout(Stdio::null())
             .stderr(File::create(&errors).expect("a file"))
             .spawn()

@@ -4,6 +4,7 @@
 
 mod allocations;
 mod launch;
+mod operator;
 mod program;
 mod tests;
 

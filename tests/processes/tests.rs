@@ -13,7 +13,7 @@ use crate::launch::{
 
 /// Runs those whose names contain a word of the command line, or all.
 pub fn main() -> ExitCode {
-    let all: [(&str, fn()); 9] = [
+    let own: [(&str, fn()); 9] = [
         (
             "processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link",
             processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link,
@@ -48,11 +48,10 @@ pub fn main() -> ExitCode {
         ),
         ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
     ];
+    let all = own.iter().chain(&crate::operator::TESTS);
     let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let mut failed = false;
-    for (name, test) in
-        all.iter().filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w)))
-    {
+    for (name, test) in all.filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w))) {
         let passed = catch_unwind(test).is_ok();
         println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
         failed |= !passed;
@@ -60,10 +59,10 @@ pub fn main() -> ExitCode {
     if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-const REAL: &[&str] = &["--processes", "--quiet"];
+pub const REAL: &[&str] = &["--processes", "--quiet"];
 const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
-const MEMORY: &[&str] = &["--no-picture", "--quiet"];
-const ROBOTS: [&str; 2] = ["left", "right"];
+pub const MEMORY: &[&str] = &["--no-picture", "--quiet"];
+pub const ROBOTS: [&str; 2] = ["left", "right"];
 
 /// The MP, two ECPs and EDPs, the plant, four VSPs.
 const PROCESSES: usize = 10;
@@ -117,7 +116,7 @@ fn assert_ended_well_or_late(launch: &Launch, status: Option<i32>) {
     }
 }
 
-fn is_late(said: &str) -> bool {
+pub fn is_late(said: &str) -> bool {
     [
         "the process at the other end is gone",
         "too many steps were missed",
@@ -130,7 +129,7 @@ fn is_late(said: &str) -> bool {
 
 /// A robot stands when its EDP goes, and whatever was killed, its drives stand when the plant goes. One whose EDP was killed
 /// is not told anything more, and without the plant there is no robot.
-fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
+pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
     let is_killed = |role: &str| killed.is_some_and(|killed| killed.role == role);
     if is_killed("plant") {
         return;

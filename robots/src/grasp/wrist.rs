@@ -223,10 +223,6 @@ impl SimulatedWrist {
 impl VirtualSensor for SimulatedWrist {
     type Kind = WristForce;
 
-    fn is_simulated(&self) -> bool {
-        true
-    }
-
     #[allow(non_snake_case)]
     fn aggregate(&mut self, order: &ReadingOrder<WristOrder>) -> Result<Wrench, Fault> {
         let arm = order.robot.ok_or_else(|| {
@@ -249,5 +245,9 @@ impl VirtualSensor for SimulatedWrist {
         }
         let reading = (raw - self.measured_bias).moved(&self.X_ES) - weight;
         Ok(self.filter(reading))
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
     }
 }

@@ -13,7 +13,7 @@ use crate::plant::Site;
 use crate::replay::Tape;
 use crate::sensing::{Sensing, SensorPort, Source};
 use crate::shape::Shape;
-use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::vsp::{Aggregator, Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
 use crate::wire::{WORDS, Wire};
 
 /// A virtual sensor of a cell.
@@ -182,11 +182,11 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
         let step = step.as_nanos() as Nanos;
-        let sensor = plant.take_sensor(*link, (process, place), sensor);
+        let sensors = plant.take_sensor(*link, place, Aggregator { process, sensor });
         link.body(
             place,
             Box::new(move |waiter| {
-                Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();
+                Vsp { sensors, configuration, waiter, orders, latency, step }.run();
             }),
         )?;
         Ok(())

@@ -4,14 +4,17 @@
 //! of the paper), and a free-running virtual sensor shows its last reading on a board. User programs never see
 //! which link they run on.
 
+pub(crate) mod envelope;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 pub mod iceoryx;
 pub mod memory;
 
 use std::rc::Rc;
 
+use crate::button::Button;
 use crate::fault::ProcessId;
 use crate::message::Message;
+use crate::mp::MpState;
 
 use memory::Stuck;
 
@@ -62,6 +65,14 @@ pub trait Waiter {
     fn news(&self) -> Option<News> {
         None
     }
+
+    /// To an MP: the button of a kind that the operator has pressed, and the number of that press, once.
+    fn pressed(&self, _kind: usize) -> Option<(u64, Button)> {
+        None
+    }
+
+    /// Shows what an MP does to whoever looks. It is called in every step and neither waits nor allocates.
+    fn show(&self, _state: &MpState) {}
 }
 
 /// What is counted of a process.

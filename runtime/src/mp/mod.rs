@@ -10,6 +10,7 @@ mod exchange;
 mod instruction;
 mod motion;
 mod restart;
+mod shown;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -20,7 +21,7 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::ecp::MAX_REFUSALS;
-use crate::fault::{Ended, Fault, FaultKind, ProcessId};
+use crate::fault::{Ended, Fault, FaultKind, FaultWords, ProcessId};
 use crate::feed::Feed;
 use crate::guard::Guard;
 use crate::image::{RobotImage, Sensor};
@@ -36,6 +37,7 @@ use crate::witness::Tap;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
+pub(crate) use shown::{Doing, MpState};
 
 /// What is called at the start of every step: the cell's index of the step and its operator.
 pub(crate) type StepHook = Box<dyn FnMut(u64, &Operator)>;
@@ -65,6 +67,8 @@ pub struct Mp<'w> {
     aborts: bool,
     /// A replay's steps.
     script: Option<Rc<Script>>,
+    /// What an operator is shown.
+    shown: MpState,
 }
 
 impl<'w> Mp<'w> {
@@ -81,6 +85,7 @@ impl<'w> Mp<'w> {
         let (guard, protective, latched) = (None, None, None);
         let (ordinal, refusals, overruns) = (0, 0, Overruns::new(step));
         let (tap, aborts, script) = (sensing.tap.clone(), false, None);
+        let shown = MpState::default();
         Mp {
             waiter,
             robots,
@@ -99,6 +104,7 @@ impl<'w> Mp<'w> {
             tap,
             aborts,
             script,
+            shown,
         }
     }
 
@@ -162,9 +168,11 @@ impl<'w> Mp<'w> {
                 self.hook = Some(hook);
             }
             self.follow_script();
+            self.hear_operator();
             let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
             self.clock.advance(rate, self.operator.is_suspended());
             self.tell_step()?;
+            self.show_step();
         }
         self.hear_news()?;
         self.tell_abort();
@@ -203,6 +211,7 @@ impl<'w> Mp<'w> {
     /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        self.shown.fault = Some(FaultWords::from(&fault));
         // What goes wrong while a guard's stop is under way is not its cause.
         let fault = match &self.protective {
             Some(protective) if exchange::precedes(protective, &fault) => protective.clone(),
@@ -221,6 +230,12 @@ impl<'w> Mp<'w> {
             self.waiter.own_time();
         }
         self.operator.begin();
+        let outcome = self.carry_out(work);
+        self.show_end();
+        outcome
+    }
+
+    fn carry_out<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         let outcome = work(self).map_err(|fault| self.conclude(fault));
         if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {
             return outcome;

@@ -4,16 +4,16 @@
 //! do: drives whose commands stop bridge `L` steps and apply their brakes in the next one (rows 1 to 3 of SAFETY.md). One
 //! process has all of them, because simulated robots may be in one world, with a body between them.
 //!
-//! Sensors that look at what is simulated, such as at the force between an arm and that body, aggregate here, too.
-//!
 //! Drives that have yet to find their reference marks stay in their EDP, and so do the drives that they become: while a
 //! robot searches nothing is commanded that could be bridged or run out, and a search that is called no more comes to rest
 //! by itself. A robot of a shared world is therefore one that knows where it is.
 //!
-//! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro.
+//! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro;
+//! [`sensors`] are virtual sensors that sense this world.
 
 pub(crate) mod command;
 mod drives;
+pub(crate) mod sensors;
 #[cfg(test)]
 mod tests;
 
@@ -25,13 +25,13 @@ use crate::driver::{Driver, Measured};
 use crate::edp::{Drive, PlantDrive, PlantEnd};
 use crate::fault::ProcessId;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Nanos, Sample, Server, Simulation, Waiter};
-use crate::message::Message;
+use crate::link::{Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
 use crate::stopping::missed_step_budget;
-use crate::vsp::{Senses, VirtualSensor, answer};
+use crate::vsp::{Aggregator, RawSensors, VirtualSensor};
 
 use drives::{Commands, Drives};
+use sensors::{PlantSensor, Sensor};
 
 /// How a robot came to a standstill after its commands had stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,21 +105,23 @@ impl Site {
         drive
     }
 
-    /// Takes the sensor of the VSP `process` at `vsp`, if it is simulated and the plant has a place; returns what the VSP has
-    /// of it.
+    /// Takes the raw sensors of the VSP at `vsp`, if they are simulated and the plant has a place; returns what the VSP has
+    /// of them.
     pub fn take_sensor<V: VirtualSensor>(
         &mut self,
         link: &mut dyn Link,
-        (process, vsp): (ProcessId, usize),
-        sensor: V,
-    ) -> Senses<V> {
-        let Some(place) = self.place.filter(|_| sensor.is_simulated()) else { return Senses::Here(sensor) };
-        let (port, server) = link.port(vsp, place);
-        self.parts.push(Box::new(Sensed { process, sensor, port: server, request: Message::empty() }));
-        Senses::Plant { port, place, patience: self.patience() }
+        vsp: usize,
+        aggregator: Aggregator<V>,
+    ) -> RawSensors<V> {
+        let Some(plant) = self.place.filter(|_| aggregator.sensor.is_simulated()) else {
+            return RawSensors::Here(aggregator);
+        };
+        let (port, server) = link.port(vsp, plant);
+        self.parts.push(Box::new(Sensor::new(aggregator, server)));
+        RawSensors::Plant(PlantSensor { port, plant, patience: self.patience() })
     }
 
-    /// For how long a process may be silent \[ns\].
+    /// For how long the plant may be silent \[ns\].
     fn patience(&self) -> Nanos {
         (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos
     }
@@ -131,38 +133,6 @@ impl Site {
     pub fn spawn(self, link: &mut dyn Link, rests: Rests) -> Result<(), Stuck> {
         let Some(place) = self.place else { return Ok(()) };
         link.body(place, Box::new(move |waiter| run(self.parts, waiter, &rests)))
-    }
-}
-
-/// A simulated sensor: it looks at what the drives move, and moves nothing.
-struct Sensed<V> {
-    process: ProcessId,
-    sensor: V,
-    port: Box<dyn Server>,
-    request: Message,
-}
-
-impl<V: VirtualSensor> Part for Sensed<V> {
-    fn serve(&mut self) {
-        let mut reply = Message::empty();
-        while self.port.receive(&mut self.request) {
-            answer(&mut self.sensor, self.process, &self.request, &mut reply);
-            self.port.reply(&reply);
-        }
-    }
-
-    fn advance(&mut self, _: Nanos) {}
-
-    fn due(&self) -> Option<Nanos> {
-        None
-    }
-
-    fn rests(&self) -> bool {
-        true
-    }
-
-    fn rest(&self) -> Option<Rest> {
-        None
     }
 }
 

@@ -9,6 +9,7 @@ use std::os::unix::net::UnixStream;
 
 use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
+use crate::button::Button;
 use crate::fault::{Fault, FaultWords, ProcessId, Role};
 use crate::link::Nanos;
 use crate::link::iceoryx::{Clock, Seal};
@@ -37,6 +38,8 @@ pub(super) enum Frame {
     Lost(ProcessId),
     /// To an MP: the operator aborts.
     Abort,
+    /// To an MP: the operator has pressed a button, under this number.
+    Press { number: u64, button: Button },
     /// The cell closes.
     Close,
     /// From a process: it has made what others open; a hash of the cell as it sees it.
@@ -87,6 +90,11 @@ impl Frame {
                 5
             }
             Frame::Abort => 6,
+            Frame::Press { number, button } => {
+                words[1] = *number;
+                words[2..4].copy_from_slice(&button.to_words());
+                20
+            }
             Frame::Close => 7,
             Frame::Created { fingerprint } => {
                 words[1] = *fingerprint;
@@ -159,6 +167,10 @@ impl Frame {
                 Frame::Lost(ProcessId { role, name: Name::get(&words[2..5]).ok() })
             }
             6 => Frame::Abort,
+            20 => {
+                let button = Button::from_words([words[2], words[3]]).ok_or(BadWords)?;
+                Frame::Press { number: words[1], button }
+            }
             7 => Frame::Close,
             8 => Frame::Created { fingerprint: words[1] },
             9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
@@ -263,6 +275,8 @@ mod tests {
             Frame::Lost(edp),
             Frame::Lost(ProcessId::MP),
             Frame::Abort,
+            Frame::Press { number: 6, button: Button::Speed(0.25) },
+            Frame::Press { number: 7, button: Button::Stop },
             Frame::Close,
             Frame::Created { fingerprint: 7 },
             Frame::Ready { lacks: Lacks::from_word(5) },
@@ -285,11 +299,11 @@ mod tests {
 
     #[test]
     fn words_that_spell_no_frame_are_refused() {
-        // No tag; an unknown one; a text, a role and an outcome that there are not.
+        // No tag; an unknown one; a text, a role, an outcome and a button that there are not.
         for words in [[0; WORDS], [99; WORDS]] {
             assert_eq!(Frame::get(&words), Err(BadWords));
         }
-        for (tag, place) in [(11, 1), (5, 1), (12, 3)] {
+        for (tag, place) in [(11, 1), (5, 1), (12, 3), (20, 2)] {
             let mut words = [0; WORDS];
             (words[0], words[place]) = (tag, u64::MAX);
             assert_eq!(Frame::get(&words), Err(BadWords));

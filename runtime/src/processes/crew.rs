@@ -1,6 +1,7 @@
 //! The processes of a launch: started, connected, reaped.
 
 use core::cell::{Cell, RefCell};
+use std::ffi::OsString;
 use std::io;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
@@ -27,6 +28,8 @@ const SETTING_UP: Duration = Duration::from_secs(30);
 pub(crate) struct Plan {
     /// The cell's file.
     pub cell: PathBuf,
+    /// What its processes are started with.
+    pub arguments: Vec<OsString>,
     /// Whose time the cell runs in.
     pub clock: Clock,
     /// How long a process looks for messages before it sleeps \[ns\].
@@ -93,16 +96,18 @@ impl Member {
         }
         // What `ps` shows: its role and whose it is.
         command.args(id.to_string().split(' '));
-        command.arg("--session").arg(session.folder()).arg("--cell").arg(&plan.cell);
-        if plan.quiet {
-            command.arg("--quiet");
-        }
+        command.arg("--session").arg(session.folder()).args(&plan.arguments);
         // Ctrl-C is the launcher's to act on: a robot must not lose its processes one by one.
         let child = command.stdin(Stdio::from(OwnedFd::from(theirs))).process_group(0).spawn()?;
         ours.set_read_timeout(Some(SETTING_UP))?;
         let (child, over) = (RefCell::new(child), RefCell::new(None));
         let (figures, gone) = (Cell::new(None), Cell::new(false));
         Ok(Member { id, control: Control::new(ours), child, over, figures, gone })
+    }
+
+    /// Its number.
+    pub fn pid(&self) -> u32 {
+        self.child.borrow().id()
     }
 
     /// Waits for its end, which has come; says how it ended.

@@ -42,16 +42,16 @@ impl PlateSurface {
 impl VirtualSensor for PlateSurface {
     type Kind = TouchProbe;
 
-    fn is_simulated(&self) -> bool {
-        true
-    }
-
     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Touch, Fault> {
         let tip = self.arm.forward(&self.shaft.state().position) * self.tool;
         let contact = tip.translation.z <= self.surface;
         let seen = order.robot.ok_or_else(|| Fault::thrown("the touch probe got no state of its arm"))?;
         self.touched = if contact { Some(self.touched.unwrap_or(seen.pose.translation.z)) } else { None };
         Ok(Touch { contact, height: self.touched.unwrap_or(0.0) })
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
     }
 }
 
