@@ -19,6 +19,10 @@ mod scheduling;
 mod session;
 
 pub(crate) use crew::Plan;
+#[cfg(all(feature = "view", test))]
+pub(crate) use desk::ProcessPicture;
+#[cfg(feature = "view")]
+pub(crate) use desk::{Asks, Hears, RobotPicture};
 pub(crate) use desk::{Caller, Heard, Picture, Reply, Request};
 pub(crate) use doctor::examine;
 pub(crate) use launcher::{LaunchError, launch};

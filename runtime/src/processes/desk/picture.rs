@@ -106,7 +106,10 @@ impl Picture {
             Some("clock") => self.take_clock(&mut words),
             Some("instruction") => self.take_instruction(&mut words),
             Some("token") => number(&mut words).map(|holder| self.holder = Some(holder)),
-            Some("fault") => Some(self.fault = Some(rest(&mut words))),
+            Some("fault") => {
+                self.fault = Some(rest(&mut words));
+                Some(())
+            }
             Some("process") => process(&mut words)
                 .filter(|_| self.processes.len() < MAX_PROCESSES)
                 .map(|process| self.processes.push(process)),
