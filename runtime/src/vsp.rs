@@ -6,9 +6,10 @@ use std::rc::Rc;
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::Sensor;
 use crate::joints::MAX_JOINTS;
-use crate::link::{Board, Closed, Nanos, Server, Waiter};
+use crate::link::{Board, Closed, Nanos, Sample, Server, Waiter};
 use crate::message::{Kind, Message};
 use crate::pose::Pose;
+use crate::shape::Shape;
 use crate::wire::{BadWords, WORDS, Wire};
 
 /// Words of a reading order that the configuration may take.
@@ -57,6 +58,11 @@ pub struct EffectorState {
 impl Wire for EffectorState {
     const LEN: usize = 2 * MAX_JOINTS + 7;
     const LAYOUT: u64 = crate::wire::layout_hash(0, "mrroc::EffectorState");
+    const SHAPE: &'static Shape = &Shape::Fields(&[
+        ("joints", <[f64; MAX_JOINTS]>::SHAPE),
+        ("velocity", <[f64; MAX_JOINTS]>::SHAPE),
+        ("pose", Shape::POSE),
+    ]);
 
     fn put(&self, words: &mut [u64]) {
         self.joints.put(words);
@@ -224,6 +230,7 @@ impl<V: VirtualSensor> Vsp<'_, V> {
     }
 
     fn aggregate(&mut self, request: &Message, reply: &mut Message) {
+        let began = self.waiter.now();
         reply.header.step = request.header.step;
         let result = Self::read(request).and_then(|order| {
             let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));
@@ -243,5 +250,6 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                 reply.set_fault(&fault);
             }
         }
+        self.waiter.sample(Sample::Worked(self.waiter.now().saturating_sub(began)));
     }
 }

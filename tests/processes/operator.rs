@@ -150,7 +150,7 @@ fn a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have() {
         assert!(status == Some(0) && said.starts_with("suspended: step "), "{said}");
         assert!(said.contains("rate 0.000") && said.contains("move Ask"), "{said}");
         for process in launch.processes() {
-            assert!(said.contains(&format!("{:>8} {}\n", process.pid, process.role)), "{process:?}: {said}");
+            assert!(said.contains(&format!("{:>8} {} ", process.pid, process.role)), "{process:?}: {said}");
         }
         let resumed = done(&place, &["resume"], "resumed: step ");
         assert!(resumed >= suspended + 50, "{suspended} to {resumed}");

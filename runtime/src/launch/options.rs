@@ -192,8 +192,8 @@ fn read_operating(word: &OsStr, mut rest: lexopt::RawArgs<'_>) -> Result<Operati
 /// Whether a word goes on with what a process is called: `mp`, `ecp NAME`.
 fn is_role(role: &[OsString], word: &OsStr) -> bool {
     match role {
-        [] => ["mp", "ecp", "edp", "vsp"].iter().any(|role| word == OsStr::new(role)),
-        [role] => role != "mp",
+        [] => ["mp", "plant", "ecp", "edp", "vsp"].iter().any(|role| word == OsStr::new(role)),
+        [role] => role != "mp" && role != "plant",
         _ => false,
     }
 }
@@ -201,6 +201,7 @@ fn is_role(role: &[OsString], word: &OsStr) -> bool {
 fn read_role(words: &[OsString]) -> Option<ProcessId> {
     let role = match words.first()?.to_str()? {
         "mp" => return Some(ProcessId::MP),
+        "plant" => return Some(ProcessId::PLANT),
         "ecp" => Role::Ecp,
         "edp" => Role::Edp,
         _ => Role::Vsp,

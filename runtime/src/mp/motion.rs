@@ -82,12 +82,12 @@ impl Mp<'_> {
         self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
         if self.learn_states(sensors)? {
             // Nothing moved: a motion that was handed over must not lose a step by it.
-            self.clock.keep_unless_late(self.waiter);
+            self.keep_unless_late();
         }
         if first_uses.sensors {
             self.order_readings(sensors);
             self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
-            self.clock.keep_unless_late(self.waiter);
+            self.keep_unless_late();
         }
         let mut step = 0;
         loop {

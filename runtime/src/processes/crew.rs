@@ -11,6 +11,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use super::control::{Control, Frame};
+use super::figures::Figures;
 use super::scheduling::Lacks;
 use super::session::Session;
 use crate::fault::{Fault, FaultKind, ProcessId};
@@ -77,6 +78,8 @@ pub(super) struct Member {
     pub control: Control,
     child: RefCell<Child>,
     pub over: RefCell<Option<Over>>,
+    /// Its newest figures, in real time.
+    pub figures: Cell<Option<Figures>>,
     /// It has been waited for.
     pub gone: Cell<bool>,
 }
@@ -98,7 +101,8 @@ impl Member {
         let child = command.stdin(Stdio::from(OwnedFd::from(theirs))).process_group(0).spawn()?;
         ours.set_read_timeout(Some(SETTING_UP))?;
         let (child, over) = (RefCell::new(child), RefCell::new(None));
-        Ok(Member { id, control: Control::new(ours), child, over, gone: Cell::new(false) })
+        let (figures, gone) = (Cell::new(None), Cell::new(false));
+        Ok(Member { id, control: Control::new(ours), child, over, figures, gone })
     }
 
     /// Its number.
@@ -213,6 +217,11 @@ impl Crew {
             // One that refused has said so, and ends by itself.
             status.signal().map(|_| NoStart::Died(member.id, how(status)))
         })
+    }
+
+    /// The newest figures of all processes that have told any.
+    pub fn figures(&self) -> Vec<(ProcessId, Figures)> {
+        self.0.iter().filter_map(|member| Some((member.id, member.figures.get()?))).collect()
     }
 
     /// Tells all that are still at work. Whoever is gone does not hear it; that it is gone is seen elsewhere.

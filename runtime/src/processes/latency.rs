@@ -8,6 +8,7 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use iceoryx2::prelude::*;
@@ -18,7 +19,7 @@ use rustix::thread::futex;
 use super::control::{Control, Frame};
 use super::scheduling::ask;
 use crate::fault::{ProcessId, Role};
-use crate::link::iceoryx::{Clock, Fabric, RealTime, Seal, monotonic};
+use crate::link::iceoryx::{Clock, Fabric, RealTime, Samples, Seal, monotonic};
 use crate::link::{Link, Waiter};
 use crate::message::{Kind, Message, OrderKind};
 use crate::name::Name;
@@ -184,17 +185,17 @@ fn end(
     let me = ids()[usize::from(!asks)];
     match kind {
         "mrroc" => {
-            let mut fabric = Fabric::new(me);
+            let mut fabric = Fabric::new(me, Clock::Real);
             for id in ids() {
                 fabric.place(id);
             }
             let (client, server) = fabric.port(0, 1);
-            fabric.create(&folder(of), &format!("mrl{of}a_"), SEAL, Clock::Real).expect("made");
+            fabric.create(&folder(of), &format!("mrl{of}a_"), SEAL).expect("made");
             barrier();
-            fabric.connect(SEAL, Clock::Real).expect("connected");
+            fabric.connect(SEAL).expect("connected");
             barrier();
             let listener = fabric.take_listener().expect("made");
-            let waiter = RealTime::new(listener, control, 0, 0);
+            let waiter = RealTime::new(listener, control, (0, 0), Arc::new(Samples::new()));
             // The node lives as long as the process.
             std::mem::forget(fabric);
             let message = Message::new(Kind::Order(OrderKind::Step));

@@ -18,12 +18,14 @@ use super::board::StateBoard;
 use super::control::Frame;
 use super::crew::{Crew, Member, NoStart, Over, Plan};
 use super::desk::Desk;
+use super::figures::table;
 use super::session::{CellLock, Session, SessionError};
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::link::iceoryx::{Clock, Fabric, monotonic};
 use crate::link::memory::Scheduler;
 use crate::link::{Link, Nanos, Waiter};
+use crate::plant::Rest;
 
 /// How often a launch is tried whose processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -64,7 +66,7 @@ pub(crate) enum LaunchError {
 pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> {
     let stop = cell.stop_limit();
     // The launcher's own look at the cell: it runs no part of it.
-    let mut fabric = Fabric::new(ProcessId::MP);
+    let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell)?;
     let signals = Signals::hear()?;
@@ -75,10 +77,17 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
         match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
             Ok(crew) => {
                 let run = match board {
-                    Some(board) => supervise(&crew, &signals, &open_desk(&session, board, &crew)?, stop),
-                    None => pace(&crew, &signals, stop)?,
+                    Some(board) => {
+                        let desk = open_desk(&session, board, &crew)?;
+                        supervise(&crew, &signals, &desk, stop, plan.quiet)
+                    }
+                    None => pace(&crew, &signals, stop, plan.quiet)?,
                 };
                 crew.reap(Instant::now() + CLOSING);
+                let figures = crew.figures();
+                if !plan.quiet && !figures.is_empty() {
+                    eprint!("{}", table(&figures));
+                }
                 return run.report().map_err(|fault| LaunchError::Cell(fault.into()));
             }
             Err(NoStart::Died(..)) if epoch < ATTEMPTS && !signals.came() => epoch += 1,
@@ -158,7 +167,7 @@ impl Signals {
 }
 
 /// Runs a cell in real time: hears who is gone and who has ended, until all have.
-fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, stop: Duration) -> Run {
+fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, stop: Duration, quiet: bool) -> Run {
     crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
     let mut closing: Option<Instant> = None;
@@ -192,6 +201,11 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, stop: Duration) -> Run
                         close(&mut closing);
                     }
                 }
+                Ok(Frame::Rested(rest)) => tell_rest(&rest, quiet),
+                Ok(Frame::Figures(figures)) => {
+                    member.figures.set(Some(figures));
+                    desk.measured(member.id, figures);
+                }
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();
@@ -206,7 +220,7 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, stop: Duration) -> Run
                             death.get_or_insert(member.death(&how));
                             close(&mut closing);
                         }
-                        Role::Ecp | Role::Edp => {
+                        Role::Ecp | Role::Edp | Role::Plant => {
                             death.get_or_insert(member.death(&how));
                             crew.tell_mp(&Frame::Lost(member.id));
                         }
@@ -247,9 +261,20 @@ fn note(member: &Member, how: &str) {
     eprintln!("note: {}: {how}", member.id);
 }
 
+/// Says how a robot came to a standstill that was demanded nothing any more.
+fn tell_rest(rest: &Rest, quiet: bool) {
+    if !quiet {
+        let Rest { edp, braked_after, stood_after } = rest;
+        eprintln!(
+            "note: {edp}: its drives applied their brakes {braked_after} steps after the last demand; the robot stood \
+             {stood_after} steps later"
+        );
+    }
+}
+
 /// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes the processes instead of
 /// coroutines, one at a time and in the same order, so that they do the same.
-fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
+fn pace(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Result<Run, CellError> {
     crew.tell(&Frame::Go { origin: 0 });
     let mut scheduler = Scheduler::new();
     let places: Vec<_> = crew.0.iter().map(|member| scheduler.place(member.id)).collect();
@@ -262,6 +287,9 @@ fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError
             stopped: Arc::clone(&signals.came),
             death: Rc::clone(&death),
             stop: stop.as_nanos() as Nanos,
+            all: crew.0.clone(),
+            place,
+            quiet,
         };
         scheduler.body(place, Box::new(move |waiter| proxy.run(waiter)))?;
     }
@@ -279,6 +307,10 @@ struct Proxy {
     death: Rc<core::cell::RefCell<Option<Fault>>>,
     /// How long robots may take to stop \[ns\].
     stop: Nanos,
+    /// All processes by their places, and this one's.
+    all: Vec<Rc<Member>>,
+    place: usize,
+    quiet: bool,
 }
 
 impl Proxy {
@@ -288,7 +320,11 @@ impl Proxy {
         drop(self.member.control.wait_for_ever());
         let mut frame = Frame::Resume { now: waiter.now() };
         loop {
-            let answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
+            let mut answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
+            while let Ok(Frame::Rested(rest)) = answered {
+                tell_rest(&rest, self.quiet);
+                answered = self.member.control.receive();
+            }
             match answered {
                 Ok(Frame::Waits { deadline, woken }) => {
                     (self.wake)(woken);
@@ -297,6 +333,11 @@ impl Proxy {
                     }
                     let open = waiter.wait(Some(deadline)).is_ok();
                     frame = if open { Frame::Resume { now: waiter.now() } } else { Frame::Close };
+                }
+                Ok(Frame::Calls { place, woken }) => {
+                    (self.wake)(woken);
+                    self.call(place, waiter.now());
+                    frame = Frame::Resume { now: waiter.now() };
                 }
                 Ok(Frame::Over { steps, time, outcome }) => {
                     self.member.over.replace(Some(Over { steps, time, outcome }));
@@ -307,6 +348,20 @@ impl Proxy {
                 }
                 Ok(_) | Err(_) => return self.mourn(waiter, mp),
             }
+        }
+    }
+
+    /// Lets the process at a place run until it waits, as if it were a part of this one.
+    fn call(&self, place: u64, now: Nanos) {
+        let Some(called) = usize::try_from(place).ok().and_then(|place| self.all.get(place)) else { return };
+        if called.gone.get() || called.over.borrow().is_some() {
+            return;
+        }
+        match called.control.send(&Frame::Resume { now }).and_then(|()| called.control.receive()) {
+            // This one goes on at once.
+            Ok(Frame::Waits { woken, .. }) => (self.wake)(woken & !(1 << self.place)),
+            // Its own turn finds that it is gone.
+            Ok(_) | Err(_) => (self.wake)(1 << place),
         }
     }
 

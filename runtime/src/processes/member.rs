@@ -13,6 +13,7 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::board::StateBoard;
 use super::control::{Control, Frame};
+use super::figures::Gauge;
 use super::panel;
 use super::scheduling::{Lacks, ask};
 use super::session::{Membership, prefix};
@@ -45,6 +46,10 @@ impl Launcher for Control {
         // A launcher that is gone resumes nobody: `hear` tells.
         drop(self.send(&Frame::Waits { deadline, woken }));
     }
+
+    fn calls(&self, place: usize, woken: u64) {
+        drop(self.send(&Frame::Calls { place: place as u64, woken }));
+    }
 }
 
 /// Why a process did not take part.
@@ -66,7 +71,7 @@ pub(crate) fn run(cell: Cell, me: ProcessId, folder: &Path) -> Result<(), NoPart
     let stdin = io::stdin().as_fd().try_clone_to_owned();
     let control = Control::new(UnixStream::from(stdin.map_err(|_| NoPart::NoLauncher(me))?));
     // A robot outlives its launcher for as long as it brakes; what has no robot goes at once, whatever it does.
-    if me.role != Role::Edp {
+    if !has_robot(me) {
         let _ = set_parent_process_death_signal(Some(Signal::KILL));
     }
     let gone = |_: io::Error| NoPart::NoLauncher(me);
@@ -107,8 +112,8 @@ fn take_part(
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
-    let realtime = cell.realtime().cloned();
-    let mut fabric = Fabric::new(me);
+    let (realtime, step) = (cell.realtime().cloned(), cell.step());
+    let mut fabric = Fabric::new(me, clock);
     let panel = Panel::default();
     let cell = if me.role == Role::Edp { cell.watch(panel.of_robot()) } else { cell };
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
@@ -118,10 +123,15 @@ fn take_part(
     if clock == Clock::Real {
         panel.hang(&fabric, me, seal).map_err(Ended::of)?;
     }
-    fabric.create(folder, &prefix(seal.session), seal, clock).map_err(Ended::of)?;
+    fabric.create(folder, &prefix(seal.session), seal).map_err(Ended::of)?;
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
-    fabric.connect(seal, clock).map_err(Ended::of)?;
+    fabric.connect(seal).map_err(Ended::of)?;
+    // Before this thread asks for a priority that the other one is not to have.
+    let gauge = match clock {
+        Clock::Real => Some(Gauge::start(control, step).map_err(Ended::of)?),
+        Clock::Virtual => None,
+    };
     let lacks = match (clock, realtime) {
         (Clock::Real, Some(realtime)) => {
             let ecps: Vec<_> = fabric.places().iter().filter(|id| id.role == Role::Ecp).copied().collect();
@@ -131,23 +141,33 @@ fn take_part(
     };
     say(control, &Frame::Ready { lacks })?;
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
-    let time = match (clock, fabric.take_listener()) {
-        (Clock::Real, Some(listener)) => {
-            if me.role == Role::Edp {
+    let time = match (gauge, fabric.take_listener()) {
+        (Some(gauge), Some(listener)) => {
+            if has_robot(me) {
                 end_after_launcher(control).map_err(Ended::of)?;
             }
-            let waiter = RealTime::new(listener, control, origin, spin).showing(panel.of(me));
+            let waiter = RealTime::new(listener, control, (origin, spin), gauge.samples());
+            let waiter = waiter.showing(panel.of(me));
             body(&waiter);
+            gauge.end();
             waiter.now()
         }
-        (Clock::Virtual, _) | (Clock::Real, None) => {
+        _ => {
             let waiter = LockStep::new(control, fabric.woken());
             body(&waiter);
             waiter.now()
         }
     };
+    for rest in assembly.rests.borrow().iter() {
+        say(control, &Frame::Rested(*rest))?;
+    }
     let outcome = assembly.outcomes.borrow().iter().find(|(process, _)| *process == me).cloned();
     Ok(Frame::Over { steps: assembly.steps.get(), time, outcome: outcome.map(|(_, outcome)| outcome) })
+}
+
+/// Whether a robot brakes by what this process does.
+fn has_robot(me: ProcessId) -> bool {
+    matches!(me.role, Role::Edp | Role::Plant)
 }
 
 /// This process's panel of the state board, once the cell is put together and its place is known.
@@ -191,7 +211,7 @@ fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {
     control.send(frame).map_err(|_| Ended::Closed)
 }
 
-/// An EDP whose launcher is gone brakes its robot and ends. One whose drives do not return is ended.
+/// An EDP whose launcher is gone brakes its robot and ends, and so does the plant. One whose drives do not return is ended.
 fn end_after_launcher(control: &Control) -> io::Result<()> {
     let descriptor = control.descriptor().try_clone_to_owned()?;
     std::thread::Builder::new().name("guard".to_owned()).spawn(move || {

@@ -100,7 +100,7 @@ pub fn engrave(
             trace: Trace::new(TRACE_TOLERANCE),
         },
     )));
-    let job = Job {
+    let mut job = Job {
         drawing: drawing.clone(),
         sampling,
         plate: layout.plate,
@@ -115,7 +115,7 @@ pub fn engrave(
     let probe = PlateSurface::new(layout.arm.clone(), layout.tool, shaft, surface_frame.translation.z);
     let irp6 = RobotSetup::new("irp6", layout.arm.clone(), arm)
         .tool(layout.tool)
-        .program(|ecp| job.run(ecp))
+        .program(move |ecp| job.run(ecp))
         .observe(Execution::observer(&execution));
     let watched = Rc::clone(&execution);
     let report = Cell::new(Duration::from_secs_f64(settings.step))

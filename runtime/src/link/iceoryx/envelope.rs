@@ -8,13 +8,13 @@ use crate::message::{Header, Kind, Message, OrderKind, RequestKind};
 use crate::wire::{BadWords, WORDS};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
-pub(crate) const LAYOUT: u64 = 1;
+pub(crate) const LAYOUT: u64 = 2;
 
 /// Words of a message's head.
-const HEAD: usize = 11;
+const HEAD: usize = 12;
 
 /// The kinds of messages; one travels as its place in this list.
-const KINDS: [Kind; 14] = [
+const KINDS: [Kind; 17] = [
     Kind::Order(OrderKind::Query),
     Kind::Order(OrderKind::Start),
     Kind::Order(OrderKind::Step),
@@ -22,13 +22,16 @@ const KINDS: [Kind; 14] = [
     Kind::Order(OrderKind::Abort),
     Kind::Order(OrderKind::Brake),
     Kind::Order(OrderKind::Stop),
+    Kind::Order(OrderKind::Reset),
     Kind::Request(RequestKind::Query),
     Kind::Request(RequestKind::Demand),
     Kind::Request(RequestKind::Brake),
     Kind::Request(RequestKind::Stop),
+    Kind::Request(RequestKind::Reset),
     Kind::Read,
     Kind::Reply,
     Kind::Fault,
+    Kind::Command,
 ];
 
 /// What every message of a cell's run carries: messages of another run, or of an earlier attempt to start it, are none.
@@ -61,7 +64,8 @@ impl Envelope {
 
     /// Puts a message under a seal.
     pub fn seal(message: &Message, seal: Seal, sequence: u64) -> Envelope {
-        let Header { kind, flags, step, instruction, len, payload, dt, duration, headroom } = message.header;
+        let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom } =
+            message.header;
         let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
         let RateHeadroom { rise, fall, bend } = headroom;
         let head = [
@@ -76,6 +80,7 @@ impl Envelope {
             rise.to_bits(),
             fall.to_bits(),
             bend.to_bits(),
+            u64::from(epoch),
         ];
         let mut envelope = Envelope {
             layout: LAYOUT,
@@ -100,7 +105,7 @@ impl Envelope {
     /// # Errors
     /// [`BadWords`] when its head is none; `message` is then as it was.
     pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
-        let [kind, flags, step, instruction, len, payload, dt, duration, rise, fall, bend] = self.head;
+        let [kind, flags, step, instruction, len, payload, dt, duration, rise, fall, bend, epoch] = self.head;
         let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
         let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
         let len = narrow(len)?;
@@ -110,6 +115,7 @@ impl Envelope {
         message.header = Header {
             kind: *kind.ok_or(BadWords)?,
             flags: narrow(flags)?,
+            epoch: narrow(epoch)?,
             step,
             instruction: narrow(instruction)?,
             len,
@@ -139,6 +145,7 @@ mod tests {
         message.header = Header {
             kind,
             flags: 0x8000_0001,
+            epoch: 0x8000_0002,
             step: u64::MAX,
             instruction: 7,
             len: 3,
@@ -177,8 +184,10 @@ mod tests {
 
     #[test]
     fn a_damaged_head_is_no_message() {
-        // Kind, flags, instruction, length: the words that not every number spells.
-        for (word, value) in [(0, 14), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX)] {
+        // Kind, flags, instruction, length, epoch: the words that not every number spells.
+        for (word, value) in
+            [(0, 17), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX), (11, 1 << 32)]
+        {
             let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
             envelope.head[word] = value;
             assert_eq!(envelope.open(&mut Message::empty()), Err(BadWords), "word {word}: {value}");

@@ -16,7 +16,7 @@ use super::envelope::{Envelope, LAYOUT, Seal};
 use super::ports::{Answering, Asking, Bell, BoardEnd, End};
 use crate::fault::ProcessId;
 use crate::link::memory::{MAX_PROCESSES, Stuck};
-use crate::link::{Board, Body, Client, Link, Server};
+use crate::link::{Board, Body, Client, Link, Server, Simulation};
 use crate::wire::layout_hash;
 
 /// The one value of a board.
@@ -44,6 +44,7 @@ enum Planned {
 /// A cell as one of its processes sees it.
 pub(crate) struct Fabric {
     me: ProcessId,
+    clock: Clock,
     places: Vec<ProcessId>,
     planned: Vec<Planned>,
     body: Option<Body>,
@@ -54,10 +55,11 @@ pub(crate) struct Fabric {
 }
 
 impl Fabric {
-    /// The cell in the process `me`.
-    pub fn new(me: ProcessId) -> Fabric {
+    /// The cell in the process `me`, in this time.
+    pub fn new(me: ProcessId, clock: Clock) -> Fabric {
         Fabric {
             me,
+            clock,
             places: Vec::new(),
             planned: Vec::new(),
             body: None,
@@ -104,7 +106,7 @@ impl Fabric {
     ///
     /// # Errors
     /// [`LinkError`]
-    pub fn create(&mut self, root: &Path, prefix: &str, seal: Seal, clock: Clock) -> Result<(), LinkError> {
+    pub fn create(&mut self, root: &Path, prefix: &str, seal: Seal) -> Result<(), LinkError> {
         set_log_level(LogLevel::Fatal);
         let mut config = Config::default();
         let text = root.to_string_lossy();
@@ -119,7 +121,7 @@ impl Fabric {
             .create::<ipc::Service>()
             .map_err(LinkError::of("its node"))?;
         let me = self.places.iter().position(|&place| place == self.me);
-        if let (Clock::Real, Some(me)) = (clock, me) {
+        if let (Clock::Real, Some(me)) = (self.clock, me) {
             let events = node
                 .service_builder(&service(&format!("wake {me}"))?)
                 .event()
@@ -176,7 +178,7 @@ impl Fabric {
     ///
     /// # Errors
     /// [`LinkError`]
-    pub fn connect(&mut self, seal: Seal, clock: Clock) -> Result<(), LinkError> {
+    pub fn connect(&mut self, seal: Seal) -> Result<(), LinkError> {
         let Some(node) = &self.node else { return Ok(()) };
         for (i, planned) in self.planned.iter().enumerate() {
             let name = service(&format!("link {i}"))?;
@@ -188,12 +190,12 @@ impl Fabric {
                         .open()
                         .map_err(LinkError::of("a port"))?;
                     let end = ports.client_builder().create().map_err(LinkError::of("a port's client"))?;
-                    asking.connect(Asking::new(end, self.bell(node, *server, clock)?, seal));
+                    asking.connect(Asking::new(end, self.bell(node, *server)?, seal));
                 }
                 Planned::Port { client, server, answering, .. } if self.here(*server) => {
                     if let Some(end) = answering.0.get() {
                         // It is set once: each port is looked at once in this round.
-                        drop(end.bell.set(self.bell(node, *client, clock)?));
+                        drop(end.bell.set(self.bell(node, *client)?));
                     }
                 }
                 Planned::Board { reader, end, .. } if self.here(*reader) => {
@@ -214,8 +216,8 @@ impl Fabric {
     }
 
     /// What wakes the process at `place`.
-    fn bell(&self, node: &Node<ipc::Service>, place: usize, clock: Clock) -> Result<Bell, LinkError> {
-        match clock {
+    fn bell(&self, node: &Node<ipc::Service>, place: usize) -> Result<Bell, LinkError> {
+        match self.clock {
             Clock::Virtual => Ok(Bell::Mark(place, Rc::clone(&self.woken))),
             Clock::Real => {
                 let events = node
@@ -272,6 +274,13 @@ impl Link for Fabric {
             self.body = Some(body);
         }
         Ok(())
+    }
+
+    fn simulation(&self) -> Simulation {
+        match self.clock {
+            Clock::Virtual => Simulation::Asked,
+            Clock::Real => Simulation::Free,
+        }
     }
 
     fn closer(&self) -> Box<dyn Fn()> {

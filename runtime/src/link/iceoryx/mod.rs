@@ -9,8 +9,10 @@
 mod envelope;
 mod fabric;
 mod ports;
+mod samples;
 mod waiter;
 
 pub(crate) use envelope::Seal;
 pub(crate) use fabric::{Clock, Fabric};
+pub(crate) use samples::Samples;
 pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Show, monotonic};

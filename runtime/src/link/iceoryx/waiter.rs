@@ -4,14 +4,16 @@ use core::cell::Cell;
 use core::num::NonZeroU64;
 use std::os::fd::BorrowedFd;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::{FileDescriptorBased, ipc};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 
+use super::samples::Samples;
 use crate::button::Button;
-use crate::link::{Closed, Nanos, News, Waiter};
+use crate::link::{Closed, Nanos, News, Sample, Waiter};
 use crate::mp::MpState;
 
 const NANOS: u64 = 1_000_000_000;
@@ -37,6 +39,9 @@ pub(crate) trait Launcher {
 
     /// In lock-step: the process waits, and sent messages to these places.
     fn yields(&self, deadline: Nanos, woken: u64);
+
+    /// In lock-step: the process at a place is to run before this one goes on, which sent messages to these places.
+    fn calls(&self, place: usize, woken: u64);
 }
 
 /// What a launcher says to a process that runs.
@@ -64,13 +69,19 @@ pub(crate) struct RealTime<'a, L: Launcher> {
     /// One press of each kind: a newer one replaces it.
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
     shows: Option<Show>,
+    samples: Arc<Samples>,
 }
 
 /// What shows the state of an MP.
 pub(crate) type Show = Box<dyn Fn(&MpState)>;
 
 impl<'a, L: Launcher> RealTime<'a, L> {
-    pub fn new(listener: Listener<ipc::Service>, launcher: &'a L, origin: Nanos, spin: Nanos) -> Self {
+    pub fn new(
+        listener: Listener<ipc::Service>,
+        launcher: &'a L,
+        (origin, spin): (Nanos, Nanos),
+        samples: Arc<Samples>,
+    ) -> Self {
         // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
         RealTime {
@@ -82,6 +93,7 @@ impl<'a, L: Launcher> RealTime<'a, L> {
             news: Cell::new(None),
             pressed: Default::default(),
             shows: None,
+            samples,
         }
     }
 
@@ -155,6 +167,10 @@ impl<L: Launcher> Waiter for RealTime<'_, L> {
         Ok(())
     }
 
+    fn sample(&self, sample: Sample) {
+        self.samples.push(sample);
+    }
+
     fn news(&self) -> Option<News> {
         self.news.take()
     }
@@ -204,6 +220,14 @@ impl<L: Launcher> Waiter for LockStep<'_, L> {
         let deadline = deadline.unwrap_or(Nanos::MAX);
         if deadline > self.now.get() && !self.closing.get() {
             self.launcher.yields(deadline, self.woken.take());
+            self.be_resumed();
+        }
+        if self.closing.get() { Err(Closed) } else { Ok(()) }
+    }
+
+    fn call(&self, place: usize) -> Result<(), Closed> {
+        if !self.closing.get() {
+            self.launcher.calls(place, self.woken.take() & !(1 << place));
             self.be_resumed();
         }
         if self.closing.get() { Err(Closed) } else { Ok(()) }
