@@ -34,7 +34,8 @@ struct Panel {
     /// Bits of the speed, counted from those of full speed, which is the default.
     speed: AtomicU64,
     suspended: AtomicBool,
-    stopped: AtomicBool,
+    /// Told to stop, which no step has heard yet.
+    stops: AtomicBool,
     /// One of the stages below.
     stage: AtomicU8,
     /// A [`Latching`] in one word.
@@ -110,13 +111,12 @@ impl Operator {
     /// Stops all robots on their paths for good: the cell stops with a fault of kind `ProtectiveStop`, which is latched at
     /// standstill. Pressed while nothing runs, it stops the next instruction before it moves anything.
     pub fn stop(&self) {
-        self.panel.stopped.store(true, Ordering::Release);
+        self.panel.stops.store(true, Ordering::Release);
     }
 
-    /// Whether the cell is told to stop.
-    #[must_use]
-    pub fn is_stopped(&self) -> bool {
-        self.panel.stopped.load(Ordering::Acquire)
+    /// Whether the cell was told to stop, once.
+    pub(crate) fn take_stop(&self) -> bool {
+        self.panel.stops.swap(false, Ordering::AcqRel)
     }
 
     /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
@@ -216,7 +216,6 @@ impl Operator {
     /// The programs start again: nothing is latched any more.
     pub(crate) fn forget(&self) {
         self.report(|report| *report = Report::default());
-        self.panel.stopped.store(false, Ordering::Release);
     }
 
     fn report<T>(&self, look: impl FnOnce(&mut Report) -> T) -> T {

@@ -210,7 +210,10 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Durati
                     }
                 }
                 Ok(Frame::Rested(rest)) => tell_rest(&rest, quiet),
-                Ok(Frame::Figures(figures)) => member.figures.set(Some(figures)),
+                Ok(Frame::Figures(figures)) => {
+                    member.figures.set(Some(figures));
+                    desk.measured(member.id, figures);
+                }
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();
