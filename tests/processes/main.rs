@@ -5,6 +5,7 @@
 mod launch;
 mod operator;
 mod program;
+mod records;
 mod tests;
 
 use std::process::ExitCode;
