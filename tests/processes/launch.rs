@@ -17,9 +17,14 @@ pub struct Place(PathBuf);
 impl Place {
     /// Short, because names of sockets in it have 108 bytes.
     pub fn new(test: u32) -> Place {
+        Place::of(test, include_str!("cell.toml"))
+    }
+
+    /// With this cell.
+    pub fn of(test: u32, cell: &str) -> Place {
         let folder = PathBuf::from(format!("/tmp/mr{}-{test}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder");
-        fs::write(folder.join("cell.toml"), include_str!("cell.toml")).expect("a file");
+        fs::write(folder.join("cell.toml"), cell).expect("a file");
         Place(folder)
     }
 

@@ -6,6 +6,7 @@ mod allocations;
 mod launch;
 mod operator;
 mod program;
+mod records;
 mod tests;
 
 use std::process::ExitCode;

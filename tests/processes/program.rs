@@ -1,8 +1,6 @@
 //! The task program of these tests: two arms that are coordinated loosely and tightly, sensors in three modes, and a
 //! record of what each arm was demanded, written by the process that demands it.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -11,16 +9,15 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use mrroc::{
-    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp,
-    Observation, Payload, Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick,
-    VirtualSensor, condition, generator,
+    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp, Payload,
+    Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick, VirtualSensor, condition,
+    generator,
 };
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
 
 use crate::allocations::Calls;
 
-/// The variable that names the folder of the records.
-pub const RECORDS: &str = "MRROC_TEST_RECORDS";
+pub use crate::records::RECORDS;
 
 /// Runs it under the options of the command line.
 pub fn main() -> ExitCode {
@@ -58,23 +55,9 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
         }));
     }
     Ok(match std::env::var_os(RECORDS) {
-        Some(folder) => cell.watch(record(PathBuf::from(folder))),
+        Some(folder) => cell.watch(crate::records::record(PathBuf::from(folder))),
         None => cell,
     })
-}
-
-/// Writes every servo period of every robot to a file of its own: the time, then the bits of each demanded joint.
-fn record(folder: PathBuf) -> impl FnMut(&Observation<'_>) {
-    let files = RefCell::new(BTreeMap::new());
-    move |seen| {
-        let mut files = files.borrow_mut();
-        let file = files.entry(seen.robot.to_owned()).or_insert_with(|| {
-            File::create(folder.join(seen.robot)).expect("the folder of the records can be written")
-        });
-        let bits: String = seen.demanded.iter().map(|q| format!(" {:016x}", q.to_bits())).collect();
-        // One write a line: what is there when the process is killed is whole.
-        file.write_all(format!("{:.6}{bits}\n", seen.time).as_bytes()).expect("written");
-    }
 }
 
 /// Simulated drives that write what they do, in whichever process they are: a line for each servo period, `tick` or

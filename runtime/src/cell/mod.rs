@@ -267,6 +267,14 @@ impl Cell {
         self.realtime.as_ref()
     }
 
+    /// Asks the machine for priority and for memory that stays in its place when the cell runs as processes in real time,
+    /// and runs without them where it does not permit that: `[realtime]` of a cell's file with `permission = "best effort"`,
+    /// for a cell without a file.
+    #[must_use]
+    pub fn prefer_real_time(self) -> Cell {
+        self.ask_for(Some(Realtime::PREFERRED))
+    }
+
     /// Asks this of the machine for its processes.
     pub(crate) fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
         self.realtime = realtime;
