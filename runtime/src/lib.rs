@@ -100,6 +100,7 @@ mod step_fn;
 mod stopping;
 mod suggestion;
 mod task_space;
+mod together;
 mod transparent;
 mod vsp;
 mod wire;

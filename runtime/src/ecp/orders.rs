@@ -221,7 +221,7 @@ impl Orders {
         answer.header = self.order.header;
         answer.header.kind = Kind::Reply;
         answer.header.flags = flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING);
-        answer.header.headroom = driver.header.headroom;
+        (answer.header.headroom, answer.header.law) = (driver.header.headroom, driver.header.law);
         answer.header.len = 0;
         if flags & flag::STATE != 0 {
             answer.header.len = driver.header.len;

@@ -29,6 +29,7 @@ use crate::replay::Script;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
 use crate::suggestion::suggestion;
+use crate::together::BrakingLaw;
 use crate::witness::Tap;
 
 use clock::StepClock;
@@ -52,6 +53,8 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    /// How fast all robots of the last exchange may slow down together.
+    law: BrakingLaw,
     /// Resets that were tried.
     epoch: u32,
     /// A process that is gone: without it there is no restart.
@@ -84,6 +87,7 @@ impl<'w> Mp<'w> {
             operator,
             hook,
             guard,
+            law: BrakingLaw::UNLIMITED,
             epoch: 0,
             gone: None,
             protective,
