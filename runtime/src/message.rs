@@ -81,6 +81,8 @@ pub mod flag {
     pub const HOMING: u32 = 1 << 8;
     /// The order is one of several robots that move together: without the next ones each stops on its screw.
     pub const TOGETHER: u32 = 1 << 9;
+    /// The robot still moves on its path but is to stop on it. Body: the fault, in place of the image.
+    pub const TROUBLE: u32 = 1 << 10;
 }
 
 /// The head of a message.

@@ -41,6 +41,8 @@ struct Panel {
     /// What is latched. Written at standstill alone.
     report: Mutex<Report>,
     given_up: AtomicBool,
+    /// A protective stop that the MP has not seen yet.
+    protective: AtomicBool,
 }
 
 /// What an operator is told of a latched cell.
@@ -117,6 +119,17 @@ impl Operator {
     #[must_use]
     pub fn is_suspended(&self) -> bool {
         self.panel.suspended.load(Ordering::Acquire)
+    }
+
+    /// Stops all robots on their paths and latches the cell, as a guard's protective stop does. It has priority over whatever
+    /// else is asked: pressed between two instructions it lets the next one move nothing, pressed during a reset it ends that.
+    pub fn protective_stop(&self) {
+        self.panel.protective.store(true, Ordering::Release);
+    }
+
+    /// The protective stop that was pressed since it was asked for last.
+    pub(crate) fn take_protective_stop(&self) -> bool {
+        self.panel.protective.swap(false, Ordering::AcqRel)
     }
 
     /// Where the cell is between a fault and its restart.

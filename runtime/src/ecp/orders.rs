@@ -231,6 +231,17 @@ impl Orders {
         self.open = None;
     }
 
+    /// Answers the open order of a robot that is to stop on its path for a fault.
+    pub fn reply_trouble(&mut self, fault: &Fault, driver: &Message) {
+        let answer = &mut self.answer;
+        answer.header = self.order.header;
+        (answer.header.headroom, answer.header.law) = (driver.header.headroom, driver.header.law);
+        answer.set_fault(fault);
+        (answer.header.kind, answer.header.flags) = (Kind::Reply, flag::TROUBLE);
+        self.port.reply(answer);
+        self.open = None;
+    }
+
     /// Answers the open order with a fault, and whether the robot stands.
     pub fn reply_fault(&mut self, fault: &Fault, driver: &Message) {
         self.answer.header = self.order.header;

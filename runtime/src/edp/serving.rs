@@ -56,7 +56,7 @@ impl<R: Robot> Edp<'_, R> {
             RequestKind::Query => self.check_standing_start(),
             RequestKind::Demand => self.demand(),
             RequestKind::Brake => {
-                self.brake();
+                self.come_to_hold();
                 Ok(())
             }
             RequestKind::Stop => {

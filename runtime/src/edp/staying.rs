@@ -40,6 +40,16 @@ impl<R: Robot> Edp<'_, R> {
         accepted
     }
 
+    /// A motion ends, or its path time stands still: a robot that may hold does, so that it is where the path is.
+    pub(super) fn come_to_hold(&mut self) {
+        let moves = matches!(self.mode, Mode::Moving { .. });
+        if moves && self.acceptor.can_hold(self.config.step.as_secs_f64()) {
+            self.mode = Mode::Holding;
+        } else {
+            self.brake();
+        }
+    }
+
     /// The way to a standstill from the state demanded last.
     pub(super) fn way_to_rest(&mut self) -> Mode<R::Joints> {
         let step = self.config.step.as_secs_f64();

@@ -148,7 +148,7 @@ impl Mp<'_> {
         }
         let deadline = self.waiter.now() + self.sensing.patience;
         let mut first: Option<Fault> = None;
-        let mut law = BrakingLaw::UNLIMITED;
+        let (mut law, mut trouble) = (BrakingLaw::UNLIMITED, None);
         for &index in indices {
             let robot = &mut self.robots[index];
             let mut lost = None;
@@ -167,6 +167,9 @@ impl Mp<'_> {
                 Some(lost) => Some(lost),
                 None if robot.reply.header.kind == Kind::Fault => Some(robot.reply.fault()),
                 None => {
+                    if robot.reply.is(flag::TROUBLE) {
+                        trouble = trouble.or(Some(robot.reply.fault()));
+                    }
                     if bounds == Bounds::Rate {
                         self.clock.feed.limit(robot.reply.header.headroom);
                         law = law.and(robot.reply.header.law);
@@ -183,6 +186,9 @@ impl Mp<'_> {
         }
         if bounds == Bounds::Rate {
             self.law = law;
+        }
+        if let Some(trouble) = trouble {
+            self.protect(trouble);
         }
         first.map_or(Ok(()), Err)
     }

@@ -46,7 +46,7 @@ pub struct Mp<'w> {
     operator: Operator,
     hook: Option<StepHook>,
     guard: Option<Guard>,
-    /// What the guard stops the cell for, on the way to a standstill.
+    /// What a guard, the operator or a sensor stops the cell for, on the way to a standstill.
     protective: Option<Fault>,
     clock: StepClock,
     /// Ordinal of the instruction opened last.
@@ -160,13 +160,26 @@ impl<'w> Mp<'w> {
                 self.hook = Some(hook);
             }
             self.follow_script();
-            let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
-            self.clock.advance(rate, self.operator.is_suspended());
+            if self.latched.is_none() && self.operator.take_protective_stop() {
+                self.protect(Fault::of_operator());
+            }
+            self.clock.advance(self.wanted_rate(), self.operator.is_suspended());
             self.tell_step()?;
         }
         self.hear_news()?;
         self.tell_abort();
         Ok(())
+    }
+
+    /// The rate that robots are to be brought to.
+    fn wanted_rate(&self) -> f64 {
+        if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() }
+    }
+
+    /// A fault that leaves the demands sound: all robots stop on their paths for it. The first one is kept.
+    fn protect(&mut self, fault: Fault) {
+        let step = self.clock.step();
+        self.protective.get_or_insert_with(|| fault.in_process(ProcessId::MP).at_step(step));
     }
 
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.

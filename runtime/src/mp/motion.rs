@@ -141,10 +141,26 @@ impl Mp<'_> {
             }
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Step, flags)?;
-            self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
+            self.collect_on_path(sensors, v)?;
             if self.finished(indices, const { G::ENDS }, payload)? {
                 return Ok(());
             }
+        }
+    }
+
+    /// Collects the readings of a step. Where a sensor gives none, the demands are as sound as they were: robots stop on their
+    /// paths.
+    fn collect_on_path<S: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<S>,
+        v: &mut Reading<S>,
+    ) -> Result<(), Fault> {
+        match self.sensing.collect(sensors, v, self.waiter, self.clock.step()) {
+            Err(fault) if fault.leaves_demands_sound() => {
+                self.protect(fault);
+                Ok(())
+            }
+            collected => collected,
         }
     }
 
