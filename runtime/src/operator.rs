@@ -1,4 +1,4 @@
-//! The operator: suspend, resume, abort, speed; and after a fault acknowledge, reset.
+//! The operator: suspend, resume, abort, stop, speed; and after a fault acknowledge, reset.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,7 +9,7 @@ use crate::latch::{Event, Latch, LatchRefusal, Latching};
 /// The operator's handle of a cell. It may be cloned and used from any thread.
 ///
 /// Speed and Suspend scale the path time of every step with a bounded change of rate, so that the robots slow
-/// down on their paths; Abort stops on the path too and then ends the instruction with a fault.
+/// down on their paths; Abort stops on the path too and then ends the instruction with a fault; Stop ends the cell so.
 ///
 /// After a fault stop the cell is latched. One that [awaits a reset](crate::AfterFault) starts its programs again when
 /// its operator has acknowledged the fault and then pressed the reset:
@@ -41,6 +41,8 @@ struct Panel {
     /// What is latched. Written at standstill alone.
     report: Mutex<Report>,
     given_up: AtomicBool,
+    /// A protective stop that the MP has not seen yet.
+    protective: AtomicBool,
 }
 
 /// What an operator is told of a latched cell.
@@ -117,6 +119,17 @@ impl Operator {
     #[must_use]
     pub fn is_suspended(&self) -> bool {
         self.panel.suspended.load(Ordering::Acquire)
+    }
+
+    /// Stops all robots on their paths and latches the cell, as a guard's protective stop does. It has priority over whatever
+    /// else is asked: pressed between two instructions it lets the next one move nothing, pressed during a reset it ends that.
+    pub fn protective_stop(&self) {
+        self.panel.protective.store(true, Ordering::Release);
+    }
+
+    /// The protective stop that was pressed since it was asked for last.
+    pub(crate) fn take_protective_stop(&self) -> bool {
+        self.panel.protective.swap(false, Ordering::AcqRel)
     }
 
     /// Where the cell is between a fault and its restart.

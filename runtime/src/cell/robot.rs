@@ -16,8 +16,9 @@ use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
 use crate::latch::Gate;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Server, Waiter};
+use crate::link::{Link, Nanos, Server, Waiter};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::payload::Nudge;
 use crate::plant::Site;
 use crate::pose::Pose;
@@ -26,6 +27,7 @@ use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::testing::{Bounds, Witness};
 use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
@@ -174,6 +176,8 @@ pub(crate) trait AnyRobot {
     /// Its drives read from a recording.
     #[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>);
+    fn bounds(&self) -> Bounds;
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
@@ -225,6 +229,26 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
         self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
         self.drives = recorded(&self.drives, tape, step);
+    }
+
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>) {
+        self.observers.push(Box::new(move |record| {
+            // A time that a servo period ends at, in nanoseconds again.
+            let end = (record.time * 1e9).round() as Nanos;
+            witness.borrow_mut().see(end, record.demanded.as_slice());
+        }));
+    }
+
+    fn bounds(&self) -> Bounds {
+        let limits = self.robot.limits();
+        let vector = |joints: &R::Joints| joints.as_slice().to_vec();
+        Bounds {
+            lower: vector(&limits.lower),
+            upper: vector(&limits.upper),
+            velocity: vector(&limits.velocity),
+            acceleration: vector(&limits.acceleration),
+            servo: self.drives.period().as_nanos() as Nanos,
+        }
     }
 
     fn name(&self) -> &str {
@@ -348,7 +372,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         link.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
+                let timed = Timed::new(waiter);
+                let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace);
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
                         Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

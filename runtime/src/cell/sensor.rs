@@ -10,10 +10,11 @@ use crate::fault::{ProcessId, Role};
 use crate::image::Sensor;
 use crate::link::{Client, Link, Nanos, Server};
 use crate::name::Name;
+use crate::plant::Site;
 use crate::replay::Tape;
 use crate::sensing::{Sensing, SensorPort, Source};
 use crate::shape::Shape;
-use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::vsp::{Aggregator, Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
 use crate::wire::{WORDS, Wire};
 
 /// A virtual sensor of a cell.
@@ -106,6 +107,7 @@ pub(super) struct Requesters<'a> {
     /// What a replay says was collected.
     pub tape: Option<Rc<Tape>>,
     pub link: &'a mut dyn Link,
+    pub plant: &'a mut Site,
     pub step: Duration,
     pub mp: usize,
     pub robots: &'a [Name],
@@ -152,7 +154,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         if let Some(tape) = among.tape.clone() {
             return self.replay(among, &tape);
         }
-        let Requesters { link, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
+        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, name);
@@ -193,10 +195,11 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
         let step = step.as_nanos() as Nanos;
+        let sensors = plant.take_sensor(*link, place, Aggregator { process, sensor });
         link.body(
             place,
             Box::new(move |waiter| {
-                Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();
+                Vsp { sensors, configuration, waiter, orders, latency, step }.run();
             }),
         )?;
         Ok(())

@@ -10,6 +10,7 @@ mod drives;
 mod following;
 mod resetting;
 mod serving;
+mod staying;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -23,12 +24,14 @@ use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
 use crate::latch::Gate;
 use crate::limits::{AcceptedDemand, Acceptor};
-use crate::link::{Closed, Nanos, Server, Waiter};
+use crate::link::{Closed, Nanos, Sample, Server, Waiter};
 use crate::message::Message;
+use crate::overruns::Overruns;
 use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
+use crate::together::{BrakingLaw, Screw, ScrewBraking};
 use crate::witness::Tap;
 
 pub(crate) use drives::{Drive, PlantDrive, PlantEnd};
@@ -73,6 +76,8 @@ enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
+    /// The same on the screw of robots that move together.
+    OnScrew(ScrewBraking),
     /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
@@ -86,6 +91,10 @@ pub(crate) struct Edp<'w, R: Robot> {
     mode: Mode<R::Joints>,
     /// Accepted for the step that is about to begin, and the regulators chosen with it.
     next: Option<AcceptedDemand<R>>,
+    /// How the robot brakes with those that it moves together with, and the screw on which it does; known once a demand
+    /// is missing.
+    together: Option<BrakingLaw>,
+    screw: Option<Screw>,
     regulators: Option<Regulators>,
     /// What the ticks make of the demands.
     interpolation: Interpolation<R::Joints>,
@@ -98,6 +107,9 @@ pub(crate) struct Edp<'w, R: Robot> {
     next_tick: Nanos,
     step: Nanos,
     servo: Nanos,
+    /// Steps that were late, and for how many periods the last one was.
+    overruns: Overruns,
+    behind: u64,
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
@@ -127,6 +139,8 @@ impl<'w, R: Robot> Edp<'w, R> {
             acceptor,
             mode: Mode::Holding,
             next: None,
+            together: None,
+            screw: None,
             regulators: None,
             still: interpolation.settling_steps(),
             interpolation,
@@ -137,6 +151,8 @@ impl<'w, R: Robot> Edp<'w, R> {
             next_tick: tick * servo + servo / 2,
             step,
             servo,
+            overruns: Overruns::new(config.step),
+            behind: 0,
             measured,
             gate: Gate::default(),
             fault: None,
@@ -175,11 +191,15 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// `PeerLost` when the robot still moved then and did not come to a standstill in the time that its stops may take.
     pub fn run(mut self) -> Result<(), Fault> {
         while self.waiter.wait(Some(self.next_step.min(self.next_tick))) != Err(Closed) {
+            let (woke, first) = (self.waiter.now(), self.next_tick);
             while self.port.receive(&mut self.request) {
                 self.serve();
             }
             while self.waiter.now() >= self.next_step.min(self.next_tick) {
                 self.advance();
+            }
+            if self.next_tick > first {
+                self.waiter.sample(Sample::Worked(self.waiter.now().saturating_sub(woke)));
             }
         }
         self.come_to_rest()
@@ -211,13 +231,36 @@ impl<'w, R: Robot> Edp<'w, R> {
     }
 
     /// The step or servo period that begins next; a step before the servo period that begins with it.
+    ///
+    /// A step that is late is made up for: what its demand was, or what bridged it, is what the next one begins at. A servo
+    /// period that is over is left out: drives are told where to be at the end of the present one, on the same curve.
     fn advance(&mut self) {
+        let now = self.waiter.now();
         if self.next_step <= self.next_tick {
+            self.count_late_step(now);
             self.begin_step();
             self.next_step += self.step;
+            return;
+        }
+        if now >= self.next_tick + self.servo {
+            self.waiter.sample(Sample::Skipped(1));
         } else {
+            self.waiter.sample(Sample::Late(now.saturating_sub(self.next_tick)));
             self.tick(self.next_tick);
-            self.next_tick += self.servo;
+        }
+        self.next_tick += self.servo;
+    }
+
+    /// Being late is one cause, however many steps are made up for at once. It counts while the robot moves.
+    fn count_late_step(&mut self, now: Nanos) {
+        let missed = now.saturating_sub(self.next_step) / self.step.max(1);
+        let goes_on = missed + 1 == core::mem::replace(&mut self.behind, missed);
+        if goes_on || !matches!(self.mode, Mode::Moving { .. }) {
+            return;
+        }
+        if let Err(fault) = self.overruns.note(missed) {
+            self.latch(fault, self.due);
+            self.brake();
         }
     }
 
@@ -240,11 +283,8 @@ impl<'w, R: Robot> Edp<'w, R> {
 
     fn brake(&mut self) {
         match self.mode {
-            Mode::Moving { .. } if self.acceptor.can_hold(self.config.step.as_secs_f64()) => {
-                self.mode = Mode::Holding
-            }
-            Mode::Moving { .. } => self.mode = Mode::Braking(self.acceptor.braking()),
-            Mode::Holding | Mode::Braking(_) | Mode::Off => {}
+            Mode::Moving { .. } => self.mode = self.way_to_rest(),
+            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
         }
     }
 
@@ -253,7 +293,7 @@ impl<'w, R: Robot> Edp<'w, R> {
         match self.mode {
             Mode::Holding => self.still >= self.interpolation.settling_steps(),
             Mode::Off => true,
-            Mode::Moving { .. } | Mode::Braking(_) => false,
+            Mode::Moving { .. } | Mode::Braking(_) | Mode::OnScrew(_) => false,
         }
     }
 }

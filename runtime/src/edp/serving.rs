@@ -56,7 +56,7 @@ impl<R: Robot> Edp<'_, R> {
             RequestKind::Query => self.check_standing_start(),
             RequestKind::Demand => self.demand(),
             RequestKind::Brake => {
-                self.brake();
+                self.come_to_hold();
                 Ok(())
             }
             RequestKind::Stop => {
@@ -84,6 +84,10 @@ impl<R: Robot> Edp<'_, R> {
         while self.due < header.step && self.waiter.now() >= self.next_step.min(self.next_tick) {
             self.advance();
         }
+        // A step has one demand: one that came twice, or again in place of another, would be a step of its own.
+        if self.next.is_some() {
+            return Ok(());
+        }
         if self.request.is(flag::FIRST) {
             self.acceptor.begin();
         }
@@ -103,6 +107,13 @@ impl<R: Robot> Edp<'_, R> {
         let first = self.request.is(flag::FIRST) && !matches!(self.mode, Mode::Moving { .. });
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         let stands = self.config.space == InterpolationSpace::Task && self.interpolation.stands();
+        self.screw = None;
+        let law = self.request.is(flag::TOGETHER).then_some(header.law);
+        self.together = match demand.coordinates {
+            // Joints have no screw.
+            Coordinates::Hold | Coordinates::Joints(_) => None,
+            Coordinates::Pose(_) | Coordinates::Displacement(_) => law,
+        };
         match demand.coordinates {
             Coordinates::Hold => {}
             Coordinates::Joints(_) => self.task_space.accept(false, stands),
@@ -137,6 +148,7 @@ impl<R: Robot> Edp<'_, R> {
         } else {
             reply.header.kind = Kind::Reply;
             reply.header.headroom = self.acceptor.headroom();
+            reply.header.law = self.acceptor.braking_law(self.config.step.as_secs_f64());
             reply.header.len = 0;
             if self.request.is(flag::WANT_STATE) {
                 reply.header.flags |= flag::STATE;

@@ -9,8 +9,8 @@ use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::latch::{Event, Latch};
 use crate::message::{Message, OrderKind, flag};
 
-use super::Mp;
 use super::exchange::SILENT;
+use super::{Doing, Mp};
 
 /// Steps for which drives hold after a reset before a program starts: one that cannot says so.
 const TRIAL: u64 = 5;
@@ -49,6 +49,7 @@ impl Mp<'_> {
     /// Runs it once. A panic in it stops the robots as any fault does.
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
+            self.show_instruction(Doing::Homing, "");
             self.instruction(Self::home)?;
             program(self)
         });
@@ -75,6 +76,8 @@ impl Mp<'_> {
             if self.operator.has_given_up() || self.gone.is_some() || self.begin_step().is_err() {
                 return Verdict::End;
             }
+            // It is stopped already.
+            self.operator.take_protective_stop();
             if self.operator.latch() == Latch::Resetting {
                 match self.reset() {
                     Ok(()) => return Verdict::Restart,
@@ -137,6 +140,7 @@ impl Mp<'_> {
     fn reset(&mut self) -> Result<(), Fault> {
         self.epoch += 1;
         (self.latched, self.protective, self.refusals) = (None, None, 0);
+        self.overruns.forget();
         if let Some(guard) = &mut self.guard {
             guard.forget();
         }
@@ -146,6 +150,7 @@ impl Mp<'_> {
             self.begin_step()?;
             self.exchange(&all, OrderKind::Query, 0)?;
             if let Some(fault) = self.protective.take() {
+                // A guard's, or the operator's: a stop has priority over a start.
                 return Err(fault);
             }
         }
