@@ -63,6 +63,8 @@ pub const CATALOGUE: &[Entry] = &[
     entry!("jog", "Jog", "ECP f*0(c), first step f*2(c, e)"),
     entry!("joint_move", "JointMove", "ECP f*0(c), first step f*2(c, e)"),
     entry!("joint_spline", "JointSpline", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("joint_via", "JointVia", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("line_via", "LineVia", "ECP f*0(c), first step f*2(c, e)"),
     entry!("moving_frame", "MovingFrame", "ECP f*0(c), first step f*2(c, e)"),
     entry!("ordered_force", "OrderedForce", "ECP f*7(c0, c, e, v)"),
     entry!("reach_state", "ReachState", "ECP f*4(c0, c), first step f*6(c0, c, e)"),
