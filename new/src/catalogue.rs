@@ -67,6 +67,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry!("line_via", "LineVia", "ECP f*0(c), first step f*2(c, e)"),
     entry!("moving_frame", "MovingFrame", "ECP f*0(c), first step f*2(c, e)"),
     entry!("ordered_force", "OrderedForce", "ECP f*7(c0, c, e, v)"),
+    entry!("pose_spline_move", "PoseSplineMove", "ECP f*0(c), first step f*2(c, e)"),
     entry!("reach_state", "ReachState", "ECP f*4(c0, c), first step f*6(c0, c, e)"),
     entry!("replay", "Replay", "ECP f*0(c), first step f*2(c, e)"),
     entry!("rigid_carry", "RigidCarry", "MP f*0(c0), first step f*2(c0, e)"),

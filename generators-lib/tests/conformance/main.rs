@@ -198,6 +198,28 @@ generator_conformance! {
 }
 
 generator_conformance! {
+    pose_spline_move: PoseSplineMove<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: PoseSplineMove::through(
+        vec![away(), start() * Pose::translation(0.05, 0.05, 0.05), start()],
+        smooth_limits(0.3, 1.0, 10.0),
+    ),
+    given: alone,
+    odd: |x| {
+        let mut odd = vec![PoseSplineMove::through(vec![], smooth_limits(0.1, 1.0, 10.0))];
+        for [v, a, j] in odd_limits(x) {
+            for pose in odd_poses(x) {
+                for poses in [vec![pose], vec![pose, start()], vec![away(), pose, away()]] {
+                    odd.push(PoseSplineMove::through(poses, smooth_limits(v, a, j)));
+                }
+            }
+        }
+        odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
     circular_move: CircularMove<Irp6>,
     class: "ECP f*0(c), first step f*2(c, e)",
     make: CircularMove::through(
