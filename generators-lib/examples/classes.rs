@@ -72,6 +72,8 @@ pub const ROWS: &[Row] = &rows! {
     spline_track: SplineTrack<Irp6, Points>,
     squeezed_carry: SqueezedCarry<Two, [Wrist; 2], StraightBody>,
     straight_line: StraightLine<Irp6>,
+    time_optimal_curve: TimeOptimalCurve<Irp6, mrroc_generators::curve::Helix>,
+    time_optimal_joints: TimeOptimalJoints<Irp6>,
     tool_offset: ToolOffset<Irp6>,
     transmit_displacement: TransmitDisplacement<Irp6>,
     watched_transmit: WatchedTransmit<Irp6>,

@@ -77,6 +77,8 @@ pub const CATALOGUE: &[Entry] = &[
     entry!("spline_track", "SplineTrack", "ECP f*0(c)"),
     entry!("squeezed_carry", "SqueezedCarry", "MP f*1(c0, v), first step f*3(c0, e, v)"),
     entry!("straight_line", "StraightLine", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("time_optimal_curve", "TimeOptimalCurve", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("time_optimal_joints", "TimeOptimalJoints", "ECP f*0(c), first step f*2(c, e)"),
     entry!("tool_offset", "ToolOffset", "ECP f*0(c)"),
     entry!("transmit_displacement", "TransmitDisplacement", "ECP f*4(c0, c)"),
     entry!("watched_transmit", "WatchedTransmit", "ECP f*6(c0, c, e)"),

@@ -20,6 +20,7 @@ use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
+use mrroc_generators::timing::PathLimits;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -137,6 +138,10 @@ pub fn joint_limits(velocity: f64, acceleration: f64, jerk: f64) -> JointLimits<
         acceleration: Six::repeat(acceleration),
         jerk: Six::repeat(jerk),
     }
+}
+
+pub fn path_limits(velocity: f64, acceleration: f64, speed: f64) -> PathLimits<Six> {
+    PathLimits { velocity: Six::repeat(velocity), acceleration: Six::repeat(acceleration), speed }
 }
 
 /// Limits that are none, one at a time and all.

@@ -114,6 +114,44 @@ generator_conformance! {
 }
 
 generator_conformance! {
+    time_optimal_joints: TimeOptimalJoints<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: TimeOptimalJoints::through(
+        vec![arm() + Six::repeat(0.1), arm() + Six::new(0.2, 0.1, 0.1, 0.0, -0.1, 0.3)],
+        path_limits(0.5, 1.0, f64::INFINITY),
+    ),
+    given: alone,
+    odd: |x| {
+        let mut odd = vec![TimeOptimalJoints::through(vec![], path_limits(1.0, 1.0, 1.0))];
+        for points in [vec![arm()], vec![arm(), arm()], vec![Six::repeat(x)], vec![Six::repeat(x), arm()]] {
+            for [v, a, speed] in odd_limits(x) {
+                odd.push(TimeOptimalJoints::through(points.clone(), path_limits(v, a, speed)));
+            }
+        }
+        odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
+    time_optimal_curve: TimeOptimalCurve<Irp6, Helix>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: TimeOptimalCurve::along(
+        Irp6::nominal(),
+        helix(0.05, 0.02, 6.0).expect("a helix"),
+        path_limits(0.5, 1.0, f64::INFINITY),
+    ),
+    given: alone,
+    odd: |x| {
+        let helices = [helix(0.05, 0.02, 6.0), helix(x, 0.02, 6.0), helix(0.05, x, 6.0), helix(0.05, 0.02, x)];
+        let limits = odd_limits(x).map(|[v, a, speed]| path_limits(v, a, speed));
+        let all = helices.into_iter().flatten().flat_map(|helix| limits.map(|limits| (helix, limits)));
+        all.map(|(helix, limits)| TimeOptimalCurve::along(Irp6::nominal(), helix, limits)).collect()
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
     circular_move: CircularMove<Irp6>,
     class: "ECP f*0(c), first step f*2(c, e)",
     make: CircularMove::through(
