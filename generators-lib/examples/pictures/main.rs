@@ -22,10 +22,12 @@ use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
+use mrroc_generators::timing::PathLimits;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::{UnitQuaternion, Vector3};
 use stage::*;
 
+type Track = SplineTrack<Irp6, std::vec::IntoIter<Vector3<f64>>>;
 type Sheets = Result<Vec<(&'static str, Vec<Trace>)>, Box<dyn Error>>;
 
 fn limits() -> ToolLimits {
@@ -43,6 +45,10 @@ fn along() -> JerkLimits {
 
 fn joint_limits() -> JointLimits<Six> {
     JointLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(1.6), jerk: Six::repeat(16.0) }
+}
+
+fn fastest() -> PathLimits<Six> {
+    PathLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(1.6), speed: f64::INFINITY }
 }
 
 fn goal() -> Six {
@@ -86,7 +92,7 @@ fn plain() -> Sheets {
     Ok(vec![
         ("joint_move", alone(JointMove::<Irp6>::to(goal(), sixth * 0.4, sixth * 1.6))),
         ("smooth_joint_move", alone(SmoothJointMove::<Irp6>::to(goal(), joint_limits()))),
-        ("joint_spline", alone(JointSpline::<Irp6>::through(through, sixth * 0.4, sixth * 1.6, 0.1))),
+        ("joint_spline", alone(JointSpline::<Irp6>::through(through.clone(), sixth * 0.4, sixth * 1.6, 0.1))),
         ("straight_line", alone(StraightLine::<Irp6>::by(offset(), limits()))),
         ("smooth_line", alone(SmoothLine::<Irp6>::by(offset(), smooth()))),
         ("tool_offset", alone(ToolOffset::<Irp6>::by(offset(), limits()))),
@@ -99,6 +105,8 @@ fn plain() -> Sheets {
             )),
         ),
         ("curve_move", alone(CurveMove::<Irp6, _>::along(helix, along()))),
+        ("time_optimal_joints", alone(TimeOptimalJoints::<Irp6>::through(through, fastest()))),
+        ("time_optimal_curve", alone(TimeOptimalCurve::along(Irp6::nominal(), helix, fastest()))),
         ("spline_track", alone(spline()?)),
         ("moving_frame", alone(onto_the_belt(1.5))),
         ("replay", alone(Replay::<Irp6>::of(taught, sixth, sixth, limits()))),
@@ -114,7 +122,7 @@ fn onto_the_belt(duration: f64) -> MovingFrame<Irp6, impl Transform> {
     MovingFrame::to(Functional::new(belt), Pose::translation(0.0, 0.1, 0.05), 1.0, duration)
 }
 
-fn spline() -> Result<SplineTrack<Irp6, std::vec::IntoIter<Vector3<f64>>>, Box<dyn Error>> {
+fn spline() -> Result<Track, Box<dyn Error>> {
     let points: Vec<_> = (0..=48).map(|i| f64::from(i) * TAU / 48.0).collect();
     let points: Vec<_> =
         points.into_iter().map(|a| Vector3::new(1.0 - a.cos(), (2.0 * a).sin() / 2.0, 0.0) * 0.05).collect();
