@@ -5,6 +5,7 @@
 
 use core::fmt;
 
+use crate::latch::Latch;
 use crate::operator::Operator;
 
 /// A button of the console.
@@ -139,17 +140,23 @@ pub(crate) enum CellState {
     Stopping,
     /// They have, and the fault is latched.
     Latched,
+    /// The operator has taken notice of it.
+    Acknowledged,
+    /// Robots are made ready to start again.
+    Resetting,
 }
 
 impl CellState {
     /// All of them; one travels as its place in this list.
-    pub const ALL: [CellState; 6] = [
+    pub const ALL: [CellState; 8] = [
         CellState::Idle,
         CellState::Running,
         CellState::Suspended,
         CellState::Aborting,
         CellState::Stopping,
         CellState::Latched,
+        CellState::Acknowledged,
+        CellState::Resetting,
     ];
 
     /// Its word.
@@ -161,18 +168,23 @@ impl CellState {
             CellState::Aborting => "aborting",
             CellState::Stopping => "stopping",
             CellState::Latched => "latched",
+            CellState::Acknowledged => "acknowledged",
+            CellState::Resetting => "resetting",
         }
     }
 
     /// Why it refuses a button.
-    pub const fn reason(self) -> &'static str {
+    pub const fn reason(self, button: Button) -> &'static str {
         match self {
+            CellState::Acknowledged if matches!(button, Button::Reset) => "the cause of the fault persists",
             CellState::Idle => "nothing runs",
             CellState::Running => "it runs",
             CellState::Suspended => "it is suspended",
             CellState::Aborting => "it is being aborted",
             CellState::Stopping => "it is stopping",
-            CellState::Latched => "it has stopped for a fault, which is latched",
+            CellState::Latched => "it has stopped for a fault, which is not acknowledged",
+            CellState::Acknowledged => "it has stopped for a fault, which is not reset",
+            CellState::Resetting => "it is being reset",
         }
     }
 }
@@ -193,12 +205,12 @@ pub(crate) struct Answer {
 impl Operator {
     /// Carries out a button in a state of the cell; whether it was. Pressed twice it changes nothing more.
     pub(crate) fn press(&self, button: Button, state: CellState) -> bool {
-        use CellState::{Aborting, Latched, Running, Suspended};
+        use CellState::{Aborting, Acknowledged, Latched, Running, Suspended};
         match (button, state) {
             (Button::Stop, state) => {
                 // Latched, the cell has stopped: a stop kept for later would stop it after its reset.
-                if state != Latched {
-                    self.stop();
+                if !matches!(state, Latched | Acknowledged) {
+                    self.protective_stop();
                 }
                 true
             }
@@ -215,15 +227,21 @@ impl Operator {
                 true
             }
             (Button::Speed(speed), _) => self.set_speed(speed).is_ok(),
-            // A cell whose fault is latched ends: there is nothing to reset.
-            (Button::Abort | Button::Suspend | Button::Resume | Button::Acknowledge | Button::Reset, _) => {
-                false
-            }
+            (Button::Acknowledge, _) => self.acknowledge().is_ok(),
+            (Button::Reset, _) => self.reset().is_ok(),
+            (Button::Abort | Button::Suspend | Button::Resume, _) => false,
         }
     }
 
-    /// The state of a cell that neither stops nor is latched.
+    /// The state of a cell.
     pub(crate) fn state(&self) -> CellState {
+        match self.latch() {
+            Latch::Clear => {}
+            Latch::Stopping => return CellState::Stopping,
+            Latch::Latched => return CellState::Latched,
+            Latch::Acknowledged => return CellState::Acknowledged,
+            Latch::Resetting => return CellState::Resetting,
+        }
         match (self.is_aborting(), self.is_suspended(), self.is_running()) {
             (true, ..) => CellState::Aborting,
             (_, true, _) => CellState::Suspended,
@@ -236,6 +254,7 @@ impl Operator {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::latch::Event;
 
     const ALL: [Button; Button::KINDS] = [
         Button::Stop,
@@ -271,19 +290,36 @@ mod tests {
         }
     }
 
+    /// An operator of a cell in this state.
+    fn operator(state: CellState) -> Operator {
+        let operator = Operator::new();
+        let events = [Event::Fault, Event::Standstill, Event::Acknowledge, Event::Reset { pressed: true }];
+        let met = match state {
+            CellState::Idle => 0,
+            CellState::Running | CellState::Suspended | CellState::Aborting => {
+                operator.begin();
+                match state {
+                    CellState::Suspended => operator.suspend(),
+                    CellState::Aborting => operator.abort(),
+                    _ => {}
+                }
+                0
+            }
+            CellState::Stopping => 1,
+            CellState::Latched => 2,
+            CellState::Acknowledged => 3,
+            CellState::Resetting => 4,
+        };
+        events[..met].iter().for_each(|&event| operator.meet(event).expect("in this order"));
+        assert_eq!(operator.state(), state);
+        operator
+    }
+
     /// Row 36: what each button does in each state, as SAFETY.md's stop categories say it.
     #[test]
     fn fault_36_a_button_that_contradicts_the_state_of_the_cell_is_refused() {
-        use CellState::{Aborting, Idle, Latched, Running, Stopping, Suspended};
-        let carried_out = |button, state| {
-            let operator = Operator::new();
-            if state != Idle {
-                operator.begin();
-            }
-            operator.press(button, state)
-        };
-        let states_of = |button| CellState::ALL.into_iter().filter(move |&state| carried_out(button, state));
-        let all = [Idle, Running, Suspended, Aborting, Stopping, Latched];
+        use CellState::{Aborting, Acknowledged, Latched, Running, Suspended};
+        let all = CellState::ALL;
         for (button, allowed) in [
             (Button::Stop, &all[..]),
             (Button::Abort, &[Running, Suspended, Aborting]),
@@ -291,10 +327,20 @@ mod tests {
             (Button::Resume, &[Suspended]),
             (Button::Speed(0.5), &all),
             (Button::Speed(f64::NAN), &[]),
-            (Button::Acknowledge, &[]),
-            (Button::Reset, &[]),
+            (Button::Acknowledge, &[Latched, Acknowledged]),
+            (Button::Reset, &[Acknowledged]),
         ] {
-            assert_eq!(states_of(button).collect::<Vec<_>>(), allowed, "{button}");
+            let carried_out = |&state: &CellState| operator(state).press(button, state);
+            assert_eq!(all.into_iter().filter(carried_out).collect::<Vec<_>>(), allowed, "{button}");
         }
+    }
+
+    #[test]
+    fn a_stop_is_heard_once_and_none_is_kept_for_after_a_reset() {
+        let running = operator(CellState::Running);
+        assert!(running.press(Button::Stop, CellState::Running));
+        assert_eq!((running.take_protective_stop(), running.take_protective_stop()), (true, false));
+        let latched = operator(CellState::Latched);
+        assert!(latched.press(Button::Stop, CellState::Latched) && !latched.take_protective_stop());
     }
 }

@@ -108,6 +108,7 @@ mod stopping;
 mod suggestion;
 mod task_space;
 pub mod testing;
+mod together;
 mod transparent;
 #[cfg(all(feature = "view", target_os = "linux"))]
 mod view;

@@ -34,7 +34,6 @@ struct Panel {
     /// Bits of the speed, counted from those of full speed, which is the default.
     speed: AtomicU64,
     suspended: AtomicBool,
-    stopped: AtomicBool,
     /// One of the stages below.
     stage: AtomicU8,
     /// A [`Latching`] in one word.
@@ -42,6 +41,8 @@ struct Panel {
     /// What is latched. Written at standstill alone.
     report: Mutex<Report>,
     given_up: AtomicBool,
+    /// A protective stop that the MP has not seen yet.
+    protective: AtomicBool,
 }
 
 /// What an operator is told of a latched cell.
@@ -107,18 +108,6 @@ impl Operator {
         let _ = self.panel.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
     }
 
-    /// Stops all robots on their paths for good: the cell stops with a fault of kind `ProtectiveStop`, which is latched at
-    /// standstill. Pressed while nothing runs, it stops the next instruction before it moves anything.
-    pub fn stop(&self) {
-        self.panel.stopped.store(true, Ordering::Release);
-    }
-
-    /// Whether the cell is told to stop.
-    #[must_use]
-    pub fn is_stopped(&self) -> bool {
-        self.panel.stopped.load(Ordering::Acquire)
-    }
-
     /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
     /// be aborted.
     #[must_use]
@@ -130,6 +119,17 @@ impl Operator {
     #[must_use]
     pub fn is_suspended(&self) -> bool {
         self.panel.suspended.load(Ordering::Acquire)
+    }
+
+    /// Stops all robots on their paths and latches the cell, as a guard's protective stop does. It has priority over whatever
+    /// else is asked: pressed between two instructions it lets the next one move nothing, pressed during a reset it ends that.
+    pub fn protective_stop(&self) {
+        self.panel.protective.store(true, Ordering::Release);
+    }
+
+    /// The protective stop that was pressed since it was asked for last.
+    pub(crate) fn take_protective_stop(&self) -> bool {
+        self.panel.protective.swap(false, Ordering::AcqRel)
     }
 
     /// Where the cell is between a fault and its restart.
@@ -216,7 +216,6 @@ impl Operator {
     /// The programs start again: nothing is latched any more.
     pub(crate) fn forget(&self) {
         self.report(|report| *report = Report::default());
-        self.panel.stopped.store(false, Ordering::Release);
     }
 
     fn report<T>(&self, look: impl FnOnce(&mut Report) -> T) -> T {

@@ -2,6 +2,7 @@
 //!
 //! This executable is the tests and the task program that they start: it has a main function of its own.
 
+mod allocations;
 mod launch;
 mod operator;
 mod program;

@@ -5,6 +5,8 @@
 mod assembly;
 mod error;
 mod limits;
+#[cfg(test)]
+mod orphans;
 mod robot;
 mod sensor;
 

@@ -31,6 +31,7 @@ impl<R: Robot> Edp<'_, R> {
     /// # Errors
     /// What is still wrong: the robot stays latched.
     pub(super) fn reset(&mut self) -> Result<(), Fault> {
+        self.overruns.forget();
         let before = self.fault.take();
         if self.lost {
             return Err(before.unwrap_or_else(|| Fault::new(FaultKind::GeneratorPanicked)));
@@ -67,6 +68,6 @@ impl<R: Robot> Edp<'_, R> {
         self.commanded = position;
         self.still = self.interpolation.settling_steps();
         self.mode = Mode::Holding;
-        (self.next, self.regulators) = (None, None);
+        (self.next, self.regulators, self.together, self.screw) = (None, None, None, None);
     }
 }

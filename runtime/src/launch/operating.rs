@@ -11,7 +11,7 @@ use super::options::Operating;
 use super::outcome::report;
 use crate::console::{refused, say};
 use crate::mp::Doing;
-use crate::processes::{Caller, Heard, Picture, Reply, Request};
+use crate::processes::{Caller, Figures, Heard, Picture, Reply, Request};
 
 /// Asks the cell of the file at `cell`.
 pub(super) fn operate(cell: &Path, operating: Operating) -> ExitCode {
@@ -114,20 +114,26 @@ fn describe(picture: &Picture) -> String {
         doing => line(format_args!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by)),
     }
     line(format_args!("speed {:.0} %, rate {:.3}", 100.0 * picture.speed, picture.rate));
-    line(format_args!(
-        "late {:.3} ms, at worst {:.3} ms; {} steps skipped",
-        millis(picture.late),
-        millis(picture.latest),
-        picture.skipped
-    ));
     match picture.holder {
         Some(holder) => line(format_args!("control: the console of process {holder}")),
         None => line(format_args!("control: nobody")),
     }
     line(format_args!("last fault: {}", picture.fault.as_deref().unwrap_or("none")));
+    line(format_args!(
+        "{:>8} {:28} {:>8} {:>8} {:>8} {:>18}",
+        "number", "process", "steps", "skipped", "overruns", "late, p99, max [us]"
+    ));
     for process in &picture.processes {
-        let ended = if process.runs { "" } else { " (ended)" };
-        line(format_args!("{:>8} {}{ended}", process.pid, process.name));
+        let name = format!("{}{}", process.name, if process.runs { "" } else { " (ended)" });
+        let Figures { late, worked, skipped, overruns, .. } = process.figures;
+        let micros = |nanos: u64| nanos as f64 * 1e-3;
+        line(format_args!(
+            "{:>8} {name:28} {:>8} {skipped:>8} {overruns:>8} {:>9.1}{:>9.1}",
+            process.pid,
+            worked.count,
+            micros(late.p99),
+            micros(late.max)
+        ));
     }
     for robot in &picture.robots {
         line(format_args!("{} at {:.3} s", robot.name, robot.time));

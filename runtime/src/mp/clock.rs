@@ -53,11 +53,6 @@ impl StepClock {
         self.step
     }
 
-    /// Periods that the step stands for, those before it that were skipped included.
-    pub fn periods(&self) -> u64 {
-        (self.duration * 1e9 / self.period as f64).round() as u64
-    }
-
     /// Real time of the step \[s\].
     pub const fn duration(&self) -> f64 {
         self.duration

@@ -4,7 +4,7 @@
 //! of what the MP does, for whoever looks on from outside: nobody waits for that.
 
 use crate::button::{Answer, Button, CellState};
-use crate::fault::{Fault, FaultKind, FaultWords};
+use crate::fault::{Fault, FaultWords};
 use crate::link::Nanos;
 
 use super::Mp;
@@ -42,11 +42,6 @@ pub(crate) struct MpState {
     /// Index of the step, and the length of one \[ns\].
     pub step: u64,
     pub period: Nanos,
-    /// Steps that were skipped within instructions.
-    pub skipped: u64,
-    /// How long after its time the step began, and the worst of all steps so far \[ns\].
-    pub late: Nanos,
-    pub latest: Nanos,
     /// Instructions begun, what the last one is and by which generator or condition.
     pub instructions: u64,
     pub doing: Doing,
@@ -59,8 +54,6 @@ pub(crate) struct MpState {
     pub answers: [Answer; Button::KINDS],
     /// What ended the last instruction that did not end well.
     pub fault: Option<FaultWords>,
-    /// Whether the step that begins next is the first of an instruction: what a program computed before is no delay.
-    pub first: bool,
 }
 
 impl Mp<'_> {
@@ -68,7 +61,7 @@ impl Mp<'_> {
     pub(super) fn show_instruction(&mut self, doing: Doing, by: &'static str) {
         let shown = &mut self.shown;
         shown.instructions += 1;
-        (shown.doing, shown.by, shown.first) = (doing, by, true);
+        (shown.doing, shown.by) = (doing, by);
     }
 
     /// It is over.
@@ -83,11 +76,6 @@ impl Mp<'_> {
         let state = self.state();
         let (shown, clock) = (&mut self.shown, &self.clock);
         (shown.step, shown.period) = (clock.step(), clock.period());
-        if !core::mem::take(&mut shown.first) {
-            shown.skipped += clock.periods().saturating_sub(1);
-        }
-        shown.late = self.waiter.now().saturating_sub(clock.step() * clock.period());
-        shown.latest = shown.latest.max(shown.late);
         (shown.rate, shown.speed, shown.state) = (clock.feed.rate(), self.operator.speed(), state);
         self.waiter.show(&self.shown);
     }
@@ -101,17 +89,16 @@ impl Mp<'_> {
                 self.shown.answers[kind] = Answer { number, step: self.clock.step(), state, done };
             }
         }
-        if self.operator.is_stopped() && self.latched.is_none() && self.protective.is_none() {
-            let fault = Fault::new(FaultKind::ProtectiveStop).text("stopped by the operator");
-            self.protective = Some(fault.at_step(self.clock.step()));
+        if self.latched.is_none() && self.operator.take_protective_stop() {
+            self.protect(Fault::of_operator());
         }
     }
 
     fn state(&self) -> CellState {
-        match (&self.latched, &self.protective) {
-            (Some(_), _) => CellState::Latched,
-            (None, Some(_)) => CellState::Stopping,
-            (None, None) => self.operator.state(),
+        if self.protective.is_some() && self.latched.is_none() {
+            CellState::Stopping
+        } else {
+            self.operator.state()
         }
     }
 }

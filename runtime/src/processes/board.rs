@@ -48,7 +48,7 @@ impl Panel {
             fence(Ordering::Acquire);
             let after = self.sequence.load(Ordering::Relaxed);
             // 0: nothing was ever written.
-            (before == after && before % 2 == 0 && before > 0).then_some(words)
+            (before == after && before.is_multiple_of(2) && before > 0).then_some(words)
         })
     }
 }

@@ -20,7 +20,12 @@ mod scheduling;
 mod session;
 
 pub(crate) use crew::Plan;
+#[cfg(feature = "view")]
+pub(crate) use desk::{Asks, Hears, RobotPicture};
 pub(crate) use desk::{Caller, Heard, Picture, Reply, Request};
 pub(crate) use doctor::examine;
+pub(crate) use figures::Figures;
 pub(crate) use launcher::{LaunchError, launch};
 pub(crate) use member::{NoPart, run};
+#[cfg(all(feature = "view", test))]
+pub(crate) use {desk::ProcessPicture, figures::Spread};

@@ -11,7 +11,7 @@ use crate::mp::{Doing, MpState};
 use crate::wire::Wire;
 
 /// Where the answers, the fault and the name of the generator begin on the panel of an MP.
-const ANSWERS: usize = 10;
+const ANSWERS: usize = 7;
 const FAULT: usize = ANSWERS + 4 * Button::KINDS;
 const NAME: usize = FAULT + 1 + FaultWords::LEN;
 
@@ -27,9 +27,6 @@ pub(super) fn of_mp(state: &MpState) -> [u64; PANEL] {
     words[..ANSWERS].copy_from_slice(&[
         state.step,
         state.period,
-        state.skipped,
-        state.late,
-        state.latest,
         state.instructions,
         state.doing as u64,
         state.rate.to_bits(),
@@ -63,9 +60,6 @@ fn last_word(name: &str) -> &str {
 pub(super) struct MpPanel {
     pub step: u64,
     pub period: u64,
-    pub skipped: u64,
-    pub late: u64,
-    pub latest: u64,
     pub instructions: u64,
     pub doing: Doing,
     pub by: String,
@@ -91,19 +85,16 @@ impl MpPanel {
         let bytes: Vec<_> = words[NAME + 1..].iter().flat_map(|word| word.to_le_bytes()).collect();
         let length = usize::try_from(words[NAME]).unwrap_or(0).min(NAME_BYTES);
         let fault = (words[FAULT] == 1).then(|| FaultWords::get(&words[FAULT + 1..NAME]).ok()).flatten();
-        let doing = usize::try_from(words[6]).ok().and_then(|place| Doing::ALL.get(place)).copied();
+        let doing = usize::try_from(words[3]).ok().and_then(|place| Doing::ALL.get(place)).copied();
         MpPanel {
             step: words[0],
             period: words[1],
-            skipped: words[2],
-            late: words[3],
-            latest: words[4],
-            instructions: words[5],
+            instructions: words[2],
             doing: doing.unwrap_or_default(),
             by: String::from_utf8_lossy(&bytes[..length]).into_owned(),
-            rate: f64::from_bits(words[7]),
-            speed: f64::from_bits(words[8]),
-            state: state(words[9]),
+            rate: f64::from_bits(words[4]),
+            speed: f64::from_bits(words[5]),
+            state: state(words[6]),
             answers,
             fault: fault.map(Fault::from),
         }
@@ -140,9 +131,6 @@ mod tests {
         let mut state = MpState {
             step: 1,
             period: 2,
-            skipped: 3,
-            late: 4,
-            latest: 5,
             instructions: 6,
             doing: Doing::Wait,
             by: "program::hold::Dwell<robots::Irp6>",
@@ -154,7 +142,7 @@ mod tests {
         };
         state.answers[Button::Speed(0.0).kind()] = answer;
         let read = MpPanel::read(&of_mp(&state));
-        assert_eq!((read.step, read.period, read.skipped, read.late, read.latest), (1, 2, 3, 4, 5));
+        assert_eq!((read.step, read.period), (1, 2));
         assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, Doing::Wait, "Dwell"));
         assert_eq!((read.rate, read.speed, read.state), (0.25, 0.5, CellState::Suspended));
         assert_eq!(read.answers, state.answers);

@@ -12,7 +12,7 @@ use ratatui::widgets::{Block, Gauge, Paragraph, Row, Table, Wrap};
 use super::keys::KEYS;
 use crate::button::CellState;
 use crate::mp::Doing;
-use crate::processes::{Picture, Reply, RobotPicture};
+use crate::processes::{Figures, Picture, Reply, RobotPicture};
 
 /// What there is to see.
 #[derive(Debug, Default)]
@@ -26,7 +26,7 @@ pub(super) struct Screen {
 /// Draws all of it.
 pub(super) fn draw(frame: &mut Frame<'_>, screen: &Screen) {
     let rows = Layout::vertical([
-        Constraint::Length(4),
+        Constraint::Length(3),
         Constraint::Length(1),
         Constraint::Min(6),
         Constraint::Length(4),
@@ -49,8 +49,8 @@ fn colour(state: CellState) -> Color {
     match state {
         CellState::Idle => Color::Gray,
         CellState::Running => Color::Green,
-        CellState::Suspended | CellState::Aborting => Color::Yellow,
-        CellState::Stopping | CellState::Latched => Color::Red,
+        CellState::Suspended | CellState::Aborting | CellState::Resetting => Color::Yellow,
+        CellState::Stopping | CellState::Latched | CellState::Acknowledged => Color::Red,
     }
 }
 
@@ -72,12 +72,6 @@ fn head(picture: &Picture) -> Paragraph<'static> {
             Span::raw(format!("  step {} of {} ms   {holder}", picture.step, millis(picture.period))),
         ]),
         Line::from(instruction),
-        Line::from(format!(
-            "late {:.3} ms, at worst {:.3} ms   {} steps skipped",
-            millis(picture.late),
-            millis(picture.latest),
-            picture.skipped
-        )),
     ])
 }
 
@@ -89,17 +83,20 @@ fn gauge(picture: &Picture) -> Gauge<'static> {
 }
 
 fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Picture) {
-    let [left, right] = Layout::horizontal([Constraint::Length(36), Constraint::Min(30)]).areas(area);
+    let [left, right] = Layout::horizontal([Constraint::Length(64), Constraint::Min(30)]).areas(area);
     let processes = picture.processes.iter().map(|process| {
         let state = if process.runs { "runs".green() } else { "ended".red() };
-        Row::new(vec![
-            Line::from(process.name.clone()),
-            Line::from(process.pid.to_string()),
-            Line::from(state),
-        ])
+        let Figures { late, worked, skipped, overruns, .. } = process.figures;
+        let micros = |nanos: u64| format!("{:>7.0}", nanos as f64 * 1e-3);
+        let numbers = [worked.count, skipped, overruns].map(|count| format!("{count:>7}"));
+        let words = [process.name.clone(), process.pid.to_string()].into_iter().chain(numbers);
+        let words = words.chain([micros(late.p99), micros(late.max)]).map(Line::from);
+        Row::new(words.chain([Line::from(state)]))
     });
-    let widths = [Constraint::Fill(1), Constraint::Length(8), Constraint::Length(6)];
-    let header = Row::new(["process", "number", ""]).dim();
+    let number = Constraint::Length(7);
+    let widths = [Constraint::Fill(1), number, number, number, number, number, number, Constraint::Length(5)];
+    let names = ["process", "number", "  steps", "skipped", "overrun", "p99 us", " max us", ""];
+    let header = Row::new(names).dim();
     frame.render_widget(
         Table::new(processes, widths).header(header).block(Block::bordered().title("processes")),
         left,
@@ -141,18 +138,17 @@ fn messages(screen: &Screen) -> Paragraph<'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::processes::ProcessPicture;
+    use crate::processes::{ProcessPicture, Spread};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
     fn picture() -> Picture {
+        let late = Spread { count: 1200, p50: 30_000, p99: 61_000, max: 480_000 };
+        let figures = Figures { late, worked: late, skipped: 3, overruns: 2, dropped: 0 };
         Picture {
             state: CellState::Suspended,
             step: 1203,
             period: 2_000_000,
-            skipped: 3,
-            late: 61_000,
-            latest: 480_000,
             rate: 0.25,
             speed: 0.5,
             instructions: 4,
@@ -161,8 +157,13 @@ mod tests {
             holder: Some(4711),
             fault: Some("mp: aborted by the operator at step 77".to_owned()),
             processes: vec![
-                ProcessPicture { name: "mp".to_owned(), pid: 100, runs: true },
-                ProcessPicture { name: "vsp count".to_owned(), pid: 101, runs: false },
+                ProcessPicture { name: "mp".to_owned(), pid: 100, runs: true, figures },
+                ProcessPicture {
+                    name: "vsp count".to_owned(),
+                    pid: 101,
+                    runs: false,
+                    figures: Figures::default(),
+                },
             ],
             robots: vec![RobotPicture {
                 name: "left".to_owned(),
@@ -189,7 +190,6 @@ mod tests {
         for told in [
             "suspended   step 1203 of 2 ms   control: the console of process 4711",
             "instruction 4: move Swing",
-            "late 0.061 ms, at worst 0.480 ms   3 steps skipped",
             "rate 25 % of speed 50 %",
             "left at 2.406 s",
             "last fault: mp: aborted by the operator at step 77",
@@ -200,7 +200,8 @@ mod tests {
         }
         // By what they are: a process and its state, a robot's joints and what is missing to them.
         let line = |begins: &str| lines.iter().find(|line| line.contains(begins)).expect(begins);
-        assert!(line("mp ").contains("100") && line("mp ").contains("runs"));
+        let mp: Vec<_> = line("mp ").split_whitespace().take(9).collect();
+        assert_eq!(mp[1..], ["mp", "100", "1200", "3", "2", "61", "480", "runs│"], "{lines:#?}");
         assert!(line("vsp count").contains("101") && line("vsp count").contains("ended"));
         assert!(line("demanded").contains("0.5000   -1.5700"));
         assert!(line("error").contains("0.0010   -0.0020"));

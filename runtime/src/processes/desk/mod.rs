@@ -12,6 +12,12 @@ mod protocol;
 mod service;
 
 pub(crate) use caller::Caller;
+#[cfg(feature = "view")]
+pub(crate) use caller::{Asks, Hears};
 pub(crate) use picture::Picture;
+#[cfg(all(feature = "view", test))]
+pub(crate) use picture::ProcessPicture;
+#[cfg(feature = "view")]
+pub(crate) use picture::RobotPicture;
 pub(crate) use protocol::{Heard, Reply, Request};
 pub(super) use service::Desk;

@@ -11,6 +11,7 @@ use crate::button::CellState;
 use crate::joints::MAX_JOINTS;
 use crate::link::memory::MAX_PROCESSES;
 use crate::mp::Doing;
+use crate::processes::figures::{FIGURES_WORDS, Figures};
 
 /// A line that is no part of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -21,13 +22,9 @@ pub(crate) struct BadPicture(String);
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Picture {
     pub state: CellState,
-    /// The step of the MP, its period \[ns\], and how many it skipped within instructions.
+    /// The step of the MP, and its period \[ns\].
     pub step: u64,
     pub period: u64,
-    pub skipped: u64,
-    /// How late the MP was in this step, and at worst \[ns\].
-    pub late: u64,
-    pub latest: u64,
     /// Rate of path time, and the speed that is set, 0 to 1.
     pub rate: f64,
     pub speed: f64,
@@ -51,6 +48,8 @@ pub(crate) struct ProcessPicture {
     pub pid: u32,
     /// Whether it is there.
     pub runs: bool,
+    /// How late it was, and how long it worked.
+    pub figures: Figures,
 }
 
 /// One robot.
@@ -67,8 +66,8 @@ pub(crate) struct RobotPicture {
 impl fmt::Display for Picture {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "picture")?;
-        writeln!(f, "cell {} {} {} {}", self.state.word(), self.step, self.period, self.skipped)?;
-        writeln!(f, "clock {} {} {} {}", self.late, self.latest, self.rate, self.speed)?;
+        writeln!(f, "cell {} {} {}", self.state.word(), self.step, self.period)?;
+        writeln!(f, "feed {} {}", self.rate, self.speed)?;
         writeln!(f, "instruction {} {} {}", self.instructions, self.doing.word(), self.by)?;
         if let Some(holder) = self.holder {
             writeln!(f, "token {holder}")?;
@@ -78,7 +77,11 @@ impl fmt::Display for Picture {
         }
         for process in &self.processes {
             let state = if process.runs { "runs" } else { "ended" };
-            writeln!(f, "process {} {state} {}", process.pid, process.name)?;
+            write!(f, "process {} {state}", process.pid)?;
+            let mut figures = [0; FIGURES_WORDS];
+            process.figures.put(&mut figures);
+            figures.iter().try_for_each(|figure| write!(f, " {figure}"))?;
+            writeln!(f, " {}", process.name)?;
         }
         for robot in &self.robots {
             write!(f, "robot {} {} {}", robot.name, robot.time, robot.demanded.len())?;
@@ -103,10 +106,13 @@ impl Picture {
         let mut words = line.split_ascii_whitespace();
         let taken = match words.next() {
             Some("cell") => self.take_cell(&mut words),
-            Some("clock") => self.take_clock(&mut words),
+            Some("feed") => self.take_feed(&mut words),
             Some("instruction") => self.take_instruction(&mut words),
             Some("token") => number(&mut words).map(|holder| self.holder = Some(holder)),
-            Some("fault") => Some(self.fault = Some(rest(&mut words))),
+            Some("fault") => {
+                self.fault = Some(rest(&mut words));
+                Some(())
+            }
             Some("process") => process(&mut words)
                 .filter(|_| self.processes.len() < MAX_PROCESSES)
                 .map(|process| self.processes.push(process)),
@@ -122,12 +128,11 @@ impl Picture {
     fn take_cell(&mut self, words: &mut SplitAsciiWhitespace<'_>) -> Option<()> {
         let word = words.next()?;
         self.state = CellState::ALL.into_iter().find(|state| state.word() == word)?;
-        (self.step, self.period, self.skipped) = (number(words)?, number(words)?, number(words)?);
+        (self.step, self.period) = (number(words)?, number(words)?);
         Some(())
     }
 
-    fn take_clock(&mut self, words: &mut SplitAsciiWhitespace<'_>) -> Option<()> {
-        (self.late, self.latest) = (number(words)?, number(words)?);
+    fn take_feed(&mut self, words: &mut SplitAsciiWhitespace<'_>) -> Option<()> {
         (self.rate, self.speed) = (number(words)?, number(words)?);
         Some(())
     }
@@ -156,7 +161,11 @@ fn process(words: &mut SplitAsciiWhitespace<'_>) -> Option<ProcessPicture> {
         "ended" => false,
         _ => return None,
     };
-    Some(ProcessPicture { pid, runs, name: rest(words) })
+    let mut figures = [0; FIGURES_WORDS];
+    for figure in &mut figures {
+        *figure = number(words)?;
+    }
+    Some(ProcessPicture { pid, runs, figures: Figures::get(&figures), name: rest(words) })
 }
 
 fn robot(words: &mut SplitAsciiWhitespace<'_>) -> Option<RobotPicture> {

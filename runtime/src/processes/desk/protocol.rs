@@ -160,6 +160,7 @@ mod tests {
     use super::*;
     use crate::button::CellState;
     use crate::mp::Doing;
+    use crate::processes::figures::{FIGURES_WORDS, Figures};
     use proptest::prelude::*;
 
     #[test]
@@ -194,12 +195,18 @@ mod tests {
     }
 
     fn picture() -> impl Strategy<Value = Picture> {
-        let process = ("(ecp|edp|vsp) [a-z]{1,24}", any::<u32>(), any::<bool>())
-            .prop_map(|(name, pid, runs)| ProcessPicture { name, pid, runs });
+        let process =
+            ("(ecp|edp|vsp) [a-z]{1,24}", any::<u32>(), any::<bool>(), any::<[u64; FIGURES_WORDS]>())
+                .prop_map(|(name, pid, runs, words)| ProcessPicture {
+                    name,
+                    pid,
+                    runs,
+                    figures: Figures::get(&words),
+                });
         let robot = (name(), 0.0..1e6, joints())
             .prop_map(|(name, time, (demanded, measured))| RobotPicture { name, time, demanded, measured });
         (
-            (0..CellState::ALL.len(), any::<[u64; 6]>(), 0.0..=1.0, 0.0..=1.0),
+            (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0),
             (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<Option<u8>>()),
             proptest::collection::vec(process, 0..64),
             proptest::collection::vec(robot, 0..32),
@@ -209,10 +216,7 @@ mod tests {
                     state: CellState::ALL[state],
                     step: n[0],
                     period: n[1],
-                    skipped: n[2],
-                    late: n[3],
-                    latest: n[4],
-                    instructions: n[5],
+                    instructions: n[2],
                     rate,
                     speed,
                     doing: Doing::ALL[doing],
@@ -262,7 +266,8 @@ mod tests {
         assert!(Heard::read(&mut huge.as_slice()).is_err());
         let endless = "picture\n".to_owned() + &"token 1\n".repeat(10 * MAX_LINES);
         assert!(Heard::read(&mut endless.as_bytes()).is_err());
-        let crowded = "picture\n".to_owned() + &"process 1 runs mp\n".repeat(65) + "end\n";
+        let crowded =
+            "picture\n".to_owned() + &"process 1 runs 0 0 0 0 0 0 0 0 0 0 0 mp\n".repeat(65) + "end\n";
         assert!(Heard::read(&mut crowded.as_bytes()).is_err());
     }
 }

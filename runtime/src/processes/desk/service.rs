@@ -25,6 +25,7 @@ use crate::button::{Answer, Button, CellState};
 use crate::fault::{ProcessId, Role};
 use crate::processes::board::StateBoard;
 use crate::processes::control::Frame;
+use crate::processes::figures::Figures;
 use crate::processes::panel::{MpPanel, robot};
 
 /// The name of the socket in a session's folder.
@@ -50,6 +51,7 @@ struct Seat {
     id: ProcessId,
     pid: u32,
     runs: bool,
+    figures: Figures,
 }
 
 /// The desk of a running cell.
@@ -76,7 +78,7 @@ impl Desk {
         let listener = UnixListener::bind(&path)?;
         std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600))?;
         listener.set_nonblocking(true)?;
-        let seats = crew.map(|(id, pid)| Seat { id, pid, runs: true }).collect();
+        let seats = crew.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
         let seats = Arc::new(Mutex::new(seats));
         let (wakes, waker) = UnixStream::pair()?;
         wakes.set_nonblocking(true)?;
@@ -114,8 +116,17 @@ impl Desk {
 
     /// A process has ended.
     pub fn ended(&self, id: ProcessId) {
+        self.at_seat(id, |seat| seat.runs = false);
+    }
+
+    /// What a process tells of its time.
+    pub fn measured(&self, id: ProcessId, figures: Figures) {
+        self.at_seat(id, |seat| seat.figures = figures);
+    }
+
+    fn at_seat(&self, id: ProcessId, change: impl FnMut(&mut Seat)) {
         let mut seats = self.seats.lock().unwrap_or_else(PoisonError::into_inner);
-        seats.iter_mut().filter(|seat| seat.id == id).for_each(|seat| seat.runs = false);
+        seats.iter_mut().filter(|seat| seat.id == id).for_each(change);
     }
 }
 
@@ -289,7 +300,7 @@ impl Service {
         }
         // Kept until an instruction begins, it would abort one that nobody meant.
         if button == Button::Abort && self.mp().is_some_and(|mp| mp.state == CellState::Idle) {
-            return Err(Reply::Refused(CellState::Idle.reason().to_owned()));
+            return Err(Reply::Refused(CellState::Idle.reason(button).to_owned()));
         }
         self.consoles[i].asked = Asked::Press(button);
         Ok(())
@@ -380,9 +391,6 @@ impl Service {
             state: mp.state,
             step: mp.step,
             period: mp.period,
-            skipped: mp.skipped,
-            late: mp.late,
-            latest: mp.latest,
             rate: mp.rate,
             speed: mp.speed,
             instructions: mp.instructions,
@@ -394,7 +402,12 @@ impl Service {
         };
         for (place, seat) in self.seats().iter().enumerate() {
             let name = seat.id.to_string();
-            picture.processes.push(ProcessPicture { name, pid: seat.pid, runs: seat.runs });
+            picture.processes.push(ProcessPicture {
+                name,
+                pid: seat.pid,
+                runs: seat.runs,
+                figures: seat.figures,
+            });
             let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
             if let Some((time, demanded, measured)) = self.board.read(place).map(|words| robot(&words)) {
                 picture.robots.push(RobotPicture { name: name.to_string(), time, demanded, measured });
@@ -408,10 +421,10 @@ impl Service {
 fn say(button: Button, answer: Answer) -> Reply {
     let Answer { step, state, done, .. } = answer;
     if !done {
-        return Reply::Refused(format!("{}: step {step}", state.reason()));
+        return Reply::Refused(format!("{}: step {step}", state.reason(button)));
     }
     let what = match (button, state) {
-        (Button::Stop, CellState::Latched) => "stopped already".to_owned(),
+        (Button::Stop, CellState::Latched | CellState::Acknowledged) => "stopped already".to_owned(),
         (Button::Stop, _) => "stopping".to_owned(),
         (Button::Abort, _) => "aborting".to_owned(),
         (Button::Suspend, _) => "suspended".to_owned(),
