@@ -54,6 +54,19 @@ test-processes:
 test-kills:
     MRROC_KILLS=200 cargo test --release -p mrroc-tests --features processes --test processes -- fault_0
 
+# The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
+test-both-links:
+    MRROC_WHOLE=1 cargo test --release -p mrroc-tests --features processes --test both_links
+
+# Two robots and a sensor as processes at 1 kHz for so many seconds, beside cyclictest: skipped steps, rate, memory.
+soak SECONDS="600":
+    benches/peers/realtime soak {{SECONDS}}
+
+# A whole step of 1 to 4 robots beside bare shared memory and futexes, and cyclictest, in microseconds; `all` placements
+# of the processes on cores, or the launcher's.
+bench-step PLACEMENTS="launcher":
+    benches/peers/realtime step {{PLACEMENTS}}
+
 # A round trip between two processes beside bare iceoryx2, a futex and a socket, in microseconds.
 bench-latency:
     cargo test --release -p mrroc --features processes --lib round_trips_of_every_kind -- --ignored --nocapture
