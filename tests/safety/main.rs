@@ -2,5 +2,7 @@
 
 mod cells;
 mod drives;
+mod endless;
 mod sensors;
 mod sweeps;
+mod tasks;

@@ -11,11 +11,13 @@ mod sensor;
 use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::ecp::Ecp;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::guard::{Guard, RobotView};
-use crate::link::memory::{MAX_PROCESSES, Scheduler};
+use crate::link::memory::{MAX_PROCESSES, Pulse, Scheduler};
+use crate::link::watchdog::Watchdog;
 use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
@@ -60,6 +62,8 @@ pub struct Cell {
     expected_sensors: Vec<String>,
     /// What its processes ask of the machine.
     realtime: Option<Realtime>,
+    /// How long a process may compute on the memory link.
+    watchdog: Option<Duration>,
     /// What was found wrong while the cell was put together.
     errors: Vec<CellError>,
 }
@@ -80,6 +84,7 @@ impl Cell {
             guard: None,
             expected_sensors: Vec::new(),
             realtime: None,
+            watchdog: None,
             errors: Vec::new(),
         }
     }
@@ -193,6 +198,15 @@ impl Cell {
         self
     }
 
+    /// Ends the executable, with status 1 and the name of the process, when one process of the cell computes for longer than
+    /// `patience` at a stretch on the memory link: there it has the only thread, and an endless loop in a step function can
+    /// be met in no other way. Processes of the operating system need none of it.
+    #[must_use]
+    pub fn end_when_stuck(mut self, patience: Duration) -> Cell {
+        self.watchdog = Some(patience);
+        self
+    }
+
     /// The operator's handle of this cell.
     #[must_use]
     pub fn operator(&self) -> Operator {
@@ -240,7 +254,13 @@ impl Cell {
     pub fn run(mut self) -> Result<RunReport, CellError> {
         let names = self.check()?;
         let mut scheduler = Scheduler::new();
+        let patience = self.watchdog;
         let assembly = self.assemble(&names, &mut scheduler)?;
+        let _watchdog = patience.map(|patience| {
+            let pulse = Arc::<Pulse>::default();
+            scheduler.show(Arc::clone(&pulse));
+            Watchdog::new(scheduler.names(), pulse, patience)
+        });
         let time = scheduler.run()?;
         first_cause(&assembly.outcomes.borrow())?;
         Ok(RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })

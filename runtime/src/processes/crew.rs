@@ -1,5 +1,7 @@
 //! The processes of a launch: started, connected, reaped.
 
+#![expect(clippy::disallowed_methods, reason = "the launcher of processes is no part of control")]
+
 use core::cell::{Cell, RefCell};
 use std::io;
 use std::os::fd::OwnedFd;

@@ -3,6 +3,8 @@
 //! In: the cell as the launcher sees it, and how it is to run. Out: a report, or the first cause of a stop; all processes
 //! reaped and the session's files removed.
 
+#![expect(clippy::disallowed_methods, reason = "the launcher of processes is no part of control")]
+
 use std::io::Read;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;

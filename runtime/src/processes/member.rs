@@ -1,5 +1,7 @@
 //! One process of a cell: joins the session that its launcher made, runs its part, and says how it ended.
 
+#![expect(clippy::disallowed_methods, reason = "the process has lost its cell, and its clock with it")]
+
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;

@@ -5,6 +5,8 @@
 //! Every process of a session holds its lock, shared: a session whose lock is free is over or crashed, and whoever
 //! starts the next one removes what it has left.
 
+#![expect(clippy::disallowed_methods, reason = "the launcher of processes is no part of control")]
+
 use std::fs::{self, DirBuilder, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, Read, Seek, Write};
