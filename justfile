@@ -27,9 +27,10 @@ sweep-profiles:
 test-urdf:
     cargo test --release -p mrroc-robots --test urdf_inverse -- --nocapture
 
-# Kinematics beside KDL, Pinocchio and rs-opw-kinematics, which it installs into target/peers.
+# Kinematics beside KDL, Pinocchio and rs-opw-kinematics, motions beside KDL and Ruckig, all installed into target/peers.
 bench-peers:
     benches/peers/run
+    benches/peers/motions
 
 # Accept changed snapshots of expansions, diagnostics and the template's files.
 snapshots:

@@ -12,12 +12,14 @@ use mrroc_generators::generators::{
     AwaitOperator, CircularMove, CompliantTransmit, ConstantOrder, CurveMove, Delay, EyeInHand, FollowMaster,
     ForceLaw, GuardedApproach, GuidedBody, Jog, JointMove, JointSpline, MovingFrame, OrderedForce,
     ReachState, Replay, RigidCarry, Settle, SharedDrive, Sleep, SmoothJointMove, SmoothLine, SplineTrack,
-    SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
+    SqueezedCarry, StraightLine, TimeOptimalCurve, TimeOptimalJoints, ToolOffset, TransmitDisplacement,
+    WatchedTransmit, YieldingTransmit,
 };
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_generators::teach::Jogging;
+use mrroc_generators::timing::PathLimits;
 use mrroc_robots::{Irp6, Six};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 use nalgebra::{Translation3, UnitQuaternion, UnitVector3, Vector3};
@@ -37,6 +39,8 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(CircularMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(CurveMove::<Gantry, Helix>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(JointSpline::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(TimeOptimalJoints::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(TimeOptimalCurve::<Gantry, Helix>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(ReachState::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
     assert_eq!(SplineTrack::<Gantry, Points>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(GuardedApproach::<Gantry, Probe>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
@@ -172,15 +176,15 @@ fn a_spline_track_leads_the_tool_through_its_points() {
         chord_error: f64::INFINITY,
         jerk: f64::INFINITY,
     };
-    let track = SplineTrack::through(
+    let mut track = Some(SplineTrack::through(
         points,
         SplineSettings::default(),
         feed,
         Pose::translation(0.85, 0.0, 0.35),
         flange([0.0; 3]).rotation,
-    )
-    .expect("settings in range");
-    let setup = setup.program(|ecp| ecp.move_robot((), track).map(drop));
+    ));
+    let mut track = move || track.take().expect("one run").expect("settings in range");
+    let setup = setup.program(move |ecp| ecp.move_robot((), track()).map(drop));
     Cell::new(MS).robot(setup).run().expect("within the limits");
     let trace = trace.borrow();
     let centre = Vector3::new(0.86, 0.0, 0.35);
@@ -303,4 +307,23 @@ fn a_guarded_approach_without_contact_is_a_fault_and_goes_no_farther_than_told()
     assert_eq!(fault.kind(), FaultKind::Program);
     assert!(fault.message().contains("no contact"), "{fault}");
     assert!((-0.1001..=-0.0999).contains(&z), "{z}");
+}
+
+#[test]
+fn a_time_optimal_path_of_a_six_joint_arm_passes_the_limits_at_full_speed() {
+    let (robot, q) = irp6_at([0.85, 0.0, 0.35]);
+    let limits = robot.limits().clone();
+    let limits =
+        PathLimits { velocity: limits.velocity, acceleration: limits.acceleration, speed: f64::INFINITY };
+    let points =
+        vec![q + Six::new(0.3, 0.1, -0.1, 0.05, 0.4, -0.6), q + Six::new(0.1, 0.2, 0.1, 0.1, -0.3, 0.5), q];
+    let (setup, trace) = traced(RobotSetup::new("irp6", robot, ExactDrive::new(q, MS)));
+    let path = points.clone();
+    let setup = setup
+        .program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path.clone(), limits)).map(drop));
+    let report = Cell::new(MS).robot(setup).run().expect("within the limits, at every step");
+    let trace = trace.borrow();
+    assert_eq!(*trace.last().expect("recorded"), q);
+    let nearest = |point: &Six| trace.iter().map(|at| (at - point).norm()).fold(f64::INFINITY, f64::min);
+    assert!(points.iter().all(|point| nearest(point) < 5e-3), "{}", report.steps);
 }

@@ -23,19 +23,23 @@ impl Place {
         Place(folder)
     }
 
+    /// The program, in this folder.
+    pub fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(std::env::current_exe().expect("a test has a path"));
+        command.args(["--cell", "cell.toml"]).args(arguments).current_dir(&self.0);
+        command.env("MRROC_TEST_PROGRAM", "1").env("XDG_RUNTIME_DIR", &self.0);
+        command
+    }
+
     /// Starts the program; its records go to a folder of this name.
     pub fn start(&self, records: &str, arguments: &[&str]) -> Launch {
         let records = self.0.join(records);
         let _ = fs::remove_dir_all(&records);
         fs::create_dir_all(&records).expect("a folder");
         let errors = records.join("stderr");
-        let child = Command::new(std::env::current_exe().expect("a test has a path"))
-            .args(arguments)
-            .args(["--cell", "cell.toml"])
-            .current_dir(&self.0)
-            .env("MRROC_TEST_PROGRAM", "1")
+        let child = self
+            .program(arguments)
             .env(crate::program::RECORDS, &records)
-            .env("XDG_RUNTIME_DIR", &self.0)
             .stdout(Stdio::null())
             .stderr(File::create(&errors).expect("a file"))
             .spawn()
@@ -206,6 +210,11 @@ impl Launch {
         text[..whole].lines().map(str::to_owned).collect()
     }
 
+    /// What a robot's drives did, in whichever process they were.
+    pub fn drives(&self, robot: &str) -> Vec<Period> {
+        self.record(&format!("{robot}.plant")).iter().map(|line| Period::read(line)).collect()
+    }
+
     /// Asserts that nothing of it is left: no process, no file, no segment.
     pub fn assert_nothing_left(&self, processes: &[Process]) {
         wait_for_end(processes);
@@ -226,6 +235,28 @@ impl Drop for Launch {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
+    }
+}
+
+/// A servo period of a robot's drives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Period {
+    /// Whether they had power, or their brakes applied.
+    pub powered: bool,
+    /// What the encoders read: positions \[rad\], then velocities [rad/s].
+    pub measured: Vec<f64>,
+}
+
+impl Period {
+    fn read(line: &str) -> Period {
+        let mut words = line.split(' ');
+        let powered = words.next() == Some("tick");
+        Period { powered, measured: words.map(|word| word.parse().expect("a number")).collect() }
+    }
+
+    /// Whether the robot moves at most at 1e-3 rad/s.
+    pub fn stands(&self) -> bool {
+        self.measured[self.measured.len() / 2..].iter().all(|velocity| velocity.abs() <= 1e-3)
     }
 }
 

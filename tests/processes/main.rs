@@ -3,6 +3,7 @@
 //! This executable is the tests and the task program that they start: it has a main function of its own.
 
 mod launch;
+mod operator;
 mod program;
 mod tests;
 

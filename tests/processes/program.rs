@@ -7,12 +7,14 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use mrroc::{
-    Always, Cell, CellError, CellFile, Demand, Ecp, Fault, Mp, Observation, Payload, Reading, ReadingOrder,
-    Recorder, Sensor, State, Step, Tick, VirtualSensor, condition, generator,
+    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp,
+    Observation, Payload, Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick,
+    VirtualSensor, condition, generator,
 };
-use mrroc_robots::{Irp6, Six};
+use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
 /// The variable that names the folder of the records.
 pub const RECORDS: &str = "MRROC_TEST_RECORDS";
@@ -24,7 +26,11 @@ pub fn main() -> ExitCode {
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let cell = file
-        .cell(&mrroc_robots::simulated())?
+        .cell(&Kinds::new().with("irp6", |entry| {
+            let arm = Irp6::nominal().with_base(entry.base());
+            let drives = Recorded::new(entry.name(), SimulatedIrp6::new(arm.clone(), &entry.start(&arm)?));
+            Ok(RobotSetup::new(entry.name(), arm, drives))
+        }))?
         .sensor(file.sensor("count", Counting::default())?)
         .sensor(file.sensor("slow", Counting::default())?)
         .sensor(file.sensor("free", Counting::default())?)
@@ -48,6 +54,57 @@ fn record(folder: PathBuf) -> impl FnMut(&Observation<'_>) {
         let bits: String = seen.demanded.iter().map(|q| format!(" {:016x}", q.to_bits())).collect();
         // One write a line: what is there when the process is killed is whole.
         file.write_all(format!("{:.6}{bits}\n", seen.time).as_bytes()).expect("written");
+    }
+}
+
+/// Simulated drives that write what they do, in whichever process they are: a line for each servo period, `tick` or
+/// `brake`, and what the encoders read at its end.
+struct Recorded {
+    name: String,
+    drives: SimulatedIrp6,
+    file: Option<File>,
+}
+
+impl Recorded {
+    fn new(name: &str, drives: SimulatedIrp6) -> Recorded {
+        Recorded { name: format!("{name}.plant"), drives, file: None }
+    }
+
+    fn write(&mut self, what: &str, measured: &Measured<Six>) {
+        let Some(folder) = std::env::var_os(RECORDS) else { return };
+        let file = self.file.get_or_insert_with(|| {
+            File::create(Path::new(&folder).join(&self.name))
+                .expect("the folder of the records can be written")
+        });
+        let line = |q: &Six| q.iter().map(|q| format!(" {q:e}")).collect::<String>();
+        let text = format!("{what}{}{}\n", line(&measured.position), line(&measured.velocity));
+        file.write_all(text.as_bytes()).expect("written");
+    }
+}
+
+impl Driver<Irp6> for Recorded {
+    fn period(&self) -> Duration {
+        Driver::period(&self.drives)
+    }
+
+    fn measured(&self) -> Measured<Six> {
+        self.drives.measured()
+    }
+
+    fn tick(&mut self, demanded: &Six) -> Result<Measured<Six>, DriveFault> {
+        let outcome = self.drives.tick(demanded);
+        self.write("tick", &self.drives.measured());
+        outcome
+    }
+
+    fn is_simulated(&self) -> bool {
+        self.drives.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<Six> {
+        let measured = Driver::brake(&mut self.drives);
+        self.write("brake", &measured);
+        measured
     }
 }
 

@@ -12,7 +12,7 @@
 //! | [`Ellipse`], whole or in part | quadrature, error below 1e-9 of the long axis for axes up to 1 : 20 |
 //! | [`SpanCurve`]: [`blended`] polylines, splines in space | quadrature, error below 1e-9 but near cusps |
 //!
-//! [`CurveBody`] leads a body along any of them; [`Screw`] is the screw motion between two poses; [`CubicSpline`]
+//! [`TurnedCurve`] leads a tool along any of them while it turns, [`CurveBody`] a body at its start's orientation; [`Screw`] is the screw motion between two poses; [`CubicSpline`]
 //! interpolates vectors of any dimension, such as joints, twice continuously differentiable.
 
 mod arc;
@@ -23,7 +23,9 @@ mod helix;
 mod polyline;
 mod screw;
 mod segment;
+mod sine;
 mod spans;
+mod turned;
 
 pub use arc::Arc;
 pub use body::CurveBody;
@@ -34,6 +36,7 @@ pub use polyline::blended;
 pub use screw::Screw;
 pub use segment::Segment;
 pub use spans::SpanCurve;
+pub use turned::TurnedCurve;
 
 use nalgebra::Vector3;
 use thiserror::Error;

@@ -22,9 +22,12 @@ use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
 use crate::realtime::Realtime;
+use crate::recording::Recording;
+use crate::replay::Tape;
 use crate::robot::Robot;
 use crate::stopping::STOP_TIME;
 use crate::vsp::VirtualSensor;
+use crate::witness::Witness;
 
 use robot::SharedObserver;
 use sensor::AnySensor;
@@ -44,13 +47,26 @@ pub struct RunReport {
     pub time: Duration,
 }
 
-type MpProgram = Box<dyn FnOnce(&mut Mp) -> Result<(), Fault>>;
+/// What a cell does when a fault has stopped it and its robots stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AfterFault {
+    /// The run ends with the first cause, as nobody may be there.
+    #[default]
+    End,
+    /// It stays latched until its [`Operator`] acknowledges the fault and resets it, or gives it up. Then drives come on
+    /// where the robots are, and all programs start again from their first line. Under the virtual clock the time passes
+    /// meanwhile as fast as ever.
+    AwaitReset,
+}
+
+type MpProgram = Box<dyn FnMut(&mut Mp) -> Result<(), Fault>>;
 type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
 
 /// A set-up cell.
 pub struct Cell {
     step: Duration,
     stop_time: Duration,
+    after_fault: AfterFault,
     rate_change: f64,
     robots: Vec<Box<dyn AnyRobot>>,
     sensors: Vec<Box<dyn AnySensor>>,
@@ -64,6 +80,12 @@ pub struct Cell {
     realtime: Option<Realtime>,
     /// How long a process may compute on the memory link.
     watchdog: Option<Duration>,
+    /// Who watches the run.
+    witnesses: Vec<Rc<dyn Witness>>,
+    /// What it is recorded to.
+    recording: Option<Recording>,
+    /// What it replays.
+    tape: Option<Rc<Tape>>,
     /// What was found wrong while the cell was put together.
     errors: Vec<CellError>,
 }
@@ -75,6 +97,7 @@ impl Cell {
         Cell {
             step,
             stop_time: STOP_TIME,
+            after_fault: AfterFault::End,
             rate_change: crate::feed::DEFAULT_CHANGE,
             robots: Vec::new(),
             sensors: Vec::new(),
@@ -85,6 +108,9 @@ impl Cell {
             expected_sensors: Vec::new(),
             realtime: None,
             watchdog: None,
+            witnesses: Vec::new(),
+            recording: None,
+            tape: None,
             errors: Vec::new(),
         }
     }
@@ -98,6 +124,13 @@ impl Cell {
         self
     }
 
+    /// What the cell does when a fault has stopped it: it ends, unless it is told to await a reset.
+    #[must_use]
+    pub fn after_fault(mut self, after_fault: AfterFault) -> Cell {
+        self.after_fault = after_fault;
+        self
+    }
+
     /// Adds a robot.
     #[must_use]
     pub fn robot<R: Robot>(mut self, setup: RobotSetup<R>) -> Cell {
@@ -106,12 +139,12 @@ impl Cell {
     }
 
     /// Gives the ECP of a robot that was added before its program. Without one an ECP is transparent: it passes the MP's
-    /// demands on.
+    /// demands on. It is called again after a [reset](AfterFault::AwaitReset).
     #[must_use]
     pub fn ecp<R: Robot>(
         mut self,
         robot: &str,
-        program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static,
+        program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static,
     ) -> Cell {
         let found = self.robots.iter_mut().find(|known| known.name() == robot);
         match found.map(|found| (found.kind_name(), found.as_any().downcast_mut::<RobotSetup<R>>())) {
@@ -159,9 +192,10 @@ impl Cell {
         self
     }
 
-    /// The program of the MP. Without one the MP nudges: it starts every ECP's program and waits for all.
+    /// The program of the MP. Without one the MP nudges: it starts every ECP's program and waits for all. It is called
+    /// again, from its first line, after a [reset](AfterFault::AwaitReset): what it would give away it clones.
     #[must_use]
-    pub fn program(mut self, program: impl FnOnce(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
+    pub fn program(mut self, program: impl FnMut(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
         self.program = Some(Box::new(program));
         self
     }
@@ -235,6 +269,12 @@ impl Cell {
         self.stop_time
     }
 
+    /// Length of a step \[ns\].
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn step(&self) -> u64 {
+        self.step.as_nanos() as u64
+    }
+
     /// What its processes ask of the machine.
     #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn realtime(&self) -> Option<&Realtime> {
@@ -244,6 +284,25 @@ impl Cell {
     /// Asks this of the machine for its processes.
     pub(crate) fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
         self.realtime = realtime;
+        self
+    }
+
+    /// Shows what happens in the cell's processes to a witness.
+    pub(crate) fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
+        self.witnesses.push(witness);
+        self
+    }
+
+    /// Answers from a recording in place of drives, sensors and the operator. What was found wrong with it before anything
+    /// moves is [`check_tape`](crate::replay::compare)'s.
+    pub(crate) fn replaying(mut self, tape: Rc<Tape>) -> Cell {
+        let step = self.step;
+        for robot in &mut self.robots {
+            if let Some(recorded) = tape.robot(robot.name()) {
+                robot.replay(Rc::clone(recorded), step);
+            }
+        }
+        self.tape = Some(tape);
         self
     }
 

@@ -6,6 +6,7 @@
 //! ```toml
 //! step_ms = 2        # Ts, the step of the cell [ms]
 //! stop_ms = 600      # the longest stop that it allows any joint [ms]; 600 unless it is said
+//! after_fault = "end"    # or "await reset": stay latched until the operator resets it; end unless it is said
 //!
 //! [robots.arm]       # a robot of this name
 //! kind = "irp6"      # one of the program's kinds
@@ -38,7 +39,7 @@ use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
-use crate::cell::{Cell, CellError, SensorSetup};
+use crate::cell::{AfterFault, Cell, CellError, SensorSetup};
 use crate::image::Sensor;
 use crate::realtime::Realtime;
 use crate::vsp::VirtualSensor;
@@ -56,6 +57,7 @@ pub struct CellFile {
     source: Rc<Source>,
     step: Duration,
     stop_time: Option<Duration>,
+    after_fault: AfterFault,
     realtime: Option<Realtime>,
     robots: Vec<RobotEntry>,
     sensors: Vec<SensorEntry>,
@@ -111,7 +113,8 @@ impl CellFile {
     pub fn cell(&self, kinds: &Kinds) -> Result<Cell, CellError> {
         let mut cell = Cell::new(self.step)
             .expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name))
-            .ask_for(self.realtime.clone());
+            .ask_for(self.realtime.clone())
+            .after_fault(self.after_fault);
         if let Some(limit) = self.stop_time {
             cell = cell.stop_time(limit);
         }

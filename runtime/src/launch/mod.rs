@@ -2,6 +2,8 @@
 //!
 //! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
 
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod operating;
 mod options;
 mod outcome;
 mod patience;
@@ -10,19 +12,23 @@ mod processes;
 #[cfg(not(all(feature = "processes", target_os = "linux")))]
 #[path = "no_processes.rs"]
 mod processes;
+mod program;
 mod running;
 
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use self::options::{HELP, nearest_cell, parse};
-use self::outcome::{cell_refused, tell};
-use self::processes::{examine, launch_processes, take_part};
+use self::options::{HELP, Options, nearest_cell, parse};
+use self::outcome::{cell_refused, stopped, tell};
+use self::processes::{examine, operate};
 use self::running::run;
 use crate::cell::{Cell, CellError};
 use crate::cell_file::CellFile;
 use crate::console::{refused, say};
+
+pub use self::options::Clock;
+pub use self::program::{Launch, Ran};
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
 pub trait Recorder {
@@ -58,6 +64,9 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
         Err(error) => return refused(&error),
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
+    if let Some(operating) = options.operating {
+        return operate(&path, operating);
+    }
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
     let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
     let cell = match checked {
@@ -68,15 +77,16 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
         let well = format!("{}: nothing is wrong with the cell\n", path.display());
         return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
     }
-    if let Some((process, session)) = &options.part {
-        return take_part(cell, *process, session, options.quiet);
+    if options.part.is_none() && options.processes.is_none() {
+        return run(cell, recorder, &options);
     }
-    if let Some(clock) = options.processes {
-        return match launch_processes(cell, (clock, options.spin), path, options.quiet) {
-            Ok(_) if options.quiet => ExitCode::SUCCESS,
-            Ok(report) => tell(&report, None),
-            Err(status) => status,
-        };
+    let Options { part, processes, spin, quiet, .. } = options;
+    let arguments = std::env::args_os().skip(1).collect();
+    match (Launch { part, arguments, clock: processes, spin, cell: Some(path), quiet }).run(cell) {
+        Ok(Ran::Part(status)) => status,
+        Ok(Ran::Here(_) | Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
+        Ok(Ran::Here(report) | Ran::Processes(report)) => tell(&report, None),
+        Err(CellError::Fault(fault)) => stopped(&fault),
+        Err(error) => cell_refused(&error),
     }
-    run(cell, recorder, &options)
 }

@@ -2,11 +2,12 @@
 //!
 //! In: an assembled cell and the options. Out: the run of all its processes, or of the one that this is.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
+use super::Launch;
+pub(super) use super::operating::operate;
 use super::options::Clock;
-use super::outcome::{cell_refused, stopped};
 use super::patience::Patience;
 use crate::cell::{Cell, CellError, RunReport};
 use crate::console::{refused, say};
@@ -30,20 +31,18 @@ pub(super) fn take_part(mut cell: Cell, process: ProcessId, session: &Path, quie
 }
 
 /// Runs all processes of a cell.
-pub(super) fn launch_processes(
-    cell: Cell,
-    (clock, spin): (Clock, u64),
-    path: PathBuf,
-    quiet: bool,
-) -> Result<RunReport, ExitCode> {
+pub(super) fn launch_processes(cell: Cell, clock: Clock, how: Launch) -> Result<RunReport, CellError> {
+    let refused = |error: &dyn core::fmt::Display| CellError::Processes(error.to_string());
     let clock = match clock {
         Clock::Real => LinkClock::Real,
         Clock::Virtual => LinkClock::Virtual,
     };
+    let file = how.cell.map_or_else(std::env::current_exe, Ok).map_err(|error| refused(&error))?;
     let permission = cell.realtime().map_or(Permission::BestEffort, |realtime| realtime.permission);
-    launch(cell, &Plan { cell: path, clock, spin, permission, quiet }).map_err(|error| match error {
-        LaunchError::Cell(CellError::Fault(fault)) => stopped(&fault),
-        LaunchError::Cell(error) => cell_refused(&error),
+    let Launch { arguments, spin, quiet, .. } = how;
+    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet };
+    launch(cell, &plan).map_err(|error| match error {
+        LaunchError::Cell(error) => error,
         error => refused(&error),
     })
 }

@@ -1,6 +1,9 @@
 //! A message between processes: plain words, whatever they hold, so that a foreign or damaged one is an error and never
 //! undefined behaviour. A sum over all words tells of damage: a damaged message is a lost one.
 
+#[cfg(all(feature = "processes", target_os = "linux"))]
+use iceoryx2::prelude::ZeroCopySend;
+
 use crate::limits::RateHeadroom;
 use crate::message::{Header, Kind, Message, OrderKind, RequestKind};
 use crate::wire::{BadWords, WORDS};
@@ -9,13 +12,13 @@ use crate::wire::{BadWords, WORDS};
 pub(crate) const LAYOUT: u64 = 2;
 
 /// Words of a message's head.
-const HEAD: usize = 11;
+const HEAD: usize = 12;
 
 /// Which of them is the length of the body.
 const LEN_WORD: usize = 4;
 
 /// The kinds of messages; one travels as its place in this list.
-const KINDS: [Kind; 14] = [
+const KINDS: [Kind; 17] = [
     Kind::Order(OrderKind::Query),
     Kind::Order(OrderKind::Start),
     Kind::Order(OrderKind::Step),
@@ -23,13 +26,16 @@ const KINDS: [Kind; 14] = [
     Kind::Order(OrderKind::Abort),
     Kind::Order(OrderKind::Brake),
     Kind::Order(OrderKind::Stop),
+    Kind::Order(OrderKind::Reset),
     Kind::Request(RequestKind::Query),
     Kind::Request(RequestKind::Demand),
     Kind::Request(RequestKind::Brake),
     Kind::Request(RequestKind::Stop),
+    Kind::Request(RequestKind::Reset),
     Kind::Read,
     Kind::Reply,
     Kind::Fault,
+    Kind::Command,
 ];
 
 /// What every message of a cell's run carries: messages of another run, or of an earlier attempt to start it, are none.
@@ -44,7 +50,7 @@ pub(crate) struct Seal {
 /// A message between processes, as it lies in shared memory.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(all(feature = "processes", target_os = "linux"), derive(iceoryx2::prelude::ZeroCopySend))]
+#[cfg_attr(all(feature = "processes", target_os = "linux"), derive(ZeroCopySend))]
 #[cfg_attr(all(feature = "processes", target_os = "linux"), type_name("mrroc::Envelope"))]
 pub(crate) struct Envelope {
     layout: u64,
@@ -76,7 +82,8 @@ impl Envelope {
 
     /// Puts a message under a seal.
     pub fn seal(message: &Message, seal: Seal, sequence: u64) -> Envelope {
-        let Header { kind, flags, step, instruction, len, payload, dt, duration, headroom } = message.header;
+        let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom } =
+            message.header;
         let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
         let RateHeadroom { rise, fall, bend } = headroom;
         let head = [
@@ -91,6 +98,7 @@ impl Envelope {
             rise.to_bits(),
             fall.to_bits(),
             bend.to_bits(),
+            u64::from(epoch),
         ];
         let mut envelope = Envelope {
             layout: LAYOUT,
@@ -126,7 +134,7 @@ impl Envelope {
     /// # Errors
     /// [`BadWords`] when it is damaged or its head is none; `message` is then as it was.
     pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
-        let [kind, flags, step, instruction, len, payload, dt, duration, rise, fall, bend] = self.head;
+        let [kind, flags, step, instruction, len, payload, dt, duration, rise, fall, bend, epoch] = self.head;
         let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
         let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
         let len = narrow(len)?;
@@ -136,6 +144,7 @@ impl Envelope {
         message.header = Header {
             kind: *kind.ok_or(BadWords)?,
             flags: narrow(flags)?,
+            epoch: narrow(epoch)?,
             step,
             instruction: narrow(instruction)?,
             len,
@@ -180,6 +189,7 @@ mod tests {
         message.header = Header {
             kind,
             flags: 0x8000_0001,
+            epoch: 0x8000_0002,
             step: u64::MAX,
             instruction: 7,
             len: 3,
@@ -235,8 +245,10 @@ mod tests {
 
     #[test]
     fn a_damaged_head_is_no_message() {
-        // Kind, flags, instruction, length: the words that not every number spells.
-        for (word, value) in [(0, 14), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX)] {
+        // Kind, flags, instruction, length, epoch: the words that not every number spells.
+        for (word, value) in
+            [(0, 17), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX), (11, 1 << 32)]
+        {
             let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
             envelope.head[word] = value;
             envelope.check = envelope.sum(message(Kind::Reply).words().len());
