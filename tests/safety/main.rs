@@ -4,5 +4,6 @@ mod cells;
 mod drives;
 mod endless;
 mod sensors;
+mod summary;
 mod sweeps;
 mod tasks;

@@ -97,12 +97,13 @@ fn play(press: Press, at: u64, step: u64, operator: &Operator) -> bool {
         Press::SuspendAndResume(_) if step == at => operator.suspend(),
         Press::SuspendAndResume(steps) if step == at + u64::from(steps) => operator.resume(),
         Press::Abort if step == at => operator.abort(),
+        Press::Stop if step == at => operator.stop(),
         Press::Everything if step == at => {
             operator.suspend();
             operator.abort();
             operator.resume();
         }
-        Press::SuspendAndResume(_) | Press::Abort | Press::Everything => return false,
+        Press::SuspendAndResume(_) | Press::Abort | Press::Stop | Press::Everything => return false,
     }
     running
 }
