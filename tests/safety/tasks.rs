@@ -32,7 +32,7 @@ pub fn engraving() -> Cell {
     let arm = SimulatedIrp6::new(layout.arm.clone(), &layout.park);
     let surface = layout.plate.translation.z + HEIGHT_ERROR;
     let probe = PlateSurface::new(layout.arm.clone(), layout.tool, arm.shaft(), surface);
-    let job = Job {
+    let mut job = Job {
         drawing,
         sampling: Sampling::default(),
         plate: layout.plate,
@@ -44,7 +44,7 @@ pub fn engraving() -> Cell {
         park: layout.park,
         activity: Rc::new(Shared::new(Activity::default())),
     };
-    let irp6 = RobotSetup::new("irp6", layout.arm, arm).tool(layout.tool).program(|ecp| job.run(ecp));
+    let irp6 = RobotSetup::new("irp6", layout.arm, arm).tool(layout.tool).program(move |ecp| job.run(ecp));
     Cell::new(Duration::from_millis(2))
         .robot(irp6)
         .sensor(SensorSetup::new("probe", probe).of("irp6"))
