@@ -71,13 +71,17 @@ bench-step PLACEMENTS="launcher":
 bench-latency:
     cargo test --release -p mrroc --features processes --lib round_trips_of_every_kind -- --ignored --nocapture
 
-# Every fault in every step of small cells, of the transfer and of the engraving task: over 100,000 cases, some minutes.
+# Every fault in every step of small cells: over 100,000 cases, some minutes.
 sweep:
-    cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture every_fault
+    cargo test -p mrroc-tests --test safety -- --ignored --nocapture every_fault_in_every_step
 
-# Rows of SAFETY.md, the cases tried for them, and the worst stop beside its bound.
+# Each fault in every so many steps of the transfer and of the engraving task: every 997th takes minutes, every one days.
+sweep-tasks EVERY="997":
+    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture both_tasks
+
+# Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
-    cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture summary
+    cargo test -p mrroc-tests --test safety -- --ignored --nocapture summary
 
 # Mutated files into all that reads files and messages: so many in all.
 fuzz N="10000000":
