@@ -92,6 +92,7 @@ mod operator;
 mod overruns;
 mod payload;
 mod plant;
+mod plausible;
 mod pose;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod processes;
@@ -106,6 +107,7 @@ mod step_fn;
 mod stopping;
 mod suggestion;
 mod task_space;
+pub mod testing;
 mod transparent;
 #[cfg(all(feature = "view", target_os = "linux"))]
 mod view;
@@ -137,6 +139,7 @@ pub use mp::Mp;
 pub use name::{BadName, MAX_NAME, Name};
 pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
+pub use plausible::Plausible;
 pub use pose::{AngleAxis, Pose, Zyz};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
 pub use shape::Shape;

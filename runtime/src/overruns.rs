@@ -26,6 +26,11 @@ impl Overruns {
         Overruns { net: 0, budget: u64::from(missed_step_budget(step)) }
     }
 
+    /// As if no step had been late: after a reset.
+    pub fn forget(&mut self) {
+        self.net = 0;
+    }
+
     /// Counts a step for which `missed` periods went by.
     ///
     /// # Errors

@@ -17,9 +17,14 @@ pub struct Place(PathBuf);
 impl Place {
     /// Short, because names of sockets in it have 108 bytes.
     pub fn new(test: u32) -> Place {
+        Place::of(test, include_str!("cell.toml"))
+    }
+
+    /// With this cell.
+    pub fn of(test: u32, cell: &str) -> Place {
         let folder = PathBuf::from(format!("/tmp/mr{}-{test}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder");
-        fs::write(folder.join("cell.toml"), include_str!("cell.toml")).expect("a file");
+        fs::write(folder.join("cell.toml"), cell).expect("a file");
         Place(folder)
     }
 
@@ -33,13 +38,22 @@ impl Place {
 
     /// Starts the program; its records go to a folder of this name.
     pub fn start(&self, records: &str, arguments: &[&str]) -> Launch {
+        self.start_for(crate::program::RECORDS, records, arguments)
+    }
+
+    /// Starts the program; the counts of what its processes allocate go to a folder of this name.
+    pub fn count(&self, counts: &str, arguments: &[&str]) -> Launch {
+        self.start_for(crate::allocations::COUNTS, counts, arguments)
+    }
+
+    fn start_for(&self, what: &str, records: &str, arguments: &[&str]) -> Launch {
         let records = self.0.join(records);
         let _ = fs::remove_dir_all(&records);
         fs::create_dir_all(&records).expect("a folder");
         let errors = records.join("stderr");
         let child = self
             .program(arguments)
-            .env(crate::program::RECORDS, &records)
+            .env(what, &records)
             .stdout(Stdio::null())
             .stderr(File::create(&errors).expect("a file"))
             .spawn()
@@ -195,7 +209,7 @@ impl Launch {
 
     /// What it said on its standard error.
     pub fn said(&self) -> String {
-        fs::read_to_string(self.records.join("stderr")).unwrap_or_default()
+        self.text("stderr")
     }
 
     /// The sessions that it had.
@@ -203,9 +217,14 @@ impl Launch {
         &self.seen
     }
 
+    /// What a file of its records says; nothing when it is not there.
+    pub fn text(&self, file: &str) -> String {
+        fs::read_to_string(self.records.join(file)).unwrap_or_default()
+    }
+
     /// The lines of a robot's record; none when its EDP did not come so far.
     pub fn record(&self, robot: &str) -> Vec<String> {
-        let text = fs::read_to_string(self.records.join(robot)).unwrap_or_default();
+        let text = self.text(robot);
         let whole = text.rfind('\n').map_or(0, |end| end + 1);
         text[..whole].lines().map(str::to_owned).collect()
     }

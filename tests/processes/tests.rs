@@ -6,13 +6,14 @@ use std::time::Duration;
 
 use rustix::process::Signal;
 
+use crate::allocations::STEPS;
 use crate::launch::{
     Launch, Period, Place, Process, demanded, periods_at_rest, segments, wait_for_end, wait_until,
 };
 
 /// Runs those whose names contain a word of the command line, or all.
 pub fn main() -> ExitCode {
-    let own: [(&str, fn()); 8] = [
+    let own: [(&str, fn()); 9] = [
         (
             "processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link",
             processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link,
@@ -41,6 +42,10 @@ pub fn main() -> ExitCode {
             "fault_30_what_crashed_launches_left_is_removed_and_does_no_harm",
             fault_30_what_crashed_launches_left_is_removed_and_does_no_harm,
         ),
+        (
+            "a_step_of_a_process_in_any_role_allocates_nothing",
+            a_step_of_a_process_in_any_role_allocates_nothing,
+        ),
         ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
     ];
     let all = own.iter().chain(&crate::operator::TESTS);
@@ -58,6 +63,9 @@ pub const REAL: &[&str] = &["--processes", "--quiet"];
 const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
 pub const MEMORY: &[&str] = &["--no-picture", "--quiet"];
 pub const ROBOTS: [&str; 2] = ["left", "right"];
+
+/// The MP, two ECPs and EDPs, the plant, four VSPs.
+const PROCESSES: usize = 10;
 
 /// Steps that an EDP or the drives bridge, `L` at 2 ms.
 const L: usize = 10;
@@ -275,7 +283,7 @@ fn kill_one(launch: &mut Launch, random: &mut Random, millis: u64) -> (Option<Pr
 fn fault_28_a_second_launch_is_refused_with_the_number_of_the_first() {
     let place = Place::new(4);
     let mut first = place.start("first", VIRTUAL);
-    while first.processes().len() < 9 {
+    while first.processes().len() < PROCESSES {
         first.let_run(Duration::from_millis(1));
     }
     let mut second = place.start("second", REAL);
@@ -298,7 +306,7 @@ fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
         crashed.let_run(Duration::from_millis(1));
     }
     let processes = crashed.processes();
-    assert_eq!(processes.len(), 9, "{processes:?}");
+    assert_eq!(processes.len(), PROCESSES, "{processes:?}");
     crashed.signal(Signal::KILL);
     crashed.end();
     // Without their launcher all end, and the robots stand.
@@ -328,6 +336,25 @@ fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
         assert_eq!(segments(&session), Vec::<String>::new());
     }
     println!("a crashed launch left {left_segments} segments; the next one removed them, and 100 sessions");
+}
+
+fn a_step_of_a_process_in_any_role_allocates_nothing() {
+    let place = Place::new(8);
+    let roles = ["mp", "ecp", "edp left", "edp right", "plant left", "plant right", "vsp count", "vsp free"];
+    for (counts, arguments) in [("virtual", VIRTUAL), ("real", REAL)] {
+        let mut launch = place.count(counts, arguments);
+        let status = launch.end().code();
+        assert_ended_well_or_late(&launch, status);
+        let mut counted = 0;
+        for role in roles {
+            let text = launch.text(role);
+            // A cell that was too late for its machine has not come so far.
+            assert!(!text.is_empty() || status == Some(1), "{role} of {counts} has not been counted");
+            assert!(text.is_empty() || text == "0", "{role} of {counts}: {text} allocations");
+            counted += usize::from(!text.is_empty());
+        }
+        println!("{counts}: no allocations in {STEPS} steps of {counted} of {} roles", roles.len());
+    }
 }
 
 fn an_interrupt_aborts_and_ends_the_cell() {

@@ -35,7 +35,6 @@ impl Cell {
     ///
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up.
-    #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) fn put_on(mut self, link: &mut dyn Link) -> Result<Assembly, CellError> {
         let names = self.check()?;
         self.assemble(&names, link)

@@ -233,6 +233,22 @@ impl Cell {
         self.operator.clone()
     }
 
+    /// Its robots, for a trial to watch.
+    pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
+        self.robots.iter_mut().map(|robot| &mut **robot)
+    }
+
+    /// The length of a step.
+    pub(crate) const fn step_length(&self) -> Duration {
+        self.step
+    }
+
+    /// Steps in which the rate falls from the planned one to a standstill.
+    pub(crate) fn rate_steps(&self) -> u64 {
+        // A float becomes the nearest integer that there is.
+        (1.0 / (self.rate_change * self.step.as_secs_f64())).ceil() as u64
+    }
+
     /// How long a stop of one of its robots may take.
     #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn stop_limit(&self) -> Duration {
@@ -249,6 +265,14 @@ impl Cell {
     #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn realtime(&self) -> Option<&Realtime> {
         self.realtime.as_ref()
+    }
+
+    /// Asks the machine for priority and for memory that stays in its place when the cell runs as processes in real time,
+    /// and runs without them where it does not permit that: `[realtime]` of a cell's file with `permission = "best effort"`,
+    /// for a cell without a file.
+    #[must_use]
+    pub fn prefer_real_time(self) -> Cell {
+        self.ask_for(Some(Realtime::PREFERRED))
     }
 
     /// Asks this of the machine for its processes.

@@ -15,7 +15,7 @@ use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
 use crate::latch::Gate;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Server, Waiter};
+use crate::link::{Link, Nanos, Server, Waiter};
 use crate::name::Name;
 use crate::overruns::Timed;
 use crate::payload::Nudge;
@@ -26,6 +26,7 @@ use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::testing::{Bounds, Witness};
 use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
@@ -173,6 +174,8 @@ pub(crate) trait AnyRobot {
     fn watch(&mut self, observer: SharedObserver);
     /// Its drives read from a recording.
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>);
+    fn bounds(&self) -> Bounds;
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
@@ -223,6 +226,26 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
         self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
         self.drives = recorded(&self.drives, tape, step);
+    }
+
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>) {
+        self.observers.push(Box::new(move |record| {
+            // A time that a servo period ends at, in nanoseconds again.
+            let end = (record.time * 1e9).round() as Nanos;
+            witness.borrow_mut().see(end, record.demanded.as_slice());
+        }));
+    }
+
+    fn bounds(&self) -> Bounds {
+        let limits = self.robot.limits();
+        let vector = |joints: &R::Joints| joints.as_slice().to_vec();
+        Bounds {
+            lower: vector(&limits.lower),
+            upper: vector(&limits.upper),
+            velocity: vector(&limits.velocity),
+            acceleration: vector(&limits.acceleration),
+            servo: self.drives.period().as_nanos() as Nanos,
+        }
     }
 
     fn name(&self) -> &str {

@@ -34,6 +34,8 @@ mod kinds;
 mod reader;
 
 use core::time::Duration;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -61,6 +63,9 @@ pub struct CellFile {
     sensors: Vec<SensorEntry>,
 }
 
+/// The longest file \[bytes\]: a cell of 31 robots has some thousands.
+const MOST_BYTES: u64 = 1 << 20;
+
 impl CellFile {
     /// Reads the file at `path`.
     ///
@@ -69,8 +74,11 @@ impl CellFile {
     pub fn read(path: impl AsRef<Path>) -> Result<CellFile, CellFileError> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => CellFile::parse(&name, &text),
+        let mut text = String::new();
+        // A device has no end: one byte too many is enough to refuse it.
+        let read = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+        match read {
+            Ok(_) => CellFile::parse(&name, &text),
             Err(error) => Err(CellFileError::unreadable(&name, &error)),
         }
     }
@@ -80,6 +88,9 @@ impl CellFile {
     /// # Errors
     /// [`CellFileError`] with everything that is wrong with it.
     pub fn parse(name: &str, text: &str) -> Result<CellFile, CellFileError> {
+        if text.len() as u64 > MOST_BYTES {
+            return Err(CellFileError::too_long(name, MOST_BYTES));
+        }
         reader::read(name, text)
     }
 

@@ -4,6 +4,7 @@
 //! of the paper), and a free-running virtual sensor shows its last reading on a board. User programs never see
 //! which link they run on.
 
+pub(crate) mod envelope;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 pub mod iceoryx;
 pub mod memory;

@@ -138,6 +138,7 @@ impl Mp<'_> {
     fn reset(&mut self) -> Result<(), Fault> {
         self.epoch += 1;
         (self.latched, self.protective, self.refusals) = (None, None, 0);
+        self.overruns.forget();
         if let Some(guard) = &mut self.guard {
             guard.forget();
         }

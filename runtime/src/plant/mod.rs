@@ -4,6 +4,10 @@
 //! do: drives whose commands stop bridge `L` steps and apply their brakes in the next one (rows 1 to 3 of SAFETY.md). One
 //! process has all of them, because simulated robots may be in one world, with a body between them.
 //!
+//! Drives that have yet to find their reference marks stay in their EDP, and so do the drives that they become: while a
+//! robot searches nothing is commanded that could be bridged or run out, and a search that is called no more comes to rest
+//! by itself. A robot of a shared world is therefore one that knows where it is.
+//!
 //! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro;
 //! [`sensors`] are virtual sensors that sense this world.
 
@@ -43,7 +47,7 @@ pub(crate) struct Rest {
 /// What the plant leaves behind.
 pub(crate) type Rests = Rc<RefCell<Vec<Rest>>>;
 
-/// A robot's drives, of any kind.
+/// A robot's drives or a simulated sensor, of any kind.
 trait Part {
     /// Does what has come for it.
     fn serve(&mut self);

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use nalgebra::Vector1;
 
-use super::command::{Command, Reading, RegulatorSets};
+use super::command::{Command, Reading, RegulatorSets, Switch};
 use super::drives::{Commands, Drives};
 use super::{Part, Rest};
 use crate::driver::{DriveFault, Driver, Measured, Regulators};
@@ -115,7 +115,7 @@ fn edp() -> ProcessId {
 fn command(period: u64, demanded: f64) -> Message {
     let mut message = Message::empty();
     let regulators = Regulators::default();
-    Command { period, choice: 0, regulators, demanded: One::new(demanded) }.put(&mut message);
+    Command { period, switched: 0, choice: 0, regulators, demanded: One::new(demanded) }.put(&mut message);
     message
 }
 
@@ -261,6 +261,29 @@ fn a_drive_that_trips_has_no_power_and_says_why() {
 }
 
 #[test]
+fn drives_that_are_switched_on_go_on_although_the_plant_saw_nothing_but_the_next_demand() {
+    let mut bench = Bench::new(Some(2.0));
+    for period in 0..4 {
+        bench.commands.write(&command(period, period as f64));
+        bench.period(period);
+    }
+    bench.told();
+    let mut message = Message::empty();
+    Switch { ordinal: 1, on: false }.put(&mut message);
+    bench.commands.write(&message);
+    bench.drives.serve();
+    let told = bench.readings.0.borrow().expect("told at once");
+    assert_eq!((told.header.kind, told.header.instruction), (Kind::Reply, 1));
+    // The order to switch on is overwritten by the first demand after it.
+    let regulators = Regulators::default();
+    Command { period: 9, switched: 2, choice: 0, regulators, demanded: One::new(1.0) }.put(&mut message);
+    bench.commands.write(&message);
+    let reading = bench.period(9);
+    assert_eq!((reading.header.kind, reading.header.instruction), (Kind::Reply, 2));
+    near(&bench.told(), &[1.0]);
+}
+
+#[test]
 fn in_lock_step_each_command_is_one_period_and_is_answered_in_it() {
     let lists = Lists::default();
     let (mut drives, told) = drives(Commands::Asked(Box::new(lists.clone())), None);
@@ -284,7 +307,7 @@ fn a_choice_of_regulators_is_made_once_and_before_the_period_that_it_is_for() {
     for (period, choice) in [(0, 0), (1, 1), (2, 1), (3, 2)] {
         let mut message = Message::empty();
         let regulators = Regulators::uniform(choice as u8 + 6);
-        Command { period, choice, regulators, demanded: One::zeros() }.put(&mut message);
+        Command { period, switched: 0, choice, regulators, demanded: One::zeros() }.put(&mut message);
         bench.commands.write(&message);
         bench.period(period);
     }
@@ -302,7 +325,7 @@ fn what_is_no_command_and_no_reading_is_refused() {
         other.header.kind = kind;
         assert!(Command::<One>::get(&other).is_err(), "{kind:?}");
     }
-    for len in [0, 9, 11, 56, u32::MAX] {
+    for len in [0, 10, 12, 56, u32::MAX] {
         let mut other = good;
         other.header.len = len;
         assert!(Command::<One>::get(&other).is_err(), "{len}");

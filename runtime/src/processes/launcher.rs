@@ -36,6 +36,9 @@ const HEAD_START: Duration = Duration::from_millis(20);
 /// How much longer than its robots' stops the end of a cell may take.
 const CLOSING: Duration = Duration::from_secs(10);
 
+/// How much longer than its robots' stops an MP may go on that was told to end.
+const ABORTING: Duration = Duration::from_secs(5);
+
 /// A cell did not run as processes, or not to its end.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum LaunchError {
@@ -140,7 +143,8 @@ impl Run {
     }
 }
 
-/// Ctrl-C, and being told to end: the first one is an abort, the second one ends the launcher at once.
+/// Ctrl-C, and being told to end: the first one is an abort, after which the cell closes, whatever its program does; the
+/// second one ends the launcher at once.
 struct Signals {
     came: Arc<AtomicBool>,
     wakes: UnixStream,
@@ -169,7 +173,7 @@ impl Signals {
 fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Duration, bool)) -> Run {
     crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
-    let mut closing: Option<Instant> = None;
+    let (mut aborting, mut closing): (Option<Instant>, Option<Instant>) = (None, None);
     let close = |closing: &mut Option<Instant>| {
         closing.get_or_insert_with(|| {
             crew.tell(&Frame::Close);
@@ -181,14 +185,19 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Durati
         if left.is_empty() {
             return Run::of(crew, death, None);
         }
-        let rest = closing.map(|until| until.saturating_duration_since(Instant::now()));
+        let rest = closing.or(aborting).map(|until| until.saturating_duration_since(Instant::now()));
         if rest == Some(Duration::ZERO) {
-            left.iter().for_each(|member| member.kill());
+            match closing {
+                Some(_) => left.iter().for_each(|member| member.kill()),
+                // Its program computes, or goes on although it was aborted.
+                None => close(&mut closing),
+            }
             continue;
         }
         let (signalled, spoke) = wait(&left, signals, desk, rest);
         if signalled {
             crew.tell_mp(&Frame::Abort);
+            aborting.get_or_insert(Instant::now() + stop + ABORTING);
         }
         desk.presses().for_each(|press| crew.tell_mp(&press));
         for member in spoke {

@@ -115,6 +115,7 @@ impl Parts {
 
     fn cell(self, step: f64) -> Cell {
         Cell::new(Duration::from_secs_f64(step))
+            .prefer_real_time()
             .robot(self.arm)
             .sensor(SensorSetup::new("probe", self.probe).of("irp6"))
             .program(coordinate)

@@ -12,9 +12,9 @@ use std::rc::Rc;
 use iceoryx2::prelude::*;
 
 use super::bell::Bell;
-use super::envelope::{Envelope, LAYOUT, Seal};
 use super::ports::{Answering, Asking, BoardEnd, End, Rope};
 use crate::fault::ProcessId;
+use crate::link::envelope::{Envelope, LAYOUT, Seal};
 use crate::link::memory::{MAX_PROCESSES, Stuck};
 use crate::link::{Board, Body, Client, Link, Server, Simulation};
 use crate::wire::layout_hash;

@@ -16,7 +16,7 @@ use iceoryx2::port::writer::EntryHandleMut;
 use iceoryx2::prelude::ipc;
 
 use super::bell::Bell;
-use super::envelope::{Envelope, Seal};
+use crate::link::envelope::{Envelope, Seal};
 use crate::link::{Board, Client, Server};
 use crate::message::Message;
 
@@ -117,11 +117,13 @@ pub(super) struct Answering {
     /// Known once the other side has made its bell.
     pub rope: OnceCell<Rope>,
     active: RefCell<Option<Active>>,
+    /// The request taken last: one that was taken, or overtaken, is none.
+    taken: Cell<u64>,
 }
 
 impl Answering {
     pub fn new(server: ReplyPort, seal: Seal) -> Self {
-        Answering { server, seal, rope: OnceCell::new(), active: RefCell::new(None) }
+        Answering { server, seal, rope: OnceCell::new(), active: RefCell::new(None), taken: Cell::new(0) }
     }
 }
 
@@ -131,7 +133,9 @@ impl Server for End<Answering> {
         let mut newest = None;
         while let Ok(Some(active)) = end.server.receive() {
             let envelope = active.payload();
-            if envelope.is_under(end.seal) && envelope.open(request).is_ok() {
+            let is_new = envelope.is_under(end.seal) && envelope.sequence > end.taken.get();
+            if is_new && envelope.open(request).is_ok() {
+                end.taken.set(envelope.sequence);
                 newest = Some(active);
             }
         }
