@@ -19,9 +19,9 @@ bench:
     cargo bench -p mrroc-generators --bench jerk
     cargo bench -p mrroc-robots --bench kinematics
 
-# What jerk-limited plans keep, for 256,000 random inputs of each kind.
+# What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
 sweep-profiles:
-    MRROC_SWEEP=256000 cargo test -p mrroc-generators --test jerk_properties
+    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test profile_properties --test jerk_properties
 
 # Inverse kinematics of the arms read from URDF, for 100,000 poses each.
 test-urdf:
