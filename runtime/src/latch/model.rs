@@ -11,10 +11,10 @@ use super::{Admission, Asked, Event, Gate, Latch, Latching};
 
 const ROBOTS: usize = 2;
 /// Resets, faults and messages on one link that are explored, and the speed of a robot in braking steps.
-const EPOCHS: u32 = 1;
-const FAULTS: u8 = 1;
+const EPOCHS: u32 = 2;
+const FAULTS: u8 = 2;
 const FLIGHT: usize = 2;
-const SPEED: u8 = 1;
+const SPEED: u8 = 2;
 
 type Message = (u32, Asked);
 
