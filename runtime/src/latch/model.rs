@@ -213,7 +213,7 @@ impl RobotState {
                 self.shut_down();
                 self.ghost_epoch = self.ghost_epoch.max(epoch);
             }
-            (Asked::Look, _) | (_, Admission::Ignored | Admission::Done) => {}
+            (Asked::Look, _) | (_, Admission::Ignored) => {}
         }
         let latched = admission == Admission::Refused || self.ghost_latched;
         // An ECP behind whose back its EDP has latched hears of it now.
