@@ -144,7 +144,7 @@ fn update(what: &str, drift: f64) {
     let ((start, target), limits) = (plans::<6>(0.0)[3], limits::<6>());
     let begin = || SynchronisedMove::new(&start, &target, &limits).map(MoveCursor::new);
     let Ok(mut cursor) = begin() else { return };
-    time(what, INPUTS, 200, |i| {
+    time(what, 50, 200, |i| {
         if i == 0
             && let Ok(begun) = begin()
         {
@@ -168,7 +168,7 @@ fn reach(what: &str, drift: f64) {
         Order::new(JointOrder { joints })
     };
     let mut generator = ReachState::<Irp6>::within(limits);
-    time(what, INPUTS, 200, |i| {
+    time(what, 50, 200, |i| {
         if i == 0 {
             generator = ReachState::within(limits);
             let _ = black_box(generator.first_step(&order(i), &e, &v, t));
