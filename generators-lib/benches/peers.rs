@@ -90,8 +90,11 @@ fn paths() {
     });
 }
 
+/// A state and a target.
+type Case<J> = (JointState<J>, JointTarget<J>);
+
 /// States and targets of `N` axes, of a size where they move.
-fn plans<const N: usize>(moving: f64) -> Vec<(JointState<SVector<f64, N>>, JointTarget<SVector<f64, N>>)> {
+fn plans<const N: usize>(moving: f64) -> Vec<Case<SVector<f64, N>>> {
     let mut random = Random(7);
     let mut draw = |size: f64| SVector::<f64, N>::from_fn(|_, _| random.between(-size, size));
     (0..INPUTS)
