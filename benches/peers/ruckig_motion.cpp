@@ -65,7 +65,7 @@ void update(const char* name, double drift) {
         input = plans<6>(0.0)[3];
         output = OutputParameter<6>();
     };
-    time(name, POSITIONS, 200, [&](int i) {
+    time(name, 50, 200, [&](int i) {
         if (i == 0) begin();
         if (drift > 0)
             for (int k = 0; k < 6; ++k) input.target_position[k] += drift * (k % 2 ? -1.0 : 1.0);

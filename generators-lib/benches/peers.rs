@@ -90,8 +90,11 @@ fn paths() {
     });
 }
 
+/// A state and a target.
+type Case<J> = (JointState<J>, JointTarget<J>);
+
 /// States and targets of `N` axes, of a size where they move.
-fn plans<const N: usize>(moving: f64) -> Vec<(JointState<SVector<f64, N>>, JointTarget<SVector<f64, N>>)> {
+fn plans<const N: usize>(moving: f64) -> Vec<Case<SVector<f64, N>>> {
     let mut random = Random(7);
     let mut draw = |size: f64| SVector::<f64, N>::from_fn(|_, _| random.between(-size, size));
     (0..INPUTS)
@@ -144,7 +147,7 @@ fn update(what: &str, drift: f64) {
     let ((start, target), limits) = (plans::<6>(0.0)[3], limits::<6>());
     let begin = || SynchronisedMove::new(&start, &target, &limits).map(MoveCursor::new);
     let Ok(mut cursor) = begin() else { return };
-    time(what, INPUTS, 200, |i| {
+    time(what, 50, 200, |i| {
         if i == 0
             && let Ok(begun) = begin()
         {
@@ -168,7 +171,7 @@ fn reach(what: &str, drift: f64) {
         Order::new(JointOrder { joints })
     };
     let mut generator = ReachState::<Irp6>::within(limits);
-    time(what, INPUTS, 200, |i| {
+    time(what, 50, 200, |i| {
         if i == 0 {
             generator = ReachState::within(limits);
             let _ = black_box(generator.first_step(&order(i), &e, &v, t));

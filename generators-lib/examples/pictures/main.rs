@@ -77,6 +77,7 @@ fn plain() -> Sheets {
     let poses = poses.into_iter().collect::<Option<_>>().ok_or("out of range")?;
     let taught = Taught { space: Space::AngleAxis, reference: Reference::Relative, poses };
     let through = vec![joints() + Six::new(0.2, 0.1, 0.0, 0.0, 0.0, 0.1), goal(), joints()];
+    let corners = [at(0.08, 0.0, 0.0), at(0.08, 0.08, 0.04), at(0.0, 0.08, 0.0)];
     let mut step = 0;
     let panel = move || {
         step += 1;
@@ -105,6 +106,9 @@ fn plain() -> Sheets {
             )),
         ),
         ("curve_move", alone(CurveMove::<Irp6, _>::along(helix, along()))),
+        ("joint_via", alone(JointVia::<Irp6>::through(through.clone(), sixth * 0.01, joint_limits()))),
+        ("line_via", alone(LineVia::<Irp6>::through(corners.to_vec(), (0.005, 0.05), smooth()))),
+        ("pose_spline_move", alone(PoseSplineMove::<Irp6>::through(corners.to_vec(), smooth()))),
         ("time_optimal_joints", alone(TimeOptimalJoints::<Irp6>::through(through, fastest()))),
         ("time_optimal_curve", alone(TimeOptimalCurve::along(Irp6::nominal(), helix, fastest()))),
         ("spline_track", alone(spline()?)),
