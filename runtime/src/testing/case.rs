@@ -74,7 +74,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// The last step in which it is done, and the one after it.
+    /// The first step in which it is no longer done.
     pub(super) const fn end(&self) -> u64 {
         let steps = match self.injected {
             Injected::Kill(_) | Injected::Own(_) => return u64::MAX,

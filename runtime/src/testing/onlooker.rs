@@ -1,8 +1,9 @@
 //! Watches what a robot's drives are told: whether it is within the limits, and when the robot moves.
 //!
 //! In: the position demanded of the drives, servo period by servo period. Out: the first demand that no drive should
-//! have got, and the episodes of motion. Velocity and acceleration are the differences of what the drives got; the
-//! runtime's own figures are not asked.
+//! have got, and the episodes of motion. Velocity and acceleration are the differences of what the drives got, over the
+//! time that passed: servo periods that an EDP which was late left out are no demands (SAFETY.md, row 11). The runtime's
+//! own figures are not asked.
 
 use crate::link::Nanos;
 
@@ -24,6 +25,9 @@ pub(crate) struct Onlooker {
     last: Vec<f64>,
     velocity: Vec<f64>,
     ticks: u64,
+    /// The end of the last servo period \[ns\], and the time from the one before it \[s\].
+    told: Nanos,
+    lasted: f64,
     /// When the robot began to move, and when it stood again, time and again \[ns\].
     pub episodes: Vec<(Nanos, Nanos)>,
     /// What was wrong first.
@@ -38,7 +42,18 @@ impl Onlooker {
     pub fn new(name: &str, bounds: Bounds) -> Onlooker {
         let velocity = vec![0.0; bounds.lower.len()];
         let (last, episodes) = (Vec::new(), Vec::new());
-        Onlooker { name: name.to_owned(), bounds, last, velocity, ticks: 0, episodes, wrong: None }
+        let lasted = bounds.servo as f64 * 1e-9;
+        Onlooker {
+            name: name.to_owned(),
+            bounds,
+            last,
+            velocity,
+            ticks: 0,
+            told: 0,
+            lasted,
+            episodes,
+            wrong: None,
+        }
     }
 
     /// The position demanded last [rad or m].
@@ -49,13 +64,16 @@ impl Onlooker {
     /// The drives get `demanded` for the end of a servo period \[ns\].
     pub fn see(&mut self, end: Nanos, demanded: &[f64]) {
         if self.last.is_empty() {
-            self.last = demanded.to_vec();
+            (self.last, self.told) = (demanded.to_vec(), end.saturating_sub(self.bounds.servo));
         }
-        let dt = self.bounds.servo as f64 * 1e-9;
+        let servo = self.bounds.servo as f64 * 1e-9;
+        let dt = (end.saturating_sub(self.told) as f64 * 1e-9).max(servo);
+        // Between the middles of the times over which the two velocities are means.
+        let between = (dt + self.lasted) / 2.0;
         let mut moves = false;
         for (i, &q) in demanded.iter().enumerate() {
             let velocity = (q - self.last[i]) / dt;
-            let acceleration = (velocity - self.velocity[i]) / dt;
+            let acceleration = (velocity - self.velocity[i]) / between;
             moves |= velocity != 0.0;
             let round_off = ROUND_OFF * (1.0 + q.abs());
             let is_within = |x: f64, limit: f64, error: f64| x.abs() <= limit * (1.0 + SHARE) + error;
@@ -67,7 +85,7 @@ impl Onlooker {
             } else if !is_within(velocity, bounds.velocity[i], 2.0 * round_off / dt) {
                 Some("velocity beyond its limit")
             } else if self.ticks > 1
-                && !is_within(acceleration, bounds.acceleration[i], 4.0 * round_off / (dt * dt))
+                && !is_within(acceleration, bounds.acceleration[i], 4.0 * round_off / (servo * servo))
             {
                 Some("acceleration beyond its limit")
             } else {
@@ -82,8 +100,9 @@ impl Onlooker {
             (self.last[i], self.velocity[i]) = (q, velocity);
         }
         self.ticks += 1;
+        let began = self.told.max(end.saturating_sub((dt * 1e9).round() as Nanos));
+        (self.told, self.lasted) = (end, dt);
         if moves {
-            let began = end.saturating_sub(self.bounds.servo);
             match self.episodes.last_mut() {
                 Some((_, stood)) if *stood >= began => *stood = end,
                 Some(_) | None => self.episodes.push((began, end)),

@@ -78,7 +78,7 @@ fn at_the_end(case: &Case, trial: &Trial, calm: &Trial, tolerance: f64) -> Verdi
 /// All robots stand within the bound, and then for good: none that stood when the fault was noticed begins to move.
 fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
     let step = trial.step;
-    // A rate that falls takes its own time.
+    // A rate that falls takes its own time, and drives lie behind their demands.
     let on_path = matches!(case.injected, Injected::Press(_));
     let mut worst = (0, trial.stop_steps.iter().copied().max().unwrap_or(0) + MESSAGES);
     for (robot, &stop) in trial.robots.iter().zip(&trial.stop_steps) {
@@ -88,7 +88,8 @@ fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
             Injected::Stall(ProcessId { role: Role::Edp, name }, _) if is_of(robot, name) => case.end(),
             _ => cause,
         };
-        let bound = if on_path { trial.rate_steps.max(stop) } else { stop } + MESSAGES;
+        let bound = if on_path { (trial.rate_steps + delay(trial).div_ceil(step)).max(stop) } else { stop }
+            + MESSAGES;
         let steps = robot.stood().div_ceil(step).saturating_sub(from);
         if steps > bound {
             let name = &robot.name;
