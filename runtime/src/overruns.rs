@@ -100,6 +100,14 @@ impl Waiter for Timed<'_> {
         self.waiter.news()
     }
 
+    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
+        self.waiter.pressed(kind)
+    }
+
+    fn show(&self, state: &MpState) {
+        self.waiter.show(state);
+    }
+
     fn own_time(&self) -> Nanos {
         let now = self.now();
         let own = self.own.take() + now.saturating_sub(self.woke.replace(now));
@@ -109,14 +117,6 @@ impl Waiter for Timed<'_> {
 
     fn sample(&self, sample: Sample) {
         self.waiter.sample(sample);
-    }
-
-    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
-        self.waiter.pressed(kind)
-    }
-
-    fn show(&self, state: &MpState) {
-        self.waiter.show(state);
     }
 }
 
