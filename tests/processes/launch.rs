@@ -263,6 +263,8 @@ impl Drop for Launch {
 pub struct Period {
     /// Whether they had power, or their brakes applied.
     pub powered: bool,
+    /// Whether their EDP has taken it away, at standstill.
+    pub switched_off: bool,
     /// What the encoders read: positions \[rad\], then velocities [rad/s].
     pub measured: Vec<f64>,
 }
@@ -270,8 +272,13 @@ pub struct Period {
 impl Period {
     fn read(line: &str) -> Period {
         let mut words = line.split(' ');
-        let powered = words.next() == Some("tick");
-        Period { powered, measured: words.map(|word| word.parse().expect("a number")).collect() }
+        let did = words.next();
+        let (powered, switched_off) = (did == Some("tick"), did == Some("off"));
+        Period {
+            powered,
+            switched_off,
+            measured: words.map(|word| word.parse().expect("a number")).collect(),
+        }
     }
 
     /// Whether the robot moves at most at 1e-3 rad/s.

@@ -63,7 +63,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 }
 
 /// Simulated drives that write what they do, in whichever process they are: a line for each servo period, `tick` or
-/// `brake`, and what the encoders read at its end.
+/// `brake`, one when their power is taken away, `off`, and what the encoders read at its end.
 struct Recorded {
     path: Option<PathBuf>,
     drives: SimulatedIrp6,
@@ -108,6 +108,7 @@ impl Driver<Irp6> for Recorded {
 
     fn switch_off(&mut self) {
         self.drives.switch_off();
+        self.write("off", &self.drives.measured());
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

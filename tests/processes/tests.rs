@@ -141,13 +141,20 @@ pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
     for robot in ROBOTS {
         let record = launch.record(robot);
         assert!(
-            is_killed(&format!("edp {robot}")) || record.is_empty() || periods_at_rest(&record) >= 2,
+            is_killed(&format!("edp {robot}")) || record.is_empty() || rests(launch, robot),
             "{robot}: {:?}",
             record.last()
         );
         let drives = launch.drives(robot);
-        assert!(drives.last().is_none_or(Period::stands), "{robot}: {:?}", drives.last());
+        let stands = |last: &Period| last.stands() || last.switched_off;
+        assert!(drives.last().is_none_or(stands), "{robot}: {:?}", drives.last());
     }
+}
+
+/// Whether a robot's demands rest, or its EDP has taken the power from its drives, as it does at standstill.
+fn rests(launch: &Launch, robot: &str) -> bool {
+    periods_at_rest(&launch.record(robot)) >= 2
+        || launch.drives(robot).last().is_some_and(|last| last.switched_off)
 }
 
 fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound() {
@@ -219,7 +226,7 @@ fn fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_
         assert_eq!(launch.end().code(), Some(1), "{role}: {}", launch.said());
         for (robot, stood) in ROBOTS.into_iter().zip(stood) {
             let (record, last) = (launch.record(robot), stood.last().expect("it moved"));
-            assert!(periods_at_rest(&stood) >= 2, "{role}: {robot}");
+            assert!(rests(&launch, robot), "{role}: {robot}");
             assert!(
                 record[stood.len()..].iter().all(|line| demanded(line) == demanded(last)),
                 "{role}: {robot}"

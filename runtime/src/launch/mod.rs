@@ -54,6 +54,10 @@ pub trait Recorder {
 
 /// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
 ///
+/// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
+/// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
+/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP.
+///
 /// ```no_run
 /// # use mrroc::{Cell, CellError, CellFile, Recorder};
 /// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
