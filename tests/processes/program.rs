@@ -1,6 +1,8 @@
 //! The task program of these tests: two arms that are coordinated loosely and tightly, sensors in three modes, and a
 //! record of what each arm was demanded, written by the process that demands it.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
