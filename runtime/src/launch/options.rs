@@ -37,6 +37,8 @@ Options:
                    before it sleeps [default: 0]; for machines with more cores
                    than the cell has processes
   doctor           say what this machine can do for --processes; takes 10 s
+  -q, --quiet      print errors only
+  -h, --help       print this text
 
 From another terminal, to the same cell while it runs by --processes:
   status           say what it does
@@ -44,16 +46,14 @@ From another terminal, to the same cell while it runs by --processes:
   resume           go on
   speed 50%        slow down or speed up on the path, 0% to 100% of the plan
   abort            stop on the path and end the instruction
-  stop             stop on the path and end the cell
+  stop             stop on the path for good, as after a fault
   acknowledge, reset
-                   after a fault: take notice of it, then start again
-  console          any of these, line by line, and take and release, which keep
-                   the control from others meanwhile
-  view             the same as a picture that moves (feature `view`)
+                   after a fault: take notice of it, then start again, in a cell
+                   whose file says after_fault = \"await reset\"
+  console          any of these, line by line; take and release keep the control
+                   from others meanwhile
+  view             all of it as a screen with keys (feature `view`)
 Everybody may stop and abort; the rest is for one console at a time.
-
-  -q, --quiet      print errors only
-  -h, --help       print this text
 
 Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
 the command line was refused; then nothing has moved. From another terminal: 0
