@@ -1,7 +1,7 @@
 //! Time-optimal motion along paths: closed forms, places that need care, and what is refused.
 
 use mrroc::{Pose, Robot};
-use mrroc_generators::curve::{CubicSpline, Curve, Helix, SplineEnds, SplinePoint};
+use mrroc_generators::curve::{CubicSpline, Curve, Helix, Parametric, SplineEnds, SplinePoint};
 use mrroc_generators::profile::Profile;
 use mrroc_generators::timing::*;
 use mrroc_robots::{Irp6, Six};
@@ -45,8 +45,8 @@ fn a_straight_line_takes_the_time_of_the_trapezoid() {
 /// A circle in two joints by its angle: `q'' = -q`, so that the speed is `min(V, sqrt(A))` and each joint reverses twice.
 struct Round;
 
-impl JointPath for Round {
-    type Joints = Vector2<f64>;
+impl Parametric for Round {
+    type Value = Vector2<f64>;
 
     fn range(&self) -> (f64, f64) {
         (0.0, TAU)

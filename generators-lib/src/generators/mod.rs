@@ -2,7 +2,7 @@
 //!
 //! "Uses" is what a step takes besides the function's own state; lines are lines of code. Every class of section 6 of the
 //! paper has at least one. [`combinators`](crate::combinators) make generators out of these.
-//! What some demand over time, and their paths in space, is drawn in the folder `pictures` of this crate.
+//! What each demands over time, and its path in space, is drawn in the folder `pictures` of this crate.
 //!
 #![doc = include_str!("../../classes.md")]
 
@@ -21,8 +21,11 @@ mod guided_body;
 mod jog;
 mod joint_move;
 mod joint_spline;
+mod joint_via;
+mod line_via;
 mod moving_frame;
 mod ordered_force;
+mod pose_spline_move;
 mod reach_state;
 mod replay;
 mod rigid_carry;
@@ -56,8 +59,11 @@ pub use guided_body::GuidedBody;
 pub use jog::Jog;
 pub use joint_move::JointMove;
 pub use joint_spline::JointSpline;
+pub use joint_via::JointVia;
+pub use line_via::LineVia;
 pub use moving_frame::MovingFrame;
 pub use ordered_force::{OrderedForce, Pressing};
+pub use pose_spline_move::PoseSplineMove;
 pub use reach_state::{JointOrder, ReachState};
 pub use replay::Replay;
 pub use rigid_carry::RigidCarry;

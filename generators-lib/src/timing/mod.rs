@@ -21,13 +21,15 @@
 //! Path Parameterization Based on Reachability Analysis* (TRO 2018); its implementation TOPPRA is what tests compare with.
 
 mod cell;
+mod grid;
 mod inverse;
 mod limits;
-mod path;
+
 mod plan;
 mod speeds;
 
+pub use grid::grid;
 pub use inverse::joint_spline;
 pub use limits::{LinearLimit, PathLimits, TimingError, torque_limits};
-pub use path::{JointPath, grid};
+
 pub use plan::TimeOptimal;

@@ -3,8 +3,8 @@
 use mrroc::JointVector;
 
 use super::cell::{Cell, hull};
-use super::{JointPath, LinearLimit, PathLimits, TimingError, speeds};
-use crate::curve::SplinePoint;
+use super::{LinearLimit, PathLimits, TimingError, speeds};
+use crate::curve::{Parametric, SplinePoint};
 use crate::profile::{Profile, ProfileError, ProfilePoint, check_stretch};
 
 /// A place on the grid: when it is passed, where it is, how fast, and the acceleration from there on.
@@ -41,10 +41,10 @@ impl TimeOptimal {
     ///
     /// # Errors
     /// Limits, grid or path that are none; a speed that the limits do not allow.
-    pub fn plan<P: JointPath>(
+    pub fn plan<P: Parametric>(
         path: &P,
         grid: &[f64],
-        limits: &PathLimits<P::Joints>,
+        limits: &PathLimits<P::Value>,
         speeds: [f64; 2],
     ) -> Result<Self, TimingError> {
         Self::with_linear_limits(path, grid, limits, speeds, |_, _| {})
@@ -55,12 +55,12 @@ impl TimeOptimal {
     ///
     /// # Errors
     /// As [`plan`](Self::plan); a place that no motion within the limits passes.
-    pub fn with_linear_limits<P: JointPath>(
+    pub fn with_linear_limits<P: Parametric>(
         path: &P,
         grid: &[f64],
-        limits: &PathLimits<P::Joints>,
+        limits: &PathLimits<P::Value>,
         speeds: [f64; 2],
-        more: impl FnMut(&SplinePoint<P::Joints>, &mut Vec<LinearLimit>),
+        more: impl FnMut(&SplinePoint<P::Value>, &mut Vec<LinearLimit>),
     ) -> Result<Self, TimingError> {
         let problem = Problem::new(path, grid, limits, more)?;
         let sets = problem.controllable(speeds[1])?;
@@ -73,11 +73,11 @@ impl TimeOptimal {
 }
 
 impl Problem {
-    fn new<P: JointPath>(
+    fn new<P: Parametric>(
         path: &P,
         grid: &[f64],
-        limits: &PathLimits<P::Joints>,
-        mut more: impl FnMut(&SplinePoint<P::Joints>, &mut Vec<LinearLimit>),
+        limits: &PathLimits<P::Value>,
+        mut more: impl FnMut(&SplinePoint<P::Value>, &mut Vec<LinearLimit>),
     ) -> Result<Self, TimingError> {
         limits.validate()?;
         let (start, end) = path.range();
@@ -100,7 +100,7 @@ impl Problem {
         let mut rows = 0;
         for (k, point) in cells.iter().flatten().enumerate() {
             let before = linear.len();
-            linear.extend((0..P::Joints::LEN).map(|j| {
+            linear.extend((0..P::Value::LEN).map(|j| {
                 let high = limits.acceleration[j];
                 LinearLimit { a: point.first[j], b: point.second[j], low: -high, high }
             }));

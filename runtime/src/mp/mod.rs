@@ -291,15 +291,19 @@ impl<'w> Mp<'w> {
     fn check_latch(&mut self) -> Result<(), Fault> {
         let Some(fault) = &self.latched else { return Ok(()) };
         let fault = fault.clone();
-        self.refusals += 1;
-        if self.refusals > MAX_REFUSALS {
-            // Ends a program that loops over refused instructions, through the process's own boundary.
-            self.refusals = 0;
-            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
-        }
+        self.refuse();
         // A refused call takes a step: a program that ignores the fault cannot stop the cell's time.
         self.clock.spend();
         self.begin_step()?;
         Err(fault)
+    }
+
+    /// Ends a program that loops over refused instructions, through the process's own boundary.
+    fn refuse(&mut self) {
+        self.refusals += 1;
+        if self.refusals > MAX_REFUSALS {
+            self.refusals = 0;
+            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
+        }
     }
 }
