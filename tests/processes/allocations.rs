@@ -5,8 +5,7 @@ use std::cell::Cell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The variable that names the folder of the counts.
-pub const COUNTS: &str = "MRROC_TEST_COUNTS";
+use crate::launch::COUNTS;
 
 /// Steps after which a process is warm, and those in which it is counted.
 const WARM: u64 = 100;

@@ -8,6 +8,9 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
+/// The variable that names the folder of what is counted of processes.
+pub const COUNTS: &str = "MRROC_TEST_COUNTS";
+
 /// How long anything may take before it counts as hanging.
 const LIVENESS: Duration = Duration::from_secs(120);
 
@@ -43,7 +46,7 @@ impl Place {
 
     /// Starts the program; the counts of what its processes allocate go to a folder of this name.
     pub fn count(&self, counts: &str, arguments: &[&str]) -> Launch {
-        self.start_for(crate::allocations::COUNTS, counts, arguments)
+        self.start_for(COUNTS, counts, arguments)
     }
 
     /// Starts the program with a variable that names a folder of its own.
