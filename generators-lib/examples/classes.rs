@@ -52,6 +52,7 @@ pub const ROWS: &[Row] = &rows! {
     delay: Delay<Irp6>,
     eye_in_hand: EyeInHand<Irp6, Wrist>,
     follow_master: FollowMaster<Two, StraightBody>,
+    followed_frame: FollowedFrame<Irp6, Wrist>,
     force_law: ForceLaw<Irp6, Wrist>,
     guarded_approach: GuardedApproach<Irp6, Wrist>,
     guided_body: GuidedBody<Two, [Wrist; 2]>,

@@ -143,6 +143,7 @@ fn enum_body<'a>(
             #(let hash = #krate::__private1::layout_hash(hash, #names);)*
             hash
         };
+        const SHAPE: &'static #krate::__private1::Shape = &#krate::__private1::Shape::Choice(&[#(#names),*]);
         fn put(&self, words: &mut [u64]) {
             words[0] = match self {
                 #(Self::#variants => #words,)*
@@ -172,11 +173,13 @@ fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStrea
         Member::Named(ident) => ident.to_string(),
         Member::Unnamed(index) => index.index.to_string(),
     });
+    let names: Vec<_> = names.collect();
     let text = name.to_string();
     if types.is_empty() {
         return quote! {
             const LEN: usize = 0;
             const LAYOUT: u64 = #krate::__private1::layout_hash(1, #text);
+            const SHAPE: &'static #krate::__private1::Shape = &#krate::__private1::Shape::Fields(&[]);
             fn put(&self, _: &mut [u64]) {}
             fn get(_: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
                 ::core::result::Result::Ok(Self {})
@@ -191,6 +194,8 @@ fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStrea
             #(let hash = #krate::__private1::layout_hash(hash ^ __FIELDS.#field.layout, #names);)*
             hash
         };
+        const SHAPE: &'static #krate::__private1::Shape =
+            &#krate::__private1::Shape::Fields(&[#((#names, __FIELDS.#field.shape)),*]);
         fn put(&self, words: &mut [u64]) {
             #(let words = __FIELDS.#field.put(&self.#members, words);)*
             let _ = words;

@@ -273,8 +273,34 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         self.fault.map_or(Ok(self.measured), Err)
     }
 
+    /// Not where motors hold on by limiting their current: a gripper keeps its grip.
+    fn has_brakes(&self) -> bool {
+        self.drives.iter().all(|drive| drive.data.overload != Overload::Limit)
+    }
+
+    fn switch_off(&mut self) {
+        self.brake();
+    }
+
+    /// The brakes bring to rest what a trip left moving.
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        while self.drives.iter().any(|drive| drive.plant.speed() != 0.0) {
+            self.brake();
+        }
+        self.reset();
+        Ok(())
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         joint < N && RegulatorSet::numbered(set).is_some()
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<SVector<f64, N>> {
+        Simulated::brake(self)
     }
 
     fn choose_regulators(&mut self, sets: &Regulators) {

@@ -60,7 +60,7 @@ impl TwoArms {
     /// Runs a cell of the two arms, the second with a wrist sensor.
     fn run(
         self,
-        program: impl FnOnce(&mut Mp, Both) -> Result<(), Fault> + 'static,
+        mut program: impl FnMut(&mut Mp, Both) -> Result<(), Fault> + 'static,
     ) -> Result<(), CellError> {
         let [one, two] = self.drives;
         let wrist = SimulatedWrist::new(two.hand());
@@ -260,7 +260,7 @@ fn a_wrist_that_saturates_ends_the_cell_with_the_name_of_its_sensor() {
         let mut wrist = mp.sensor::<WristForce>("wrist")?;
         hands[0].close()?;
         hands[1].close()?;
-        mp.wait_at_most((&mut one, &mut two), (&mut wrist,), Feel(seen), 1000).map(drop)
+        mp.wait_at_most((&mut one, &mut two), (&mut wrist,), Feel(Rc::clone(&seen)), 1000).map(drop)
     });
     let Err(CellError::Fault(fault)) = outcome else { panic!("{outcome:?}") };
     assert_eq!(fault.kind(), FaultKind::SensorFailed);

@@ -10,6 +10,7 @@ use mrroc_robots::{
 const DURATION: f64 = 2.0;
 
 /// Moves all joints a little, there and back; the speed begins and ends with zero.
+#[derive(Clone)]
 struct Wave<R: Robot> {
     start: R::Joints,
     size: R::Joints,
@@ -61,7 +62,7 @@ fn waves<const N: usize, R: Kinematics<N>>(kind: &str, robot: &R, start: [f64; N
         .unwrap_or_else(|why| panic!("{kind}: {why}"))
         .program(move |mp| {
             let mut robot = mp.robot::<R>("a")?;
-            mp.move_robots((&mut robot,), (), wave)?;
+            mp.move_robots((&mut robot,), (), wave.clone())?;
             let (measured, flange) = (robot.measured().joints, robot.demanded().pose);
             assert!((measured - start).amax() < 1e-3, "{measured}");
             let off = flange.translation.vector - expected.translation.vector;

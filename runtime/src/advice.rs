@@ -112,6 +112,12 @@ impl Fault {
                     "look at the virtual sensor: `aggregate` must answer, and in time for the motions that read it",
                 );
             }
+            K::Overrun => {
+                return Some(
+                    "the machine gives its processes too little time: see `doctor`; write a [realtime] table or a longer step_ms in \
+                     cell.toml",
+                );
+            }
             K::TimedOut => {
                 return Some("allow the Wait more steps, or handle the time-out: match on `Fault::kind`");
             }

@@ -6,6 +6,7 @@ use crate::driver::Regulators;
 use crate::joints::{JointVector, MAX_JOINTS};
 use crate::pose::{AngleAxis, Pose, Zyz};
 use crate::robot::Robot;
+use crate::shape::Shape;
 use crate::wire::{BadWords, Wire};
 
 /// One representation of the next state of a robot of kind `R`, and optionally the tool that it refers to, the value of
@@ -218,6 +219,7 @@ impl<R: Robot> Demand<R> {
 impl<R: Robot> Wire for Demand<R> {
     const LEN: usize = 1 + MAX_JOINTS + 7 + 2;
     const LAYOUT: u64 = crate::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::Demand");
+    const SHAPE: &'static Shape = &Shape::Demand;
 
     fn put(&self, words: &mut [u64]) {
         let (head, body) = words.split_at_mut(1);

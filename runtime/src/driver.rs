@@ -28,9 +28,33 @@ pub trait Driver<R: Robot> {
     /// One servo period: the drives take the joint position `demanded` for its end [rad or m];
     /// returns what the encoders read at its end.
     ///
+    /// In real time an EDP that wakes late leaves out the periods that are over: the position is then the one that is due
+    /// for the end of the present period, on the same curve and so many periods further.
+    ///
     /// # Errors
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
+
+    /// Whether the robot holds by brakes when its drives have no power. Drives without them, and that is what a driver is
+    /// taken for that does not say otherwise, go on holding after a fault stop and are ticked on: what holds a body by its
+    /// drives alone, as a gripper does, must not let go.
+    fn has_brakes(&self) -> bool {
+        false
+    }
+
+    /// Takes the power away from a robot that stands and applies its [brakes](Driver::has_brakes), after a fault stop; the
+    /// next call is [`switch_on`](Driver::switch_on).
+    fn switch_off(&mut self) {}
+
+    /// Powers the drives at a reset, after a trip or a [`switch_off`](Driver::switch_off), where the robot stands: the next
+    /// tick's position is what [`measured`](Driver::measured) gives after it. Drives that come on by themselves need not
+    /// say more.
+    ///
+    /// # Errors
+    /// [`DriveFault`] while a drive cannot come on: the cell stays latched.
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        Ok(())
+    }
 
     /// Whether the regulator of `joint` has a parameter set of this number. Set 0, the usual one, is always there.
     fn has_regulator(&self, _joint: usize, set: u8) -> bool {
@@ -39,6 +63,18 @@ pub trait Driver<R: Robot> {
 
     /// Chooses the parameter sets of the regulators from the next tick on: only sets that there are.
     fn choose_regulators(&mut self, _sets: &Regulators) {}
+
+    /// Whether they are simulated. Where a cell runs as processes of the operating system, all its simulated drives are in
+    /// one of their own, `plant`, which outlives their EDPs as real drives do; real ones are reached by their EDP itself.
+    fn is_simulated(&self) -> bool {
+        false
+    }
+
+    /// One servo period without power and with the brakes applied; returns what the encoders read at its end. Simulated
+    /// drives alone are asked, once demands have stayed away for too long: real ones do it by themselves.
+    fn brake(&mut self) -> Measured<R::Joints> {
+        self.measured()
+    }
 }
 
 /// Which parameter set the regulator of each joint works with: the dynamic behaviour of a robot.

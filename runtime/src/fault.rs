@@ -100,6 +100,8 @@ fault_kinds! {
     NoRegulator = 25: Stopped, "the drive has no such regulator";
     /// A guard of the cell saw what must not go on: a protective stop on the path.
     ProtectiveStop = 26: Stopped, "protective stop";
+    /// A process was late for too many steps.
+    Overrun = 27: Stopped, "too many steps were missed";
     /// The cell is closing: the MP's program is over.
     CellClosed = 24: Refused, "the MP's program is over";
     /// A message could not be read.
@@ -153,20 +155,25 @@ pub enum Role {
     Edp,
     /// Virtual sensor process.
     Vsp,
+    /// The simulated drives of a cell, where they are a process of their own.
+    Plant,
 }
 
-/// Who a process is: `mp`, `ecp rnt`, `edp rnt`, `vsp force`.
+/// Who a process is: `mp`, `ecp rnt`, `edp rnt`, `vsp force`, `plant`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProcessId {
     /// What it does.
     pub role: Role,
-    /// Whose it is; `None` for the MP.
+    /// Whose it is; `None` for the MP and the plant.
     pub name: Option<Name>,
 }
 
 impl ProcessId {
     /// The MP.
     pub const MP: ProcessId = ProcessId { role: Role::Mp, name: None };
+
+    /// The simulated drives.
+    pub const PLANT: ProcessId = ProcessId { role: Role::Plant, name: None };
 
     /// The process of a robot or a sensor.
     #[must_use]
@@ -182,6 +189,7 @@ impl fmt::Display for ProcessId {
             Role::Ecp => "ecp",
             Role::Edp => "edp",
             Role::Vsp => "vsp",
+            Role::Plant => "plant",
         };
         match &self.name {
             Some(name) => write!(f, "{role} {name}"),
@@ -477,6 +485,7 @@ impl Wire for FaultWords {
             Some(1) => Some(Role::Ecp),
             Some(2) => Some(Role::Edp),
             Some(3) => Some(Role::Vsp),
+            Some(4) => Some(Role::Plant),
             Some(_) => return Err(BadWords),
         };
         let process = role.map(|role| ProcessId { role, name: Name::get(&words[8..11]).ok() });

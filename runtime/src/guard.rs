@@ -62,6 +62,17 @@ impl Guard {
         }
     }
 
+    /// It is to look at the next chance, at what robots report from now on.
+    pub fn forget(&mut self) {
+        self.looked = None;
+        self.known.fill(false);
+    }
+
+    /// Whether it still looks: a watch that has panicked does not.
+    pub const fn is_awake(&self) -> bool {
+        self.watch.is_some()
+    }
+
     /// Looks, once all robots have reported. A watch that panics is not called again by the stop that follows.
     pub fn look(&mut self, step: u64) -> Result<(), Fault> {
         if self.known.contains(&false) {

@@ -8,6 +8,7 @@ use core::time::Duration;
 use crate::driver::{DriveFault, Driver, Homing, Search};
 use crate::edp::guarded;
 use crate::fault::{Fault, FaultKind, ProcessId};
+use crate::latch::{Admission, Asked, Gate};
 use crate::link::{Nanos, Server, Waiter};
 use crate::message::{Kind, Message, RequestKind, flag};
 use crate::robot::Robot;
@@ -55,23 +56,30 @@ impl<R: Robot, H: Homing<R, Drives: 'static>> AnyHoming<R> for Option<H> {
     }
 }
 
-/// Searches and answers until the marks are found; `None` when the cell closes before.
+/// Searches and answers until the marks are found: the drives, and the gate of the process that has them. `None` when the
+/// cell closes before.
 pub(crate) fn home<R: Robot>(
     process: ProcessId,
     waiter: &dyn Waiter,
     port: &dyn Server,
     mut homing: Box<dyn AnyHoming<R>>,
-) -> Option<Box<dyn Driver<R>>> {
+) -> Option<(Box<dyn Driver<R>>, Gate)> {
     let period = homing.period();
     let servo = period.as_nanos() as Nanos;
     let mut next_tick = waiter.now() + servo / 2;
     let (mut request, mut state, mut suspended) = (Message::empty(), State::Searching, false);
+    let mut gate = Gate::default();
     loop {
         waiter.wait(Some(next_tick)).ok()?;
         while port.receive(&mut request) {
+            let (next, admission) = gate.meet(request.header.epoch, asked(&request), !state.searches());
+            gate = next;
             match request.header.kind {
+                _ if admission == Admission::Ignored => continue,
                 Kind::Request(RequestKind::Query) => suspended = request.is(flag::SUSPENDED),
                 Kind::Request(RequestKind::Stop) => state.end(None),
+                // The search goes on where it was. One that has failed has nothing left to search with.
+                Kind::Request(RequestKind::Reset) if admission == Admission::Done => state.resume(),
                 _ => state.end(Some(Fault::new(FaultKind::Message).in_process(process))),
             }
             port.reply(&answer(&request, &state));
@@ -83,7 +91,7 @@ pub(crate) fn home<R: Robot>(
                 State::Searching if suspended => {}
                 State::Searching => match guarded(|| homing.search()) {
                     Ok(Ok(None)) => {}
-                    Ok(Ok(Some(driver))) if driver.period() == period => return Some(driver),
+                    Ok(Ok(Some(driver))) if driver.period() == period => return Some((driver, gate)),
                     Ok(Ok(Some(_))) => {
                         let text = "the drives that homing found have another servo period than homing";
                         state.end(Some(Fault::thrown(text).in_process(process)));
@@ -108,6 +116,17 @@ enum State {
 }
 
 impl State {
+    const fn searches(&self) -> bool {
+        matches!(self, State::Searching)
+    }
+
+    /// A reset: what was only stopped goes on.
+    fn resume(&mut self) {
+        if let State::Ended { fault: None, .. } = self {
+            *self = State::Searching;
+        }
+    }
+
     /// The first fault is kept.
     fn end(&mut self, fault: Option<Fault>) {
         match self {
@@ -117,8 +136,18 @@ impl State {
     }
 }
 
+/// What a request asks, as far as the gate is concerned: no demand is taken here.
+const fn asked(request: &Message) -> Asked {
+    match request.header.kind {
+        Kind::Request(RequestKind::Stop) => Asked::Stop,
+        Kind::Request(RequestKind::Reset) => Asked::Reset,
+        _ => Asked::Look,
+    }
+}
+
 fn answer(request: &Message, state: &State) -> Message {
     let mut reply = Message::new(Kind::Reply);
+    reply.header.epoch = request.header.epoch;
     (reply.header.step, reply.header.instruction) = (request.header.step, request.header.instruction);
     match state {
         State::Searching => reply.header.flags = flag::HOMING,

@@ -59,6 +59,11 @@ extern crate self as mrroc;
 
 mod advice;
 mod braking;
+#[cfg_attr(
+    not(all(feature = "processes", target_os = "linux")),
+    allow(dead_code, reason = "consoles are processes")
+)]
+mod button;
 mod cell;
 mod cell_file;
 mod class;
@@ -75,6 +80,7 @@ mod homing;
 mod image;
 mod interpolation;
 mod joints;
+mod latch;
 mod launch;
 mod limits;
 mod link;
@@ -83,24 +89,34 @@ mod message;
 mod mp;
 mod name;
 mod operator;
+mod overruns;
 mod payload;
+mod plant;
+mod plausible;
 mod pose;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod processes;
 mod realtime;
+mod recording;
+mod replay;
 mod robot;
 mod sensing;
+mod shape;
 mod step;
 mod step_fn;
 mod stopping;
 mod suggestion;
 mod task_space;
+pub mod testing;
 mod transparent;
+#[cfg(all(feature = "view", target_os = "linux"))]
+mod view;
 mod vsp;
 mod wire;
+mod witness;
 mod wrench;
 
-pub use cell::{Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
+pub use cell::{AfterFault, Cell, CellError, Observation, RobotSetup, RunReport, SensorSetup};
 pub use cell_file::{CellFile, CellFileError, Kinds, RobotEntry};
 pub use class::{Class, Level, Uses};
 pub use demand::Demand;
@@ -113,7 +129,8 @@ pub use guard::RobotView;
 pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
-pub use launch::{Recorder, launch};
+pub use latch::{Latch, LatchRefusal};
+pub use launch::{Clock, Launch, Ran, Recorder, launch};
 pub use list::{
     AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
     SensorList, SensorsEach, SensorsOf,
@@ -122,8 +139,10 @@ pub use mp::Mp;
 pub use name::{BadName, MAX_NAME, Name};
 pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
+pub use plausible::Plausible;
 pub use pose::{AngleAxis, Pose, Zyz};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
+pub use shape::Shape;
 pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;
 pub use vsp::{EffectorState, ReadingOrder, VirtualSensor, VspMode};

@@ -11,6 +11,9 @@ pub enum Kind {
     Order(OrderKind),
     /// ECP to EDP.
     Request(RequestKind),
+    /// EDP to the plant: what simulated drives are to do in a servo period. Body: which choice of regulators it is, the
+    /// regulators, the joint positions.
+    Command,
     /// To a VSP: take a reading. Body: configuration, then the associated robot's state.
     Read,
     /// The answer to any of these. Body: the image of the robot, or the reading.
@@ -36,6 +39,8 @@ pub enum OrderKind {
     Brake,
     /// Stop and latch.
     Stop,
+    /// Leave the latch, with the order's new epoch: drives on, nothing moves, the program starts again.
+    Reset,
 }
 
 /// What an ECP tells its EDP.
@@ -49,6 +54,8 @@ pub enum RequestKind {
     Brake,
     /// Stop and latch.
     Stop,
+    /// Leave the latch: hold where the robot is.
+    Reset,
 }
 
 /// Facts that a message states by a bit.
@@ -80,6 +87,8 @@ pub struct Header {
     pub kind: Kind,
     /// Bits of [`flag`].
     pub flags: u32,
+    /// Resets of the cell that were tried before it was sent: of an earlier epoch it moves nothing.
+    pub epoch: u32,
     /// Index of the step that it belongs to.
     pub step: u64,
     /// Ordinal of the instruction that it belongs to.
@@ -116,6 +125,7 @@ impl Message {
         let header = Header {
             kind,
             flags: 0,
+            epoch: 0,
             step: 0,
             instruction: 0,
             len: 0,

@@ -1,12 +1,29 @@
-//! The operator: start, suspend, resume, abort, speed.
+//! The operator: suspend, resume, abort, stop, speed; and after a fault acknowledge, reset.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::fault::Fault;
+use crate::latch::{Event, Latch, LatchRefusal, Latching};
 
 /// The operator's handle of a cell. It may be cloned and used from any thread.
 ///
 /// Speed and Suspend scale the path time of every step with a bounded change of rate, so that the robots slow
-/// down on their paths; Abort stops on the path too and then ends the instruction with a fault.
+/// down on their paths; Abort stops on the path too and then ends the instruction with a fault; Stop ends the cell so.
+///
+/// After a fault stop the cell is latched. One that [awaits a reset](crate::AfterFault) starts its programs again when
+/// its operator has acknowledged the fault and then pressed the reset:
+///
+/// ```
+/// # use mrroc::{Latch, Operator};
+/// # fn react(operator: &Operator) -> Result<(), mrroc::LatchRefusal> {
+/// if let (Latch::Latched, Some(fault)) = (operator.latch(), operator.fault()) {
+///     println!("{fault}");
+///     operator.acknowledge()?;
+///     operator.reset()?;
+/// }
+/// # Ok(()) }
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Operator {
     panel: Arc<Panel>,
@@ -17,8 +34,22 @@ struct Panel {
     /// Bits of the speed, counted from those of full speed, which is the default.
     speed: AtomicU64,
     suspended: AtomicBool,
+    /// Told to stop, which no step has heard yet.
+    stops: AtomicBool,
     /// One of the stages below.
     stage: AtomicU8,
+    /// A [`Latching`] in one word.
+    latching: AtomicU8,
+    /// What is latched. Written at standstill alone.
+    report: Mutex<Report>,
+    given_up: AtomicBool,
+}
+
+/// What an operator is told of a latched cell.
+#[derive(Debug, Default)]
+struct Report {
+    cause: Option<Fault>,
+    persisting: Option<Fault>,
 }
 
 /// No Move or Wait of the MP is at work.
@@ -77,6 +108,17 @@ impl Operator {
         let _ = self.panel.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
     }
 
+    /// Stops all robots on their paths for good: the cell stops with a fault of kind `ProtectiveStop`, which is latched at
+    /// standstill. Pressed while nothing runs, it stops the next instruction before it moves anything.
+    pub fn stop(&self) {
+        self.panel.stops.store(true, Ordering::Release);
+    }
+
+    /// Whether the cell was told to stop, once.
+    pub(crate) fn take_stop(&self) -> bool {
+        self.panel.stops.swap(false, Ordering::AcqRel)
+    }
+
     /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
     /// be aborted.
     #[must_use]
@@ -88,6 +130,97 @@ impl Operator {
     #[must_use]
     pub fn is_suspended(&self) -> bool {
         self.panel.suspended.load(Ordering::Acquire)
+    }
+
+    /// Where the cell is between a fault and its restart.
+    #[must_use]
+    pub fn latch(&self) -> Latch {
+        Latching::from_word(self.panel.latching.load(Ordering::Acquire)).latch
+    }
+
+    /// The first cause of the stop, once the robots stand.
+    #[must_use]
+    pub fn fault(&self) -> Option<Fault> {
+        self.report(|report| report.cause.clone())
+    }
+
+    /// What forbids a reset, or made the last one fail: a process that does not answer, a robot that moves, a drive that
+    /// does not come on again, what a guard sees.
+    #[must_use]
+    pub fn persisting(&self) -> Option<Fault> {
+        self.report(|report| report.persisting.clone())
+    }
+
+    /// Acknowledges the fault that is latched. Nothing moves by it.
+    ///
+    /// # Errors
+    /// [`LatchRefusal`]: there is none, or the robots do not stand yet.
+    pub fn acknowledge(&self) -> Result<(), LatchRefusal> {
+        self.meet(Event::Acknowledge)
+    }
+
+    /// Resets an acknowledged fault, as a button that is pressed and let go: drives come on where the robots are, and the
+    /// programs start again from their first line. Nothing moves before a program orders it. Where a reset fails, the cell
+    /// is latched again: see [`persisting`](Operator::persisting).
+    ///
+    /// # Errors
+    /// [`LatchRefusal`]: why it does nothing.
+    pub fn reset(&self) -> Result<(), LatchRefusal> {
+        let pressed = self.press_reset(true);
+        if pressed != Err(LatchRefusal::Held) {
+            self.press_reset(false)?;
+        }
+        pressed
+    }
+
+    /// The level of a reset button, for whom has one: what counts is its rising edge after the acknowledgement.
+    ///
+    /// # Errors
+    /// [`LatchRefusal`]: why pressing it does nothing; it has to be let go and pressed again.
+    pub fn press_reset(&self, pressed: bool) -> Result<(), LatchRefusal> {
+        self.meet(Event::Reset { pressed })
+    }
+
+    /// Ends a cell that awaits a reset: it returns with the first cause. Before a fault it makes the next one end the cell.
+    pub fn give_up(&self) {
+        self.panel.given_up.store(true, Ordering::Release);
+    }
+
+    pub(crate) fn has_given_up(&self) -> bool {
+        self.panel.given_up.load(Ordering::Acquire)
+    }
+
+    /// Something happened to the latch.
+    pub(crate) fn meet(&self, event: Event) -> Result<(), LatchRefusal> {
+        let latching = &self.panel.latching;
+        let mut word = latching.load(Ordering::Acquire);
+        loop {
+            let (next, outcome) = Latching::from_word(word).meet(event);
+            match latching.compare_exchange(word, next.to_word(), Ordering::AcqRel, Ordering::Acquire) {
+                Ok(_) => return outcome,
+                Err(other) => word = other,
+            }
+        }
+    }
+
+    /// All robots stand for a cause, or as far as they can be brought to.
+    pub(crate) fn show_cause(&self, cause: &Fault) {
+        self.report(|report| report.cause = Some(cause.clone()));
+    }
+
+    /// What forbids a reset now, or made the last one fail.
+    pub(crate) fn show_persisting(&self, persisting: Option<Fault>) {
+        self.report(|report| report.persisting = persisting);
+    }
+
+    /// The programs start again: nothing is latched any more.
+    pub(crate) fn forget(&self) {
+        self.report(|report| *report = Report::default());
+    }
+
+    fn report<T>(&self, look: impl FnOnce(&mut Report) -> T) -> T {
+        // A report is whole whatever a thread that held it did.
+        look(&mut self.panel.report.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     pub(crate) fn is_aborting(&self) -> bool {

@@ -1,5 +1,6 @@
 //! The typed payloads of orders, readings and sensor configurations.
 
+use crate::shape::Shape;
 use crate::wire::{BadWords, WORDS, Wire};
 
 /// What travels between processes as one value: an MP's order, a sensor's reading or its configuration.
@@ -37,6 +38,7 @@ pub struct Nudge;
 impl Wire for Nudge {
     const LEN: usize = 0;
     const LAYOUT: u64 = crate::wire::layout_hash(0, "mrroc::Nudge");
+    const SHAPE: &'static Shape = &Shape::Fields(&[]);
     fn put(&self, _: &mut [u64]) {}
     fn get(_: &[u64]) -> Result<Self, crate::wire::BadWords> {
         Ok(Nudge)

@@ -8,6 +8,7 @@ use crate::robot::Robot;
 use crate::wire::{BadWords, WORDS, Wire};
 
 pub use crate::list::PayloadType;
+pub use crate::shape::Shape;
 pub use crate::step::{IntoStep, IntoVerdict};
 pub use crate::step_fn::{first_in_ecp, first_in_mp, until};
 pub use crate::wire::layout_hash;
@@ -19,6 +20,8 @@ pub struct Field<T> {
     pub len: usize,
     /// The layout of its type.
     pub layout: u64,
+    /// What its words say.
+    pub shape: &'static Shape,
     put: fn(&T, &mut [u64]),
     get: fn(&[u64]) -> Result<T, BadWords>,
 }
@@ -26,7 +29,7 @@ pub struct Field<T> {
 /// A field of type `T`.
 #[must_use]
 pub const fn field<T: Wire>() -> Field<T> {
-    Field { len: T::LEN, layout: T::LAYOUT, put: T::put, get: T::get }
+    Field { len: T::LEN, layout: T::LAYOUT, shape: T::SHAPE, put: T::put, get: T::get }
 }
 
 impl<T> Field<T> {

@@ -1,6 +1,7 @@
 //! The asking side of virtual sensors, the same in an MP and in an ECP.
 
 use core::any::TypeId;
+use std::rc::Rc;
 
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::image::{Reading, Sensor, SensorImage};
@@ -8,8 +9,12 @@ use crate::link::{Client, Nanos, Waiter};
 use crate::list::{SensorHandle, SensorList, SensorsOf};
 use crate::message::{Kind, Message};
 use crate::name::Name;
+use crate::replay::ReadingTape;
+use crate::replay::readings::RecordedReading;
+use crate::shape::Shape;
 use crate::suggestion::suggestion;
 use crate::vsp::{Boards, CONFIGURATION_WORDS, MAX_AGE};
+use crate::witness::{ReadingState, Tap, What};
 
 /// How a virtual sensor is asked.
 pub(crate) enum Source {
@@ -19,6 +24,8 @@ pub(crate) enum Source {
     WithDelay(Box<dyn Client>),
     /// Free-running: the latest reading, and where it looks for orders.
     NonInteractive(Boards),
+    /// In a replay: what the recording says was collected.
+    Recorded(Rc<ReadingTape>),
 }
 
 /// One virtual sensor as a process sees it.
@@ -28,6 +35,8 @@ pub(crate) struct SensorPort {
     /// Place of the robot that the sensor belongs to.
     pub robot: Option<usize>,
     pub source: Source,
+    /// What its readings' words say.
+    shape: &'static Shape,
     pub taken: bool,
     order: Message,
     reply: Message,
@@ -39,13 +48,19 @@ pub(crate) struct SensorPort {
 }
 
 impl SensorPort {
-    pub fn new(name: Name, kind: TypeId, robot: Option<usize>, source: Source) -> SensorPort {
+    pub fn new(
+        name: Name,
+        (kind, shape): (TypeId, &'static Shape),
+        robot: Option<usize>,
+        source: Source,
+    ) -> SensorPort {
         let (order, reply) = (Message::new(Kind::Read), Message::empty());
         SensorPort {
             name,
             kind,
             robot,
             source,
+            shape,
             taken: false,
             order,
             reply,
@@ -85,6 +100,7 @@ impl SensorPort {
                 }
                 boards.orders.write(&self.order);
             }
+            Source::Recorded(_) => {}
         }
         self.asked = Some(step);
     }
@@ -98,6 +114,8 @@ impl SensorPort {
             // One that has never read is as old as the first order.
             Source::NonInteractive(_) => read.or(Some(self.since)),
             Source::Interactive(_) => read,
+            // The run that was recorded has judged it.
+            Source::Recorded(_) => None,
         }
     }
 
@@ -122,11 +140,34 @@ impl SensorPort {
             Source::NonInteractive(boards) => {
                 self.read = boards.readings.read(&mut self.reply) || self.read;
             }
+            Source::Recorded(tape) => match tape.collect(self.order.header.step) {
+                None | Some(RecordedReading { state: ReadingState::Lost, .. }) => {
+                    return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
+                }
+                Some(RecordedReading { state: ReadingState::None, .. }) => {}
+                Some(recorded) => self.read = recorded.put(&mut self.reply),
+            },
         }
         if self.read && self.reply.header.kind == Kind::Fault {
             return Err(self.reply.fault().in_process(ProcessId::new(Role::Vsp, self.name)));
         }
         Ok(())
+    }
+
+    /// Shows what was collected in a step.
+    fn show(&self, collected: &Result<(), Fault>, step: u64, tap: &Tap, now: Nanos) {
+        let state = match collected {
+            Ok(()) if self.read => ReadingState::There,
+            Ok(()) => ReadingState::None,
+            Err(_) if self.read && self.reply.header.kind == Kind::Fault => ReadingState::Fault,
+            Err(_) => ReadingState::Lost,
+        };
+        let words = match state {
+            ReadingState::There | ReadingState::Fault => self.reply.words(),
+            ReadingState::None | ReadingState::Lost => &[],
+        };
+        let (sensor, shape, taken) = (self.name, self.shape, self.reply.header.step);
+        tap.show(now, &What::Reading { sensor, step, state, taken, shape }, words);
     }
 
     fn fault(&self, kind: FaultKind) -> Fault {
@@ -139,6 +180,8 @@ pub(crate) struct Sensing {
     pub ports: Vec<SensorPort>,
     /// Time that a reading may take \[ns\].
     pub patience: Nanos,
+    /// Where what was collected is shown.
+    pub tap: Tap,
 }
 
 impl Sensing {
@@ -167,6 +210,11 @@ impl Sensing {
             return Err(config(&format!("sensor `{name}` has a handle already: pass that one on")));
         }
         Ok(SensorHandle { index, name: port.name, configuration, image: SensorImage::unknown() })
+    }
+
+    /// Programs start again: each sensor has its handle to give.
+    pub fn release(&mut self) {
+        self.ports.iter_mut().for_each(|port| port.taken = false);
     }
 
     /// The robot that the sensor at a place of a list belongs to.
@@ -205,7 +253,9 @@ impl Sensing {
         let deadline = waiter.now() + self.patience;
         for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
             let port = &mut self.ports[index];
-            port.collect(waiter, deadline)?;
+            let collected = port.collect(waiter, deadline);
+            port.show(&collected, step, &self.tap, waiter.now());
+            collected?;
             let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
             if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > MAX_AGE) {
                 let stale = port.fault(FaultKind::SensorStale);

@@ -6,6 +6,7 @@
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::pose::Pose;
+use crate::shape::Shape;
 
 /// Words in the body of a message.
 pub const WORDS: usize = 56;
@@ -27,6 +28,9 @@ pub trait Wire: Copy + 'static {
 
     /// A hash of the type's name and fields: two processes that disagree about a type see different layouts.
     const LAYOUT: u64;
+
+    /// What the words say, for those who look at a recording; unless a type says more, that they are words.
+    const SHAPE: &'static Shape = &Shape::Words(Self::LEN);
 
     /// Writes the value into the first [`LEN`](Wire::LEN) words.
     fn put(&self, words: &mut [u64]);
@@ -52,11 +56,12 @@ pub const fn layout_hash(seed: u64, text: &str) -> u64 {
 }
 
 macro_rules! wire_numbers {
-    ($($number:ty: $to:expr, $from:expr;)*) => {$(
+    ($($number:ty, $shape:ident: $to:expr, $from:expr;)*) => {$(
         #[allow(clippy::redundant_closure_call)] // some are closures, some are functions
         impl Wire for $number {
             const LEN: usize = 1;
             const LAYOUT: u64 = layout_hash(0, stringify!($number));
+            const SHAPE: &'static Shape = &Shape::$shape;
             fn put(&self, words: &mut [u64]) {
                 const TO: fn($number) -> u64 = $to;
                 words[0] = TO(*self);
@@ -70,20 +75,21 @@ macro_rules! wire_numbers {
 }
 
 wire_numbers! {
-    f64: f64::to_bits, |word| Some(f64::from_bits(word));
-    f32: |x| u64::from(x.to_bits()), |word| u32::try_from(word).ok().map(f32::from_bits);
-    u64: |x| x, Some;
-    u32: u64::from, |word| u32::try_from(word).ok();
-    u16: u64::from, |word| u16::try_from(word).ok();
-    u8: u64::from, |word| u8::try_from(word).ok();
-    i64: i64::cast_unsigned, |word| Some(word.cast_signed());
-    i32: |x| i64::from(x).cast_unsigned(), |word| i32::try_from(word.cast_signed()).ok();
-    bool: u64::from, |word| match word { 0 => Some(false), 1 => Some(true), _ => None };
+    f64, Float: f64::to_bits, |word| Some(f64::from_bits(word));
+    f32, Single: |x| u64::from(x.to_bits()), |word| u32::try_from(word).ok().map(f32::from_bits);
+    u64, Unsigned: |x| x, Some;
+    u32, Unsigned: u64::from, |word| u32::try_from(word).ok();
+    u16, Unsigned: u64::from, |word| u16::try_from(word).ok();
+    u8, Unsigned: u64::from, |word| u8::try_from(word).ok();
+    i64, Signed: i64::cast_unsigned, |word| Some(word.cast_signed());
+    i32, Signed: |x| i64::from(x).cast_unsigned(), |word| i32::try_from(word.cast_signed()).ok();
+    bool, Truth: u64::from, |word| match word { 0 => Some(false), 1 => Some(true), _ => None };
 }
 
 impl Wire for () {
     const LEN: usize = 0;
     const LAYOUT: u64 = layout_hash(0, "()");
+    const SHAPE: &'static Shape = &Shape::Fields(&[]);
     fn put(&self, _: &mut [u64]) {}
     fn get(_: &[u64]) -> Result<Self, BadWords> {
         Ok(())
@@ -93,6 +99,7 @@ impl Wire for () {
 impl<T: Wire, const N: usize> Wire for [T; N] {
     const LEN: usize = N * T::LEN;
     const LAYOUT: u64 = layout_hash(T::LAYOUT.wrapping_add(N as u64), "array");
+    const SHAPE: &'static Shape = &Shape::Array(T::SHAPE, N);
     fn put(&self, words: &mut [u64]) {
         for (item, chunk) in self.iter().zip(words.chunks_exact_mut(T::LEN.max(1))) {
             item.put(chunk);
@@ -110,6 +117,7 @@ impl<T: Wire, const N: usize> Wire for [T; N] {
 impl<const N: usize> Wire for SVector<f64, N> {
     const LEN: usize = N;
     const LAYOUT: u64 = layout_hash(N as u64, "vector");
+    const SHAPE: &'static Shape = &Shape::Array(&Shape::Float, N);
     fn put(&self, words: &mut [u64]) {
         for (x, word) in self.iter().zip(words) {
             *word = x.to_bits();
@@ -126,6 +134,7 @@ impl<const N: usize> Wire for SVector<f64, N> {
 impl Wire for Pose {
     const LEN: usize = 7;
     const LAYOUT: u64 = layout_hash(0, "pose");
+    const SHAPE: &'static Shape = Shape::POSE;
     fn put(&self, words: &mut [u64]) {
         let (p, q) = (&self.translation, &self.rotation);
         for (word, x) in words.iter_mut().zip([p.x, p.y, p.z, q.i, q.j, q.k, q.w]) {

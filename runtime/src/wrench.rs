@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use crate::payload::Payload;
 use crate::pose::Pose;
+use crate::shape::Shape;
 use crate::wire::{BadWords, Wire};
 
 /// A force and a torque, `F_E`: acting at the origin of a frame E and written in its axes.
@@ -70,6 +71,8 @@ impl Mul<f64> for Wrench {
 impl Wire for Wrench {
     const LEN: usize = 6;
     const LAYOUT: u64 = crate::wire::layout_hash(0, "mrroc::Wrench");
+    const SHAPE: &'static Shape =
+        &Shape::Fields(&[("force", Vector3::<f64>::SHAPE), ("torque", Vector3::<f64>::SHAPE)]);
 
     fn put(&self, words: &mut [u64]) {
         self.force.put(words);

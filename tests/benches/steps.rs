@@ -132,6 +132,7 @@ where
 {
     let names: [String; N] = core::array::from_fn(|i| format!("r{i}"));
     let cell = names.iter().fold(Cell::new(Duration::from_millis(2)), |cell, name| cell.robot(setup(name)));
+    let mut generator = Some(generator);
     cell.program(move |mp| {
         let mut robots = Vec::new();
         for name in &names {
@@ -139,7 +140,7 @@ where
         }
         let mut handles = robots.iter_mut();
         let list = core::array::from_fn(|_| handles.next().expect("one handle per name"));
-        mp.move_robots(list, (), generator).map(drop)
+        mp.move_robots(list, (), generator.take().expect("one run")).map(drop)
     })
     .run()
     .expect("the motion keeps the limits");

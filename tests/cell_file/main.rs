@@ -266,3 +266,15 @@ fn a_cell_of_more_processes_than_the_link_runs_and_a_second_program_are_refused(
         .ecp::<Irp6>("left", |_| Ok(()));
     assert_eq!(cell.run().expect_err("two"), CellError::TwoPrograms("left".to_owned()));
 }
+
+#[test]
+fn after_a_fault_a_cell_ends_or_awaits_a_reset_and_nothing_else() {
+    let with = |value: &str| format!("step_ms = 2\nafter_fault = {value}\n[robots.arm]\nkind = \"irp6\"\n");
+    for good in ["\"end\"", "\"await reset\""] {
+        CellFile::parse("cell.toml", &with(good)).unwrap_or_else(|why| panic!("{good}: {why}"));
+    }
+    let wrong = complaints(&with("\"awaits reset\""));
+    assert!(wrong.contains("2:15") && wrong.contains("did you mean `await reset`?"), "{wrong}");
+    let number = complaints(&with("1"));
+    assert!(number.contains("write \"end\" or \"await reset\""), "{number}");
+}

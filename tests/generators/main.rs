@@ -179,15 +179,15 @@ fn a_spline_track_leads_the_tool_through_its_points() {
         chord_error: f64::INFINITY,
         jerk: f64::INFINITY,
     };
-    let track = SplineTrack::through(
+    let mut track = Some(SplineTrack::through(
         points,
         SplineSettings::default(),
         feed,
         Pose::translation(0.85, 0.0, 0.35),
         flange([0.0; 3]).rotation,
-    )
-    .expect("settings in range");
-    let setup = setup.program(|ecp| ecp.move_robot((), track).map(drop));
+    ));
+    let mut track = move || track.take().expect("one run").expect("settings in range");
+    let setup = setup.program(move |ecp| ecp.move_robot((), track()).map(drop));
     Cell::new(MS).robot(setup).run().expect("within the limits");
     let trace = trace.borrow();
     let centre = Vector3::new(0.86, 0.0, 0.35);
@@ -322,8 +322,8 @@ fn a_time_optimal_path_of_a_six_joint_arm_passes_the_limits_at_full_speed() {
         vec![q + Six::new(0.3, 0.1, -0.1, 0.05, 0.4, -0.6), q + Six::new(0.1, 0.2, 0.1, 0.1, -0.3, 0.5), q];
     let (setup, trace) = traced(RobotSetup::new("irp6", robot, ExactDrive::new(q, MS)));
     let path = points.clone();
-    let setup =
-        setup.program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path, limits)).map(drop));
+    let setup = setup
+        .program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path.clone(), limits)).map(drop));
     let report = Cell::new(MS).robot(setup).run().expect("within the limits, at every step");
     let trace = trace.borrow();
     assert_eq!(*trace.last().expect("recorded"), q);
@@ -343,7 +343,7 @@ fn via_points_are_passed_on_the_robots_limits_without_a_stop() {
         vec![Vector3::new(0.4, 0.0, 0.0), Vector3::new(0.4, -0.4, 0.0), Vector3::new(0.0, -0.4, 0.1)];
     let path = points.clone();
     let robot = robot.program(move |ecp| {
-        ecp.move_robot((), JointVia::through(path, Vector3::repeat(0.01), limits)).map(drop)
+        ecp.move_robot((), JointVia::through(path.clone(), Vector3::repeat(0.01), limits)).map(drop)
     });
     let report = Cell::new(MS).robot(robot).run().expect("within the limits");
     // 1.2 m at 0.5 m/s and a ramp of 0.1 s; corners within 0.01 m, where V^2 / 8 A = 0.006, cost nothing.

@@ -51,18 +51,19 @@ fn shown(text: &str, fill_in: impl FnOnce(Cell, &CellFile) -> Result<Cell, CellE
 }
 
 /// The same for a coordinator alone.
-fn coordinated(text: &str, program: impl FnOnce(&mut Mp) -> Result<(), Fault> + 'static) -> String {
+fn coordinated(text: &str, program: impl FnMut(&mut Mp) -> Result<(), Fault> + 'static) -> String {
     shown(text, |cell, _| Ok(cell.program(program)))
 }
 
 /// The same for one robot's program alone.
-fn alone(program: impl FnOnce(&mut Ecp<Irp6>) -> Result<(), Fault> + 'static) -> String {
+fn alone(program: impl FnMut(&mut Ecp<Irp6>) -> Result<(), Fault> + 'static) -> String {
     shown(ONE, |cell, _| Ok(cell.ecp("arm", program)))
 }
 
 /// The same for one motion of the arm.
 fn moved(motion: impl FnMut(&mrroc::State<Irp6>, f64) -> mrroc::Demand<Irp6> + 'static) -> String {
-    alone(move |ecp| ecp.move_robot((), Shift::new(motion)).map(drop))
+    let mut motion = Some(motion);
+    alone(move |ecp| ecp.move_robot((), Shift::new(motion.take().expect("one run"))).map(drop))
 }
 
 macro_rules! mistakes {

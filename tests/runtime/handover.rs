@@ -70,10 +70,10 @@ fn brakes_at_once(trace: &[Q<3>]) {
 }
 
 fn two(
-    program: impl FnOnce(&mut Mp, RobotHandle<Gantry>, RobotHandle<Gantry>) -> Result<(), Fault> + 'static,
+    mut program: impl FnMut(&mut Mp, RobotHandle<Gantry>, RobotHandle<Gantry>) -> Result<(), Fault> + 'static,
 ) -> (Result<mrroc::RunReport, mrroc::CellError>, Trace<3>) {
     let ((left, trace), (right, _)) = (gantry("left"), gantry("right"));
-    let cell = Cell::new(MS).robot(left).robot(right).program(|mp| {
+    let cell = Cell::new(MS).robot(left).robot(right).program(move |mp| {
         let (left, right) = (mp.robot("left")?, mp.robot("right")?);
         program(mp, left, right)
     });

@@ -220,7 +220,7 @@ fn a_stop_is_not_waited_for_longer_than_it_may_take() {
     let fades = Rc::clone(&bench.fades);
     let (robot, trace) = traced(RobotSetup::new("bench", bench, ExactDrive::<3>::at_origin()));
     let robot = robot.program(move |ecp| {
-        let coast = Diagonal { x: 0.0, v: 0.0, speed: 0.5, fades_at: 200, fades };
+        let coast = Diagonal { x: 0.0, v: 0.0, speed: 0.5, fades_at: 200, fades: Rc::clone(&fades) };
         ecp.move_robot((), Throws(coast)).map(drop)
     });
     let fault = fault(Cell::new(MS).robot(robot).run());

@@ -18,6 +18,7 @@ mod pairing;
 mod panics;
 mod rates;
 mod regulators;
+mod resetting;
 mod sensors;
 mod suspending;
 mod sweeps;

@@ -222,7 +222,7 @@ fn there_and_back(c: &mut ThereAndBack, t: Tick) -> Step<Polar> {
 }
 
 /// The largest accelerations of the drives' positions [m/s², rad/s²], by differences.
-fn peaks_of<G>(space: InterpolationSpace, generator: G) -> [f64; 2]
+fn peaks_of<G>(space: InterpolationSpace, make: impl Fn() -> G + 'static) -> [f64; 2]
 where
     G: mrroc::Generator<Robots = Polar, Sensors = (), Language = Motion> + 'static,
 {
@@ -232,7 +232,7 @@ where
     let setup = RobotSetup::new("p", Polar::default(), ExactDrive::new(start, MS * 2))
         .interpolation(space)
         .observe(move |record: &ServoRecord<Polar>| keep.borrow_mut().push(record.demanded))
-        .program(|ecp| ecp.move_robot((), generator).map(drop));
+        .program(move |ecp| ecp.move_robot((), make()).map(drop));
     // One of them ends with a fault of its own.
     Cell::new(MS * 20).robot(setup).run().ok();
     let told = told.borrow();
@@ -246,8 +246,8 @@ where
 fn leaving_the_task_space_for_a_fault_or_for_joints_asks_for_no_more_than_the_limits() {
     for space in [InterpolationSpace::Joints, InterpolationSpace::Task] {
         for [radius, angle] in [
-            peaks_of(space, GivesUp(Smooth::to(0.6, 2.4))),
-            peaks_of(space, ThereAndBack(Smooth::to(0.6, 2.4), Smooth::to(0.6, 2.4))),
+            peaks_of(space, || GivesUp(Smooth::to(0.6, 2.4))),
+            peaks_of(space, || ThereAndBack(Smooth::to(0.6, 2.4), Smooth::to(0.6, 2.4))),
         ] {
             assert!(
                 radius <= 10.0 * 1.02 && angle <= 20.0 * 1.02,

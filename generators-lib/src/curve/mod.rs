@@ -13,9 +13,10 @@
 //! | [`ByLength`] of a [`Nurbs`] or of a [`CubicSpline`] in space | quadrature, error below 1e-9 but near cusps |
 //! | [`SpanCurve`]: [`blended`] polylines, splines in space | quadrature, error below 1e-9 but near cusps |
 //!
-//! [`CurveBody`] leads a body along any of them; [`Screw`] is the screw motion between two poses; [`CubicSpline`]
-//! interpolates vectors of any dimension, such as joints, or smooths them, twice continuously differentiable; so are the
-//! [`RotationSpline`] through orientations and the [`PoseSpline`] through poses.
+//! [`TurnedCurve`] leads a tool along any of them while it turns, [`CurveBody`] a body at its start's orientation; [`Screw`]
+//! is the screw motion between two poses; [`CubicSpline`] interpolates vectors of any dimension, such as joints, or smooths
+//! them, twice continuously differentiable; so are the [`RotationSpline`] through orientations and the [`PoseSpline`]
+//! through poses.
 
 mod arc;
 mod body;
@@ -30,8 +31,10 @@ mod pose_spline;
 mod rotation_spline;
 mod screw;
 mod segment;
+mod sine;
 mod smoothing;
 mod spans;
+mod turned;
 
 pub use arc::Arc;
 pub use body::CurveBody;
@@ -47,6 +50,7 @@ pub use rotation_spline::RotationSpline;
 pub use screw::Screw;
 pub use segment::Segment;
 pub use spans::SpanCurve;
+pub use turned::TurnedCurve;
 
 use nalgebra::Vector3;
 use thiserror::Error;

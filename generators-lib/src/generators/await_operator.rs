@@ -42,7 +42,7 @@ mod tests {
         let button = Arc::clone(&asked);
         let robot = RobotSetup::new("irp6", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start))
             .program(move |ecp| {
-                let pressed = move || button.fetch_add(1, Ordering::Relaxed) == 100;
+                let pressed = || button.fetch_add(1, Ordering::Relaxed) == 100;
                 ecp.move_robot((), AwaitOperator::until(pressed)).map(drop)
             });
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("nothing moves");

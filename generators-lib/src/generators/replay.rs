@@ -109,7 +109,7 @@ mod tests {
         let robot = RobotSetup::new("irp6", Irp6::nominal(), arm).program(move |ecp| {
             let tool = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
             let tool = ToolLimits { translation: tool, rotation: tool };
-            ecp.move_robot((), Replay::of(taught, Six::repeat(0.8), Six::repeat(3.2), tool)).map(drop)
+            ecp.move_robot((), Replay::of(taught.clone(), Six::repeat(0.8), Six::repeat(3.2), tool)).map(drop)
         });
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
         // V = 0.4, A = 0.8: 0.2 / 0.4 + 0.4 / 0.8 = 1 s, then 2 sqrt(0.1 / 0.8) = 0.707 s.

@@ -97,12 +97,12 @@ mod tests {
             frame,
             UnitQuaternion::identity(),
         );
-        let track = track.expect("settings in range");
+        let mut track = Some(track.expect("settings in range"));
         let trace = Rc::new(RefCell::new(Vec::new()));
         let recorder = Rc::clone(&trace);
         let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))
             .observe(move |record: &ServoRecord<Irp6>| recorder.borrow_mut().push(record.demanded))
-            .program(move |ecp| ecp.move_robot((), track).map(drop));
+            .program(move |ecp| ecp.move_robot((), track.take().expect("one run")).map(drop));
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
         // T = D / V + V / A = 2 pi r / V + V / A.
         let least = std::f64::consts::TAU * RADIUS / 0.02 + 0.02 / 0.2;

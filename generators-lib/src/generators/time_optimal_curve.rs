@@ -74,8 +74,9 @@ mod tests {
         let helix = helix.expect("a helix");
         let (of, motion) = (*irp6.limits(), irp6.clone());
         let limits = PathLimits { velocity: of.velocity, acceleration: of.acceleration, speed: 1.0 };
-        let robot = RobotSetup::new("irp6", irp6.clone(), arm)
-            .program(move |ecp| ecp.move_robot((), TimeOptimalCurve::along(motion, helix, limits)).map(drop));
+        let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(move |ecp| {
+            ecp.move_robot((), TimeOptimalCurve::along(motion.clone(), helix, limits)).map(drop)
+        });
         let report = Cell::new(Duration::from_millis(1)).robot(robot).run().expect("within the limits");
         assert!(report.time.as_secs_f64() < 3.0, "{:?}", report.time);
         let up = irp6.forward(&shaft.state().position).translation.vector

@@ -9,7 +9,7 @@ use mrroc::{
     Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Wrench,
 };
 use mrroc_generators::bspline::SplineSettings;
-use mrroc_generators::combinators::{Corrected, CorrectionLimits, Override};
+use mrroc_generators::combinators::{Corrected, CorrectionLimits, Handover, Override};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::{CurveError, Helix};
@@ -300,4 +300,16 @@ pub fn shown(x: f64, share: f64, space: Space) -> Option<Taught> {
     let poses = [1.0, 0.5].map(|k| TaughtPose::new(share, 0.5, &[k * x; 6]));
     let poses = poses.into_iter().collect::<Option<_>>()?;
     Some(Taught { space, reference: Reference::Relative, poses })
+}
+
+/// To a place beside the object that the camera sees.
+pub fn followed(place: Pose, rate: f64, most: f64, times: (f64, f64)) -> FollowedFrame<Irp6, Camera> {
+    let how = Tracking { rate, acceleration: most, turning: most };
+    FollowedFrame::to(|seen: &Displacement| Some(seen.pose), place, how, times, 2)
+}
+
+/// Onto a belt, and off it to `goal`.
+pub fn handed(goal: Pose, fading: f64) -> Handover<MovingFrame<Irp6, Belt>, StraightLine<Irp6>, Irp6> {
+    let limits = tool_limits(0.3, 1.0);
+    Handover::of(MovingFrame::to(belt(), start(), 0.5, 0.6), StraightLine::to(goal, limits), fading)
 }

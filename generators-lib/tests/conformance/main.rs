@@ -5,7 +5,7 @@ mod violators;
 
 use kit::*;
 use mrroc::{Order, Pose, Reading, State, Wrench};
-use mrroc_generators::combinators::{Corrected, InParallel, Override, Sequence};
+use mrroc_generators::combinators::{Corrected, Handover, InParallel, Override, Sequence};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::Helix;
@@ -412,6 +412,20 @@ generator_conformance! {
 }
 
 generator_conformance! {
+    followed_frame: FollowedFrame<Irp6, Camera>,
+    class: "ECP f*1(c, v), first step f*3(c, e, v)",
+    make: followed(Pose::identity(), 10.0, 1.0, (0.5, 1.0)),
+    given: |step| seen(step as f64 * 4e-4),
+    odd: |x| {
+        let mut odd: Vec<_> = odd_poses(x).map(|pose| followed(pose, 10.0, 1.0, (0.5, 1.0))).collect();
+        odd.extend([(x, 1.0), (10.0, x), (x, x)].map(|(rate, most)| followed(Pose::identity(), rate, most, (0.5, 1.0))));
+        odd.extend([(x, 1.0), (0.5, x), (x, x)].map(|times| followed(Pose::identity(), 10.0, 1.0, times)));
+        odd
+    },
+    allocated: bytes,
+}
+
+generator_conformance! {
     force_law: ForceLaw<Irp6, Wrist>,
     class: "ECP f*1(c, v), first step f*3(c, e, v)",
     make: ForceLaw::lasting(law(10.0, 0.01, Give::FORCE).expect("in range"), 2.0, 1),
@@ -502,6 +516,24 @@ generator_conformance! {
     odd: |x| odd_poses(x)
         .map(|pose| Sequence::of(StraightLine::to(away(), tool_limits(0.3, 1.0)), StraightLine::to(pose, tool_limits(0.3, 1.0))))
         .collect(),
+    allocated: bytes,
+}
+
+generator_conformance! {
+    handover: Handover<MovingFrame<Irp6, Belt>, StraightLine<Irp6>, Irp6>,
+    class: "ECP f*2(c, e)",
+    make: handed(start(), 0.2),
+    // The second begins where the first has led the arm.
+    given: |step| Given {
+        order: Order::new(()),
+        e: State::new(if step == 0 { image() } else { image_at(Pose::translation(0.06, 0.0, 0.0) * start()) }),
+        v: Reading::new(()),
+    },
+    odd: |x| {
+        let mut odd: Vec<_> = odd_poses(x).map(|pose| handed(pose, 0.2)).collect();
+        odd.push(handed(away(), x));
+        odd
+    },
     allocated: bytes,
 }
 

@@ -240,7 +240,7 @@ fn a_body_follows_a_spline_and_any_function_of_path_time() {
         mp.move_robots(
             (&mut rnt, &mut polycrank),
             (),
-            RigidCarry::<(Rnt, Polycrank), _>::along(BodyFrame::Centroid, spline),
+            RigidCarry::<(Rnt, Polycrank), _>::along(BodyFrame::Centroid, spline.clone()),
         )?;
         mp.move_robots(
             (&mut rnt, &mut polycrank),

@@ -60,6 +60,14 @@ impl<R: Robot, D: Driver<R>> Driver<R> for Lent<R, D> {
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.0.borrow_mut().driver.choose_regulators(sets);
     }
+
+    fn is_simulated(&self) -> bool {
+        self.0.borrow().driver.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<R::Joints> {
+        self.0.borrow_mut().driver.brake()
+    }
 }
 
 /// Met after so many steps.
@@ -128,6 +136,7 @@ impl VirtualSensor for Slow {
 }
 
 /// Moves all joints at once, from rest to rest; gives up on the way when told to.
+#[derive(Clone)]
 struct Sway<R: Robot> {
     start: R::Joints,
     way: R::Joints,
@@ -184,7 +193,7 @@ fn late_cell<R: Robot, D: Driver<R> + 'static>(
     let (lent, kept) = Lent::of(driver);
     let setup = RobotSetup::new("robot", robot.clone(), lent).program(move |ecp| {
         let mut slow = ecp.sensor::<Slow>("slow")?;
-        ecp.move_robot((&mut slow,), sway).map(drop)
+        ecp.move_robot((&mut slow,), sway.clone()).map(drop)
     });
     let slow = SensorSetup::new("slow", Slow).of("robot").latency(step.mul_f64(LATE));
     (Cell::new(step).stop_time(STOP).robot(setup).sensor(slow), kept)

@@ -56,6 +56,15 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Grasping<R, N> {
         (0..N).for_each(|i| self.arm.push(i, -at_motors[i]));
     }
 
+    /// One servo period of the drives, in the world.
+    fn in_world<T>(&mut self, period: impl FnOnce(&mut Simulated<R, N>) -> T) -> T {
+        let reaction = self.hand.begin();
+        self.load(&reaction);
+        let outcome = period(&mut self.arm);
+        self.hand.end(self.arm.robot().forward(&self.shaft.state().position) * self.X_FE);
+        outcome
+    }
+
     /// Its gripper.
     #[must_use]
     pub fn hand(&self) -> Hand {
@@ -84,13 +93,28 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
         self.arm.measured()
     }
 
-    #[allow(non_snake_case)]
     fn tick(&mut self, demanded: &SVector<f64, N>) -> Result<Measured<SVector<f64, N>>, DriveFault> {
-        let reaction = self.hand.begin();
-        self.load(&reaction);
-        let measured = self.arm.tick(demanded);
-        self.hand.end(self.arm.robot().forward(&self.shaft.state().position) * self.X_FE);
-        measured
+        self.in_world(|arm| arm.tick(demanded))
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<SVector<f64, N>> {
+        self.in_world(Simulated::brake)
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.arm.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.arm.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.arm.switch_on()
     }
 
     fn has_regulator(&self, joint: usize, set: u8) -> bool {

@@ -54,6 +54,26 @@ impl Driver<Gripper> for Fingers {
         self.drive.tick(demanded)
     }
 
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<One> {
+        self.drive.brake()
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.drive.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.drive.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.drive.switch_on()
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.drive.has_regulator(joint, set)
     }

@@ -10,8 +10,11 @@ use crate::fault::{ProcessId, Role};
 use crate::link::{Link, Nanos};
 use crate::mp::{Mp, RobotPort};
 use crate::name::Name;
+use crate::overruns::Timed;
+use crate::plant::{Rests, Site};
 use crate::sensing::Sensing;
 use crate::stopping::missed_step_budget;
+use crate::witness::{Tap, What};
 
 /// What the processes of a cell leave behind.
 pub(crate) struct Assembly {
@@ -19,6 +22,12 @@ pub(crate) struct Assembly {
     pub outcomes: Outcomes,
     /// Steps that the MP began.
     pub steps: Rc<core::cell::Cell<u64>>,
+    /// How robots in the plant came to a standstill whose commands had stopped.
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "told to the launcher")
+    )]
+    pub rests: Rests,
 }
 
 impl Cell {
@@ -26,7 +35,6 @@ impl Cell {
     ///
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up.
-    #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) fn put_on(mut self, link: &mut dyn Link) -> Result<Assembly, CellError> {
         let names = self.check()?;
         self.assemble(&names, link)
@@ -40,18 +48,26 @@ impl Cell {
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
 
-        let mut mp_sensing = Sensing { ports: Vec::new(), patience };
+        let mut plant = Site::new(link, self.step, self.robots.iter().any(|robot| robot.is_simulated()));
+
+        let tap = Tap::to(self.witnesses);
+        let mut mp_sensing = Sensing { ports: Vec::new(), patience, tap: tap.of(ProcessId::MP) };
         // An ECP loses patience first, so that it can say with whom.
         let shorter = patience - self.step.as_nanos() as Nanos;
-        let mut ecp_sensing: Vec<_> =
-            names.iter().map(|_| Sensing { ports: Vec::new(), patience: shorter }).collect();
+        let of_ecp = |name: &Name| {
+            let tap = tap.of(ProcessId::new(Role::Ecp, *name));
+            Sensing { ports: Vec::new(), patience: shorter, tap }
+        };
+        let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
         let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
         let delay =
             crate::interpolation::delay(self.step, self.robots.iter().map(|robot| robot.servo_period()));
         let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
+            tape: self.tape.clone(),
             link,
+            plant: &mut plant,
             step: self.step,
             mp,
             robots: names,
@@ -77,30 +93,37 @@ impl Cell {
             ));
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps: steps };
-            let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged };
-            robot.spawn(link, place, server, sensing, Rc::clone(&outcomes))?;
+            let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged, tap: tap.clone() };
+            robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
+        let rests = Rests::default();
+        plant.spawn(link, Rc::clone(&rests))?;
 
         let close = link.closer();
-        let (operator, step, rate_change, program) =
+        let (operator, step, rate_change, mut program) =
             (self.operator, self.step, self.rate_change, self.program);
-        let (hook, guard) = (self.hook, self.guard);
+        let (hook, guard, after_fault) = (self.hook, self.guard, self.after_fault);
+        let script = self.tape.map(|tape| Rc::clone(&tape.script));
         let steps = Rc::new(core::cell::Cell::new(0));
         let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
         link.body(
             mp,
             Box::new(move |waiter| {
-                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                let timed = Timed::new(waiter);
+                let mut mp = Mp::new(&timed, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 mp.watch_by(guard);
-                let outcome = mp.run_program(|mp| match program {
+                mp.follow(script);
+                let outcome = mp.run_program(after_fault, |mp| match &mut program {
                     Some(program) => program(mp),
                     None => mp.nudge(),
                 });
                 counted.set(mp.step());
+                let end = What::End { step: mp.step() };
+                tap.show_fault(waiter.now(), &end, outcome.as_ref().err());
                 recorded.borrow_mut().push((ProcessId::MP, outcome));
                 close();
             }),
         )?;
-        Ok(Assembly { outcomes, steps })
+        Ok(Assembly { outcomes, steps, rests })
     }
 }

@@ -41,6 +41,9 @@ pub enum CellError {
         "sensor `{0}` of the cell's file has no VSP: add `.sensor(file.sensor(\"{0}\", ..)?)` to the cell, with the virtual sensor that computes it, or take [sensors.{0}] out of the file"
     )]
     NoVsp(String),
+    /// It cannot run as processes of the operating system; nothing has moved.
+    #[error("{0}")]
+    Processes(String),
     /// What is wrong with the cell's file.
     #[error(transparent)]
     File(#[from] CellFileError),

@@ -20,9 +20,12 @@ use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
 use crate::realtime::Realtime;
+use crate::recording::Recording;
+use crate::replay::Tape;
 use crate::robot::Robot;
 use crate::stopping::STOP_TIME;
 use crate::vsp::VirtualSensor;
+use crate::witness::Witness;
 
 use robot::SharedObserver;
 use sensor::AnySensor;
@@ -42,13 +45,26 @@ pub struct RunReport {
     pub time: Duration,
 }
 
-type MpProgram = Box<dyn FnOnce(&mut Mp) -> Result<(), Fault>>;
+/// What a cell does when a fault has stopped it and its robots stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AfterFault {
+    /// The run ends with the first cause, as nobody may be there.
+    #[default]
+    End,
+    /// It stays latched until its [`Operator`] acknowledges the fault and resets it, or gives it up. Then drives come on
+    /// where the robots are, and all programs start again from their first line. Under the virtual clock the time passes
+    /// meanwhile as fast as ever.
+    AwaitReset,
+}
+
+type MpProgram = Box<dyn FnMut(&mut Mp) -> Result<(), Fault>>;
 type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
 
 /// A set-up cell.
 pub struct Cell {
     step: Duration,
     stop_time: Duration,
+    after_fault: AfterFault,
     rate_change: f64,
     robots: Vec<Box<dyn AnyRobot>>,
     sensors: Vec<Box<dyn AnySensor>>,
@@ -60,6 +76,12 @@ pub struct Cell {
     expected_sensors: Vec<String>,
     /// What its processes ask of the machine.
     realtime: Option<Realtime>,
+    /// Who watches the run.
+    witnesses: Vec<Rc<dyn Witness>>,
+    /// What it is recorded to.
+    recording: Option<Recording>,
+    /// What it replays.
+    tape: Option<Rc<Tape>>,
     /// What was found wrong while the cell was put together.
     errors: Vec<CellError>,
 }
@@ -71,6 +93,7 @@ impl Cell {
         Cell {
             step,
             stop_time: STOP_TIME,
+            after_fault: AfterFault::End,
             rate_change: crate::feed::DEFAULT_CHANGE,
             robots: Vec::new(),
             sensors: Vec::new(),
@@ -80,6 +103,9 @@ impl Cell {
             guard: None,
             expected_sensors: Vec::new(),
             realtime: None,
+            witnesses: Vec::new(),
+            recording: None,
+            tape: None,
             errors: Vec::new(),
         }
     }
@@ -93,6 +119,13 @@ impl Cell {
         self
     }
 
+    /// What the cell does when a fault has stopped it: it ends, unless it is told to await a reset.
+    #[must_use]
+    pub fn after_fault(mut self, after_fault: AfterFault) -> Cell {
+        self.after_fault = after_fault;
+        self
+    }
+
     /// Adds a robot.
     #[must_use]
     pub fn robot<R: Robot>(mut self, setup: RobotSetup<R>) -> Cell {
@@ -101,12 +134,12 @@ impl Cell {
     }
 
     /// Gives the ECP of a robot that was added before its program. Without one an ECP is transparent: it passes the MP's
-    /// demands on.
+    /// demands on. It is called again after a [reset](AfterFault::AwaitReset).
     #[must_use]
     pub fn ecp<R: Robot>(
         mut self,
         robot: &str,
-        program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static,
+        program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static,
     ) -> Cell {
         let found = self.robots.iter_mut().find(|known| known.name() == robot);
         match found.map(|found| (found.kind_name(), found.as_any().downcast_mut::<RobotSetup<R>>())) {
@@ -154,9 +187,10 @@ impl Cell {
         self
     }
 
-    /// The program of the MP. Without one the MP nudges: it starts every ECP's program and waits for all.
+    /// The program of the MP. Without one the MP nudges: it starts every ECP's program and waits for all. It is called
+    /// again, from its first line, after a [reset](AfterFault::AwaitReset): what it would give away it clones.
     #[must_use]
-    pub fn program(mut self, program: impl FnOnce(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
+    pub fn program(mut self, program: impl FnMut(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
         self.program = Some(Box::new(program));
         self
     }
@@ -199,10 +233,32 @@ impl Cell {
         self.operator.clone()
     }
 
+    /// Its robots, for a trial to watch.
+    pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
+        self.robots.iter_mut().map(|robot| &mut **robot)
+    }
+
+    /// The length of a step.
+    pub(crate) const fn step_length(&self) -> Duration {
+        self.step
+    }
+
+    /// Steps in which the rate falls from the planned one to a standstill.
+    pub(crate) fn rate_steps(&self) -> u64 {
+        // A float becomes the nearest integer that there is.
+        (1.0 / (self.rate_change * self.step.as_secs_f64())).ceil() as u64
+    }
+
     /// How long a stop of one of its robots may take.
     #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn stop_limit(&self) -> Duration {
         self.stop_time
+    }
+
+    /// Length of a step \[ns\].
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn step(&self) -> u64 {
+        self.step.as_nanos() as u64
     }
 
     /// What its processes ask of the machine.
@@ -211,9 +267,36 @@ impl Cell {
         self.realtime.as_ref()
     }
 
+    /// Asks the machine for priority and for memory that stays in its place when the cell runs as processes in real time,
+    /// and runs without them where it does not permit that: `[realtime]` of a cell's file with `permission = "best effort"`,
+    /// for a cell without a file.
+    #[must_use]
+    pub fn prefer_real_time(self) -> Cell {
+        self.ask_for(Some(Realtime::PREFERRED))
+    }
+
     /// Asks this of the machine for its processes.
     pub(crate) fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
         self.realtime = realtime;
+        self
+    }
+
+    /// Shows what happens in the cell's processes to a witness.
+    pub(crate) fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
+        self.witnesses.push(witness);
+        self
+    }
+
+    /// Answers from a recording in place of drives, sensors and the operator. What was found wrong with it before anything
+    /// moves is [`check_tape`](crate::replay::compare)'s.
+    pub(crate) fn replaying(mut self, tape: Rc<Tape>) -> Cell {
+        let step = self.step;
+        for robot in &mut self.robots {
+            if let Some(recorded) = tape.robot(robot.name()) {
+                robot.replay(Rc::clone(recorded), step);
+            }
+        }
+        self.tape = Some(tape);
         self
     }
 

@@ -8,21 +8,28 @@ use std::rc::Rc;
 use super::{CellError, Outcomes, limits};
 use crate::driver::{Driver, Homing};
 use crate::ecp::{Ecp, Pace};
-use crate::edp::{Edp, EdpConfig, Observer, ServoRecord};
+use crate::edp::{Drive, Edp, EdpConfig, Observer, ServoRecord};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::homing::{Drives, home};
 use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Server, Waiter};
+use crate::link::{Link, Nanos, Server, Waiter};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::payload::Nudge;
+use crate::plant::Site;
 use crate::pose::Pose;
+use crate::replay::RobotTape;
+use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::testing::{Bounds, Witness};
+use crate::witness::{Tap, What};
 
-type EcpProgram<R> = Box<dyn FnOnce(&mut Ecp<R>) -> Result<(), Fault>>;
+type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
 
 /// A robot of a cell: its model, its drives and its program.
 pub struct RobotSetup<R: Robot> {
@@ -92,9 +99,10 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
-    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on.
+    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on. It is called
+    /// again, from its first line, after a reset: what it would give away it clones.
     #[must_use]
-    pub fn program(mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
+    pub fn program(mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
         self.give_program(program);
         self
     }
@@ -103,7 +111,7 @@ impl<R: Robot> RobotSetup<R> {
         name.clone_into(&mut self.name);
     }
 
-    pub(super) fn give_program(&mut self, program: impl FnOnce(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
+    pub(super) fn give_program(&mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
         self.program = Some(Box::new(program));
     }
 
@@ -124,6 +132,7 @@ pub(crate) struct Place {
     pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
+    pub tap: Tap,
 }
 
 /// A robot of any kind at the end of a servo period, as a recorder sees it.
@@ -163,18 +172,25 @@ pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
+    /// Its drives read from a recording.
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>);
+    fn bounds(&self) -> Bounds;
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
+    /// Whether its drives may be in the plant.
+    fn is_simulated(&self) -> bool;
     fn check_space(&self, name: Name) -> Option<CellError>;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     fn spawn(
         self: Box<Self>,
         link: &mut dyn Link,
+        plant: &mut Site,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -204,6 +220,32 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             (observer.borrow_mut())(&observation);
         }));
+    }
+
+    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration) {
+        // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
+        self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
+        self.drives = recorded(&self.drives, tape, step);
+    }
+
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>) {
+        self.observers.push(Box::new(move |record| {
+            // A time that a servo period ends at, in nanoseconds again.
+            let end = (record.time * 1e9).round() as Nanos;
+            witness.borrow_mut().see(end, record.demanded.as_slice());
+        }));
+    }
+
+    fn bounds(&self) -> Bounds {
+        let limits = self.robot.limits();
+        let vector = |joints: &R::Joints| joints.as_slice().to_vec();
+        Bounds {
+            lower: vector(&limits.lower),
+            upper: vector(&limits.upper),
+            velocity: vector(&limits.velocity),
+            acceleration: vector(&limits.acceleration),
+            servo: self.drives.period().as_nanos() as Nanos,
+        }
     }
 
     fn name(&self) -> &str {
@@ -239,6 +281,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         matches!(self.drives, Drives::Homed(_))
     }
 
+    fn is_simulated(&self) -> bool {
+        matches!(&self.drives, Drives::Homed(driver) if driver.is_simulated())
+    }
+
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
         limits::check(
             name,
@@ -256,6 +302,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     fn spawn(
         self: Box<Self>,
         link: &mut dyn Link,
+        plant: &mut Site,
         place: Place,
         mp: Box<dyn Server>,
         sensing: Sensing,
@@ -265,50 +312,67 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
         let (client, server) = link.port(place.ecp, edp);
-        let (robot, drives, observers) = (self.robot, self.drives, self.observers);
+        let (robot, observers) = (self.robot, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
         let ended = Rc::clone(&outcomes);
+        // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
+        // that is called no more comes to rest by itself.
+        let drives = match self.drives {
+            Drives::Homed(driver) => Ok(plant.take(link, (process, edp), driver)),
+            Drives::Unhomed(homing) => Err(homing),
+        };
         let run = move |waiter: &dyn Waiter| {
-            let driver = match drives {
-                Drives::Homed(driver) => Some(driver),
-                Drives::Unhomed(homing) => home(process, waiter, &*server, homing),
+            let tap = place.tap.of(process);
+            let homed = match drives {
+                Ok(drive) => Some((drive, Gate::default())),
+                Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
+                    let now = waiter.now();
+                    tap.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    (Drive::Here(driver), gate)
+                }),
             };
-            if let Some(driver) = driver {
+            if let Some((drive, gate)) = homed {
                 let (step, delay) = (place.step, place.delay);
                 let config = EdpConfig {
                     process,
                     robot,
-                    driver,
+                    drive,
                     tool,
                     step,
                     delay,
                     space,
                     following_error,
                     observers,
+                    tap,
                 };
-                if let Err(fault) = Edp::new(config, waiter, server).run() {
+                if let Err(fault) = Edp::new(config, waiter, server).behind(gate).run() {
                     ended.borrow_mut().push((process, Err(fault)));
                 }
             }
         };
         link.body(edp, Box::new(run))?;
-        let (program, nudged) = (self.program, place.nudged);
+        let (mut program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
         link.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
-                let has_own = program.is_some();
-                let outcome = ecp.run_program(|ecp| match program {
-                    Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
-                    Some(program) => program(ecp),
-                    None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
-                    None => crate::transparent::program(ecp),
-                });
-                ecp.serve(&outcome);
-                if has_own {
-                    outcomes.borrow_mut().push((process, outcome));
+                let timed = Timed::new(waiter);
+                let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace);
+                loop {
+                    let outcome = ecp.run_program(|ecp| match &mut program {
+                        Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
+                        Some(program) => program(ecp),
+                        None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
+                        None => crate::transparent::program(ecp),
+                    });
+                    let starts_again = ecp.serve(&outcome);
+                    if !starts_again {
+                        if program.is_some() {
+                            outcomes.borrow_mut().push((process, outcome));
+                        }
+                        break;
+                    }
                 }
             }),
         )

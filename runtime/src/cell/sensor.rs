@@ -2,14 +2,18 @@
 
 use core::any::TypeId;
 use core::time::Duration;
+use std::rc::Rc;
 
 use super::CellError;
 use crate::fault::{ProcessId, Role};
 use crate::image::Sensor;
 use crate::link::{Client, Link, Nanos, Server};
 use crate::name::Name;
+use crate::plant::Site;
+use crate::replay::Tape;
 use crate::sensing::{Sensing, SensorPort, Source};
-use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::shape::Shape;
+use crate::vsp::{Aggregator, Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
 use crate::wire::{WORDS, Wire};
 
 /// A virtual sensor of a cell.
@@ -62,6 +66,33 @@ impl<V: VirtualSensor> SensorSetup<V> {
     }
 }
 
+impl<V: VirtualSensor> SensorSetup<V> {
+    /// What its readings are.
+    const fn reads() -> (TypeId, &'static Shape) {
+        (TypeId::of::<V::Kind>(), <<V::Kind as Sensor>::Reading as Wire>::SHAPE)
+    }
+
+    /// The place of the robot that it belongs to.
+    fn robot_among(&self, robots: &[Name]) -> Result<Option<usize>, CellError> {
+        let Some(robot) = &self.robot else { return Ok(None) };
+        let found = robots.iter().position(|name| name.as_str() == robot);
+        found.map(Some).ok_or(CellError::NoSuchRobot(Name::new(&self.name)?, robot.clone()))
+    }
+
+    /// In place of a process, what a recording says was collected.
+    fn replay(&self, among: &mut Requesters<'_>, tape: &Tape) -> Result<(), CellError> {
+        let name = Name::new(&self.name)?;
+        let robot = self.robot_among(among.robots)?;
+        let port = |by| SensorPort::new(name, Self::reads(), robot, Source::Recorded(tape.reading(name, by)));
+        among.mp_sensing.ports.push(port(ProcessId::MP));
+        if let Some(robot) = robot {
+            let by = ProcessId::new(Role::Ecp, among.robots[robot]);
+            among.ecp_sensing[robot].ports.push(port(by));
+        }
+        Ok(())
+    }
+}
+
 /// A virtual sensor of any kind.
 pub(super) trait AnySensor {
     fn name(&self) -> &str;
@@ -71,7 +102,10 @@ pub(super) trait AnySensor {
 
 /// Who may read a sensor, and where: the MP, and the ECP of the robot that it belongs to.
 pub(super) struct Requesters<'a> {
+    /// What a replay says was collected.
+    pub tape: Option<Rc<Tape>>,
     pub link: &'a mut dyn Link,
+    pub plant: &'a mut Site,
     pub step: Duration,
     pub mp: usize,
     pub robots: &'a [Name],
@@ -104,16 +138,15 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
     }
 
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError> {
-        let Requesters { link, step, mp, robots, ecps, mp_sensing, ecp_sensing } = among;
+        if let Some(tape) = among.tape.clone() {
+            return self.replay(among, &tape);
+        }
+        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
         let name = Name::new(&self.name)?;
-        let belongs = |robot: &String| {
-            let place = robots.iter().position(|name| name.as_str() == robot);
-            place.ok_or_else(|| CellError::NoSuchRobot(name, robot.clone()))
-        };
-        let robot = self.robot.as_ref().map(belongs).transpose()?;
+        let robot = self.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, name);
         let place = link.place(process);
-        let kind = TypeId::of::<V::Kind>();
+        let kind = Self::reads();
         let clients = [Some(*mp), robot.map(|robot| ecps[robot])];
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
         let mut sources = Vec::new();
@@ -149,10 +182,11 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
         let step = step.as_nanos() as Nanos;
+        let sensors = plant.take_sensor(*link, place, Aggregator { process, sensor });
         link.body(
             place,
             Box::new(move |waiter| {
-                Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();
+                Vsp { sensors, configuration, waiter, orders, latency, step }.run();
             }),
         )?;
         Ok(())

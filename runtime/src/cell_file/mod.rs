@@ -6,6 +6,7 @@
 //! ```toml
 //! step_ms = 2        # Ts, the step of the cell [ms]
 //! stop_ms = 600      # the longest stop that it allows any joint [ms]; 600 unless it is said
+//! after_fault = "end"    # or "await reset": stay latched until the operator resets it; end unless it is said
 //!
 //! [robots.arm]       # a robot of this name
 //! kind = "irp6"      # one of the program's kinds
@@ -33,10 +34,12 @@ mod kinds;
 mod reader;
 
 use core::time::Duration;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
-use crate::cell::{Cell, CellError, SensorSetup};
+use crate::cell::{AfterFault, Cell, CellError, SensorSetup};
 use crate::image::Sensor;
 use crate::realtime::Realtime;
 use crate::vsp::VirtualSensor;
@@ -54,10 +57,14 @@ pub struct CellFile {
     source: Rc<Source>,
     step: Duration,
     stop_time: Option<Duration>,
+    after_fault: AfterFault,
     realtime: Option<Realtime>,
     robots: Vec<RobotEntry>,
     sensors: Vec<SensorEntry>,
 }
+
+/// The longest file \[bytes\]: a cell of 31 robots has some thousands.
+const MOST_BYTES: u64 = 1 << 20;
 
 impl CellFile {
     /// Reads the file at `path`.
@@ -67,8 +74,11 @@ impl CellFile {
     pub fn read(path: impl AsRef<Path>) -> Result<CellFile, CellFileError> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => CellFile::parse(&name, &text),
+        let mut text = String::new();
+        // A device has no end: one byte too many is enough to refuse it.
+        let read = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+        match read {
+            Ok(_) => CellFile::parse(&name, &text),
             Err(error) => Err(CellFileError::unreadable(&name, &error)),
         }
     }
@@ -78,6 +88,9 @@ impl CellFile {
     /// # Errors
     /// [`CellFileError`] with everything that is wrong with it.
     pub fn parse(name: &str, text: &str) -> Result<CellFile, CellFileError> {
+        if text.len() as u64 > MOST_BYTES {
+            return Err(CellFileError::too_long(name, MOST_BYTES));
+        }
         reader::read(name, text)
     }
 
@@ -100,7 +113,8 @@ impl CellFile {
     pub fn cell(&self, kinds: &Kinds) -> Result<Cell, CellError> {
         let mut cell = Cell::new(self.step)
             .expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name))
-            .ask_for(self.realtime.clone());
+            .ask_for(self.realtime.clone())
+            .after_fault(self.after_fault);
         if let Some(limit) = self.stop_time {
             cell = cell.stop_time(limit);
         }

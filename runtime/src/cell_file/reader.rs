@@ -8,6 +8,7 @@ use nalgebra::Translation3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use crate::cell::AfterFault;
 use crate::name::Name;
 use crate::pose::{Pose, Zyz};
 use crate::realtime::{MAX_PRIORITY, Permission, Realtime};
@@ -20,7 +21,7 @@ use crate::suggestion::suggestion;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 
-const CELL_KEYS: [&str; 5] = ["step_ms", "stop_ms", "robots", "sensors", "realtime"];
+const CELL_KEYS: [&str; 6] = ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime"];
 const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
 const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
@@ -29,6 +30,7 @@ const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0],
                     missing in the line above";
 const REALTIME_KEYS: [&str; 4] = ["priority", "lock_memory", "cores", "permission"];
 const PERMISSIONS: [&str; 2] = ["required", "best effort"];
+const AFTER_FAULT: [&str; 2] = ["end", "await reset"];
 const MODES: [&str; 3] = ["interactive", "with delay", "free running"];
 
 /// Reads the whole file.
@@ -56,6 +58,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     reader.known(table, &CELL_KEYS, "a cell has");
     let step = reader.step(table);
     let stop_time = table.get("stop_ms").and_then(|value| reader.duration(value));
+    let after_fault = table.get("after_fault").and_then(|value| reader.after_fault(value));
     let robots = reader.entries(table, "robots");
     let names: Vec<_> = robots.iter().map(|entry| entry.name.value.clone()).collect();
     let robots: Vec<_> = robots.into_iter().filter_map(|entry| reader.robot(entry)).collect();
@@ -70,7 +73,15 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         .collect();
     let realtime = table.get("realtime").and_then(|value| reader.realtime(value));
     CellFileError::all(reader.errors)?;
-    Ok(CellFile { source, step, stop_time, realtime, robots, sensors })
+    Ok(CellFile {
+        source,
+        step,
+        stop_time,
+        after_fault: after_fault.unwrap_or_default(),
+        realtime,
+        robots,
+        sensors,
+    })
 }
 
 struct Reader {
@@ -172,6 +183,19 @@ impl Reader {
                 let help = "write step_ms = 2 as the first line, or another step that fits the robots' servo periods";
                 self.complain(&(0..0), "the cell has no `step_ms`".to_owned(), help.to_owned());
                 Duration::ZERO
+            }
+        }
+    }
+
+    /// What the cell does after a fault; ends unless it is said.
+    fn after_fault(&mut self, value: &Value<'_>) -> Option<AfterFault> {
+        match self.text(value, "\"end\" or \"await reset\"")? {
+            "end" => Some(AfterFault::End),
+            "await reset" => Some(AfterFault::AwaitReset),
+            other => {
+                let help = suggestion(other, &AFTER_FAULT, "a cell can");
+                self.complain(&value.span(), format!("no way to go on after a fault `{other}`"), help);
+                None
             }
         }
     }

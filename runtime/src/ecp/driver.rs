@@ -70,12 +70,14 @@ impl<R: Robot> DriverPort<R> {
     ) -> Result<(), Fault> {
         let header = &mut self.request.header;
         (header.kind, header.step, header.duration) = (Kind::Request(kind), order.step, order.duration);
-        header.instruction = order.instruction;
+        (header.epoch, header.instruction) = (order.epoch, order.instruction);
         header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED);
         header.len = if kind == RequestKind::Demand { <Demand<R> as Wire>::LEN as u32 } else { 0 };
         self.port.send(&self.request);
         let deadline = waiter.now() + self.patience;
-        while !self.port.receive(&mut self.reply) {
+        // An answer to a request that was given up is none to this one.
+        let to = |header: &Header| (header.epoch, header.step);
+        while !(self.port.receive(&mut self.reply) && to(&self.reply.header) == to(&self.request.header)) {
             waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
             if waiter.now() >= deadline {
                 return Err(Fault::new(FaultKind::PeerLost).text("no answer from the EDP"));

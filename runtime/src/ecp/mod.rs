@@ -10,11 +10,14 @@ mod motion;
 mod orders;
 mod waiting;
 
+use core::time::Duration;
+
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, Sensor};
 use crate::link::{Client, Nanos, Server, Waiter};
 use crate::list::{PayloadType, SensorHandle};
 use crate::message::{OrderKind, RequestKind, flag};
+use crate::overruns::Overruns;
 use crate::payload::{Nudge, Order, Payload};
 use crate::robot::Robot;
 use crate::sensing::Sensing;
@@ -30,6 +33,7 @@ pub struct Ecp<'w, R: Robot> {
     driver: DriverPort<R>,
     sensing: Sensing,
     pace: Pace,
+    overruns: Overruns,
     refusals: u32,
 }
 
@@ -62,6 +66,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             orders: Orders::new(mp),
             driver: DriverPort::new(edp, sensing.patience),
             sensing,
+            overruns: Overruns::new(Duration::from_nanos(pace.period)),
             pace,
             refusals: 0,
         }
@@ -152,6 +157,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
                 | Duty::Report
                 | Duty::Stop
                 | Duty::Refuse
+                | Duty::Reset
                 | Duty::Foreign) => return Err(self.decline(duty)),
             }
         }
@@ -203,6 +209,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
                 | Duty::Report
                 | Duty::Stop
                 | Duty::Refuse
+                | Duty::Reset
                 | Duty::Foreign) => return Err(self.decline(duty)),
             }
         }
@@ -226,7 +233,9 @@ impl<'w, R: Robot> Ecp<'w, R> {
             };
             match self.orders.duty(order) {
                 Duty::Report => self.hold(0)?,
-                duty @ (Duty::Stop | Duty::Refuse | Duty::Foreign) => return Err(self.decline(duty)),
+                duty @ (Duty::Stop | Duty::Refuse | Duty::Reset | Duty::Foreign) => {
+                    return Err(self.decline(duty));
+                }
                 duty @ (Duty::Open | Duty::Work | Duty::Rest | Duty::End | Duty::Abort | Duty::StayOut) => {
                     return Ok(duty);
                 }
@@ -247,6 +256,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             | Duty::Abort
             | Duty::StayOut
             | Duty::Refuse
+            | Duty::Reset
             | Duty::Foreign => {
                 let order = self.orders.open();
                 let text = format!("order {order:?} in phase {:?}", self.orders.phase);
@@ -421,15 +431,18 @@ impl<'w, R: Robot> Ecp<'w, R> {
         }
     }
 
-    /// Answers for a program that is over.
-    pub(crate) fn serve(&mut self, outcome: &Result<(), Fault>) {
+    /// Answers for a program that is over; whether a reset starts it again. Otherwise the cell closes.
+    pub(crate) fn serve(&mut self, outcome: &Result<(), Fault>) -> bool {
         while let Ok(order) = self.orders.receive(self.waiter) {
             // A fault on the way is latched, and the answer to the next order.
-            let _ = self.serve_one(order, outcome);
+            if self.serve_one(order, outcome).is_ok_and(|served| served == Served::Reset) {
+                return true;
+            }
         }
+        false
     }
 
-    fn serve_one(&mut self, order: OrderKind, outcome: &Result<(), Fault>) -> Result<(), Fault> {
+    fn serve_one(&mut self, order: OrderKind, outcome: &Result<(), Fault>) -> Result<Served, Fault> {
         match self.orders.duty(order) {
             Duty::Refuse => {
                 self.stop_driver();
@@ -437,8 +450,9 @@ impl<'w, R: Robot> Ecp<'w, R> {
                     let fault = fault.clone();
                     self.orders.reply_fault(&fault, self.driver.reply());
                 }
-                Ok(())
+                Ok(Served::Answered)
             }
+            Duty::Reset => self.reset(),
             Duty::Open => {
                 let text = match outcome {
                     Ok(()) => "the program of this ECP is over; the MP starts another instruction",
@@ -446,13 +460,39 @@ impl<'w, R: Robot> Ecp<'w, R> {
                 };
                 Err(self.fail(Fault::thrown(text)))
             }
-            Duty::Report => self.hold(0),
-            Duty::StayOut => self.hold(flag::ENDED | flag::FINISHED),
+            Duty::Report => self.hold(0).map(|()| Served::Answered),
+            Duty::StayOut => self.hold(flag::ENDED | flag::FINISHED).map(|()| Served::Answered),
             duty @ (Duty::Work | Duty::Rest | Duty::End | Duty::Abort | Duty::Stop | Duty::Foreign) => {
                 Err(self.decline(duty))
             }
         }
     }
+
+    /// Leaves the latch, if the EDP can: the program finds what it found when the cell began, with the robot where it is.
+    fn reset(&mut self) -> Result<Served, Fault> {
+        let asked = self.driver.ask(RequestKind::Reset, 0, self.orders.header(), self.waiter);
+        if let Err(fault) = asked {
+            // The cause is still there, or another one is.
+            let fault = fault.in_process(self.process);
+            self.orders.phase = Phase::Latched(fault.clone());
+            self.orders.reply_fault(&fault, self.driver.reply());
+            return Ok(Served::Answered);
+        }
+        self.orders.reset();
+        self.sensing.release();
+        self.driver.moving = false;
+        self.refusals = 0;
+        self.reply(0);
+        Ok(Served::Reset)
+    }
+}
+
+/// What became of an order to a process whose program is over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Served {
+    Answered,
+    /// The program starts again.
+    Reset,
 }
 
 /// Whether a program may end with a fault without anything being wrong with its robot.

@@ -8,10 +8,11 @@
 //!           START             first STEP             program returns          END, ABORT
 //!   Idle ───────────▶ Started ───────────▶ Obeying ──────────────────▶ Finished ───────────▶ Idle
 //!     ▲                  │ END, ABORT         a fault of this robot or of the cell, anywhere: ▶ Latched
-//!     └──────────────────┘
+//!     └──────────────────┘                                                       RESET: Latched ▶ Idle
 //! ```
 
 use crate::fault::Fault;
+use crate::latch::{Admission, Asked, Gate};
 use crate::link::{Closed, Server, Waiter};
 use crate::list::PayloadType;
 use crate::message::{Header, Kind, Message, OrderKind, flag};
@@ -52,6 +53,8 @@ pub(super) enum Duty {
     Stop,
     /// Answer with the fault that is latched.
     Refuse,
+    /// Leave the latch; the program starts again.
+    Reset,
     /// An order that has no place here: the two sides disagree about where they are.
     Foreign,
 }
@@ -61,6 +64,7 @@ impl Phase {
     pub const fn duty(&self, order: OrderKind, same: bool) -> Duty {
         use OrderKind as O;
         match (self, order) {
+            (Phase::Latched(_), O::Reset) => Duty::Reset,
             (Phase::Latched(_), _) => Duty::Refuse,
             (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, O::Stop) => Duty::Stop,
             (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, O::Query) => Duty::Report,
@@ -82,7 +86,9 @@ impl Phase {
             (
                 Phase::Started | Phase::Obeying | Phase::Finished,
                 O::Start | O::Step | O::End | O::Abort | O::Brake,
-            ) => Duty::Foreign,
+            )
+            // What was not stopped is not reset.
+            | (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, O::Reset) => Duty::Foreign,
         }
     }
 }
@@ -95,6 +101,8 @@ pub(super) struct Orders {
     open: Option<OrderKind>,
     answer: Message,
     pub phase: Phase,
+    /// Of the epoch that orders must be of.
+    gate: Gate,
     /// The type of the orders of the instruction opened last, and its ordinal.
     payload: Option<PayloadType>,
     instruction: u32,
@@ -108,12 +116,13 @@ impl Orders {
             open: None,
             answer: Message::empty(),
             phase: Phase::Idle,
+            gate: Gate::default(),
             payload: None,
             instruction: 0,
         }
     }
 
-    /// Waits for an order, unless one is open.
+    /// Waits for an order, unless one is open. One of another epoch is none.
     pub fn receive(&mut self, waiter: &dyn Waiter) -> Result<OrderKind, Closed> {
         loop {
             if let Some(open) = self.open {
@@ -124,11 +133,25 @@ impl Orders {
                 continue;
             }
             self.open = match self.order.header.kind {
-                Kind::Order(kind) => Some(kind),
+                Kind::Order(kind) => self.admit(kind).then_some(kind),
                 // Nobody but an MP is at the other end of this port.
-                Kind::Request(_) | Kind::Read | Kind::Reply | Kind::Fault => None,
+                Kind::Request(_) | Kind::Command | Kind::Read | Kind::Reply | Kind::Fault => None,
             };
         }
+    }
+
+    /// Whether an order is one of this epoch, or begins it. What it asks for is then the phase's to say.
+    fn admit(&mut self, kind: OrderKind) -> bool {
+        let gate = if matches!(self.phase, Phase::Latched(_)) { self.gate.closed() } else { self.gate };
+        // The EDP knows whether the robot stands: it is asked before the phase changes.
+        let (gate, admission) = gate.meet(self.order.header.epoch, asked(kind), true);
+        self.gate = gate;
+        admission != Admission::Ignored
+    }
+
+    /// Leaves the latch: no instruction is open.
+    pub fn reset(&mut self) {
+        (self.phase, self.payload) = (Phase::Idle, None);
     }
 
     /// The kind of the order that is to be answered.
@@ -166,7 +189,12 @@ impl Orders {
         match self.open {
             Some(kind @ (OrderKind::End | OrderKind::Abort)) => Some(kind),
             Some(
-                OrderKind::Query | OrderKind::Start | OrderKind::Step | OrderKind::Brake | OrderKind::Stop,
+                OrderKind::Query
+                | OrderKind::Start
+                | OrderKind::Step
+                | OrderKind::Brake
+                | OrderKind::Stop
+                | OrderKind::Reset,
             )
             | None => None,
         }
@@ -213,6 +241,16 @@ impl Orders {
     }
 }
 
+/// What an order asks, as far as the gate is concerned.
+const fn asked(order: OrderKind) -> Asked {
+    match order {
+        OrderKind::Start | OrderKind::Step => Asked::Move,
+        OrderKind::Query | OrderKind::End | OrderKind::Abort | OrderKind::Brake => Asked::Look,
+        OrderKind::Stop => Asked::Stop,
+        OrderKind::Reset => Asked::Reset,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -220,21 +258,21 @@ mod tests {
 
     #[test]
     fn every_order_has_one_meaning_in_every_phase() {
-        use Duty::{Abort, End, Foreign, Open, Refuse, Report, Rest, StayOut, Stop, Work};
+        use Duty::{Abort, End, Foreign, Open, Refuse, Report, Reset, Rest, StayOut, Stop, Work};
         use OrderKind as O;
-        let orders = [O::Query, O::Start, O::Step, O::End, O::Abort, O::Brake, O::Stop];
+        let orders = [O::Query, O::Start, O::Step, O::End, O::Abort, O::Brake, O::Stop, O::Reset];
         #[rustfmt::skip]
         let table = [
-            // of this instruction:  Query   Start    Step     End      Abort    Brake    Stop
-            (Phase::Idle,     true,  [Report, Foreign, Foreign, StayOut, StayOut, StayOut, Stop]),
-            (Phase::Started,  true,  [Report, Foreign, Work,    StayOut, StayOut, Foreign, Stop]),
-            (Phase::Obeying,  true,  [Report, Foreign, Work,    End,     Abort,   Foreign, Stop]),
-            (Phase::Finished, true,  [Report, Foreign, Rest,    End,     Abort,   Foreign, Stop]),
+            // of this instruction:  Query   Start    Step     End      Abort    Brake    Stop  Reset
+            (Phase::Idle,     true,  [Report, Foreign, Foreign, StayOut, StayOut, StayOut, Stop, Foreign]),
+            (Phase::Started,  true,  [Report, Foreign, Work,    StayOut, StayOut, Foreign, Stop, Foreign]),
+            (Phase::Obeying,  true,  [Report, Foreign, Work,    End,     Abort,   Foreign, Stop, Foreign]),
+            (Phase::Finished, true,  [Report, Foreign, Rest,    End,     Abort,   Foreign, Stop, Foreign]),
             // of another one:
-            (Phase::Idle,     false, [Report, Open,    Foreign, StayOut, StayOut, StayOut, Stop]),
-            (Phase::Started,  false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop]),
-            (Phase::Obeying,  false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop]),
-            (Phase::Finished, false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop]),
+            (Phase::Idle,     false, [Report, Open,    Foreign, StayOut, StayOut, StayOut, Stop, Foreign]),
+            (Phase::Started,  false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop, Foreign]),
+            (Phase::Obeying,  false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop, Foreign]),
+            (Phase::Finished, false, [Report, Foreign, Foreign, Foreign, Foreign, Foreign, Stop, Foreign]),
         ];
         for (phase, same, duties) in table {
             for (order, duty) in orders.into_iter().zip(duties) {
@@ -243,7 +281,8 @@ mod tests {
         }
         let latched = Phase::Latched(Fault::new(FaultKind::Program));
         for (order, same) in orders.into_iter().flat_map(|order| [(order, true), (order, false)]) {
-            assert_eq!(latched.duty(order, same), Refuse, "{order:?}");
+            let duty = if order == O::Reset { Reset } else { Refuse };
+            assert_eq!(latched.duty(order, same), duty, "{order:?}");
         }
     }
 }

@@ -85,6 +85,7 @@ impl<R: Robot> Ecp<'_, R> {
                 | Duty::Report
                 | Duty::Stop
                 | Duty::Refuse
+                | Duty::Reset
                 | Duty::Foreign) => return Err(self.decline(duty)),
             }
             self.refresh(&sensors, &mut v, uses.robots)?;

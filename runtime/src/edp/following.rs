@@ -20,13 +20,14 @@ impl<R: Robot> Edp<'_, R> {
             self.still = if demand == *self.interpolation.goal() { self.still + 1 } else { 0 };
             self.interpolation.push(demand);
             if let Some(sets) = self.regulators.take() {
-                let chosen = guarded(|| self.config.driver.choose_regulators(&sets));
+                let chosen = guarded(|| self.config.drive.choose_regulators(&sets));
                 if let Err(panic) = chosen {
-                    self.mode = Mode::Off;
+                    (self.mode, self.lost) = (Mode::Off, true);
                     self.latch(panic, self.due);
                 }
             }
         }
+        self.tell_step();
         self.due += 1;
     }
 
@@ -68,19 +69,19 @@ impl<R: Robot> Edp<'_, R> {
         }
         let demanded = self.position_at(now + self.servo);
         self.commanded = demanded;
-        let fault = match guarded(|| self.config.driver.tick(&demanded)) {
-            Ok(Ok(measured)) => {
-                self.measured = measured;
-                self.check_following(&demanded, FaultKind::FollowingError).err()
+        let fault = match guarded(|| self.config.drive.tick(now, &demanded, self.waiter)) {
+            Ok(Ok(followed)) => {
+                self.measured = followed.measured;
+                self.check_following(&followed.demanded, FaultKind::FollowingError).err()
             }
             // What a driver that panicked still does is unknown: it is told nothing more.
             Err(panic) => {
-                self.mode = Mode::Off;
+                (self.mode, self.lost) = (Mode::Off, true);
                 Some(panic)
             }
-            Ok(Err(trip)) => {
+            Ok(Err(fault)) => {
                 self.mode = Mode::Off;
-                Some(Fault::of_drive(&trip))
+                Some(fault)
             }
         };
         let observed = self.observe(now, demanded);

@@ -6,25 +6,33 @@
 //! space ([`Interpolation`]). The reply to a demand leaves as soon as the demand is accepted: the next one is computed
 //! while the robot moves.
 
+mod drives;
 mod following;
+mod resetting;
 mod serving;
+mod telling;
 #[cfg(test)]
 mod tests;
 
 use core::time::Duration;
 
 use crate::braking::Braking;
-use crate::driver::{Driver, Measured, Regulators};
+use crate::driver::{Measured, Regulators};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
+use crate::latch::Gate;
 use crate::limits::{AcceptedDemand, Acceptor};
-use crate::link::{Closed, Nanos, Server, Waiter};
+use crate::link::{Closed, Nanos, Sample, Server, Waiter};
 use crate::message::Message;
+use crate::overruns::Overruns;
 use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
+use crate::witness::Tap;
+
+pub(crate) use drives::{Drive, PlantDrive, PlantEnd};
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
@@ -45,7 +53,7 @@ pub type Observer<R> = Box<dyn FnMut(&ServoRecord<R>)>;
 pub(crate) struct EdpConfig<R: Robot> {
     pub process: ProcessId,
     pub robot: R,
-    pub driver: Box<dyn Driver<R>>,
+    pub drive: Drive<R>,
     pub tool: Pose,
     pub step: Duration,
     /// The cell's delay between demands and drives; `None`: drives take each demand as it is.
@@ -54,6 +62,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     /// Largest difference between demanded and measured joint positions [rad or m].
     pub following_error: R::Joints,
     pub observers: Vec<Observer<R>>,
+    /// Where each step is shown.
+    pub tap: Tap,
 }
 
 #[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
@@ -64,7 +74,7 @@ enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
-    /// A drive gave up and has its brake applied.
+    /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
 
@@ -89,19 +99,25 @@ pub(crate) struct Edp<'w, R: Robot> {
     next_tick: Nanos,
     step: Nanos,
     servo: Nanos,
+    /// Steps that were late, and for how many periods the last one was.
+    overruns: Overruns,
+    behind: u64,
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
-    stopped: bool,
+    /// Shut by a stop or a fault.
+    gate: Gate,
     fault: Option<Fault>,
+    /// The driver has panicked: what it still does is unknown.
+    lost: bool,
     request: Message,
     reply: Message,
 }
 
 impl<'w, R: Robot> Edp<'w, R> {
     pub fn new(config: EdpConfig<R>, waiter: &'w dyn Waiter, port: Box<dyn Server>) -> Self {
-        let measured = config.driver.measured();
-        let (step, servo) = (config.step.as_nanos() as Nanos, config.driver.period().as_nanos() as Nanos);
+        let measured = config.drive.measured();
+        let (step, servo) = (config.step.as_nanos() as Nanos, config.drive.period().as_nanos() as Nanos);
         let reaction = detection_time(config.step);
         let acceptor = Acceptor::new(config.robot.clone(), config.tool, measured.position, reaction);
         let (now, shorter) = (waiter.now(), servo.min(step));
@@ -125,9 +141,12 @@ impl<'w, R: Robot> Edp<'w, R> {
             next_tick: tick * servo + servo / 2,
             step,
             servo,
+            overruns: Overruns::new(config.step),
+            behind: 0,
             measured,
-            stopped: false,
+            gate: Gate::default(),
             fault: None,
+            lost: false,
             request: Message::empty(),
             reply: Message::empty(),
             config,
@@ -140,9 +159,20 @@ impl<'w, R: Robot> Edp<'w, R> {
         edp
     }
 
+    /// The same behind the gate that was kept while the robot looked for its marks.
+    pub fn behind(mut self, gate: Gate) -> Self {
+        self.gate = gate;
+        self
+    }
+
     /// Keeps the first fault.
     fn latch(&mut self, fault: Fault, step: u64) {
-        self.fault.get_or_insert(fault.in_process(self.config.process).at_step(step));
+        self.gate = self.gate.closed();
+        if self.fault.is_none() {
+            let fault = fault.in_process(self.config.process).at_step(step);
+            self.tell_fault(&fault, step);
+            self.fault = Some(fault);
+        }
     }
 
     /// Serves until the cell closes.
@@ -151,11 +181,15 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// `PeerLost` when the robot still moved then and did not come to a standstill in the time that its stops may take.
     pub fn run(mut self) -> Result<(), Fault> {
         while self.waiter.wait(Some(self.next_step.min(self.next_tick))) != Err(Closed) {
+            let (woke, first) = (self.waiter.now(), self.next_tick);
             while self.port.receive(&mut self.request) {
                 self.serve();
             }
             while self.waiter.now() >= self.next_step.min(self.next_tick) {
                 self.advance();
+            }
+            if self.next_tick > first {
+                self.waiter.sample(Sample::Worked(self.waiter.now().saturating_sub(woke)));
             }
         }
         self.come_to_rest()
@@ -164,7 +198,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
     /// nothing moves.
     fn come_to_rest(&mut self) -> Result<(), Fault> {
-        self.stopped = true;
+        self.gate = self.gate.closed();
         self.brake();
         let delay = self.config.delay.unwrap_or_default();
         let began = self.due;
@@ -187,13 +221,36 @@ impl<'w, R: Robot> Edp<'w, R> {
     }
 
     /// The step or servo period that begins next; a step before the servo period that begins with it.
+    ///
+    /// A step that is late is made up for: what its demand was, or what bridged it, is what the next one begins at. A servo
+    /// period that is over is left out: drives are told where to be at the end of the present one, on the same curve.
     fn advance(&mut self) {
+        let now = self.waiter.now();
         if self.next_step <= self.next_tick {
+            self.count_late_step(now);
             self.begin_step();
             self.next_step += self.step;
+            return;
+        }
+        if now >= self.next_tick + self.servo {
+            self.waiter.sample(Sample::Skipped(1));
         } else {
+            self.waiter.sample(Sample::Late(now.saturating_sub(self.next_tick)));
             self.tick(self.next_tick);
-            self.next_tick += self.servo;
+        }
+        self.next_tick += self.servo;
+    }
+
+    /// Being late is one cause, however many steps are made up for at once. It counts while the robot moves.
+    fn count_late_step(&mut self, now: Nanos) {
+        let missed = now.saturating_sub(self.next_step) / self.step.max(1);
+        let goes_on = missed + 1 == core::mem::replace(&mut self.behind, missed);
+        if goes_on || !matches!(self.mode, Mode::Moving { .. }) {
+            return;
+        }
+        if let Err(fault) = self.overruns.note(missed) {
+            self.latch(fault, self.due);
+            self.brake();
         }
     }
 

@@ -1,7 +1,8 @@
-//! What an EDP answers: queries, demands, brakes and stops of its ECP.
+//! What an EDP answers: queries, demands, brakes, stops and resets of its ECP.
 //!
 //! In: a request. Out: the reply, with the robot's image when it is asked for, or with the fault that is latched. A demand
-//! is accepted or refused here; what becomes of it is [`following`](super::following)'s.
+//! is accepted or refused here; what becomes of it is [`following`](super::following)'s. What is of another epoch than
+//! the robot's is no request.
 
 use crate::demand::{Coordinates, Demand};
 use crate::driver::Regulators;
@@ -9,6 +10,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::image::{RobotImage, RobotState};
 use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
+use crate::latch::{Admission, Asked};
 use crate::message::{Kind, RequestKind, flag};
 use crate::robot::Robot;
 use crate::wire::Wire;
@@ -17,7 +19,17 @@ use super::{Edp, Mode, guarded};
 
 impl<R: Robot> Edp<'_, R> {
     pub(super) fn serve(&mut self) {
-        let result = guarded(|| self.act()).and_then(|result| result);
+        let request = match self.request.header.kind {
+            Kind::Request(request) => Some(request),
+            Kind::Order(_) | Kind::Command | Kind::Read | Kind::Reply | Kind::Fault => None,
+        };
+        let asked = request.map_or(Asked::Look, asked);
+        let (gate, admission) = self.gate.meet(self.request.header.epoch, asked, self.is_at_standstill());
+        self.gate = gate;
+        if admission == Admission::Ignored {
+            return;
+        }
+        let result = guarded(|| self.act(request, admission)).and_then(|result| result);
         if let Err(fault) = result {
             self.latch(fault, self.request.header.step);
             self.brake();
@@ -30,13 +42,16 @@ impl<R: Robot> Edp<'_, R> {
         }
     }
 
-    fn act(&mut self) -> Result<(), Fault> {
-        let request = match self.request.header.kind {
-            Kind::Request(request) => request,
-            Kind::Order(_) | Kind::Read | Kind::Reply | Kind::Fault => {
-                return Err(Fault::new(FaultKind::Message));
-            }
-        };
+    fn act(&mut self, request: Option<RequestKind>, admission: Admission) -> Result<(), Fault> {
+        let request = request.ok_or_else(|| Fault::new(FaultKind::Message))?;
+        if admission == Admission::Refused {
+            return Err(match request {
+                RequestKind::Reset => Fault::new(FaultKind::Message).text("a reset of a robot that moves"),
+                RequestKind::Query | RequestKind::Demand | RequestKind::Brake | RequestKind::Stop => {
+                    Fault::new(FaultKind::StoppedByCell)
+                }
+            });
+        }
         match request {
             RequestKind::Query => self.check_standing_start(),
             RequestKind::Demand => self.demand(),
@@ -45,10 +60,11 @@ impl<R: Robot> Edp<'_, R> {
                 Ok(())
             }
             RequestKind::Stop => {
-                self.stopped = true;
                 self.brake();
+                self.switch_off();
                 Ok(())
             }
+            RequestKind::Reset => self.reset(),
         }
     }
 
@@ -63,13 +79,14 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     fn demand(&mut self) -> Result<(), Fault> {
-        if self.stopped || self.fault.is_some() {
-            return Err(Fault::new(FaultKind::StoppedByCell));
-        }
         let header = self.request.header;
         // Woken late: what was due before the demand's step comes before the demand.
         while self.due < header.step && self.waiter.now() >= self.next_step.min(self.next_tick) {
             self.advance();
+        }
+        // A step has one demand: one that came twice, or again in place of another, would be a step of its own.
+        if self.next.is_some() {
+            return Ok(());
         }
         if self.request.is(flag::FIRST) {
             self.acceptor.begin();
@@ -100,8 +117,8 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     fn check_regulators(&self, sets: &Regulators) -> Result<(), Fault> {
-        let driver = &self.config.driver;
-        match (0..R::Joints::LEN).find(|&joint| !driver.has_regulator(joint, sets.set(joint))) {
+        let drive = &self.config.drive;
+        match (0..R::Joints::LEN).find(|&joint| !drive.has_regulator(joint, sets.set(joint))) {
             Some(joint) => {
                 let text = format!("parameter set {}", sets.set(joint));
                 Err(Fault::new(FaultKind::NoRegulator).at_joint(joint).text(&text))
@@ -113,7 +130,7 @@ impl<R: Robot> Edp<'_, R> {
     fn answer(&mut self) {
         let at_standstill = self.is_at_standstill();
         let reply = &mut self.reply;
-        reply.header.step = self.request.header.step;
+        (reply.header.epoch, reply.header.step) = (self.request.header.epoch, self.request.header.step);
         reply.header.instruction = self.request.header.instruction;
         reply.header.flags = 0;
         if at_standstill {
@@ -140,5 +157,15 @@ impl<R: Robot> Edp<'_, R> {
             }
         }
         self.port.reply(reply);
+    }
+}
+
+/// What a request asks, as far as the gate is concerned.
+const fn asked(request: RequestKind) -> Asked {
+    match request {
+        RequestKind::Demand => Asked::Move,
+        RequestKind::Query | RequestKind::Brake => Asked::Look,
+        RequestKind::Stop => Asked::Stop,
+        RequestKind::Reset => Asked::Reset,
     }
 }

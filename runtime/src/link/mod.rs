@@ -4,14 +4,17 @@
 //! of the paper), and a free-running virtual sensor shows its last reading on a board. User programs never see
 //! which link they run on.
 
+pub(crate) mod envelope;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 pub mod iceoryx;
 pub mod memory;
 
 use std::rc::Rc;
 
+use crate::button::Button;
 use crate::fault::ProcessId;
 use crate::message::Message;
+use crate::mp::MpState;
 
 use memory::Stuck;
 
@@ -33,6 +36,14 @@ pub trait Waiter {
     /// [`Closed`] when the cell is closing.
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed>;
 
+    /// In lock-step: lets the process at a place run until it waits, as if it were a part of this one.
+    ///
+    /// # Errors
+    /// [`Closed`] when the cell is closing.
+    fn call(&self, _place: usize) -> Result<(), Closed> {
+        Ok(())
+    }
+
     /// Waits until a time although the cell is closing: a robot that still moves is braked first.
     ///
     /// # Errors
@@ -41,10 +52,38 @@ pub trait Waiter {
         Err(Closed)
     }
 
+    /// The time that the process itself took since it was asked last, for work between its waits and for waking late; 0
+    /// where that is not measured \[ns\].
+    fn own_time(&self) -> Nanos {
+        0
+    }
+
+    /// Counts something of this process, where anybody wants to know.
+    fn sample(&self, _sample: Sample) {}
+
     /// What has happened outside of the cell's own messages, once.
     fn news(&self) -> Option<News> {
         None
     }
+
+    /// To an MP: the button of a kind that the operator has pressed, and the number of that press, once.
+    fn pressed(&self, _kind: usize) -> Option<(u64, Button)> {
+        None
+    }
+
+    /// Shows what an MP does to whoever looks. It is called in every step and neither waits nor allocates.
+    fn show(&self, _state: &MpState) {}
+}
+
+/// What is counted of a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sample {
+    /// A step or a servo period began so much after it was due \[ns\].
+    Late(Nanos),
+    /// The process took so much time of its own for it \[ns\].
+    Worked(Nanos),
+    /// So many periods were left out.
+    Skipped(u64),
 }
 
 /// What an MP is told from outside of its cell.
@@ -90,6 +129,21 @@ pub trait Board {
 /// A process's body. It runs once the link does, and cannot keep the waiter.
 pub type Body = Box<dyn for<'w> FnOnce(&'w dyn Waiter)>;
 
+/// Where the simulated drives of a cell are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    not(all(feature = "processes", target_os = "linux")),
+    allow(dead_code, reason = "processes have a plant")
+)]
+pub enum Simulation {
+    /// Each in its EDP.
+    InEdps,
+    /// All in a process of their own, which does a servo period when it is asked to: under the virtual clock.
+    Asked,
+    /// All in a process of their own, which has its own clock, takes the newest commands and shows what it reads.
+    Free,
+}
+
 /// Where the processes of a cell are put. The same calls in the same order make the same cell, wherever they run.
 pub trait Link {
     /// A place for a process, which ports can name before its body is known.
@@ -106,6 +160,11 @@ pub trait Link {
     /// # Errors
     /// [`Stuck`] when it cannot have one.
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck>;
+
+    /// Where it puts simulated drives.
+    fn simulation(&self) -> Simulation {
+        Simulation::InEdps
+    }
 
     /// What closes the cell when the MP's program is over: every wait returns [`Closed`] from then on.
     fn closer(&self) -> Box<dyn Fn()>;

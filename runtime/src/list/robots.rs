@@ -9,6 +9,7 @@ use crate::name::Name;
 use crate::payload::Payload;
 use crate::pose::Pose;
 use crate::robot::Robot;
+use crate::shape::Shape;
 use crate::wire::{BadWords, Wire};
 
 /// A list of robots as a step function names it: `Rnt`, `(Rnt, Polycrank)`, `[Irp6; 3]`.
@@ -120,12 +121,13 @@ pub struct PayloadType {
     pub id: u64,
     pub tight: bool,
     pub name: &'static str,
+    pub shape: &'static Shape,
 }
 
 impl PayloadType {
     #[must_use]
     pub const fn of<P: Payload>() -> PayloadType {
-        PayloadType { id: P::ID, tight: P::TIGHT, name: P::NAME }
+        PayloadType { id: P::ID, tight: P::TIGHT, name: P::NAME, shape: P::SHAPE }
     }
 }
 

@@ -5,7 +5,7 @@
 //! never replayed: its `duration` is the number of periods since the step before it. `dt = rate * duration`.
 
 use crate::feed::Feed;
-use crate::link::{Closed, Nanos, Waiter};
+use crate::link::{Closed, Nanos, Sample, Waiter};
 use crate::step::Tick;
 
 /// The steps of a cell.
@@ -16,6 +16,8 @@ pub(super) struct StepClock {
     /// Index of the step that has begun, and whether it has been used up.
     step: u64,
     used: bool,
+    /// The first step that may begin next: in a replay those that were skipped are skipped again.
+    earliest: u64,
     /// Real time and path time of the step \[s\].
     duration: f64,
     dt: f64,
@@ -28,7 +30,22 @@ pub(super) struct StepClock {
 impl StepClock {
     pub fn new(period: Nanos, grace: Nanos, feed: Feed) -> Self {
         let duration = period as f64 * 1e-9;
-        StepClock { period, grace, step: 0, used: true, duration, dt: duration, suspended: false, feed }
+        StepClock {
+            period,
+            grace,
+            step: 0,
+            used: true,
+            earliest: 0,
+            duration,
+            dt: duration,
+            suspended: false,
+            feed,
+        }
+    }
+
+    /// Length of a step \[ns\].
+    pub fn period(&self) -> Nanos {
+        self.period.max(1)
     }
 
     /// Index of the step that has begun.
@@ -66,6 +83,16 @@ impl StepClock {
         self.used = true;
     }
 
+    /// Whether nothing more may take place in this step.
+    pub const fn is_spent(&self) -> bool {
+        self.used
+    }
+
+    /// No step before this one begins.
+    pub const fn not_before(&mut self, step: u64) {
+        self.earliest = step;
+    }
+
     /// Nothing moved in this step: what comes next may take place in it as well.
     pub const fn keep(&mut self) {
         self.used = false;
@@ -83,7 +110,7 @@ impl StepClock {
             return Ok(false);
         }
         let now = waiter.now();
-        let mut next = (self.step + 1) * self.period;
+        let mut next = (self.step + 1).max(self.earliest) * self.period;
         if now >= next && now % self.period >= self.grace {
             // Too late for this step as well.
             next = now - now % self.period + self.period;
@@ -93,6 +120,10 @@ impl StepClock {
         }
         let step = waiter.now() / self.period;
         let periods = step - self.step;
+        waiter.sample(Sample::Late(waiter.now().saturating_sub(next)));
+        if periods > 1 {
+            waiter.sample(Sample::Skipped(periods - 1));
+        }
         (self.step, self.used) = (step, false);
         self.duration = periods as f64 * self.period as f64 * 1e-9;
         Ok(true)

@@ -8,12 +8,13 @@ use core::any::TypeId;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::guard::RobotView;
 use crate::image::State;
-use crate::link::Client;
-use crate::list::{RobotList, SensorList, SensorsOf};
-use crate::message::{Kind, Message, OrderKind, flag};
+use crate::link::{Client, Nanos};
+use crate::list::{PayloadType, RobotList, SensorList, SensorsOf};
+use crate::message::{Header, Kind, Message, OrderKind, flag};
 use crate::name::Name;
 use crate::vsp::EffectorState;
 use crate::wire::{BadWords, Wire};
+use crate::witness::{Tap, What};
 
 use super::Mp;
 
@@ -29,8 +30,12 @@ pub(crate) struct RobotPort {
     pub(super) homed: bool,
     /// Steps after which the robot must stand when it was told to stop.
     pub(super) stop_steps: u64,
+    /// Whether its ECP owed the last answer.
+    pub(super) is_silent: bool,
     /// Whether the last instruction handed it over moving.
     pub(super) handed_over: bool,
+    /// The type of its orders.
+    pub(super) payload: PayloadType,
     pub(super) order: Message,
     pub(super) reply: Message,
 }
@@ -44,6 +49,7 @@ impl RobotPort {
         homed: bool,
     ) -> RobotPort {
         let (order, reply) = (Message::empty(), Message::empty());
+        let payload = PayloadType::of::<()>();
         RobotPort {
             name,
             kind,
@@ -52,10 +58,18 @@ impl RobotPort {
             taken: false,
             homed,
             stop_steps,
+            is_silent: false,
             handed_over: false,
+            payload,
             order,
             reply,
         }
+    }
+
+    /// Takes the answer to the last order, if it is there. One to an order that was given up is none to this one.
+    fn receives_answer(&mut self) -> bool {
+        let to = |header: &Header| (header.epoch, header.step);
+        self.client.receive(&mut self.reply) && to(&self.reply.header) == to(&self.order.header)
     }
 
     /// What its EDP reported in the last exchange, if it was asked.
@@ -66,10 +80,20 @@ impl RobotPort {
         Some(RobotView { name: self.name, measured: state(measured)?, demanded: state(demanded)? })
     }
 
+    /// Shows the order that it was sent.
+    fn show_order(&self, kind: OrderKind, tap: &Tap, now: Nanos) {
+        let (robot, PayloadType { name: payload, shape, .. }) = (self.name, self.payload);
+        let (step, instruction) = (self.order.header.step, self.order.header.instruction);
+        tap.show(now, &What::Order { robot, step, instruction, kind, payload, shape }, self.order.words());
+    }
+
     pub(super) fn process(&self) -> ProcessId {
         ProcessId::new(Role::Ecp, self.name)
     }
 }
+
+/// What is said of an ECP that does not answer.
+pub(super) const SILENT: &str = "no answer from the ECP: its program computes or waits elsewhere";
 
 /// What the robots of an exchange bound: those that an instruction does not name, nothing.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -82,7 +106,7 @@ impl Mp<'_> {
     /// Scatter and gather: sends every robot its order, then collects every reply. Where the guard is to look, the other
     /// robots are asked for their states after that.
     pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
-        let looks = kind != OrderKind::Stop
+        let looks = !matches!(kind, OrderKind::Stop | OrderKind::Reset)
             && self.protective.is_none()
             && self.guard.as_ref().is_some_and(|guard| guard.is_due(self.clock.step()));
         if !looks {
@@ -113,27 +137,25 @@ impl Mp<'_> {
             let header = &mut robot.order.header;
             (header.kind, header.flags, header.step, header.instruction) =
                 (Kind::Order(kind), flags, self.clock.step(), self.ordinal);
-            (header.dt, header.duration) = (self.clock.dt(), self.clock.duration());
+            (header.dt, header.duration, header.epoch) = (self.clock.dt(), self.clock.duration(), self.epoch);
             if kind != OrderKind::Step {
                 header.len = 0;
             }
             robot.client.send(&robot.order);
+            robot.show_order(kind, &self.tap, self.waiter.now());
         }
         let deadline = self.waiter.now() + self.sensing.patience;
         let mut first: Option<Fault> = None;
         for &index in indices {
             let robot = &mut self.robots[index];
             let mut lost = None;
-            while !robot.client.receive(&mut robot.reply) {
+            robot.is_silent = false;
+            while !robot.receives_answer() {
                 self.waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
                 if self.waiter.now() >= deadline {
-                    let text = "no answer from the ECP: its program computes or waits elsewhere";
-                    lost = Some(
-                        Fault::new(FaultKind::PeerLost)
-                            .in_process(robot.process())
-                            .text(text)
-                            .at_step(self.clock.step()),
-                    );
+                    let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(SILENT);
+                    lost = Some(silent.at_step(self.clock.step()));
+                    robot.is_silent = true;
                     robot.reply.header.flags = flag::STANDSTILL;
                     break;
                 }

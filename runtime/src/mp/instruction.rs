@@ -3,6 +3,7 @@
 //! Each is an exchange that is repeated, step by step, until every robot is where it should be.
 
 use crate::fault::{Fault, FaultKind};
+use crate::latch::Event;
 use crate::list::PayloadType;
 use crate::message::{OrderKind, flag};
 
@@ -29,7 +30,8 @@ impl Mp<'_> {
         }
         for (i, &index) in indices.iter().enumerate() {
             let robot = &mut self.robots[index];
-            robot.order.header.payload = payload(i).id;
+            robot.payload = payload(i);
+            robot.order.header.payload = robot.payload.id;
             robot.order.header.len = 0;
         }
         let started = self.exchange(indices, OrderKind::Start, flag::WANT_STATE).map_err(|fault| {
@@ -130,25 +132,35 @@ impl Mp<'_> {
 
     /// Stops every robot of the cell and latches the first cause.
     pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
+        self.tell_stop(&fault);
         let fault = self.latched.get_or_insert(fault).clone();
+        let _ = self.operator.meet(Event::Fault);
         self.take_handed_over();
+        self.bring_to_rest();
+        self.operator.show_cause(&fault);
+        let _ = self.operator.meet(Event::Standstill);
+        fault
+    }
+
+    /// Tells all robots to stop until they stand, or until they should.
+    fn bring_to_rest(&mut self) {
         let all: Vec<_> = (0..self.robots.len()).collect();
         // One step for the order to arrive, one for the answer.
         let limit = self.robots.iter().map(|robot| robot.stop_steps).max().unwrap_or(0) + 2;
         let began = self.clock.step();
         loop {
             if self.begin_step().is_err() {
-                return fault;
+                return;
             }
             // Every reply is a fault now; what counts is that the robots stand.
             let answered = self.exchange(&all, OrderKind::Stop, 0);
             if answered.is_err_and(|error| error.is_orderly()) {
-                return fault;
+                return;
             }
             let standing = all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL));
             // A robot that does not stand when it must is left to its EDP: nobody waits for it for ever.
             if standing || self.clock.step() > began + limit {
-                return fault;
+                return;
             }
         }
     }

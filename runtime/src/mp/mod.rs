@@ -3,31 +3,41 @@
 //! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. The
 //! MP alone paces the cell: [`clock`] says when a step begins and how much path time it has, [`exchange`] is one
 //! scatter and gather, [`instruction`] opens, ends and stops instructions by it, [`motion`] is Move and [`waiting`]
-//! Wait.
+//! Wait; [`restart`] runs the program, and again after a reset.
 
 mod clock;
 mod exchange;
 mod instruction;
 mod motion;
+mod restart;
+mod shown;
+mod telling;
+#[cfg(test)]
+mod tests;
 mod waiting;
 
 use core::any::TypeId;
 use core::time::Duration;
+use std::rc::Rc;
 
 use crate::ecp::MAX_REFUSALS;
-use crate::fault::{Ended, Fault, FaultKind, ProcessId};
+use crate::fault::{Ended, Fault, FaultKind, FaultWords, ProcessId};
 use crate::feed::Feed;
 use crate::guard::Guard;
 use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
+use crate::overruns::Overruns;
+use crate::replay::Script;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
 use crate::suggestion::suggestion;
+use crate::witness::Tap;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
+pub(crate) use shown::{Doing, MpState};
 
 /// What is called at the start of every step: the cell's index of the step and its operator.
 pub(crate) type StepHook = Box<dyn FnMut(u64, &Operator)>;
@@ -47,6 +57,18 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    overruns: Overruns,
+    /// Resets that were tried.
+    epoch: u32,
+    /// A process that is gone: without it there is no restart.
+    gone: Option<ProcessId>,
+    tap: Tap,
+    /// Whether the operator was seen to abort in this step.
+    aborts: bool,
+    /// A replay's steps.
+    script: Option<Rc<Script>>,
+    /// What an operator is shown.
+    shown: MpState,
 }
 
 impl<'w> Mp<'w> {
@@ -61,8 +83,29 @@ impl<'w> Mp<'w> {
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         let (guard, protective, latched) = (None, None, None);
-        let (ordinal, refusals) = (0, 0);
-        Mp { waiter, robots, sensing, operator, hook, guard, protective, clock, ordinal, latched, refusals }
+        let (ordinal, refusals, overruns) = (0, 0, Overruns::new(step));
+        let (tap, aborts, script) = (sensing.tap.clone(), false, None);
+        let shown = MpState::default();
+        Mp {
+            waiter,
+            robots,
+            sensing,
+            operator,
+            hook,
+            guard,
+            epoch: 0,
+            gone: None,
+            protective,
+            clock,
+            ordinal,
+            latched,
+            refusals,
+            overruns,
+            tap,
+            aborts,
+            script,
+            shown,
+        }
     }
 
     /// Lets a guard watch over all robots.
@@ -115,36 +158,60 @@ impl<'w> Mp<'w> {
 
     /// Begins a step, unless one has begun that no exchange has used.
     fn begin_step(&mut self) -> Result<(), Fault> {
+        self.keep_to_script();
         let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
+            self.count_own_time()?;
             // A hook that panics is not called again by the stop that follows.
             if let Some(mut hook) = self.hook.take() {
                 hook(self.clock.step(), &self.operator);
                 self.hook = Some(hook);
             }
+            self.follow_script();
+            self.hear_operator();
             let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
             self.clock.advance(rate, self.operator.is_suspended());
+            self.tell_step()?;
+            self.show_step();
         }
-        self.hear_news()
+        self.hear_news()?;
+        self.tell_abort();
+        Ok(())
+    }
+
+    /// A step that began late because of the MP itself is one of those that may be too many.
+    fn count_own_time(&mut self) -> Result<(), Fault> {
+        let missed = self.waiter.own_time() / self.clock.period();
+        if self.latched.is_some() {
+            return Ok(());
+        }
+        self.overruns.note(missed).map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
     }
 
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
     fn hear_news(&mut self) -> Result<(), Fault> {
         match self.waiter.news() {
-            Some(News::Lost(process)) if self.latched.is_none() => {
+            Some(News::Lost(process)) => {
+                self.gone.get_or_insert(process);
+                if self.latched.is_some() {
+                    return Ok(());
+                }
                 Err(Fault::new(FaultKind::PeerLost).in_process(process).at_step(self.clock.step()))
             }
+            // From the terminal: the program is to end, and not to be started again.
             Some(News::Abort) => {
                 self.operator.abort();
+                self.operator.give_up();
                 Ok(())
             }
-            Some(News::Lost(_)) | None => Ok(()),
+            None => Ok(()),
         }
     }
 
     /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        self.shown.fault = Some(FaultWords::from(&fault));
         // What goes wrong while a guard's stop is under way is not its cause.
         let fault = match &self.protective {
             Some(protective) if exchange::precedes(protective, &fault) => protective.clone(),
@@ -158,7 +225,17 @@ impl<'w> Mp<'w> {
     /// are the next one's, and so is an abort that came too late for it.
     fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.check_latch()?;
+        if self.robots.iter().all(|robot| !robot.handed_over) {
+            // What a program does while its robots stand makes no step late.
+            self.waiter.own_time();
+        }
         self.operator.begin();
+        let outcome = self.carry_out(work);
+        self.show_end();
+        outcome
+    }
+
+    fn carry_out<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         let outcome = work(self).map_err(|fault| self.conclude(fault));
         if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {
             return outcome;
@@ -210,31 +287,5 @@ impl<'w> Mp<'w> {
         self.clock.spend();
         self.begin_step()?;
         Err(fault)
-    }
-
-    /// Runs the coordinating program. A panic in it stops the robots as any fault does.
-    pub(crate) fn run_program(
-        &mut self,
-        program: impl FnOnce(&mut Self) -> Result<(), Fault>,
-    ) -> Result<(), Fault> {
-        let run = std::panic::AssertUnwindSafe(|| {
-            self.instruction(Self::home)?;
-            program(self)
-        });
-        let outcome = match std::panic::catch_unwind(run) {
-            Ok(outcome) => {
-                let settled = self.settle().map_err(|fault| self.stop(fault));
-                // A program that swallows a latched fault does not undo it.
-                let latched = self.latched.clone().map_or(Ok(()), Err);
-                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
-            }
-            Err(panic) => {
-                let fault =
-                    crate::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.clock.step());
-                Err(self.stop(fault))
-            }
-        };
-        self.operator.end();
-        outcome
     }
 }

@@ -14,14 +14,18 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
+use super::board::StateBoard;
 use super::control::Frame;
 use super::crew::{Crew, Member, NoStart, Over, Plan};
-use super::session::{CellLock, SessionError};
+use super::desk::Desk;
+use super::figures::table;
+use super::session::{CellLock, Session, SessionError};
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::link::iceoryx::{Clock, Fabric, monotonic};
 use crate::link::memory::Scheduler;
 use crate::link::{Link, Nanos, Waiter};
+use crate::plant::Rest;
 
 /// How often a launch is tried whose processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -31,6 +35,9 @@ const HEAD_START: Duration = Duration::from_millis(20);
 
 /// How much longer than its robots' stops the end of a cell may take.
 const CLOSING: Duration = Duration::from_secs(10);
+
+/// How much longer than its robots' stops an MP may go on that was told to end.
+const ABORTING: Duration = Duration::from_secs(5);
 
 /// A cell did not run as processes, or not to its end.
 #[derive(Debug, thiserror::Error)]
@@ -44,6 +51,12 @@ pub(crate) enum LaunchError {
     /// A process could not be set up.
     #[error(transparent)]
     Start(#[from] NoStart),
+    /// It has no state board.
+    #[error("no shared memory for the cell's state: {0}\n help: make room in /dev/shm")]
+    Board(std::io::Error),
+    /// Its operator cannot reach it.
+    #[error("the operator's socket cannot be made: {0}")]
+    Desk(std::io::Error),
     /// Signals cannot be heard.
     #[error("signals cannot be heard: {0}")]
     Signals(#[from] std::io::Error),
@@ -56,26 +69,47 @@ pub(crate) enum LaunchError {
 pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> {
     let stop = cell.stop_limit();
     // The launcher's own look at the cell: it runs no part of it.
-    let mut fabric = Fabric::new(ProcessId::MP);
+    let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell)?;
     let signals = Signals::hear()?;
     let mut epoch = 1;
     loop {
         let session = lock.session()?;
+        let board = make_board(plan.clock, &session, fabric.places().len())?;
         match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
             Ok(crew) => {
-                let run = match plan.clock {
-                    Clock::Real => supervise(&crew, &signals, stop),
-                    Clock::Virtual => pace(&crew, &signals, stop)?,
+                let run = match board {
+                    Some(board) => {
+                        supervise(&crew, &signals, &open_desk(&session, board, &crew)?, (stop, plan.quiet))
+                    }
+                    None => pace(&crew, &signals, stop, plan.quiet)?,
                 };
                 crew.reap(Instant::now() + CLOSING);
+                let figures = crew.figures();
+                if !plan.quiet && !figures.is_empty() {
+                    eprint!("{}", table(&figures));
+                }
                 return run.report().map_err(|fault| LaunchError::Cell(fault.into()));
             }
             Err(NoStart::Died(..)) if epoch < ATTEMPTS && !signals.came() => epoch += 1,
             Err(error) => return Err(error.into()),
         }
     }
+}
+
+/// Where the processes of a cell in real time show what they do. Virtual time waits for nobody who looks on.
+fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<StateBoard>, LaunchError> {
+    match clock {
+        Clock::Real => StateBoard::create(session.number(), places).map(Some).map_err(LaunchError::Board),
+        Clock::Virtual => Ok(None),
+    }
+}
+
+/// Where the operator's consoles connect.
+fn open_desk(session: &Session, board: StateBoard, crew: &Crew) -> Result<Desk, LaunchError> {
+    let seats = crew.0.iter().map(|member| (member.id, member.pid()));
+    Desk::open(session.folder(), board, seats).map_err(LaunchError::Desk)
 }
 
 /// What became of a run.
@@ -109,7 +143,8 @@ impl Run {
     }
 }
 
-/// Ctrl-C, and being told to end: the first one is an abort, the second one ends the launcher at once.
+/// Ctrl-C, and being told to end: the first one is an abort, after which the cell closes, whatever its program does; the
+/// second one ends the launcher at once.
 struct Signals {
     came: Arc<AtomicBool>,
     wakes: UnixStream,
@@ -135,10 +170,10 @@ impl Signals {
 }
 
 /// Runs a cell in real time: hears who is gone and who has ended, until all have.
-fn supervise(crew: &Crew, signals: &Signals, stop: Duration) -> Run {
+fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Duration, bool)) -> Run {
     crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
-    let mut closing: Option<Instant> = None;
+    let (mut aborting, mut closing): (Option<Instant>, Option<Instant>) = (None, None);
     let close = |closing: &mut Option<Instant>| {
         closing.get_or_insert_with(|| {
             crew.tell(&Frame::Close);
@@ -150,26 +185,39 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration) -> Run {
         if left.is_empty() {
             return Run::of(crew, death, None);
         }
-        let rest = closing.map(|until| until.saturating_duration_since(Instant::now()));
+        let rest = closing.or(aborting).map(|until| until.saturating_duration_since(Instant::now()));
         if rest == Some(Duration::ZERO) {
-            left.iter().for_each(|member| member.kill());
+            match closing {
+                Some(_) => left.iter().for_each(|member| member.kill()),
+                // Its program computes, or goes on although it was aborted.
+                None => close(&mut closing),
+            }
             continue;
         }
-        let (signalled, spoke) = wait(&left, signals, rest);
+        let (signalled, spoke) = wait(&left, signals, desk, rest);
         if signalled {
             crew.tell_mp(&Frame::Abort);
+            aborting.get_or_insert(Instant::now() + stop + ABORTING);
         }
+        desk.presses().for_each(|press| crew.tell_mp(&press));
         for member in spoke {
             match member.control.receive() {
                 Ok(Frame::Over { steps, time, outcome }) => {
                     member.over.replace(Some(Over { steps, time, outcome }));
+                    desk.ended(member.id);
                     if member.id == ProcessId::MP {
                         close(&mut closing);
                     }
                 }
+                Ok(Frame::Rested(rest)) => tell_rest(&rest, quiet),
+                Ok(Frame::Figures(figures)) => {
+                    member.figures.set(Some(figures));
+                    desk.measured(member.id, figures);
+                }
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();
+                    desk.ended(member.id);
                     if member.over.borrow().is_some() {
                         continue;
                     }
@@ -180,7 +228,7 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration) -> Run {
                             death.get_or_insert(member.death(&how));
                             close(&mut closing);
                         }
-                        Role::Ecp | Role::Edp => {
+                        Role::Ecp | Role::Edp | Role::Plant => {
                             death.get_or_insert(member.death(&how));
                             crew.tell_mp(&Frame::Lost(member.id));
                         }
@@ -191,16 +239,18 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration) -> Run {
     }
 }
 
-/// Waits until a signal comes, or a process says something or ends; at most for a time.
+/// Waits until a signal comes, a button is pressed, or a process says something or ends; at most for a time.
 fn wait<'a>(
     left: &[&'a Rc<Member>],
     signals: &Signals,
+    desk: &Desk,
     time: Option<Duration>,
 ) -> (bool, Vec<&'a Rc<Member>>) {
     let mut all: Vec<_> = left
         .iter()
         .map(|member| PollFd::from_borrowed_fd(member.control.descriptor(), PollFlags::IN))
         .collect();
+    all.push(PollFd::from_borrowed_fd(desk.descriptor(), PollFlags::IN));
     all.push(PollFd::from_borrowed_fd(signals.wakes.as_fd(), PollFlags::IN));
     let time = time.and_then(|time| Timespec::try_from(time).ok());
     if poll(&mut all, time.as_ref()).is_err() {
@@ -219,9 +269,20 @@ fn note(member: &Member, how: &str) {
     eprintln!("note: {}: {how}", member.id);
 }
 
+/// Says how a robot came to a standstill that was demanded nothing any more.
+fn tell_rest(rest: &Rest, quiet: bool) {
+    if !quiet {
+        let Rest { edp, braked_after, stood_after } = rest;
+        eprintln!(
+            "note: {edp}: its drives applied their brakes {braked_after} steps after the last demand; the robot stood \
+             {stood_after} steps later"
+        );
+    }
+}
+
 /// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes the processes instead of
 /// coroutines, one at a time and in the same order, so that they do the same.
-fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
+fn pace(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Result<Run, CellError> {
     crew.tell(&Frame::Go { origin: 0 });
     let mut scheduler = Scheduler::new();
     let places: Vec<_> = crew.0.iter().map(|member| scheduler.place(member.id)).collect();
@@ -234,6 +295,9 @@ fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError
             stopped: Arc::clone(&signals.came),
             death: Rc::clone(&death),
             stop: stop.as_nanos() as Nanos,
+            all: crew.0.clone(),
+            place,
+            quiet,
         };
         scheduler.body(place, Box::new(move |waiter| proxy.run(waiter)))?;
     }
@@ -251,6 +315,10 @@ struct Proxy {
     death: Rc<core::cell::RefCell<Option<Fault>>>,
     /// How long robots may take to stop \[ns\].
     stop: Nanos,
+    /// All processes by their places, and this one's.
+    all: Vec<Rc<Member>>,
+    place: usize,
+    quiet: bool,
 }
 
 impl Proxy {
@@ -260,7 +328,11 @@ impl Proxy {
         drop(self.member.control.wait_for_ever());
         let mut frame = Frame::Resume { now: waiter.now() };
         loop {
-            let answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
+            let mut answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
+            while let Ok(Frame::Rested(rest)) = answered {
+                tell_rest(&rest, self.quiet);
+                answered = self.member.control.receive();
+            }
             match answered {
                 Ok(Frame::Waits { deadline, woken }) => {
                     (self.wake)(woken);
@@ -269,6 +341,11 @@ impl Proxy {
                     }
                     let open = waiter.wait(Some(deadline)).is_ok();
                     frame = if open { Frame::Resume { now: waiter.now() } } else { Frame::Close };
+                }
+                Ok(Frame::Calls { place, woken }) => {
+                    (self.wake)(woken);
+                    self.call(place, waiter.now());
+                    frame = Frame::Resume { now: waiter.now() };
                 }
                 Ok(Frame::Over { steps, time, outcome }) => {
                     self.member.over.replace(Some(Over { steps, time, outcome }));
@@ -279,6 +356,20 @@ impl Proxy {
                 }
                 Ok(_) | Err(_) => return self.mourn(waiter, mp),
             }
+        }
+    }
+
+    /// Lets the process at a place run until it waits, as if it were a part of this one.
+    fn call(&self, place: u64, now: Nanos) {
+        let Some(called) = usize::try_from(place).ok().and_then(|place| self.all.get(place)) else { return };
+        if called.gone.get() || called.over.borrow().is_some() {
+            return;
+        }
+        match called.control.send(&Frame::Resume { now }).and_then(|()| called.control.receive()) {
+            // This one goes on at once.
+            Ok(Frame::Waits { woken, .. }) => (self.wake)(woken & !(1 << self.place)),
+            // Its own turn finds that it is gone.
+            Ok(_) | Err(_) => (self.wake)(1 << place),
         }
     }
 

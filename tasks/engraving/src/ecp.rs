@@ -81,7 +81,7 @@ impl Job {
     ///
     /// # Errors
     /// The fault that ended it.
-    pub fn run(mut self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+    pub fn run(&mut self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
         ecp.obey_all(|ecp, phase: Phase| match phase {
             Phase::FindPlate => self.find_plate(ecp),
             Phase::Engrave => self.engrave(ecp),

@@ -43,6 +43,31 @@ impl Driver<Gripper> for SlowFingers {
         Ok(measured)
     }
 
+    fn is_simulated(&self) -> bool {
+        self.fingers.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<One> {
+        for _ in 1..Self::PARTS {
+            self.fingers.brake();
+        }
+        self.fingers.brake()
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.fingers.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.fingers.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.fingers.switch_on()?;
+        self.demanded = self.fingers.measured().position;
+        Ok(())
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.fingers.has_regulator(joint, set)
     }

@@ -63,7 +63,7 @@ type Handles<'a> = (
 );
 
 /// Runs four arms at a plate; the last one's base is off.
-fn run(program: impl FnOnce(&mut Mp, Handles<'_>) -> Result<(), Fault> + 'static) -> Seen {
+fn run(mut program: impl FnMut(&mut Mp, Handles<'_>) -> Result<(), Fault> + 'static) -> Seen {
     let plate = Body::block(4.0, [0.4, 2.0 * ASIDE + 0.06, 0.04]).at(bar());
     let world = World::new(&plate).expect("a plate");
     let file = file().expect("in order");

@@ -1,0 +1,92 @@
+//! The command line of a task program: finds `cell.toml`, runs the cell, says how it ended.
+//!
+//! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
+
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod operating;
+mod options;
+mod outcome;
+mod patience;
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod processes;
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+#[path = "no_processes.rs"]
+mod processes;
+mod program;
+mod running;
+
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+
+use self::options::{HELP, Options, nearest_cell, parse};
+use self::outcome::{cell_refused, stopped, tell};
+use self::processes::{examine, operate};
+use self::running::run;
+use crate::cell::{Cell, CellError};
+use crate::cell_file::CellFile;
+use crate::console::{refused, say};
+
+pub use self::options::Clock;
+pub use self::program::{Launch, Ran};
+
+/// What watches the robots of a run and keeps something of it, such as a picture.
+pub trait Recorder {
+    /// Begins to watch every robot of the cell.
+    fn watch(&mut self, cell: Cell) -> Cell;
+
+    /// Writes what was seen to a file; after a fault, too.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn save(&mut self, file: &Path) -> io::Result<()>;
+}
+
+/// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
+///
+/// ```no_run
+/// # use mrroc::{Cell, CellError, CellFile, Recorder};
+/// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
+/// # fn film() -> impl Recorder { struct R; impl Recorder for R {
+/// #     fn watch(&mut self, cell: Cell) -> Cell { cell }
+/// #     fn save(&mut self, _: &std::path::Path) -> std::io::Result<()> { Ok(()) }
+/// # } R }
+/// # #[allow(unused)]
+/// fn main() -> std::process::ExitCode {
+///     mrroc::launch(cell, film())
+/// }
+/// ```
+pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder: impl Recorder) -> ExitCode {
+    let options = match parse(std::env::args_os().skip(1)) {
+        Ok(Some(options)) if options.doctor => return examine(),
+        Ok(Some(options)) => options,
+        Ok(None) => return say(HELP),
+        Err(error) => return refused(&error),
+    };
+    let path = options.cell.clone().unwrap_or_else(nearest_cell);
+    if let Some(operating) = options.operating {
+        return operate(&path, operating);
+    }
+    let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
+    let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
+    let cell = match checked {
+        Ok(cell) => cell,
+        Err(error) => return cell_refused(&error),
+    };
+    if options.check {
+        let well = format!("{}: nothing is wrong with the cell\n", path.display());
+        return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
+    }
+    if options.part.is_none() && options.processes.is_none() {
+        return run(cell, recorder, &options);
+    }
+    let Options { part, processes, spin, quiet, .. } = options;
+    let arguments = std::env::args_os().skip(1).collect();
+    match (Launch { part, arguments, clock: processes, spin, cell: Some(path), quiet }).run(cell) {
+        Ok(Ran::Part(status)) => status,
+        Ok(Ran::Here(_) | Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
+        Ok(Ran::Here(report) | Ran::Processes(report)) => tell(&report, None),
+        Err(CellError::Fault(fault)) => stopped(&fault),
+        Err(error) => cell_refused(&error),
+    }
+}

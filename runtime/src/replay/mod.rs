@@ -1,0 +1,91 @@
+//! A replay: a recording is fed back on the memory link, and the demands are compared with the recorded ones.
+//!
+//! In: a [`Tape`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, the
+//! operator's wishes and the steps in which the MP began. Out: the same programs, which see the same; and the first step,
+//! robot and joint whose demand differs, if any does ([`compare`]).
+
+pub(crate) mod compare;
+pub(crate) mod drives;
+pub(crate) mod readings;
+pub(crate) mod script;
+
+use core::time::Duration;
+use std::rc::Rc;
+
+use crate::fault::ProcessId;
+use crate::joints::MAX_JOINTS;
+use crate::link::Nanos;
+use crate::name::Name;
+
+pub(crate) use readings::ReadingTape;
+pub(crate) use script::Script;
+
+/// One step of a robot, as its EDP saw it begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RecordedImage {
+    /// Joint positions that were demanded [rad or m].
+    pub demanded: [f64; MAX_JOINTS],
+    /// What the encoders had read before [rad or m], [rad/s or m/s].
+    pub position: [f64; MAX_JOINTS],
+    pub velocity: [f64; MAX_JOINTS],
+}
+
+/// The steps of one robot, without a gap.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RobotTape {
+    pub name: Name,
+    pub kind: String,
+    pub joints: usize,
+    /// When its drives were found, if they had to look for their reference marks \[ns\].
+    pub found: Option<Nanos>,
+    /// The step of the first image.
+    pub first: u64,
+    pub images: Vec<RecordedImage>,
+}
+
+impl RobotTape {
+    /// The image of a step, if it is recorded.
+    pub fn image(&self, step: u64) -> Option<&RecordedImage> {
+        self.images.get(usize::try_from(step.checked_sub(self.first)?).ok()?)
+    }
+
+    /// The image of a step, or the nearest one that is recorded.
+    pub fn nearest(&self, step: u64) -> Option<&RecordedImage> {
+        let last = (self.first + self.images.len() as u64).checked_sub(1)?;
+        self.image(step.clamp(self.first, last))
+    }
+
+    /// The last step that is recorded.
+    pub fn last(&self) -> Option<u64> {
+        (self.first + self.images.len() as u64).checked_sub(1).filter(|_| !self.images.is_empty())
+    }
+}
+
+/// What a recording holds of a run.
+pub(crate) struct Tape {
+    pub step: Duration,
+    pub robots: Vec<Rc<RobotTape>>,
+    pub readings: Vec<Rc<ReadingTape>>,
+    pub script: Rc<Script>,
+    /// How the MP's program ended: nothing, or its fault's text; `None` when the recording does not go so far.
+    pub end: Option<Option<String>>,
+}
+
+impl Tape {
+    /// What is recorded of a robot.
+    pub fn robot(&self, name: &str) -> Option<&Rc<RobotTape>> {
+        self.robots.iter().find(|robot| robot.name.as_str() == name)
+    }
+
+    /// What a process collected of a sensor; nothing where nothing is recorded.
+    pub fn reading(&self, sensor: Name, by: ProcessId) -> Rc<ReadingTape> {
+        let found = self.readings.iter().find(|tape| tape.sensor == sensor && tape.by == by);
+        found.map_or_else(|| Rc::new(ReadingTape::new(sensor, by)), Rc::clone)
+    }
+
+    /// The last step of which everything is recorded.
+    pub fn last(&self) -> u64 {
+        let robots = self.robots.iter().map(|robot| robot.last().unwrap_or(0));
+        robots.chain([self.script.last()]).min().unwrap_or(0)
+    }
+}
