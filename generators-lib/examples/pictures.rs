@@ -10,11 +10,14 @@ use mrroc::{
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::Sequence;
 use mrroc_generators::cooperation::Functional;
+use mrroc_generators::curve::Helix;
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::*;
-use mrroc_generators::line::ToolLimits;
-use mrroc_generators::profile::ProfileLimits;
+use mrroc_generators::jerk::JointLimits;
+use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
+use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
+use mrroc_generators::timing::PathLimits;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::Vector3;
 
@@ -204,6 +207,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     )?;
     let (q, sixth) = (start().demanded().joints, Six::repeat(1.0));
     let sequence = Sequence::of(StraightLine::by(offset, tool), StraightLine::to(here, tool));
+    let at = |x: f64, y: f64| q + Six::new(x, y, -0.5 * x, 0.0, y, 0.3 * x);
+    let joints = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
+    let path = PathLimits { velocity: sixth * 0.4, acceleration: sixth * 1.6, speed: infinite };
+    let joint = JointLimits { velocity: sixth * 0.4, acceleration: sixth * 1.6, jerk: sixth * 16.0 };
+    let unit = JerkLimits { velocity: 0.2, acceleration: 0.8, jerk: 8.0 };
+    let smooth = SmoothToolLimits {
+        translation: unit,
+        rotation: JerkLimits { velocity: 1.0, acceleration: 4.0, jerk: 40.0 },
+    };
+    let by = |x: f64, y: f64, z: f64| Pose::translation(x, y, z) * here;
+    let square = vec![by(0.1, 0.0, 0.0), by(0.1, 0.1, 0.0), by(0.0, 0.1, 0.05), here];
+    let helix =
+        Helix::about(Vector3::x() * 0.05, Vector3::zeros(), Vector3::z_axis(), std::f64::consts::TAU, 0.05)?;
     let pictures = [
         (
             "joint_move",
@@ -216,6 +232,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("replay", run(Replay::of(taught, sixth, sixth, tool))),
         ("jog", run(Jog::by(panel, (0.5, 1.0), 0))),
         ("sequence", run(sequence)),
+        ("time_optimal_joints", run(TimeOptimalJoints::through(joints.clone(), path))),
+        ("time_optimal_curve", run(TimeOptimalCurve::along(Irp6::nominal(), helix, path))),
+        ("joint_via", run(JointVia::through(joints, sixth * 0.02, joint))),
+        ("line_via", run(LineVia::through(square.clone(), (0.01, 0.1), smooth))),
+        ("pose_spline_move", run(PoseSplineMove::through(square, smooth))),
     ];
     std::fs::create_dir_all(&folder)?;
     for (name, positions) in pictures {
