@@ -101,7 +101,14 @@ fn plans<const N: usize>(moving: f64) -> Vec<(JointState<SVector<f64, N>>, Joint
                 velocity: draw(0.6 * moving),
                 acceleration: draw(2.0 * moving),
             };
-            (start, JointTarget { position: draw(2.0), velocity: draw(0.6 * moving) })
+            (
+                start,
+                JointTarget {
+                    position: draw(2.0),
+                    velocity: draw(0.6 * moving),
+                    acceleration: SVector::zeros(),
+                },
+            )
         })
         .collect()
 }

@@ -1,6 +1,6 @@
 //! What to do about a fault: a sentence for the person at the terminal.
 
-use crate::fault::{Fault, FaultKind, Role};
+use crate::fault::{BY_OPERATOR, Fault, FaultKind, Role};
 use crate::limits::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 
 impl Fault {
@@ -121,6 +121,7 @@ impl Fault {
             K::TimedOut => {
                 return Some("allow the Wait more steps, or handle the time-out: match on `Fault::kind`");
             }
+            K::ProtectiveStop if self.message() == BY_OPERATOR => return None,
             K::ProtectiveStop => {
                 return Some("what the guard of the cell allows is written where `Cell::guard` is called");
             }

@@ -210,7 +210,7 @@ impl Operator {
             (Button::Stop, state) => {
                 // Latched, the cell has stopped: a stop kept for later would stop it after its reset.
                 if !matches!(state, Latched | Acknowledged) {
-                    self.stop();
+                    self.protective_stop();
                 }
                 true
             }
@@ -339,8 +339,8 @@ mod tests {
     fn a_stop_is_heard_once_and_none_is_kept_for_after_a_reset() {
         let running = operator(CellState::Running);
         assert!(running.press(Button::Stop, CellState::Running));
-        assert_eq!((running.take_stop(), running.take_stop()), (true, false));
+        assert_eq!((running.take_protective_stop(), running.take_protective_stop()), (true, false));
         let latched = operator(CellState::Latched);
-        assert!(latched.press(Button::Stop, CellState::Latched) && !latched.take_stop());
+        assert!(latched.press(Button::Stop, CellState::Latched) && !latched.take_protective_stop());
     }
 }

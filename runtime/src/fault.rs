@@ -121,6 +121,9 @@ impl FaultKind {
     }
 }
 
+/// The message of an operator's protective stop.
+pub(crate) const BY_OPERATOR: &str = "by the operator";
+
 /// A short text that travels with a fault: what the program or a panic said, cut at 120 bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Text {
@@ -279,6 +282,17 @@ impl Fault {
             fault.0.kind = FaultKind::ProtectiveStop;
         }
         fault
+    }
+
+    /// Whether it is of a sensor that answers, without a reading to move by: robots can stop on their paths for it.
+    pub(crate) fn leaves_demands_sound(&self) -> bool {
+        let of_sensor = self.process().is_some_and(|process| process.role == Role::Vsp);
+        of_sensor && !self.is_orderly() && !matches!(self.kind(), FaultKind::PeerLost | FaultKind::Message)
+    }
+
+    /// The operator's protective stop.
+    pub(crate) fn of_operator() -> Fault {
+        Fault::new(FaultKind::ProtectiveStop).in_process(ProcessId::MP).text(BY_OPERATOR)
     }
 
     /// What a drive gave up for.

@@ -58,6 +58,7 @@
 extern crate self as mrroc;
 
 mod advice;
+mod approach;
 mod braking;
 #[cfg_attr(
     not(all(feature = "processes", target_os = "linux")),
@@ -98,6 +99,7 @@ mod pose;
 mod processes;
 mod realtime;
 mod recording;
+#[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
 mod replay;
 mod robot;
 mod sensing;
@@ -108,6 +110,7 @@ mod stopping;
 mod suggestion;
 mod task_space;
 pub mod testing;
+mod together;
 mod transparent;
 #[cfg(all(feature = "view", target_os = "linux"))]
 mod view;
@@ -141,6 +144,11 @@ pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
 pub use plausible::Plausible;
 pub use pose::{AngleAxis, Pose, Zyz};
+#[cfg(feature = "recording")]
+pub use recording::{CutOff, NotReplayable, ReplayError};
+pub use recording::{NotRecorded, Recording};
+#[cfg(feature = "recording")]
+pub use replay::compare::{Compared, Difference};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
 pub use shape::Shape;
 pub use step::{Always, Step, Tick};

@@ -15,6 +15,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::joints::JointVector;
 use crate::pose::Pose;
 use crate::robot::{CoupledLimit, Limits, NoInverse, Robot};
+use crate::together::{self, BrakingLaw, Screw};
 
 /// Deviation of a quaternion's norm from 1 below which a rotation is taken, normalised.
 const FRAME_TOLERANCE: f64 = 1e-6;
@@ -248,14 +249,8 @@ impl<R: Robot> Acceptor<R> {
             Some(disagreement) => disagreement,
             None => self.beside_singularity(demand, fault),
         })?;
-        let coupled = |limit: CoupledLimit| {
-            let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
-            self.beside_singularity(demand, fault.exceeds(limit.actual, limit.limit, limit.unit))
-        };
-        self.robot.check_coupled(&self.position, &position, duration).map_err(coupled)?;
-        if stop.time > 0.0 {
-            self.robot.check_coupled(&position, &stop.position, stop.time).map_err(coupled)?;
-        }
+        self.check_coupled(&position, &stop, duration)
+            .map_err(|fault| self.beside_singularity(demand, fault))?;
         (self.rate, self.period, self.starting) = (dt / duration, duration, false);
         self.bridged = self.missing / duration;
         // Near rate 0 the quotient is round-off.
@@ -266,6 +261,88 @@ impl<R: Robot> Acceptor<R> {
             (position, velocity, acceleration, tool);
         (self.demanded, self.path_velocity, self.missing) = (position, path_velocity, 0.0);
         Ok(AcceptedDemand::new(position))
+    }
+
+    /// Limits that joints share, on the way to a position and from there to the standstill.
+    fn check_coupled(
+        &self,
+        position: &R::Joints,
+        stop: &Standstill<R::Joints>,
+        duration: f64,
+    ) -> Result<(), Fault> {
+        let coupled = |limit: CoupledLimit| {
+            let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
+            fault.exceeds(limit.actual, limit.limit, limit.unit)
+        };
+        self.robot.check_coupled(&self.position, position, duration).map_err(coupled)?;
+        if stop.time > 0.0 {
+            self.robot.check_coupled(position, &stop.position, stop.time).map_err(coupled)?;
+        }
+        Ok(())
+    }
+
+    /// The displacement of the last step in the world, as the path's mean velocity makes it.
+    pub fn screw(&self, duration: f64) -> Screw {
+        let before = self.position - self.path_velocity * duration;
+        Screw::between(&self.robot.forward(&before), &self.robot.forward(&self.position))
+    }
+
+    /// A demand was lost: the flange is displaced by `D` in the world, where that keeps all limits.
+    ///
+    /// # Errors
+    /// The first limit that it breaks; nothing is changed then.
+    #[allow(non_snake_case)]
+    pub fn go_on(&mut self, D: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
+        let (position, velocity) = self.displaced(D, duration)?;
+        self.acceleration = (velocity - self.velocity) * duration.recip();
+        self.missing += duration;
+        (self.position, self.velocity, self.period) = (position, velocity, duration);
+        Ok(AcceptedDemand::new(position))
+    }
+
+    /// The same on the way to a standstill: no demand is to come.
+    ///
+    /// # Errors
+    /// As of [`go_on`](Acceptor::go_on).
+    #[allow(non_snake_case)]
+    pub fn slow_down(&mut self, D: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
+        let accepted = self.go_on(D, duration)?;
+        (self.demanded, self.path_velocity, self.missing) = (self.position, self.velocity, 0.0);
+        Ok(accepted)
+    }
+
+    /// The joints, and their velocity, that displace the flange by `D` in the world.
+    #[allow(non_snake_case)]
+    fn displaced(&self, D: &Pose, duration: f64) -> Result<(R::Joints, R::Joints), Fault> {
+        let X_WF = D * self.robot.forward(&self.position);
+        let position = self.flange_joints(&X_WF, &self.position)?;
+        if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
+            return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
+        }
+        let velocity = (position - self.position) * duration.recip();
+        let acceleration = (velocity - self.velocity) * duration.recip();
+        let stop = self.check(&position, &velocity, &velocity, &acceleration, duration)?;
+        self.check_coupled(&position, &stop, duration)?;
+        Ok((position, velocity))
+    }
+
+    /// How fast the robot may slow down on its screw from here: within [`together::SHARE`] of the acceleration limits, and
+    /// not longer than it brakes from its velocity limits.
+    pub fn braking_law(&self, duration: f64) -> BrakingLaw {
+        let limits = self.robot.limits();
+        if self.is_at_rest() {
+            return BrakingLaw::UNLIMITED;
+        }
+        let (mut law, mut longest) = (BrakingLaw::UNLIMITED, 0.0_f64);
+        for i in 0..R::Joints::LEN {
+            let (v, a) = (self.velocity[i], limits.acceleration[i]);
+            // What the speed will be when the law is used, if the acceleration goes on, and a tenth of what it may change by.
+            let faster = (v + self.acceleration[i] * duration).abs() + 0.1 * a * duration;
+            let bend = limits.jerk.map_or(f64::INFINITY, |jerk| 0.5 * together::SHARE * jerk[i] / faster);
+            law = law.and(BrakingLaw { fall: together::SHARE * a / faster, bend });
+            longest = longest.max(limits.velocity[i] / a);
+        }
+        BrakingLaw { fall: law.fall.max(longest.recip()), ..law }
     }
 
     /// Names the singularity beside which a demanded pose asks too much of the joints.

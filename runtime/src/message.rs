@@ -2,6 +2,7 @@
 
 use crate::fault::{Fault, FaultKind, FaultWords};
 use crate::limits::RateHeadroom;
+use crate::together::BrakingLaw;
 use crate::wire::{WORDS, Wire};
 
 /// What a message is about, and with it who may send it to whom.
@@ -78,6 +79,10 @@ pub mod flag {
     pub const SUSPENDED: u32 = 1 << 7;
     /// The robot's drives still look for their reference marks: it has no state yet.
     pub const HOMING: u32 = 1 << 8;
+    /// The order is one of several robots that move together: without the next ones each stops on its screw.
+    pub const TOGETHER: u32 = 1 << 9;
+    /// The robot still moves on its path but is to stop on it. Body: the fault, in place of the image.
+    pub const TROUBLE: u32 = 1 << 10;
 }
 
 /// The head of a message.
@@ -103,6 +108,9 @@ pub struct Header {
     pub duration: f64,
     /// In a reply: how fast the rate may change within the robot's limits.
     pub headroom: RateHeadroom,
+    /// In a reply: how fast the robot may slow down on its screw. In an order and a request: how fast all robots of the
+    /// instruction may.
+    pub law: BrakingLaw,
 }
 
 /// A message: what every link carries.
@@ -133,6 +141,7 @@ impl Message {
             dt: 0.0,
             duration: 0.0,
             headroom: RateHeadroom::UNLIMITED,
+            law: BrakingLaw::UNLIMITED,
         };
         Message { header, body: [0; WORDS] }
     }

@@ -34,8 +34,6 @@ struct Panel {
     /// Bits of the speed, counted from those of full speed, which is the default.
     speed: AtomicU64,
     suspended: AtomicBool,
-    /// Told to stop, which no step has heard yet.
-    stops: AtomicBool,
     /// One of the stages below.
     stage: AtomicU8,
     /// A [`Latching`] in one word.
@@ -43,6 +41,8 @@ struct Panel {
     /// What is latched. Written at standstill alone.
     report: Mutex<Report>,
     given_up: AtomicBool,
+    /// A protective stop that the MP has not seen yet.
+    protective: AtomicBool,
 }
 
 /// What an operator is told of a latched cell.
@@ -108,17 +108,6 @@ impl Operator {
         let _ = self.panel.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
     }
 
-    /// Stops all robots on their paths for good: the cell stops with a fault of kind `ProtectiveStop`, which is latched at
-    /// standstill. Pressed while nothing runs, it stops the next instruction before it moves anything.
-    pub fn stop(&self) {
-        self.panel.stops.store(true, Ordering::Release);
-    }
-
-    /// Whether the cell was told to stop, once.
-    pub(crate) fn take_stop(&self) -> bool {
-        self.panel.stops.swap(false, Ordering::AcqRel)
-    }
-
     /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
     /// be aborted.
     #[must_use]
@@ -130,6 +119,17 @@ impl Operator {
     #[must_use]
     pub fn is_suspended(&self) -> bool {
         self.panel.suspended.load(Ordering::Acquire)
+    }
+
+    /// Stops all robots on their paths and latches the cell, as a guard's protective stop does. It has priority over whatever
+    /// else is asked: pressed between two instructions it lets the next one move nothing, pressed during a reset it ends that.
+    pub fn protective_stop(&self) {
+        self.panel.protective.store(true, Ordering::Release);
+    }
+
+    /// The protective stop that was pressed since it was asked for last.
+    pub(crate) fn take_protective_stop(&self) -> bool {
+        self.panel.protective.swap(false, Ordering::AcqRel)
     }
 
     /// Where the cell is between a fault and its restart.

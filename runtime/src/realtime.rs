@@ -3,7 +3,6 @@
 //! In: the file's table. Out: for each process a priority, whether its memory stays in place, and a core. Nothing is asked
 //! of a machine unless the table is there, and what is asked and not permitted is refused unless the table says otherwise.
 
-#[cfg(any(test, all(feature = "processes", target_os = "linux")))]
 use crate::fault::{ProcessId, Role};
 
 /// The highest priority that may be asked for: above it are the kernel's own threads.
@@ -20,7 +19,6 @@ pub(crate) enum Permission {
 
 /// What the processes of a cell ask of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(not(all(feature = "processes", target_os = "linux")), allow(dead_code, reason = "for processes"))]
 pub(crate) struct Realtime {
     pub permission: Permission,
     /// Priority under SCHED_FIFO, from 1 to [`MAX_PRIORITY`].
@@ -37,7 +35,6 @@ impl Realtime {
         Realtime { permission: Permission::BestEffort, priority: 50, lock_memory: true, cores: None };
 }
 
-#[cfg(any(test, all(feature = "processes", target_os = "linux")))]
 impl Realtime {
     /// The core of a process, of those that it may use. A robot's ECP and EDP share one: on the same core the one wakes
     /// the other three to ten times sooner than across cores. The MP shares the first robot's: of all places that is the

@@ -19,6 +19,10 @@ pub(crate) fn missed_step_budget(step: Duration) -> u32 {
     u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
 }
 
+/// Missed steps that an EDP goes on for along the screw of robots that move together: what one of them loses and the others
+/// do not strains what they hold.
+pub(crate) const TOGETHER_BUDGET: u32 = 1;
+
 /// Time between a lost peer and the start of braking \[s\].
 pub(crate) fn detection_time(step: Duration) -> f64 {
     step.as_secs_f64() * (f64::from(missed_step_budget(step)) + 1.0)

@@ -13,11 +13,13 @@
 mod corrected;
 mod handover;
 mod in_parallel;
+mod joined;
 mod override_;
 mod sequence;
 
 pub use corrected::{Corrected, CorrectionLimits};
 pub use handover::Handover;
 pub use in_parallel::InParallel;
+pub use joined::Joined;
 pub use override_::Override;
 pub use sequence::Sequence;

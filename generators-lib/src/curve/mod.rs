@@ -13,10 +13,10 @@
 //! | [`ByLength`] of a [`Nurbs`] or of a [`CubicSpline`] in space | quadrature, error below 1e-9 but near cusps |
 //! | [`SpanCurve`]: [`blended`] polylines, splines in space | quadrature, error below 1e-9 but near cusps |
 //!
-//! [`TurnedCurve`] leads a tool along any of them while it turns, [`CurveBody`] a body at its start's orientation; [`Screw`]
-//! is the screw motion between two poses; [`CubicSpline`] interpolates vectors of any dimension, such as joints, or smooths
-//! them, twice continuously differentiable; so are the [`RotationSpline`] through orientations and the [`PoseSpline`]
-//! through poses.
+//! [`TurnedCurve`] leads a tool along any of them while it turns, [`CurveBody`] a body at its start's orientation;
+//! [`Screw`] is the screw motion between two poses; [`CubicSpline`]
+//! interpolates vectors of any dimension, such as joints, or smooths them, twice continuously differentiable; so are the
+//! [`RotationSpline`] through orientations and the [`PoseSpline`] through poses.
 
 mod arc;
 mod body;

@@ -30,8 +30,7 @@ const FARTHEST: f64 = 1e5;
 /// `(sin x, cos x)` to 2.3e-16, `x` in rad.
 #[inline]
 pub(super) fn sin_cos(x: f64) -> (f64, f64) {
-    // What is not a number goes there, too.
-    if !(x.abs() <= FARTHEST) {
+    if x.abs() > FARTHEST || x.is_nan() {
         return x.sin_cos();
     }
     let shifted = x * core::f64::consts::FRAC_2_PI + WHOLE;

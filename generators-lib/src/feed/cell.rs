@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 /// Most cells of one span, a power of two: four halvings.
 pub(super) const CELLS_PER_SPAN: usize = 16;
-/// A bound of the curvature this much above the curvature found is near enough.
-const NEAR: f64 = 1.1;
+/// A bound of the curvature this much above the curvature found is near enough; what it is then is no matter of chance.
+const NEAR: f64 = 1.05;
 /// Relative difference of two curvatures that are one, but for what a window of the spline leaves.
 const SAME: f64 = 1e-2;
 
@@ -66,44 +66,41 @@ impl Cell {
     }
 }
 
-/// Cuts `span` into cells, in order.
+/// Cuts `span` into cells, in order; their widths are equal, since what varied would show in the acceleration.
 pub(super) fn cut(span: &Span, limits: &FeedLimits, mut take: impl FnMut(Cell)) {
-    let width = span.knot_span() / CELLS_PER_SPAN as f64;
     let table = SpanLength::new(span);
-    // A dyadic grid, as for lengths: a refused piece is halved, an accepted one followed by the largest that fits.
-    let (mut at, mut size) = (0, CELLS_PER_SPAN);
-    while at < CELLS_PER_SPAN {
-        let (start, end) = (width * at as f64, width * (at + size) as f64);
-        let end = if at + size == CELLS_PER_SPAN { span.knot_span() } else { end };
+    let mut count = 1;
+    while count < CELLS_PER_SPAN && (0..count).any(|i| is_too_wide(span, parameters(span, i, count), limits))
+    {
+        count *= 2;
+    }
+    for i in 0..count {
+        let u @ [start, end] = parameters(span, i, count);
         let (bound, curvature) = curvature_bound(span, start, end);
-        let found = curvature[0].max(curvature[1]);
-        let limit = limits.speed_at_curvature(bound);
-        if size > 1 && limit < limits.feed && bound > NEAR * found {
-            size /= 2;
-            continue;
-        }
+        // So is the same distance from the curvature found, where the bound is nearer than it must be.
+        let limit = limits.speed_at_curvature(bound.max(NEAR * curvature[0].max(curvature[1])));
         let limit = limit.min(jerk_limit(span, start, end, limits));
         let by_parameter = table.map(|table| (table, table.to(start)));
         let (length, plain) = match &by_parameter {
             Some((table, from)) => (table.to(end) - from, true),
             None => length_measured(span, start, end),
         };
-        let limit2 = limit * limit;
-        take(Cell {
-            span: *span,
-            u: [start, end],
-            length,
-            by_parameter,
-            plain,
-            limit2,
-            curvature,
-            top2: [limit2; 2],
-            join2: limit2,
-            entry2: 0.0,
-        });
-        at += size;
-        size = 1 << at.trailing_zeros();
+        let (limit2, span) = (limit * limit, *span);
+        let (top2, join2, entry2) = ([limit2; 2], limit2, 0.0);
+        take(Cell { span, u, length, by_parameter, plain, limit2, curvature, top2, join2, entry2 });
     }
+}
+
+/// First and last parameter of cell `i` of `count`.
+fn parameters(span: &Span, i: usize, count: usize) -> [f64; 2] {
+    let (h, width) = (span.knot_span(), span.knot_span() / count as f64);
+    [width * i as f64, if i + 1 == count { h } else { width * (i + 1) as f64 }]
+}
+
+/// Whether the curvature of a cell limits its speed, by a bound that is far from the curvature found.
+fn is_too_wide(span: &Span, [start, end]: [f64; 2], limits: &FeedLimits) -> bool {
+    let (bound, curvature) = curvature_bound(span, start, end);
+    limits.speed_at_curvature(bound) < limits.feed && bound > NEAR * curvature[0].max(curvature[1])
 }
 
 /// A bound of the curvature [1/m] over `a..=b`, and the curvatures at its ends.

@@ -2,7 +2,7 @@
 //!
 //! "Uses" is what a step takes besides the function's own state; lines are lines of code. Every class of section 6 of the
 //! paper has at least one. [`combinators`](crate::combinators) make generators out of these.
-//! What some demand over time, and their paths in space, is drawn in the folder `pictures` of this crate.
+//! What each demands over time, and its path in space, is drawn in the folder `pictures` of this crate.
 //!
 #![doc = include_str!("../../classes.md")]
 

@@ -6,6 +6,7 @@ use crate::cell_file::CellFileError;
 use crate::fault::Fault;
 use crate::link::memory::Stuck;
 use crate::name::{BadName, Name};
+use crate::recording::NotRecorded;
 
 /// Why a cell did not run, or did not run to its end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -133,6 +134,9 @@ pub enum CellError {
     /// A configuration or a reading that is too long for a message.
     #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]
     TooLong(Name),
+    /// The run cannot be recorded.
+    #[error(transparent)]
+    Recording(#[from] NotRecorded),
     /// The processes wait for each other.
     #[error(transparent)]
     Stuck(#[from] Stuck),

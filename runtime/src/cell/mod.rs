@@ -4,23 +4,29 @@
 
 mod assembly;
 mod error;
+mod layout;
 mod limits;
+#[cfg(test)]
+mod orphans;
 mod robot;
 mod sensor;
 
 use core::time::Duration;
 use std::cell::RefCell;
+use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::ecp::Ecp;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::guard::{Guard, RobotView};
-use crate::link::memory::{MAX_PROCESSES, Scheduler};
+use crate::link::memory::{MAX_PROCESSES, Pulse, Scheduler};
+use crate::link::watchdog::Watchdog;
 use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
 use crate::realtime::Realtime;
-use crate::recording::Recording;
+use crate::recording::{self, Recorder, Recording};
 use crate::replay::Tape;
 use crate::robot::Robot;
 use crate::stopping::STOP_TIME;
@@ -30,6 +36,7 @@ use crate::witness::Witness;
 use robot::SharedObserver;
 use sensor::AnySensor;
 
+pub(crate) use layout::{JointLayout, Layout, RobotLayout, SensorLayout};
 pub(crate) use robot::AnyRobot;
 
 pub use error::CellError;
@@ -76,10 +83,14 @@ pub struct Cell {
     expected_sensors: Vec<String>,
     /// What its processes ask of the machine.
     realtime: Option<Realtime>,
+    /// How long a process may compute on the memory link.
+    watchdog: Option<Duration>,
     /// Who watches the run.
     witnesses: Vec<Rc<dyn Witness>>,
     /// What it is recorded to.
     recording: Option<Recording>,
+    /// Whether a dry run comes before one in real time.
+    dry_run: bool,
     /// What it replays.
     tape: Option<Rc<Tape>>,
     /// What was found wrong while the cell was put together.
@@ -103,8 +114,10 @@ impl Cell {
             guard: None,
             expected_sensors: Vec::new(),
             realtime: None,
+            watchdog: None,
             witnesses: Vec::new(),
             recording: None,
+            dry_run: false,
             tape: None,
             errors: Vec::new(),
         }
@@ -227,6 +240,15 @@ impl Cell {
         self
     }
 
+    /// Ends the executable, with status 1 and the name of the process, when one process of the cell computes for longer than
+    /// `patience` at a stretch on the memory link: there it has the only thread, and an endless loop in a step function can
+    /// be met in no other way. Processes of the operating system need none of it.
+    #[must_use]
+    pub fn end_when_stuck(mut self, patience: Duration) -> Cell {
+        self.watchdog = Some(patience);
+        self
+    }
+
     /// The operator's handle of this cell.
     #[must_use]
     pub fn operator(&self) -> Operator {
@@ -262,7 +284,6 @@ impl Cell {
     }
 
     /// What its processes ask of the machine.
-    #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn realtime(&self) -> Option<&Realtime> {
         self.realtime.as_ref()
     }
@@ -281,14 +302,51 @@ impl Cell {
         self
     }
 
+    /// Records every step to a file: what robots are demanded and do, what sensors read, what the MP orders. It takes the
+    /// feature `recording`.
+    #[must_use]
+    pub fn record(mut self, recording: Recording) -> Cell {
+        self.recording = Some(recording);
+        self
+    }
+
+    /// Records to this file what it is asked to record, or everything.
+    pub(crate) fn record_to(mut self, file: &Path) -> Cell {
+        let asked = self.recording.take().unwrap_or_else(|| Recording::to(file));
+        self.recording = Some(asked.into(file));
+        self
+    }
+
+    /// Records nothing.
+    pub(crate) fn unrecorded(mut self) -> Cell {
+        self.recording = None;
+        self
+    }
+
+    /// Lets no run in real time begin before a dry run has gone well.
+    pub(crate) const fn demand_dry_run(mut self) -> Cell {
+        self.dry_run = true;
+        self
+    }
+
+    /// Whether a dry run comes before one in real time.
+    pub(crate) const fn demands_dry_run(&self) -> bool {
+        self.dry_run
+    }
+
+    /// What it is recorded to.
+    pub(crate) const fn recording(&self) -> Option<&Recording> {
+        self.recording.as_ref()
+    }
+
     /// Shows what happens in the cell's processes to a witness.
     pub(crate) fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
         self.witnesses.push(witness);
         self
     }
 
-    /// Answers from a recording in place of drives, sensors and the operator. What was found wrong with it before anything
-    /// moves is [`check_tape`](crate::replay::compare)'s.
+    /// Answers from a recording in place of drives, sensors and the operator. The recording is of this cell.
+    #[cfg(feature = "recording")]
     pub(crate) fn replaying(mut self, tape: Rc<Tape>) -> Cell {
         let step = self.step;
         for robot in &mut self.robots {
@@ -306,8 +364,30 @@ impl Cell {
     /// [`CellError`]: what is wrong with the set-up, before anything moves; or the first cause of a stop.
     pub fn run(mut self) -> Result<RunReport, CellError> {
         let names = self.check()?;
+        let recorder = match &self.recording {
+            Some(recording) => Some(recording::begin(recording, &self.layout())?),
+            None => None,
+        };
+        if let Some(recorder) = &recorder {
+            let witness: Rc<Recorder> = Rc::clone(recorder);
+            self = self.witnessed_by(witness);
+        }
+        let outcome = self.run_on_memory(&names);
+        // Bodies that were given up keep theirs.
+        recorder.iter().for_each(|recorder| recorder.finish());
+        outcome
+    }
+
+    /// Runs a cell in which nothing is wrong.
+    pub(crate) fn run_on_memory(self, names: &[Name]) -> Result<RunReport, CellError> {
         let mut scheduler = Scheduler::new();
-        let assembly = self.assemble(&names, &mut scheduler)?;
+        let patience = self.watchdog;
+        let assembly = self.assemble(names, &mut scheduler)?;
+        let _watchdog = patience.map(|patience| {
+            let pulse = Arc::<Pulse>::default();
+            scheduler.show(Arc::clone(&pulse));
+            Watchdog::new(scheduler.names(), pulse, patience)
+        });
         let time = scheduler.run()?;
         first_cause(&assembly.outcomes.borrow())?;
         Ok(RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })
@@ -360,6 +440,9 @@ impl Cell {
         }
         let without = |name: &&String| self.sensors.iter().all(|sensor| sensor.name() != name.as_str());
         errors.extend(self.expected_sensors.iter().filter(without).cloned().map(CellError::NoVsp));
+        let layout = self.recording.as_ref().map(|_| self.layout());
+        let unrecorded = self.recording.iter().zip(&layout).flat_map(|(asked, layout)| asked.check(layout));
+        errors.extend(unrecorded.map(CellError::from));
         let misplaced =
             |error: &CellError| matches!(error, CellError::NoRobot(..) | CellError::OtherKind { .. });
         let has_program = self.program.is_some() || self.robots.iter().any(|robot| robot.has_program());

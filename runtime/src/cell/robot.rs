@@ -5,6 +5,7 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use super::layout::{RobotLayout, joints};
 use super::{CellError, Outcomes, limits};
 use crate::driver::{Driver, Homing};
 use crate::ecp::{Ecp, Pace};
@@ -26,7 +27,7 @@ use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
-use crate::testing::{Bounds, Witness};
+use crate::testing::{Bounds, Onlooker};
 use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
@@ -173,12 +174,14 @@ pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
     /// Its drives read from a recording.
+    #[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
-    fn witness(&mut self, witness: Rc<RefCell<Witness>>);
+    fn show(&mut self, onlooker: Rc<RefCell<Onlooker>>);
     fn bounds(&self) -> Bounds;
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
+    fn layout(&self) -> RobotLayout;
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
@@ -228,11 +231,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.drives = recorded(&self.drives, tape, step);
     }
 
-    fn witness(&mut self, witness: Rc<RefCell<Witness>>) {
+    fn show(&mut self, onlooker: Rc<RefCell<Onlooker>>) {
         self.observers.push(Box::new(move |record| {
             // A time that a servo period ends at, in nanoseconds again.
             let end = (record.time * 1e9).round() as Nanos;
-            witness.borrow_mut().see(end, record.demanded.as_slice());
+            onlooker.borrow_mut().see(end, record.demanded.as_slice());
         }));
     }
 
@@ -258,6 +261,18 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn kind_name(&self) -> &'static str {
         R::KIND
+    }
+
+    fn layout(&self) -> RobotLayout {
+        RobotLayout {
+            name: self.name.clone(),
+            kind: R::KIND,
+            servo: self.drives.period(),
+            homed: self.is_homed(),
+            ecp_program: self.program.is_some(),
+            space: self.space,
+            joints: joints(&self.robot, &self.following_error),
+        }
     }
 
     fn has_program(&self) -> bool {

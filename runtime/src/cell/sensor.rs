@@ -5,6 +5,7 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use super::CellError;
+use super::layout::SensorLayout;
 use crate::fault::{ProcessId, Role};
 use crate::image::Sensor;
 use crate::link::{Client, Link, Nanos, Server};
@@ -96,6 +97,7 @@ impl<V: VirtualSensor> SensorSetup<V> {
 /// A virtual sensor of any kind.
 pub(super) trait AnySensor {
     fn name(&self) -> &str;
+    fn layout(&self) -> SensorLayout;
     fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError>;
 }
@@ -117,6 +119,17 @@ pub(super) struct Requesters<'a> {
 impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn layout(&self) -> SensorLayout {
+        SensorLayout {
+            name: self.name.clone(),
+            kind: V::Kind::KIND,
+            of: self.robot.clone(),
+            mode: self.mode,
+            latency: self.latency,
+            reading: Self::reads().1,
+        }
     }
 
     fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError> {

@@ -7,6 +7,8 @@
 //! step_ms = 2        # Ts, the step of the cell [ms]
 //! stop_ms = 600      # the longest stop that it allows any joint [ms]; 600 unless it is said
 //! after_fault = "end"    # or "await reset": stay latched until the operator resets it; end unless it is said
+//! dry_run = true     # no run in real time before the whole program has kept all limits under the virtual clock; false
+//!                    # unless it is said
 //!
 //! [robots.arm]       # a robot of this name
 //! kind = "irp6"      # one of the program's kinds
@@ -26,6 +28,11 @@
 //! lock_memory = true # no page is fetched in a step (mlockall); true unless it is said
 //! cores = [0, 1]     # a robot's ECP and EDP share one of them; of all cores unless it is said; [] pins nothing
 //! permission = "required"   # or "best effort": run without what is not permitted; required unless it is said
+//!
+//! [recording]        # every step goes to a file; nothing is recorded unless the table is there, or by --record FILE
+//! file = "run.mcap"  # written anew by each run, in the folder in which the program runs
+//! robots = ["arm"]   # of these robots; of all unless it is said. Only a recording of everything can be replayed
+//! sensors = ["touch"]   # of these sensors; of all unless it is said
 //! ```
 
 mod entry;
@@ -42,6 +49,7 @@ use std::rc::Rc;
 use crate::cell::{AfterFault, Cell, CellError, SensorSetup};
 use crate::image::Sensor;
 use crate::realtime::Realtime;
+use crate::recording::Recording;
 use crate::vsp::VirtualSensor;
 
 pub use entry::RobotEntry;
@@ -59,6 +67,8 @@ pub struct CellFile {
     stop_time: Option<Duration>,
     after_fault: AfterFault,
     realtime: Option<Realtime>,
+    recording: Option<Recording>,
+    dry_run: bool,
     robots: Vec<RobotEntry>,
     sensors: Vec<SensorEntry>,
 }
@@ -117,6 +127,12 @@ impl CellFile {
             .after_fault(self.after_fault);
         if let Some(limit) = self.stop_time {
             cell = cell.stop_time(limit);
+        }
+        if let Some(recording) = &self.recording {
+            cell = cell.record(recording.clone());
+        }
+        if self.dry_run {
+            cell = cell.demand_dry_run();
         }
         let mut errors = Vec::new();
         for entry in &self.robots {

@@ -71,7 +71,8 @@ impl<R: Robot> DriverPort<R> {
         let header = &mut self.request.header;
         (header.kind, header.step, header.duration) = (Kind::Request(kind), order.step, order.duration);
         (header.epoch, header.instruction) = (order.epoch, order.instruction);
-        header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED);
+        header.law = order.law;
+        header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER);
         header.len = if kind == RequestKind::Demand { <Demand<R> as Wire>::LEN as u32 } else { 0 };
         self.port.send(&self.request);
         let deadline = waiter.now() + self.patience;

@@ -35,6 +35,18 @@ pub struct Ecp<'w, R: Robot> {
     pace: Pace,
     overruns: Overruns,
     refusals: u32,
+    /// What the MP has been told, or will be, to stop the robot for on its path.
+    trouble: Trouble,
+}
+
+/// What is wrong while demands are sound.
+#[derive(Clone, Debug, PartialEq)]
+enum Trouble {
+    None,
+    /// Not reported yet.
+    New(Fault),
+    /// Reported: the MP lets path time slow down.
+    Told(Fault),
 }
 
 /// The times that an ECP goes by.
@@ -69,6 +81,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             overruns: Overruns::new(Duration::from_nanos(pace.period)),
             pace,
             refusals: 0,
+            trouble: Trouble::None,
         }
     }
 
@@ -270,8 +283,14 @@ impl<'w, R: Robot> Ecp<'w, R> {
         self.orders.reply(flags, self.driver.reply());
     }
 
-    /// Answers the open order, with the robot's image if the EDP gave it in this step.
+    /// Answers the open order, with the robot's image if the EDP gave it in this step; or with what is wrong, once.
     fn reply_with_state(&mut self) {
+        if let Trouble::New(fault) = &self.trouble {
+            let fault = fault.clone();
+            self.orders.reply_trouble(&fault, self.driver.reply());
+            self.trouble = Trouble::Told(fault);
+            return;
+        }
         self.reply(self.driver.reply().header.flags & flag::STATE);
     }
 
@@ -481,7 +500,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         self.orders.reset();
         self.sensing.release();
         self.driver.moving = false;
-        self.refusals = 0;
+        (self.refusals, self.trouble) = (0, Trouble::None);
         self.reply(0);
         Ok(Served::Reset)
     }

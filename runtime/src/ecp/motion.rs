@@ -14,8 +14,8 @@ use crate::message::{RequestKind, flag};
 use crate::robot::Robot;
 use crate::step::{Step, Tick};
 
-use super::Ecp;
 use super::orders::Duty;
+use super::{Ecp, Trouble};
 
 /// What becomes of a motion that ends while it moves.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -97,6 +97,9 @@ impl<R: Robot> Ecp<'_, R> {
                 Duty::End => true,
                 Duty::Abort => {
                     self.settle()?;
+                    if let Trouble::New(fault) | Trouble::Told(fault) = self.trouble.clone() {
+                        return Err(self.fail(fault));
+                    }
                     return Err(self.instruction_over(true));
                 }
                 duty @ (Duty::Open
@@ -206,6 +209,17 @@ impl<R: Robot> Ecp<'_, R> {
         let wanted = if needs_state || S::LEN > 0 { flag::WANT_STATE } else { 0 };
         self.order_readings(sensors);
         self.ask(kind, flags | wanted)?;
-        self.collect_readings(sensors, v)
+        let collected = self.sensing.collect(sensors, v, self.waiter, self.orders.header().step);
+        match collected {
+            // The demands are as sound as they were: the MP lets the robot stop on its path.
+            Err(fault) if fault.leaves_demands_sound() && self.driver.moving => {
+                if self.trouble == Trouble::None {
+                    self.trouble = Trouble::New(fault.at_step(self.orders.header().step));
+                }
+                Ok(())
+            }
+            Err(fault) => Err(self.fail(fault)),
+            Ok(()) => Ok(()),
+        }
     }
 }

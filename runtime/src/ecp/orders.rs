@@ -221,12 +221,23 @@ impl Orders {
         answer.header = self.order.header;
         answer.header.kind = Kind::Reply;
         answer.header.flags = flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING);
-        answer.header.headroom = driver.header.headroom;
+        (answer.header.headroom, answer.header.law) = (driver.header.headroom, driver.header.law);
         answer.header.len = 0;
         if flags & flag::STATE != 0 {
             answer.header.len = driver.header.len;
             answer.body[..driver.words().len()].copy_from_slice(driver.words());
         }
+        self.port.reply(answer);
+        self.open = None;
+    }
+
+    /// Answers the open order of a robot that is to stop on its path for a fault.
+    pub fn reply_trouble(&mut self, fault: &Fault, driver: &Message) {
+        let answer = &mut self.answer;
+        answer.header = self.order.header;
+        (answer.header.headroom, answer.header.law) = (driver.header.headroom, driver.header.law);
+        answer.set_fault(fault);
+        (answer.header.kind, answer.header.flags) = (Kind::Reply, flag::TROUBLE);
         self.port.reply(answer);
         self.open = None;
     }

@@ -8,7 +8,6 @@ use crate::interpolation::InterpolationSpace;
 use crate::limits::AcceptedDemand;
 use crate::link::Nanos;
 use crate::robot::Robot;
-use crate::stopping::missed_step_budget;
 
 use super::{Edp, Mode, ServoRecord, guarded};
 
@@ -121,13 +120,21 @@ impl<R: Robot> Edp<'_, R> {
             Mode::Holding | Mode::Off => self.acceptor.hold(step),
             Mode::Moving { missed } => {
                 *missed = missed.saturating_add(1);
-                if *missed <= missed_step_budget(self.config.step) {
-                    return self.acceptor.extrapolate(step);
+                let missed = *missed;
+                if missed <= self.missed_step_budget() {
+                    return self.bridge(step);
                 }
                 self.latch(Fault::new(FaultKind::PeerLost).text("no demand from the ECP"), self.due);
-                self.mode = Mode::Braking(self.acceptor.braking());
+                self.mode = self.way_to_rest();
                 self.next_demand()
             }
+            Mode::OnScrew(braking) => match braking.advance(step) {
+                Some(displacement) => self.slow_down(&displacement, step),
+                None => {
+                    self.mode = Mode::Holding;
+                    self.acceptor.hold(step)
+                }
+            },
             Mode::Braking(braking) if braking.is_over() => {
                 self.mode = Mode::Holding;
                 self.acceptor.hold(step)

@@ -10,6 +10,7 @@ mod drives;
 mod following;
 mod resetting;
 mod serving;
+mod staying;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -30,6 +31,7 @@ use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
 use crate::task_space::TaskSpace;
+use crate::together::{BrakingLaw, Screw, ScrewBraking};
 use crate::witness::Tap;
 
 pub(crate) use drives::{Drive, PlantDrive, PlantEnd};
@@ -74,6 +76,8 @@ enum Mode<J> {
     Moving { missed: u32 },
     /// On the way to a standstill.
     Braking(Braking<J>),
+    /// The same on the screw of robots that move together.
+    OnScrew(ScrewBraking),
     /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
     Off,
 }
@@ -87,6 +91,10 @@ pub(crate) struct Edp<'w, R: Robot> {
     mode: Mode<R::Joints>,
     /// Accepted for the step that is about to begin, and the regulators chosen with it.
     next: Option<AcceptedDemand<R>>,
+    /// How the robot brakes with those that it moves together with, and the screw on which it does; known once a demand
+    /// is missing.
+    together: Option<BrakingLaw>,
+    screw: Option<Screw>,
     regulators: Option<Regulators>,
     /// What the ticks make of the demands.
     interpolation: Interpolation<R::Joints>,
@@ -131,6 +139,8 @@ impl<'w, R: Robot> Edp<'w, R> {
             acceptor,
             mode: Mode::Holding,
             next: None,
+            together: None,
+            screw: None,
             regulators: None,
             still: interpolation.settling_steps(),
             interpolation,
@@ -273,11 +283,8 @@ impl<'w, R: Robot> Edp<'w, R> {
 
     fn brake(&mut self) {
         match self.mode {
-            Mode::Moving { .. } if self.acceptor.can_hold(self.config.step.as_secs_f64()) => {
-                self.mode = Mode::Holding
-            }
-            Mode::Moving { .. } => self.mode = Mode::Braking(self.acceptor.braking()),
-            Mode::Holding | Mode::Braking(_) | Mode::Off => {}
+            Mode::Moving { .. } => self.mode = self.way_to_rest(),
+            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
         }
     }
 
@@ -286,7 +293,7 @@ impl<'w, R: Robot> Edp<'w, R> {
         match self.mode {
             Mode::Holding => self.still >= self.interpolation.settling_steps(),
             Mode::Off => true,
-            Mode::Moving { .. } | Mode::Braking(_) => false,
+            Mode::Moving { .. } | Mode::Braking(_) | Mode::OnScrew(_) => false,
         }
     }
 }

@@ -68,6 +68,6 @@ impl<R: Robot> Edp<'_, R> {
         self.commanded = position;
         self.still = self.interpolation.settling_steps();
         self.mode = Mode::Holding;
-        (self.next, self.regulators) = (None, None);
+        (self.next, self.regulators, self.together, self.screw) = (None, None, None, None);
     }
 }

@@ -56,7 +56,7 @@ impl<R: Robot> Edp<'_, R> {
             RequestKind::Query => self.check_standing_start(),
             RequestKind::Demand => self.demand(),
             RequestKind::Brake => {
-                self.brake();
+                self.come_to_hold();
                 Ok(())
             }
             RequestKind::Stop => {
@@ -107,6 +107,13 @@ impl<R: Robot> Edp<'_, R> {
         let first = self.request.is(flag::FIRST) && !matches!(self.mode, Mode::Moving { .. });
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         let stands = self.config.space == InterpolationSpace::Task && self.interpolation.stands();
+        self.screw = None;
+        let law = self.request.is(flag::TOGETHER).then_some(header.law);
+        self.together = match demand.coordinates {
+            // Joints have no screw.
+            Coordinates::Hold | Coordinates::Joints(_) => None,
+            Coordinates::Pose(_) | Coordinates::Displacement(_) => law,
+        };
         match demand.coordinates {
             Coordinates::Hold => {}
             Coordinates::Joints(_) => self.task_space.accept(false, stands),
@@ -141,6 +148,7 @@ impl<R: Robot> Edp<'_, R> {
         } else {
             reply.header.kind = Kind::Reply;
             reply.header.headroom = self.acceptor.headroom();
+            reply.header.law = self.acceptor.braking_law(self.config.step.as_secs_f64());
             reply.header.len = 0;
             if self.request.is(flag::WANT_STATE) {
                 reply.header.flags |= flag::STATE;

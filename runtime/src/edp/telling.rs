@@ -20,7 +20,7 @@ impl<R: Robot> Edp<'_, R> {
             Mode::Holding => Shown::Holding,
             Mode::Moving { missed: 0 } => Shown::Moving,
             Mode::Moving { .. } => Shown::Bridging,
-            Mode::Braking(_) => Shown::Braking,
+            Mode::Braking(_) | Mode::OnScrew(_) => Shown::Braking,
             Mode::Off => Shown::Off,
         };
         // Kinematics are the user's code.

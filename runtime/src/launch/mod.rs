@@ -2,6 +2,7 @@
 //!
 //! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
 
+mod dry_run;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod operating;
 mod options;
@@ -13,16 +14,25 @@ mod processes;
 #[path = "no_processes.rs"]
 mod processes;
 mod program;
+#[cfg(feature = "recording")]
+mod replaying;
+#[cfg(not(feature = "recording"))]
+#[path = "no_replaying.rs"]
+mod replaying;
 mod running;
+mod table;
 
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
+use self::dry_run::{dry_run, dry_run_first};
 use self::options::{HELP, Options, nearest_cell, parse};
 use self::outcome::{cell_refused, stopped, tell};
 use self::processes::{examine, operate};
+use self::replaying::replay;
 use self::running::run;
+use self::table::Table;
 use crate::cell::{Cell, CellError};
 use crate::cell_file::CellFile;
 use crate::console::{refused, say};
@@ -69,16 +79,35 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
     }
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
     let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
-    let cell = match checked {
+    let mut cell = match checked {
         Ok(cell) => cell,
         Err(error) => return cell_refused(&error),
     };
+    if let Some(file) = &options.record {
+        cell = cell.record_to(file);
+    }
     if options.check {
-        let well = format!("{}: nothing is wrong with the cell\n", path.display());
+        let link = match options.processes {
+            None => "memory, under the virtual clock",
+            Some(Clock::Virtual) => "iceoryx2, under the virtual clock",
+            Some(Clock::Real) => "iceoryx2, in real time",
+        };
+        let table = Table::of(&cell, link);
+        let well = format!("{}: nothing is wrong with the cell\n\n{table}", path.display());
         return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
     }
     if options.part.is_none() && options.processes.is_none() {
-        return run(cell, recorder, &options);
+        return match &options.replay {
+            Some(file) => replay(cell, file, options.partial, options.quiet),
+            None if options.dry_run => dry_run(cell, options.quiet),
+            None => run(cell, recorder, &options),
+        };
+    }
+    if options.part.is_none()
+        && (options.dry_run || (cell.demands_dry_run() && options.processes == Some(Clock::Real)))
+        && let Err(status) = dry_run_first(&path, options.quiet)
+    {
+        return status;
     }
     let Options { part, processes, spin, quiet, .. } = options;
     let arguments = std::env::args_os().skip(1).collect();

@@ -19,7 +19,16 @@ Options:
   --cell FILE      the cell [default: the project's cell.toml]
   --picture FILE   the picture [default: picture.svg]
   --no-picture     draw nothing
-  --check          put the cell together, but run nothing
+  --check          put the cell together and print it as a table, but run
+                   nothing
+  --dry-run        run the whole program under the virtual clock and say how
+                   near it comes to the limits; with --processes, start them
+                   only if it keeps them
+  --record FILE    record every step to an MCAP file (feature `recording`)
+  replay FILE      run the programs again on what a recording says of robots,
+                   sensors and operator, and compare the demands; identical:
+                   exit status 0, different: 1
+  --partial        replay a recording that was cut off as far as it goes
   --processes      run every process of the cell as one of the operating
                    system, in real time (feature `processes`, Linux); draws
                    nothing
@@ -52,11 +61,14 @@ if it was done, 1 if it was refused, 2 if no such cell runs, 3 if it will be
 done when the program, which computes, moves or waits again.
 ";
 
-const NAMES: [&str; 9] = [
+const NAMES: [&str; 12] = [
     "--cell",
     "--picture",
     "--no-picture",
     "--check",
+    "--dry-run",
+    "--record",
+    "--partial",
     "--processes",
     "--virtual",
     "--spin",
@@ -69,6 +81,10 @@ pub(super) struct Options {
     pub(super) cell: Option<PathBuf>,
     pub(super) picture: Option<PathBuf>,
     pub(super) check: bool,
+    pub(super) dry_run: bool,
+    pub(super) record: Option<PathBuf>,
+    pub(super) replay: Option<PathBuf>,
+    pub(super) partial: bool,
     pub(super) quiet: bool,
     pub(super) processes: Option<Clock>,
     pub(super) doctor: bool,
@@ -113,6 +129,10 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
         cell: None,
         picture: Some(PathBuf::from("picture.svg")),
         check: false,
+        dry_run: false,
+        record: None,
+        replay: None,
+        partial: false,
         quiet: false,
         processes: None,
         doctor: false,
@@ -129,6 +149,9 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
             Short('h') | Long("help") => return Ok(None),
             Short('q') | Long("quiet") => options.quiet = true,
             Long("check") => options.check = true,
+            Long("dry-run") => options.dry_run = true,
+            Long("record") => options.record = Some(next(&mut parser)?),
+            Long("partial") => options.partial = true,
             Long("processes") => options.processes = options.processes.or(Some(Clock::Real)),
             Long("virtual") => options.processes = Some(Clock::Virtual),
             Long("spin") => {
@@ -146,6 +169,7 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
             }
             Short(letter) => return Err(bad(format!("no option -{letter}"), "see --help")),
             Value(value) if value == "doctor" => options.doctor = true,
+            Value(value) if value == "replay" => options.replay = Some(next(&mut parser)?),
             Value(word) if options.operating.is_none() && role.is_empty() && operates(&word) => {
                 let rest = parser.raw_args().map_err(|error| bad(error.to_string(), "see --help"))?;
                 options.operating = Some(read_operating(&word, rest)?);
@@ -166,7 +190,7 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
 }
 
 /// Whether a word is for a cell that runs already.
-fn operates(word: &OsStr) -> bool {
+pub(super) fn operates(word: &OsStr) -> bool {
     let words = ["status", "console", "view"].iter().chain(&Button::WORDS);
     words.into_iter().any(|known| word == OsStr::new(known))
 }

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::rc::Rc;
 
 use super::Launch;
 pub(super) use super::operating::operate;
@@ -15,13 +16,23 @@ use crate::fault::ProcessId;
 use crate::link::iceoryx::Clock as LinkClock;
 use crate::processes::{LaunchError, NoPart, Plan, launch};
 use crate::realtime::Permission;
+use crate::recording::Recorder;
+use crate::recording::relay::join;
 
 /// Runs one process of a cell for its launcher.
 pub(super) fn take_part(mut cell: Cell, process: ProcessId, session: &Path, quiet: bool) -> ExitCode {
     if !quiet {
         cell = cell.also_on_step(Patience::new().notes());
     }
-    match crate::processes::run(cell, process, session) {
+    let recorder = join(&cell, process, session);
+    if let Some(recorder) = &recorder {
+        let witness: Rc<Recorder> = Rc::clone(recorder);
+        cell = cell.witnessed_by(witness);
+    }
+    let ran = crate::processes::run(cell, process, session);
+    // What the launcher's thread has not got yet.
+    recorder.iter().for_each(|recorder| recorder.finish());
+    match ran {
         Ok(()) => ExitCode::SUCCESS,
         Err(NoPart::NoLauncher(_)) if session.is_dir() => ExitCode::FAILURE,
         Err(error @ NoPart::NoLauncher(_)) => refused(&error),

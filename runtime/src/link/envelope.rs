@@ -6,13 +6,14 @@ use iceoryx2::prelude::ZeroCopySend;
 
 use crate::limits::RateHeadroom;
 use crate::message::{Header, Kind, Message, OrderKind, RequestKind};
+use crate::together::BrakingLaw;
 use crate::wire::{BadWords, WORDS};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
 pub(crate) const LAYOUT: u64 = 2;
 
 /// Words of a message's head.
-const HEAD: usize = 12;
+const HEAD: usize = 14;
 
 /// Which of them is the length of the body.
 const LEN_WORD: usize = 4;
@@ -82,7 +83,7 @@ impl Envelope {
 
     /// Puts a message under a seal.
     pub fn seal(message: &Message, seal: Seal, sequence: u64) -> Envelope {
-        let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom } =
+        let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom, law } =
             message.header;
         let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
         let RateHeadroom { rise, fall, bend } = headroom;
@@ -99,6 +100,8 @@ impl Envelope {
             fall.to_bits(),
             bend.to_bits(),
             u64::from(epoch),
+            law.fall.to_bits(),
+            law.bend.to_bits(),
         ];
         let mut envelope = Envelope {
             layout: LAYOUT,
@@ -134,7 +137,22 @@ impl Envelope {
     /// # Errors
     /// [`BadWords`] when it is damaged or its head is none; `message` is then as it was.
     pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
-        let [kind, flags, step, instruction, len, payload, dt, duration, rise, fall, bend, epoch] = self.head;
+        let [
+            kind,
+            flags,
+            step,
+            instruction,
+            len,
+            payload,
+            dt,
+            duration,
+            rise,
+            fall,
+            bend,
+            epoch,
+            law_fall,
+            law_bend,
+        ] = self.head;
         let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
         let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
         let len = narrow(len)?;
@@ -156,6 +174,7 @@ impl Envelope {
                 fall: f64::from_bits(fall),
                 bend: f64::from_bits(bend),
             },
+            law: BrakingLaw { fall: f64::from_bits(law_fall), bend: f64::from_bits(law_bend) },
         };
         message.body[..len as usize].copy_from_slice(&self.body[..len as usize]);
         Ok(())
@@ -197,6 +216,7 @@ mod tests {
             dt: f64::from_bits(0x7ff8_0000_0000_0001),
             duration: 1e-3,
             headroom,
+            law: BrakingLaw { fall: 2.5, bend: 1e9 },
         };
         message.body[..3].copy_from_slice(&[1, 2, u64::MAX]);
         message

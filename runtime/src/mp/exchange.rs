@@ -12,6 +12,7 @@ use crate::link::{Client, Nanos};
 use crate::list::{PayloadType, RobotList, SensorList, SensorsOf};
 use crate::message::{Header, Kind, Message, OrderKind, flag};
 use crate::name::Name;
+use crate::together::BrakingLaw;
 use crate::vsp::EffectorState;
 use crate::wire::{BadWords, Wire};
 use crate::witness::{Tap, What};
@@ -137,7 +138,8 @@ impl Mp<'_> {
             let header = &mut robot.order.header;
             (header.kind, header.flags, header.step, header.instruction) =
                 (Kind::Order(kind), flags, self.clock.step(), self.ordinal);
-            (header.dt, header.duration, header.epoch) = (self.clock.dt(), self.clock.duration(), self.epoch);
+            (header.dt, header.duration, header.epoch, header.law) =
+                (self.clock.dt(), self.clock.duration(), self.epoch, self.law);
             if kind != OrderKind::Step {
                 header.len = 0;
             }
@@ -146,6 +148,7 @@ impl Mp<'_> {
         }
         let deadline = self.waiter.now() + self.sensing.patience;
         let mut first: Option<Fault> = None;
+        let (mut law, mut trouble) = (BrakingLaw::UNLIMITED, None);
         for &index in indices {
             let robot = &mut self.robots[index];
             let mut lost = None;
@@ -164,8 +167,12 @@ impl Mp<'_> {
                 Some(lost) => Some(lost),
                 None if robot.reply.header.kind == Kind::Fault => Some(robot.reply.fault()),
                 None => {
+                    if robot.reply.is(flag::TROUBLE) {
+                        trouble = trouble.or(Some(robot.reply.fault()));
+                    }
                     if bounds == Bounds::Rate {
                         self.clock.feed.limit(robot.reply.header.headroom);
+                        law = law.and(robot.reply.header.law);
                     }
                     None
                 }
@@ -176,6 +183,12 @@ impl Mp<'_> {
                     first = Some(fault);
                 }
             }
+        }
+        if bounds == Bounds::Rate {
+            self.law = law;
+        }
+        if let Some(trouble) = trouble {
+            self.protect(trouble);
         }
         first.map_or(Ok(()), Err)
     }

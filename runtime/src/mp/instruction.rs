@@ -26,7 +26,7 @@ impl Mp<'_> {
             return Err(Fault::thrown(&text));
         }
         if !self.take_handed_over() {
-            self.clock.start(self.operator.wanted_rate());
+            self.clock.start(self.wanted_rate());
         }
         for (i, &index) in indices.iter().enumerate() {
             let robot = &mut self.robots[index];

@@ -33,6 +33,7 @@ use crate::replay::Script;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
 use crate::suggestion::suggestion;
+use crate::together::BrakingLaw;
 use crate::witness::Tap;
 
 use clock::StepClock;
@@ -50,7 +51,7 @@ pub struct Mp<'w> {
     operator: Operator,
     hook: Option<StepHook>,
     guard: Option<Guard>,
-    /// What the guard stops the cell for, on the way to a standstill.
+    /// What a guard, the operator or a sensor stops the cell for, on the way to a standstill.
     protective: Option<Fault>,
     clock: StepClock,
     /// Ordinal of the instruction opened last.
@@ -58,6 +59,8 @@ pub struct Mp<'w> {
     latched: Option<Fault>,
     refusals: u32,
     overruns: Overruns,
+    /// How fast all robots of the last exchange may slow down together.
+    law: BrakingLaw,
     /// Resets that were tried.
     epoch: u32,
     /// A process that is gone: without it there is no restart.
@@ -93,6 +96,7 @@ impl<'w> Mp<'w> {
             operator,
             hook,
             guard,
+            law: BrakingLaw::UNLIMITED,
             epoch: 0,
             gone: None,
             protective,
@@ -169,8 +173,7 @@ impl<'w> Mp<'w> {
             }
             self.follow_script();
             self.hear_operator();
-            let rate = if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() };
-            self.clock.advance(rate, self.operator.is_suspended());
+            self.clock.advance(self.wanted_rate(), self.operator.is_suspended());
             self.tell_step()?;
             self.show_step();
         }
@@ -186,6 +189,17 @@ impl<'w> Mp<'w> {
             return Ok(());
         }
         self.overruns.note(missed).map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
+    }
+
+    /// The rate that robots are to be brought to.
+    fn wanted_rate(&self) -> f64 {
+        if self.protective.is_some() { 0.0 } else { self.operator.wanted_rate() }
+    }
+
+    /// A fault that leaves the demands sound: all robots stop on their paths for it. The first one is kept.
+    fn protect(&mut self, fault: Fault) {
+        let step = self.clock.step();
+        self.protective.get_or_insert_with(|| fault.in_process(ProcessId::MP).at_step(step));
     }
 
     /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
@@ -277,15 +291,19 @@ impl<'w> Mp<'w> {
     fn check_latch(&mut self) -> Result<(), Fault> {
         let Some(fault) = &self.latched else { return Ok(()) };
         let fault = fault.clone();
-        self.refusals += 1;
-        if self.refusals > MAX_REFUSALS {
-            // Ends a program that loops over refused instructions, through the process's own boundary.
-            self.refusals = 0;
-            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
-        }
+        self.refuse();
         // A refused call takes a step: a program that ignores the fault cannot stop the cell's time.
         self.clock.spend();
         self.begin_step()?;
         Err(fault)
+    }
+
+    /// Ends a program that loops over refused instructions, through the process's own boundary.
+    fn refuse(&mut self) {
+        self.refusals += 1;
+        if self.refusals > MAX_REFUSALS {
+            self.refusals = 0;
+            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
+        }
     }
 }

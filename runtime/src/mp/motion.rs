@@ -76,10 +76,13 @@ impl Mp<'_> {
         let (first_uses, next_uses) = (const { G::CLASS.first_uses() }, const { G::CLASS.next_uses() });
         let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
         let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
+        let payload = <G::Robots as Robots<G::Language>>::payload;
+        let together = indices.len() > 1 && (0..indices.len()).all(|i| payload(i).tight);
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
+        let flags = state_flag | if together { flag::TOGETHER } else { 0 };
         self.begin_step()?;
         let handed_over = self.robots.iter().any(|robot| robot.handed_over);
-        self.start(indices, <G::Robots as Robots<G::Language>>::payload)?;
+        self.start(indices, payload)?;
         if self.learn_states(sensors)? {
             // Nothing moved: a motion that was handed over must not lose a step by it.
             self.keep_unless_late();
@@ -138,11 +141,27 @@ impl Mp<'_> {
                 continue;
             }
             self.order_readings(sensors);
-            self.exchange(indices, OrderKind::Step, state_flag)?;
-            self.sensing.collect(sensors, v, self.waiter, self.clock.step())?;
-            if self.finished(indices, const { G::ENDS }, <G::Robots as Robots<G::Language>>::payload)? {
+            self.exchange(indices, OrderKind::Step, flags)?;
+            self.collect_on_path(sensors, v)?;
+            if self.finished(indices, const { G::ENDS }, payload)? {
                 return Ok(());
             }
+        }
+    }
+
+    /// Collects the readings of a step. Where a sensor gives none, the demands are as sound as they were: robots stop on their
+    /// paths.
+    fn collect_on_path<S: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<S>,
+        v: &mut Reading<S>,
+    ) -> Result<(), Fault> {
+        match self.sensing.collect(sensors, v, self.waiter, self.clock.step()) {
+            Err(fault) if fault.leaves_demands_sound() => {
+                self.protect(fault);
+                Ok(())
+            }
+            collected => collected,
         }
     }
 

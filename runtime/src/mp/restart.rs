@@ -76,6 +76,8 @@ impl Mp<'_> {
             if self.operator.has_given_up() || self.gone.is_some() || self.begin_step().is_err() {
                 return Verdict::End;
             }
+            // It is stopped already.
+            self.operator.take_protective_stop();
             if self.operator.latch() == Latch::Resetting {
                 match self.reset() {
                     Ok(()) => return Verdict::Restart,
@@ -148,6 +150,7 @@ impl Mp<'_> {
             self.begin_step()?;
             self.exchange(&all, OrderKind::Query, 0)?;
             if let Some(fault) = self.protective.take() {
+                // A guard's, or the operator's: a stop has priority over a start.
                 return Err(fault);
             }
         }

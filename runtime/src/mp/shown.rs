@@ -4,7 +4,7 @@
 //! of what the MP does, for whoever looks on from outside: nobody waits for that.
 
 use crate::button::{Answer, Button, CellState};
-use crate::fault::{Fault, FaultKind, FaultWords};
+use crate::fault::{Fault, FaultWords};
 use crate::link::Nanos;
 
 use super::Mp;
@@ -89,9 +89,8 @@ impl Mp<'_> {
                 self.shown.answers[kind] = Answer { number, step: self.clock.step(), state, done };
             }
         }
-        if self.operator.take_stop() && self.latched.is_none() && self.protective.is_none() {
-            let fault = Fault::new(FaultKind::ProtectiveStop).text("stopped by the operator");
-            self.protective = Some(fault.at_step(self.clock.step()));
+        if self.latched.is_none() && self.operator.take_protective_stop() {
+            self.protect(Fault::of_operator());
         }
     }
 

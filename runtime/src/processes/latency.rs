@@ -11,7 +11,6 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use iceoryx2::prelude::*;
@@ -22,7 +21,7 @@ use rustix::thread::futex;
 use super::control::{Control, Frame};
 use super::scheduling::ask;
 use crate::fault::{ProcessId, Role};
-use crate::link::iceoryx::{Clock, Fabric, RealTime, Samples, Seal, monotonic};
+use crate::link::iceoryx::{Clock, Fabric, RealTime, Seal, monotonic};
 use crate::link::{Link, Waiter};
 use crate::message::{Kind, Message, OrderKind};
 use crate::name::Name;

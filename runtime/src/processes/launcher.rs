@@ -26,6 +26,8 @@ use crate::link::iceoryx::{Clock, Fabric, monotonic};
 use crate::link::memory::Scheduler;
 use crate::link::{Link, Nanos, Waiter};
 use crate::plant::Rest;
+use crate::recording::Pace;
+use crate::recording::relay::Relay;
 
 /// How often a launch is tried whose processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -68,6 +70,7 @@ pub(crate) enum LaunchError {
 /// [`LaunchError`]: what was refused, before anything moves; or the first cause of a stop.
 pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> {
     let stop = cell.stop_limit();
+    let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
     // The launcher's own look at the cell: it runs no part of it.
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
@@ -76,6 +79,13 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
     let mut epoch = 1;
     loop {
         let session = lock.session()?;
+        let relay = match &recording {
+            Some((recording, layout)) => {
+                let pace = if plan.clock == Clock::Real { Pace::Real } else { Pace::Virtual };
+                Some(Relay::listen(session.folder(), recording, layout, pace).map_err(CellError::from)?)
+            }
+            None => None,
+        };
         let board = make_board(plan.clock, &session, fabric.places().len())?;
         match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
             Ok(crew) => {
@@ -86,6 +96,8 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
                     None => pace(&crew, &signals, stop, plan.quiet)?,
                 };
                 crew.reap(Instant::now() + CLOSING);
+                // All have said what they had to say.
+                drop(relay);
                 let figures = crew.figures();
                 if !plan.quiet && !figures.is_empty() {
                     eprint!("{}", table(&figures));
@@ -188,7 +200,12 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Durati
         let rest = closing.or(aborting).map(|until| until.saturating_duration_since(Instant::now()));
         if rest == Some(Duration::ZERO) {
             match closing {
-                Some(_) => left.iter().for_each(|member| member.kill()),
+                Some(_) => left.iter().for_each(|member| {
+                    member.kill();
+                    if member.over.borrow().is_none() {
+                        death.get_or_insert(member.death("it did not end when the cell closed"));
+                    }
+                }),
                 // Its program computes, or goes on although it was aborted.
                 None => close(&mut closing),
             }

@@ -1,0 +1,228 @@
+//! Arms whose MP dies: what they do without it, step by step, under the virtual clock.
+
+use core::time::Duration;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
+
+use super::{Cell, RobotSetup};
+use crate::driver::{DriveFault, Driver, Measured};
+use crate::edp::ServoRecord;
+use crate::fault::{Fault, ProcessId};
+use crate::link::memory::{Scheduler, Stuck};
+use crate::link::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
+use crate::mp::Mp;
+use crate::pose::Pose;
+use crate::robot::{JointKind, Limits, NoInverse, Robot};
+use crate::step::{Step, Tick};
+use crate::{Demand, State, generator};
+
+type Six = SVector<f64, 6>;
+
+const STEP: Duration = Duration::from_millis(1);
+const NANOS: Nanos = 1_000_000;
+
+/// Three slides and a wrist, on a base, with the flange 0.4 m from the wrist: its joints' ways are curved when it turns.
+#[derive(Clone)]
+struct Arm {
+    base: Pose,
+    limits: Limits<Six>,
+}
+
+impl Arm {
+    fn on(base: Pose) -> Arm {
+        let limit = |slides, turns| Six::from_fn(|i, _| if i < 3 { slides } else { turns });
+        let (upper, velocity, acceleration) = (limit(9.0, 1.4), limit(1.0, 2.0), limit(10.0, 20.0));
+        Arm { base, limits: Limits { lower: -upper, upper, velocity, acceleration, jerk: None } }
+    }
+
+    #[allow(non_snake_case)]
+    fn X_HF() -> Pose {
+        Pose::translation(0.1, -0.2, 0.35)
+    }
+}
+
+impl Robot for Arm {
+    const KIND: &'static str = "arm";
+    type Joints = Six;
+    fn joint(&self, i: usize) -> JointKind {
+        if i < 3 { JointKind::Prismatic } else { JointKind::Revolute }
+    }
+    fn limits(&self) -> &Limits<Six> {
+        &self.limits
+    }
+    fn forward(&self, q: &Six) -> Pose {
+        let turn = UnitQuaternion::from_euler_angles(q[3], q[4], q[5]);
+        self.base * Pose::from_parts(Translation3::new(q[0], q[1], q[2]), turn) * Self::X_HF()
+    }
+    #[allow(non_snake_case)]
+    fn inverse(&self, X_WF: &Pose, _: &Six) -> Result<Six, NoInverse> {
+        let hand = self.base.inv_mul(X_WF) * Self::X_HF().inverse();
+        let ((a, b, c), p) = (hand.rotation.euler_angles(), hand.translation.vector);
+        Ok(Six::new(p.x, p.y, p.z, a, b, c))
+    }
+}
+
+/// Drives that are where they are told to be.
+struct Exact(Six);
+
+impl Driver<Arm> for Exact {
+    fn period(&self) -> Duration {
+        STEP
+    }
+    fn measured(&self) -> Measured<Six> {
+        Measured { position: self.0, velocity: Six::zeros() }
+    }
+    fn tick(&mut self, demanded: &Six) -> Result<Measured<Six>, DriveFault> {
+        self.0 = *demanded;
+        Ok(self.measured())
+    }
+}
+
+/// Carries a body in both hands along a screw, 0.5 s, by a fifth-order profile.
+struct Carry {
+    t: f64,
+    from: [Pose; 2],
+}
+
+#[generator(mp, first = grasp)]
+#[allow(non_snake_case)]
+fn carry(c: &mut Carry, t: Tick) -> Step<(Arm, Arm)> {
+    if c.t >= DURATION {
+        return Step::Done;
+    }
+    c.t = (c.t + t.dt).min(DURATION);
+    let u = c.t / DURATION;
+    let s = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
+    // A turn of 0.6 rad about an axis that passes beside both, and a lift of 0.1 m.
+    let axis = Pose::translation(0.2, 0.5, 0.0);
+    let X = axis * Pose::new(Vector3::z() * 0.1 * s, Vector3::new(0.1, 0.2, 0.5) * s) * axis.inverse();
+    Step::Next((Demand::pose(X * c.from[0]), Demand::pose(X * c.from[1])))
+}
+
+fn grasp(c: &mut Carry, e: &State<(Arm, Arm)>, t: Tick) -> Step<(Arm, Arm)> {
+    c.from = [e.0.demanded().pose, e.1.demanded().pose];
+    carry(c, t)
+}
+
+const DURATION: f64 = 0.5;
+
+fn program(mp: &mut Mp) -> Result<(), Fault> {
+    let (mut left, mut right) = (mp.robot::<Arm>("left")?, mp.robot::<Arm>("right")?);
+    mp.move_robots((&mut left, &mut right), (), Carry { t: 0.0, from: [Pose::identity(); 2] }).map(drop)
+}
+
+/// The memory link; the MP dies at a time, and the cell is closed a second later.
+struct Dying(Scheduler, Nanos);
+
+struct Last<'w> {
+    inner: &'w dyn Waiter,
+    dies: Nanos,
+    close: Box<dyn Fn()>,
+}
+
+impl Waiter for Last<'_> {
+    fn now(&self) -> Nanos {
+        self.inner.now()
+    }
+    fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
+        if self.now() < self.dies {
+            return self.inner.wait(deadline);
+        }
+        let over = self.dies + 1000 * NANOS;
+        while self.now() < over {
+            self.inner.wait(Some(over))?;
+        }
+        (self.close)();
+        Err(Closed)
+    }
+}
+
+impl Link for Dying {
+    fn place(&mut self, process: ProcessId) -> usize {
+        self.0.place(process)
+    }
+    fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
+        self.0.port(client, server)
+    }
+    fn board(&mut self, writer: usize, reader: usize) -> Rc<dyn Board> {
+        self.0.board(writer, reader)
+    }
+    fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
+        // The MP has the first place.
+        let (dies, close) = (if place == 0 { self.1 } else { Nanos::MAX }, self.0.closer());
+        self.0.body(place, Box::new(move |inner| body(&Last { inner, dies, close })))
+    }
+    fn closer(&self) -> Box<dyn Fn()> {
+        self.0.closer()
+    }
+}
+
+/// The poses of both flanges, step by step, when the MP dies in step `k`.
+fn run(k: u64) -> [Vec<Pose>; 2] {
+    let traces: [Rc<RefCell<Vec<Pose>>>; 2] = Default::default();
+    let turned = Pose::new(Vector3::new(1.0, 0.8, 0.3), Vector3::new(0.3, -0.4, 2.0));
+    let mut cell = Cell::new(STEP).program(program);
+    for ((name, base), trace) in [("left", Pose::identity()), ("right", turned)].into_iter().zip(&traces) {
+        let (arm, trace) = (Arm::on(base), Rc::clone(trace));
+        let (start, model) = (Six::new(0.1, 0.2, 0.3, 0.1, -0.2, 0.3), arm.clone());
+        let keep = move |record: &ServoRecord<Arm>| trace.borrow_mut().push(model.forward(&record.demanded));
+        cell = cell.robot(RobotSetup::new(name, arm, Exact(start)).observe(keep));
+    }
+    let names = cell.check().expect("nothing is wrong with it");
+    let mut link = Dying(Scheduler::new(), k * NANOS);
+    cell.assemble(&names, &mut link).expect("put together");
+    link.0.run().expect("runs");
+    traces.map(|trace| trace.take())
+}
+
+/// Distance \[m\] or angle \[rad\] between poses, the larger one.
+fn apart(a: &Pose, b: &Pose) -> f64 {
+    let by = a.inv_mul(b);
+    by.translation.vector.norm().max(2.0 * by.rotation.imag().norm())
+}
+
+#[test]
+fn fault_03_arms_whose_mp_dies_in_any_step_keep_their_relative_pose_until_they_stand() {
+    // v / a of the slowest joint to stop, in steps.
+    let braking = 100;
+    let (mut worst, mut longest) = (0.0_f64, 0);
+    for k in 1..=505 {
+        let traces = run(k);
+        let relative = traces[0][0].inv_mul(&traces[1][0]);
+        for (a, b) in traces[0].iter().zip(&traces[1]) {
+            worst = worst.max(apart(&a.inv_mul(b), &relative));
+        }
+        for trace in &traces {
+            let end = trace[trace.len() - 1];
+            let moved = trace.iter().rposition(|pose| *pose != end).unwrap_or(0);
+            let after = (moved as u64 + 1).saturating_sub(k);
+            longest = longest.max(after);
+        }
+        assert!(worst <= 1e-6, "dies in step {k}: {worst}");
+    }
+    println!("worst relative pose error {worst:.1e} m or rad, longest stop {longest} steps");
+    // L + 1 + T_b, and a step in which the last demand is followed.
+    assert!(longest <= 2 + braking + 1, "{longest} steps");
+}
+
+#[test]
+fn fault_03_arms_whose_mp_dies_begin_to_brake_two_steps_after_its_last_order() {
+    for k in [100, 180, 250, 320, 400] {
+        let traces = run(k);
+        for trace in &traces {
+            let way = |step: usize| apart(&trace[step - 1], &trace[step]);
+            let last = (1..trace.len()).rfind(|&step| way(step) > 0.0).expect("it moved");
+            // The demands of the path differ from step to step; on the screw the first one does not.
+            let same =
+                (k as usize - 3..k as usize + 3).find(|&step| (way(step + 1) - way(step)).abs() < 1e-12);
+            let first = same.unwrap_or_else(|| panic!("dies in step {k}: no step is bridged")) + 1;
+            assert!(
+                way(first + 1) < way(first) - 1e-9,
+                "dies in step {k}: no braking after one bridged step"
+            );
+            assert!(last > first);
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! What arms that move together have in common: the screw of a step, and the law by which they brake on it.
+//!
+//! In: two poses of an arm's flange, one step apart; the law that the MP sent to all arms with the order of that step.
+//! Out: where the flange is to be in the steps that follow without one. Where arms carry one rigid body, the displacement of
+//! a step in the world,
+//!
+//! ```text
+//! D = X_WF(k) X_WF(k-1)^-1 = X_WB(k) X_BF X_BF^-1 X_WB(k-1)^-1 = X_WB(k) X_WB(k-1)^-1
+//! ```
+//!
+//! does not depend on where an arm holds it: each of them knows the body's motion by its own. So arms that go on by `D^s`
+//! with one sequence of `s` keep their relative pose, whoever else of the cell is gone.
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use crate::feed::Feed;
+use crate::limits::RateHeadroom;
+use crate::pose::Pose;
+
+/// How fast arms may slow down on their screw: what every robot of an instruction bears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BrakingLaw {
+    /// By how much of the present speed the speed may fall in a second \[1/s\].
+    pub fall: f64,
+    /// Largest change of that \[1/s²\]; infinite where jerk has no limit.
+    pub bend: f64,
+}
+
+impl BrakingLaw {
+    /// Of what does not move.
+    pub const UNLIMITED: BrakingLaw = BrakingLaw { fall: f64::INFINITY, bend: f64::INFINITY };
+
+    /// What two robots both bear.
+    #[must_use]
+    pub fn and(self, other: BrakingLaw) -> BrakingLaw {
+        BrakingLaw { fall: self.fall.min(other.fall), bend: self.bend.min(other.bend) }
+    }
+
+    /// Whether all of them may stand in the next step of `duration` \[s\].
+    pub fn stops_at_once(&self, duration: f64) -> bool {
+        // Then no joint is faster than what its acceleration limit takes away in a step, see `Acceptor::braking_law`.
+        self.fall * duration >= SHARE * (1.0 - 1e-6)
+    }
+}
+
+/// The share of an acceleration limit that braking on a screw plans with: the rest is for the screw's own curvature in the
+/// joints.
+pub(crate) const SHARE: f64 = 0.8;
+
+/// The displacement of a step in the world, as a rotation vector \[rad\] and the twist's way \[m\]: `D = exp(turn, way)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Screw {
+    turn: Vector3<f64>,
+    way: Vector3<f64>,
+}
+
+impl Screw {
+    /// That leads from one pose to another one.
+    pub fn between(from: &Pose, to: &Pose) -> Screw {
+        #[allow(non_snake_case)]
+        let D = to * from.inverse();
+        let turn = D.rotation.scaled_axis();
+        let t = D.translation.vector;
+        // V(turn)^-1 t (Murray, Li, Sastry, appendix A).
+        let angle = turn.norm();
+        let third = if angle < 1e-3 {
+            1.0 / 12.0
+        } else {
+            (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+        };
+        let cross = turn.cross(&t);
+        Screw { turn, way: t - cross * 0.5 + turn.cross(&cross) * third }
+    }
+
+    /// `D^s`.
+    pub fn part(&self, s: f64) -> Pose {
+        let (turn, way) = (self.turn * s, self.way * s);
+        let angle = turn.norm();
+        let (second, third) = if angle < 1e-3 {
+            (0.5 - angle * angle / 24.0, 1.0 / 6.0)
+        } else {
+            let half = (0.5 * angle).sin() / angle;
+            (2.0 * half * half, (angle - angle.sin()) / (angle * angle * angle))
+        };
+        let cross = turn.cross(&way);
+        let t = way + cross * second + turn.cross(&cross) * third;
+        Pose::from_parts(Translation3::from(t), UnitQuaternion::from_scaled_axis(turn))
+    }
+}
+
+/// The way to a standstill on a screw.
+#[derive(Clone, Debug)]
+pub(crate) struct ScrewBraking {
+    screw: Screw,
+    law: BrakingLaw,
+    feed: Feed,
+}
+
+impl ScrewBraking {
+    /// From the full displacement of a step.
+    pub fn new(screw: Screw, law: BrakingLaw) -> ScrewBraking {
+        ScrewBraking { screw, law, feed: Feed::new(f64::INFINITY) }
+    }
+
+    /// The displacement of the next step of `duration` \[s\]; `None` at the standstill.
+    pub fn advance(&mut self, duration: f64) -> Option<Pose> {
+        let BrakingLaw { fall, bend } = self.law;
+        self.feed.limit(RateHeadroom { rise: 0.0, fall, bend });
+        let part = self.feed.advance(0.0, duration);
+        (part > 0.0).then(|| self.screw.part(part))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn poses() -> [Pose; 2] {
+        [
+            Pose::new(Vector3::new(0.8, -0.3, 0.5), Vector3::new(3.0, 0.1, -0.2)),
+            Pose::new(Vector3::new(-0.4, 0.9, 0.1), Vector3::new(0.3, -0.7, 1.2)),
+        ]
+    }
+
+    fn apart(a: &Pose, b: &Pose) -> f64 {
+        let by = a.inv_mul(b);
+        by.translation.vector.norm().max(2.0 * by.rotation.imag().norm())
+    }
+
+    #[test]
+    fn parts_of_a_screw_compose_to_the_whole_for_turns_of_all_sizes() {
+        let [from, _] = poses();
+        for angle in [0.0, 1e-9, 1e-4, 0.999e-3, 1.001e-3, 0.1, 2.0] {
+            let by =
+                Pose::new(Vector3::new(0.1, -0.2, 0.05), Vector3::new(1.0, 2.0, -0.5).normalize() * angle);
+            let to = by * from;
+            let screw = Screw::between(&from, &to);
+            assert!(apart(&(screw.part(1.0) * from), &to) < 1e-14, "{angle}");
+            let thirds = screw.part(1.0 / 3.0);
+            assert!(apart(&(thirds * thirds * thirds * from), &to) < 1e-14, "{angle}");
+        }
+    }
+
+    #[test]
+    fn arms_that_carry_a_body_know_one_screw_and_stay_together_on_it() {
+        let [left, right] = poses();
+        let by = Pose::new(Vector3::new(1e-3, 2e-3, -5e-4), Vector3::new(1e-3, -2e-3, 1.5e-3));
+        let law = BrakingLaw { fall: 4.0, bend: f64::INFINITY };
+        let mut arms = [left, right].map(|tool| {
+            let moved = by * tool;
+            (moved, ScrewBraking::new(Screw::between(&tool, &moved), law))
+        });
+        let relative = left.inv_mul(&right);
+        let mut steps = 0;
+        while let [Some(one), Some(two)] = arms.each_mut().map(|(_, braking)| braking.advance(2e-3)) {
+            steps += 1;
+            (arms[0].0, arms[1].0) = (one * arms[0].0, two * arms[1].0);
+            assert!(apart(&arms[0].0.inv_mul(&arms[1].0), &relative) < 1e-12, "step {steps}");
+        }
+        // 1 / (4 / s) in steps of 2 ms, of which the last has no speed.
+        assert_eq!(steps, 124);
+    }
+}
