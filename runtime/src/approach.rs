@@ -135,16 +135,17 @@ mod tests {
     use super::*;
     use crate::cell::{Cell, RobotSetup};
     use crate::fault::Role;
+    use crate::slide::{Exact, Slide};
     use core::time::Duration;
-    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
     #[test]
     fn the_extremes_are_those_of_the_path() {
-        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-        let arm = SimulatedIrp6::new(Irp6::nominal(), &start);
-        let layout =
-            Cell::new(Duration::from_millis(2)).robot(RobotSetup::new("arm", Irp6::nominal(), arm)).layout();
-        let upper = layout.robots[0].joints[0].upper;
+        let step = Duration::from_millis(2);
+        let still = || Exact::new(step);
+        let layout = Cell::new(step)
+            .robot(RobotSetup::new("arm", Slide::new(), still()))
+            .robot(RobotSetup::new("other", Slide::new(), still()))
+            .layout();
         let approach = Approach::of(layout);
         let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
         let path = |k: f64| 0.1 * (0.004 * k).sin();
@@ -160,7 +161,7 @@ mod tests {
         assert!((found.velocity - 0.2).abs() < 1e-5, "{found:?}");
         assert!((found.acceleration - 100.0).abs() < 1e-2, "{found:?}");
         assert!((found.jerk - 50e3).abs() < 500.0, "{found:?}");
-        assert!((found.margin - (upper - 0.1)).abs() < 1e-5, "{found:?}");
-        assert_eq!(approach.extremes(0)[1].velocity, 0.0);
+        assert!((found.margin - (1.0 - 0.1)).abs() < 1e-5, "{found:?}");
+        assert_eq!(approach.extremes(1)[0].velocity, 0.0);
     }
 }

@@ -104,6 +104,8 @@ mod replay;
 mod robot;
 mod sensing;
 mod shape;
+#[cfg(test)]
+mod slide;
 mod step;
 mod step_fn;
 mod stopping;

@@ -278,3 +278,23 @@ fn after_a_fault_a_cell_ends_or_awaits_a_reset_and_nothing_else() {
     let number = complaints(&with("1"));
     assert!(number.contains("write \"end\" or \"await reset\""), "{number}");
 }
+
+#[test]
+fn a_recording_needs_a_file_and_robots_and_sensors_that_there_are() {
+    let cell = |recording: &str| format!("{GOOD}\n[recording]\n{recording}\n");
+    CellFile::parse("cell.toml", &cell("file = \"run.mcap\"\nrobots = [\"left\"]"))
+        .expect("nothing is wrong");
+    for (recording, told) in [
+        ("", "[recording] has no `file`"),
+        ("fil = \"run.mcap\"", "did you mean `file`?"),
+        ("file = 3", "the name of a file, in quotes"),
+        ("file = \"run.mcap\"\nrobots = [\"lefd\"]", "did you mean `left`?"),
+        ("file = \"run.mcap\"\nrobots = \"left\"", "a list of names of robots, in quotes"),
+        ("file = \"run.mcap\"\nsensors = [\"touch\"]", "`touch` is none of the sensors"),
+    ] {
+        let complaint = complaints(&cell(recording));
+        assert!(complaint.contains(told), "{complaint}");
+    }
+    let dry = complaints(&format!("dry_run = 1\n{GOOD}"));
+    assert!(dry.contains("true or false"), "{dry}");
+}

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The program, which `cargo test` builds as an example.
+/// The program, which `cargo test` builds as an example, and `cargo build --example recorded` alone.
 pub fn program() -> PathBuf {
     let test = std::env::current_exe().expect("a test has a path");
     let profile = test.parent().and_then(Path::parent).expect("target/debug/deps");
@@ -22,7 +22,8 @@ pub fn folder(name: &str, more: &str) -> PathBuf {
 
 pub fn run(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(program());
-    command.current_dir(folder).arg("--no-picture").args(arguments).output().expect("the program starts")
+    command.current_dir(folder).args(arguments).arg("--no-picture");
+    command.output().expect("the example `recorded` has been built")
 }
 
 pub fn said(output: &Output, status: i32) -> String {

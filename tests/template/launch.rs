@@ -71,3 +71,52 @@ fn what_is_refused_moves_nothing_and_ends_with_status_2() {
     fs::write(folder.parent().expect("a folder").join("cell.toml"), CELL).expect("a file");
     assert!(error(&run(&folder, &["--check"]), 2).contains("cell.toml: cannot be read"));
 }
+
+#[test]
+fn the_check_prints_the_cell_with_what_its_stops_take() {
+    use mrroc::Robot;
+    let real_time = "\n[realtime]\npriority = 42\ncores = [1, 0]\n";
+    let folder = project("checks", &format!("dry_run = true\n{CELL}{real_time}"));
+    let output = run(&folder, &["--check"]);
+    assert_eq!(error(&output, 0), "");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    let row = |begins: &str| {
+        let row =
+            said.lines().find(|line| line.starts_with(begins)).unwrap_or_else(|| panic!("{begins}: {said}"));
+        row.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    // safety.md: a lost peer is noticed after 20 ms of steps and one more; T_brake = v/a + 2.5 a/j, of the IRp-6 v/a.
+    let (arm, detection) = (mrroc_robots::Irp6::nominal(), 0.022);
+    assert!(said.contains("step 2 ms, stops within 600 ms, a lost peer is noticed after 22 ms\n"), "{said}");
+    for joint in 0..6 {
+        let (v, a) = (arm.limits().velocity[joint], arm.limits().acceleration[joint]);
+        let braking = v / a + arm.limits().jerk.map_or(0.0, |jerk| 2.5 * a / jerk[joint]);
+        let row = row(&format!("{} rad ", joint + 1)).join(" ");
+        let times = format!("{braking:.3} s {:.3} s 0.600 s", detection + braking);
+        assert!(row.ends_with(&times), "{row}: {times}");
+        assert!(row.contains(&format!(" {v:.4} {a:.4} ")), "{row}");
+    }
+    assert_eq!(row("ecp arm").last().map(String::as_str), Some("1"));
+    assert!(
+        row("mp").contains(&"42".to_owned())
+            && said.contains("after a dry run")
+            && said.contains("recording: none")
+    );
+    assert!(said.contains("sensor") && row("touch").contains(&"interactive".to_owned()), "{said}");
+}
+
+#[test]
+fn a_dry_run_says_how_near_it_comes_to_the_limits_and_draws_nothing() {
+    let folder = project("dry", CELL);
+    let output = run(&folder, &["--dry-run"]);
+    assert_eq!(error(&output, 0), "");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.starts_with("dry run: 6.0") && said.contains("within all limits\n"), "{said}");
+    let joint = said.lines().find(|line| line.starts_with("arm 1 ")).expect("a row for each joint");
+    let share = joint.split_whitespace().nth(2).and_then(|share| share.parse::<f64>().ok());
+    assert!(share.is_some_and(|share| share > 0.0 && share <= 100.0), "{said}");
+    assert!(!folder.join("picture.svg").exists());
+    let folder = project("dry-faults", &CELL.replace("0.16, -0.16", "-0.40, 0.40"));
+    let told = error(&run(&folder, &["--dry-run"]), 1);
+    assert!(told.contains("until the fault") && told.contains("error: "), "{told}");
+}

@@ -7,45 +7,11 @@ use nalgebra::Vector1;
 
 use super::*;
 use crate::demand::Demand;
-use crate::driver::{DriveFault, Driver};
 use crate::fault::Role;
 use crate::message::{Kind, OrderKind, RequestKind, flag};
 use crate::name::Name;
-use crate::robot::{Limits, NoInverse};
+use crate::slide::{Exact, Slide};
 use crate::wire::Wire;
-
-#[derive(Clone)]
-struct Slide(Limits<Vector1<f64>>);
-
-impl Robot for Slide {
-    const KIND: &'static str = "slide";
-    type Joints = Vector1<f64>;
-    fn limits(&self) -> &Limits<Vector1<f64>> {
-        &self.0
-    }
-    fn forward(&self, q: &Vector1<f64>) -> Pose {
-        Pose::translation(q[0], 0.0, 0.0)
-    }
-    #[allow(non_snake_case)]
-    fn inverse(&self, X_WF: &Pose, _: &Vector1<f64>) -> Result<Vector1<f64>, NoInverse> {
-        Ok(Vector1::new(X_WF.translation.x))
-    }
-}
-
-struct Exact(Duration, Measured<Vector1<f64>>);
-
-impl Driver<Slide> for Exact {
-    fn period(&self) -> Duration {
-        self.0
-    }
-    fn measured(&self) -> Measured<Vector1<f64>> {
-        self.1
-    }
-    fn tick(&mut self, demanded: &Vector1<f64>) -> Result<Measured<Vector1<f64>>, DriveFault> {
-        self.1.position = *demanded;
-        Ok(self.1)
-    }
-}
 
 struct Still;
 
@@ -71,18 +37,10 @@ impl Server for Replies {
 }
 
 fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
-    let zero = Vector1::zeros();
-    let limits = Limits {
-        lower: Vector1::new(-1.0),
-        upper: Vector1::new(1.0),
-        velocity: Vector1::new(1.0),
-        acceleration: Vector1::new(10.0),
-        jerk: None,
-    };
     let config = EdpConfig {
         process: ProcessId::new(Role::Edp, Name::new("g").expect("a name")),
-        robot: Slide(limits),
-        drive: Drive::Here(Box::new(Exact(servo, Measured { position: zero, velocity: zero }))),
+        robot: Slide::new(),
+        drive: Drive::Here(Box::new(Exact::new(servo))),
         tool: Pose::identity(),
         step: Duration::from_millis(1),
         delay: crate::interpolation::delay(Duration::from_millis(1), [servo].into_iter()),

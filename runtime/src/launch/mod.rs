@@ -111,7 +111,9 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
     }
     let Options { part, processes, spin, quiet, .. } = options;
     let arguments = std::env::args_os().skip(1).collect();
-    match (Launch { part, arguments, clock: processes, spin, cell: Some(path), quiet }).run(cell) {
+    match (Launch { part, arguments, recording: None, clock: processes, spin, cell: Some(path), quiet })
+        .run(cell)
+    {
         Ok(Ran::Part(status)) => status,
         Ok(Ran::Here(_) | Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
         Ok(Ran::Here(report) | Ran::Processes(report)) => tell(&report, None),

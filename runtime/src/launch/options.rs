@@ -236,6 +236,31 @@ pub(super) fn split_part(mut arguments: Vec<OsString>) -> (Option<(ProcessId, Pa
     (Some(part), arguments)
 }
 
+/// What a command line asks for of a recording, whatever the program's own arguments are.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum AskedRecording {
+    /// The run goes to this file.
+    Record(PathBuf),
+    /// The run of this file is made again.
+    Replay(PathBuf),
+}
+
+/// Splits off `replay FILE` at the beginning, or else the first `--record FILE`.
+pub(super) fn split_recording(mut arguments: Vec<OsString>) -> (Option<AskedRecording>, Vec<OsString>) {
+    if arguments.len() >= 2 && arguments[0] == "replay" {
+        let file = arguments.drain(..2).next_back();
+        return (file.map(|file| AskedRecording::Replay(file.into())), arguments);
+    }
+    let at = arguments.iter().position(|argument| argument == "--record" || argument == "--");
+    match at.filter(|&at| arguments[at] == "--record" && at + 1 < arguments.len()) {
+        Some(at) => {
+            let file = arguments.drain(at..at + 2).next_back();
+            (file.map(|file| AskedRecording::Record(file.into())), arguments)
+        }
+        None => (None, arguments),
+    }
+}
+
 fn read_role(words: &[OsString]) -> Option<ProcessId> {
     let role = match words.first()?.to_str()? {
         "mp" => return Some(ProcessId::MP),
@@ -294,6 +319,22 @@ mod tests {
         ] {
             let error = parsed(arguments).err().expect("refused");
             assert!(error.contains(told) && error.contains("\n help: "), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_a_program_is_asked_of_a_recording_is_none_of_its_own_arguments() {
+        let split = |arguments: &[&str]| split_recording(arguments.iter().map(OsString::from).collect());
+        let own = |arguments: &[&str]| arguments.iter().map(OsString::from).collect::<Vec<_>>();
+        let record = Some(AskedRecording::Record("a.mcap".into()));
+        assert_eq!(
+            split(&["--text", "x", "--record", "a.mcap", "-q"]),
+            (record, own(&["--text", "x", "-q"]))
+        );
+        let replay = Some(AskedRecording::Replay("a.mcap".into()));
+        assert_eq!(split(&["replay", "a.mcap", "-q"]), (replay, own(&["-q"])));
+        for none in [&["--record"][..], &["replay"], &["--", "--record", "a"], &["-q"]] {
+            assert_eq!(split(none), (None, own(none)));
         }
     }
 

@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use super::options::{Clock, operates, parse, split_part};
+use super::options::{AskedRecording, Clock, operates, parse, split_part, split_recording};
 use super::processes::{examine, launch_processes, operate, take_part};
+use super::replaying::replay;
 use crate::cell::{Cell, CellError, RunReport};
 use crate::console::refused;
 use crate::fault::ProcessId;
@@ -49,6 +50,8 @@ pub struct Launch {
     pub(super) part: Option<(ProcessId, PathBuf)>,
     /// What the processes are started with.
     pub(super) arguments: Vec<OsString>,
+    /// What of a recording the command line asks for.
+    pub(super) recording: Option<AskedRecording>,
     pub(super) clock: Option<Clock>,
     /// How long a process looks for messages before it sleeps \[ns\].
     pub(super) spin: u64,
@@ -64,7 +67,8 @@ pub enum Ran {
     Here(RunReport),
     /// It ran as processes.
     Processes(RunReport),
-    /// This was one of the processes; it is over, and ends with this status. The launcher says what there is to say.
+    /// This was one of the processes, or a replay; it is over, and ends with this status. What there is to say has been said,
+    /// or the launcher says it.
     Part(ExitCode),
 }
 
@@ -73,10 +77,11 @@ impl Launch {
     #[must_use]
     pub fn new(arguments: impl IntoIterator<Item = OsString>) -> Launch {
         let (part, arguments) = split_part(arguments.into_iter().collect());
-        Launch { part, arguments, clock: None, spin: 0, cell: None, quiet: false }
+        let (recording, arguments) = split_recording(arguments);
+        Launch { part, arguments, recording, clock: None, spin: 0, cell: None, quiet: false }
     }
 
-    /// The arguments that are the program's own.
+    /// The arguments that are the program's own: without `replay FILE` before them, and `--record FILE` among them.
     #[must_use]
     pub fn arguments(&self) -> &[OsString] {
         &self.arguments
@@ -134,10 +139,11 @@ impl Launch {
         })
     }
 
-    /// Whether the cell runs in this process, all of it: what watches it from here sees everything.
+    /// Whether the cell runs in this process, all of it, and nothing else than the program's own work is asked for: what watches
+    /// it from here sees everything.
     #[must_use]
     pub const fn is_here(&self) -> bool {
-        self.part.is_none() && self.clock.is_none()
+        self.part.is_none() && self.clock.is_none() && self.recording.is_none()
     }
 
     /// Whether this is a process that a launcher has started.
@@ -155,6 +161,14 @@ impl Launch {
         if let Some((process, session)) = &self.part {
             cell.check()?;
             return Ok(Ran::Part(take_part(cell, *process, session, self.quiet)));
+        }
+        match &self.recording {
+            Some(AskedRecording::Replay(file)) => {
+                cell.check()?;
+                return Ok(Ran::Part(replay(cell, file, false, self.quiet)));
+            }
+            Some(AskedRecording::Record(file)) => cell = cell.record_to(file),
+            None => {}
         }
         match self.clock {
             None => cell.run().map(Ran::Here),

@@ -4,8 +4,6 @@ use core::cell::RefCell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use nalgebra::Vector1;
-
 use super::command::{Command, Reading, RegulatorSets, Switch};
 use super::drives::{Commands, Drives};
 use super::{Part, Rest};
@@ -14,32 +12,11 @@ use crate::fault::{FaultKind, ProcessId, Role};
 use crate::link::{Board, Nanos, Server};
 use crate::message::{Kind, Message};
 use crate::name::Name;
-use crate::pose::Pose;
-use crate::robot::{Limits, NoInverse, Robot};
-
-type One = Vector1<f64>;
+use crate::slide::{One, Slide};
 
 /// Servo period and step: 1 ms, so `L` is 20.
 const SERVO: Nanos = 1_000_000;
 const L: u64 = 20;
-
-#[derive(Clone)]
-struct Slide(Limits<One>);
-
-impl Robot for Slide {
-    const KIND: &'static str = "slide";
-    type Joints = One;
-    fn limits(&self) -> &Limits<One> {
-        &self.0
-    }
-    fn forward(&self, q: &One) -> Pose {
-        Pose::translation(q[0], 0.0, 0.0)
-    }
-    #[allow(non_snake_case)]
-    fn inverse(&self, X_WF: &Pose, _: &One) -> Result<One, NoInverse> {
-        Ok(One::new(X_WF.translation.x))
-    }
-}
 
 /// What a drive was told, period by period.
 #[derive(Clone, Copy, Debug, PartialEq)]

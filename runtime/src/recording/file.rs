@@ -24,6 +24,8 @@ pub(super) const PROFILE: &str = "mrroc";
 pub(super) const END: &str = "mrroc.end";
 /// The version of what channels and metadata hold.
 pub(super) const VERSION: &str = "1";
+/// The link of a cell that runs as processes in real time.
+pub(super) const REAL_TIME: &str = "processes in real time";
 /// A chunk is full with so many bytes.
 const CHUNK: u64 = 256 * 1024;
 

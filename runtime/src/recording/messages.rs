@@ -9,6 +9,7 @@ use std::rc::Rc;
 use mcap::records::Metadata;
 use serde_json::Value;
 
+use super::file::REAL_TIME;
 use super::json::{as_number, words};
 use super::reader::{CutOff, Wrong};
 use crate::cell::Layout;
@@ -28,6 +29,8 @@ pub(super) struct Messages {
     sensors: Vec<(Name, &'static Shape)>,
     readings: Vec<ReadingTape>,
     steps: Vec<ScriptedStep>,
+    /// Whether demands may have come too late: what an EDP did then, a replay does not do again.
+    real_time: bool,
     late: BTreeSet<u64>,
     aborts: BTreeSet<u64>,
     outside: Option<(u64, String)>,
@@ -79,7 +82,8 @@ impl Messages {
             sensors.push((of_cell(&sensor.name)?, sensor.reading));
         }
         let (readings, steps, late, aborts) = (Vec::new(), Vec::new(), BTreeSet::new(), BTreeSet::new());
-        Ok(Messages { robots, sensors, readings, steps, late, aborts, outside: None, end: None })
+        let real_time = text("link") == REAL_TIME;
+        Ok(Messages { robots, sensors, readings, steps, real_time, late, aborts, outside: None, end: None })
     }
 
     /// The last step of the MP that has been read.
@@ -123,12 +127,7 @@ impl Messages {
         let (step, text) = (json["step"].as_u64()?, json["text"].as_str()?);
         let by = process(json["process"].as_str()?)?;
         match json["what"].as_str()? {
-            "fault from outside" => {
-                let earlier = self.outside.as_ref().is_none_or(|(first, _)| step < *first);
-                if earlier {
-                    self.outside = Some((step, text.to_owned()));
-                }
-            }
+            "fault from outside" => self.end_before(step, text.to_owned()),
             "late" => drop(self.late.insert(step)),
             "abort" => drop(self.aborts.insert(step)),
             "end" => self.end = Some((!text.is_empty()).then(|| text.to_owned())),
@@ -139,6 +138,14 @@ impl Messages {
             _ => {}
         }
         Some(())
+    }
+
+    /// What came from outside in this step, no replay can make again.
+    fn end_before(&mut self, step: u64, what: String) {
+        let earlier = self.outside.as_ref().is_none_or(|(first, _)| step < *first);
+        if earlier {
+            self.outside = Some((step, what));
+        }
     }
 
     fn image(&mut self, name: &str, json: &Value) -> Option<()> {
@@ -162,6 +169,9 @@ impl Messages {
         }
         let follows = step == robot.first + robot.images.len() as u64;
         robot.images.extend(follows.then_some(image));
+        if self.real_time && json["mode"] == "bridging" {
+            self.end_before(step, format!("no demand for {name} came in time for step {step}"));
+        }
         follows.then_some(())
     }
 

@@ -14,7 +14,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::channels::Outlet;
-use super::file::{McapFile, can_be_written};
+use super::file::{McapFile, REAL_TIME, can_be_written};
 use super::ring::{Pace, Recorder};
 use super::{NotRecorded, Recording};
 use crate::cell::{Cell, Layout};
@@ -176,7 +176,8 @@ impl Relay {
             name: file.display().to_string(),
         };
         let (path, layout) = (file.clone(), recording.of(layout.clone()));
-        let run = move || receiver.run(&path, &layout);
+        let link = if pace == Pace::Real { REAL_TIME } else { "processes under the virtual clock" };
+        let run = move || receiver.run(&path, &layout, link);
         let thread =
             std::thread::Builder::new().name("recorder".to_owned()).spawn(run).map_err(unwritable)?;
         Ok(Relay { closing, received, thread: Some(thread), file })
@@ -217,8 +218,8 @@ struct Receiver {
 }
 
 impl Receiver {
-    fn run(mut self, path: &Path, layout: &Layout) {
-        let file = McapFile::create(path, layout, "processes");
+    fn run(mut self, path: &Path, layout: &Layout, link: &str) {
+        let file = McapFile::create(path, layout, link);
         let mut file = file.map_err(|error| self.warn(&error)).ok();
         let mut buffer = vec![0; LONGEST];
         let mut flushed = Instant::now();

@@ -97,7 +97,7 @@ fn play(press: Press, at: u64, step: u64, operator: &Operator) -> bool {
         Press::SuspendAndResume(_) if step == at => operator.suspend(),
         Press::SuspendAndResume(steps) if step == at + u64::from(steps) => operator.resume(),
         Press::Abort if step == at => operator.abort(),
-        Press::Stop if step == at => operator.stop(),
+        Press::Stop if step == at => operator.protective_stop(),
         Press::Everything if step == at => {
             operator.suspend();
             operator.abort();
