@@ -36,6 +36,10 @@ fn a_straight_line_takes_the_time_of_the_trapezoid() {
     let ends = [1.0 / 1.5, 2.0 / 1.5];
     let plan = TimeOptimal::plan(&path, &grid(&path, 3), &limits::<1>(9.0, 1.0), ends).unwrap();
     assert!((plan.duration() - 1.0).abs() < 1e-12 && (plan.at(9.0).v - ends[1]).abs() < 1e-12);
+    // A walk along it ends at that speed, too.
+    let mut cursor = plan.cursor();
+    let end = core::iter::from_fn(|| cursor.advance(1e-3)).last().unwrap();
+    assert!(end.s == 1.0 && (end.v - ends[1]).abs() < 1e-12, "{end:?}");
     // A speed of the path's parameter alone: 1 at 0.5.
     let slow = PathLimits { speed: 0.5, ..limits::<1>(1e3, 1e6) };
     let plan = TimeOptimal::plan(&line(1.0), &grid(&line(1.0), 100), &slow, [0.0; 2]).unwrap();

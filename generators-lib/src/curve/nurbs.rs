@@ -18,8 +18,8 @@ pub struct Nurbs {
     /// `(w P, w)`.
     control: Vec<Vector4<f64>>,
     /// All knots, and the distinct ones within the range.
-    knots: Vec<f64>,
-    distinct: Vec<f64>,
+    all_knots: Vec<f64>,
+    breaks: Vec<f64>,
 }
 
 impl Nurbs {
@@ -45,18 +45,18 @@ impl Nurbs {
         if !matched || !knots.iter().all(|knot| knot.is_finite()) || !knots.is_sorted() {
             return Err(CurveError::Knots);
         }
-        let mut distinct = knots[p..=n].to_vec();
-        distinct.dedup();
+        let mut breaks = knots[p..=n].to_vec();
+        breaks.dedup();
         // An inner knot that occurs more often than the degree tears the curve.
         let torn = knots[1..n + p].windows(p + 1).any(|knots| knots[0] == knots[p]);
-        if distinct.len() < 2 || torn {
+        if breaks.len() < 2 || torn {
             return Err(CurveError::Knots);
         }
         let control: Vec<_> = points.iter().zip(weights).map(|(p, w)| (p * *w).push(*w)).collect();
         if !control.iter().all(|point| point.iter().all(|x| x.is_finite())) {
             return Err(CurveError::NotFinite);
         }
-        Ok(Nurbs { degree, control, knots, distinct })
+        Ok(Nurbs { degree, control, all_knots: knots, breaks })
     }
 
     /// The full circle of `radius` \[m\] about `centre` from the direction `x` towards `y`, two unit vectors at right angles:
@@ -70,7 +70,8 @@ impl Nurbs {
         y: Vector3<f64>,
         radius: f64,
     ) -> Result<Self, CurveError> {
-        if !(radius > 0.0) {
+        // Not a number is refused with the points.
+        if radius <= 0.0 {
             return Err(CurveError::Coincident);
         }
         let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
@@ -84,7 +85,7 @@ impl Nurbs {
     fn de_boor(&self, points: &mut [Vector4<f64>], degree: usize, span: usize, u: f64) -> Vector4<f64> {
         for r in 1..=degree {
             for i in (r..=degree).rev() {
-                let (low, high) = (self.knots[span - degree + i], self.knots[span + i + 1 - r]);
+                let (low, high) = (self.all_knots[span - degree + i], self.all_knots[span + i + 1 - r]);
                 let share = (u - low) / (high - low);
                 points[i] = points[i - 1] + (points[i] - points[i - 1]) * share;
             }
@@ -97,19 +98,20 @@ impl Parametric for Nurbs {
     type Value = Vector3<f64>;
 
     fn range(&self) -> (f64, f64) {
-        (self.distinct[0], self.distinct[self.distinct.len() - 1])
+        (self.breaks[0], self.breaks[self.breaks.len() - 1])
     }
 
     fn knots(&self) -> &[f64] {
-        &self.distinct
+        &self.breaks
     }
 
     fn at(&self, u: f64) -> SplinePoint<Vector3<f64>> {
         let (p, (first, last)) = (self.degree, self.range());
         let u = u.clamp(first, last);
         // The span that begins at or before `u`; the last one at the end.
-        let after = self.knots.partition_point(|knot| *knot <= u);
-        let span = if u == last { self.knots.partition_point(|knot| *knot < last) - 1 } else { after - 1 };
+        let after = self.all_knots.partition_point(|knot| *knot <= u);
+        let span =
+            if u == last { self.all_knots.partition_point(|knot| *knot < last) - 1 } else { after - 1 };
         let mut points = [Vector4::zeros(); MOST + 1];
         points[..=p].copy_from_slice(&self.control[span - p..=span]);
         // Control points of the derivatives, each one degree lower.
@@ -118,7 +120,7 @@ impl Parametric for Nurbs {
         for (k, value) in values.iter_mut().enumerate().skip(1).take(p.min(2)) {
             let degree = p + 1 - k;
             for i in 0..degree {
-                let (low, high) = (self.knots[span - degree + 1 + i], self.knots[span + 1 + i]);
+                let (low, high) = (self.all_knots[span - degree + 1 + i], self.all_knots[span + 1 + i]);
                 derivative[i] = (derivative[i + 1] - derivative[i]) * (degree as f64 / (high - low));
             }
             let mut points = derivative;

@@ -97,7 +97,7 @@ impl RotationSpline {
         Ok(RotationSpline { knots, orientations, spans })
     }
 
-    /// The orientation at `u`, and angular velocity and acceleration in the moving frame [rad], by the parameter; beyond its
+    /// The orientation at `u`, and angular velocity and acceleration in the moving frame \[rad\], by the parameter; beyond its
     /// ends it stays there.
     #[must_use]
     pub fn at(&self, u: f64) -> (UnitQuaternion<f64>, Vector3<f64>, Vector3<f64>) {
@@ -118,7 +118,7 @@ impl RotationSpline {
         (orientation, j * slope, j * bend + rest(&f, &slope))
     }
 
-    /// Bounds of the angular velocity and acceleration [rad] by the parameter: the hull of the rotation vector's slope, since
+    /// Bounds of the angular velocity and acceleration \[rad\] by the parameter: the hull of the rotation vector's slope, since
     /// `J` lengthens nothing; its second derivative, and at most `w^2 (x / 6 + x^2 / 12 + x^3 / 60)` at an angle `x`.
     #[must_use]
     pub fn bounds(&self) -> (f64, f64) {

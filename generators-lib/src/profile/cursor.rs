@@ -26,7 +26,7 @@ impl<P: Profile> ProfileCursor<P> {
         // The sum of n increments may miss n * dt by rounding; that must not cost a step.
         if self.profile.duration() - self.time <= 1e-9 * dt {
             self.ended = true;
-            return Some(ProfilePoint { s: self.profile.distance(), v: 0.0, a: 0.0 });
+            return Some(self.profile.at(self.profile.duration()));
         }
         Some(self.profile.at(self.time))
     }

@@ -76,7 +76,7 @@ pub struct ProfilePoint {
     pub a: f64,
 }
 
-/// A rest-to-rest motion of a path scalar from 0 to a distance, over path time; immutable.
+/// A motion of a path scalar from 0 to a distance, over path time; immutable. From rest to rest, unless it says otherwise.
 pub trait Profile: Sized {
     /// Distance \[units\], >= 0.
     fn distance(&self) -> f64;
@@ -84,7 +84,7 @@ pub trait Profile: Sized {
     /// Duration \[s\], >= 0.
     fn duration(&self) -> f64;
 
-    /// The profile at path time `t` \[s\]. Before 0 it rests at 0, from the duration on at the exact distance.
+    /// The profile at path time `t` \[s\]. Before 0 it is at 0, from the duration on at the exact distance; at rest there.
     fn at(&self, t: f64) -> ProfilePoint;
 
     /// The same motion in exactly `duration` \[s\], slower: velocities shrink by `k = duration / T`, accelerations by
