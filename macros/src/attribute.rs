@@ -129,6 +129,10 @@ struct Argument {
     value: Value,
 }
 
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one for each word of an attribute; its size varies with syn's features"
+)]
 enum Value {
     None,
     Path(ExprPath),

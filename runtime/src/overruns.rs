@@ -118,14 +118,6 @@ impl Waiter for Timed<'_> {
     fn sample(&self, sample: Sample) {
         self.waiter.sample(sample);
     }
-
-    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
-        self.waiter.pressed(kind)
-    }
-
-    fn show(&self, state: &MpState) {
-        self.waiter.show(state);
-    }
 }
 
 #[cfg(test)]
