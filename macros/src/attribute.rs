@@ -129,6 +129,10 @@ struct Argument {
     value: Value,
 }
 
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one at a time, while a macro expands; how large syn is depends on features"
+)]
 enum Value {
     None,
     Path(ExprPath),
