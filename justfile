@@ -54,17 +54,34 @@ test-processes:
 test-kills:
     MRROC_KILLS=200 cargo test --release -p mrroc-tests --features processes --test processes -- fault_0
 
+# The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
+test-both-links:
+    MRROC_WHOLE=1 cargo test --release -p mrroc-tests --features processes --test both_links
+
+# Two robots and a sensor as processes at 1 kHz for so many seconds, beside cyclictest: skipped steps, rate, memory.
+soak SECONDS="600":
+    benches/peers/realtime soak {{SECONDS}}
+
+# A whole step of 1 to 4 robots beside bare shared memory and futexes, and cyclictest, in microseconds; `all` placements
+# of the processes on cores, or the launcher's.
+bench-step PLACEMENTS="launcher":
+    benches/peers/realtime step {{PLACEMENTS}}
+
 # A round trip between two processes beside bare iceoryx2, a futex and a socket, in microseconds.
 bench-latency:
     cargo test --release -p mrroc --features processes --lib round_trips_of_every_kind -- --ignored --nocapture
 
-# Every fault in every step of small cells, of the transfer and of the engraving task: over 100,000 cases, some minutes.
+# Every fault in every step of small cells: over 100,000 cases, some minutes.
 sweep:
-    cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture every_fault
+    cargo test -p mrroc-tests --test safety -- --ignored --nocapture every_fault_in_every_step
 
-# Rows of SAFETY.md, the cases tried for them, and the worst stop beside its bound.
+# Each fault in every so many steps of the transfer and of the engraving task: every 997th takes minutes, every one days.
+sweep-tasks EVERY="997":
+    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture both_tasks
+
+# Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
-    cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture summary
+    cargo test -p mrroc-tests --test safety -- --ignored --nocapture summary
 
 # Mutated files into all that reads files and messages: so many in all.
 fuzz N="10000000":

@@ -1,5 +1,7 @@
 //! Times of the stepping functions: `cargo bench -p mrroc-generators --bench generators`.
 
+#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
+
 use mrroc_generators::bspline::*;
 use mrroc_generators::feed::{FedPath, FeedLimits};
 use mrroc_generators::profile::{ProfileLimits, Trapezoid};

@@ -1,5 +1,7 @@
 //! Times of jerk-limited planning: `cargo bench -p mrroc-generators --bench jerk`.
 
+#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
+
 use mrroc_generators::jerk::*;
 use nalgebra::SVector;
 use std::hint::black_box;

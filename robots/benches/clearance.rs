@@ -1,6 +1,8 @@
 //! Prints how long a clearance check takes on this machine.
 //! Run with `cargo bench -p mrroc-robots --bench clearance`.
 
+#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
+
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 

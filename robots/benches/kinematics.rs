@@ -1,6 +1,8 @@
 //! Prints how long kinematics and one servo period of the simulated robots take on this machine.
 //! Run with `cargo bench -p mrroc-robots --bench kinematics`.
 
+#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
+
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -3,6 +3,8 @@
 //!
 //! The joint positions are those of `benches/peers/README.md`: SplitMix64 from a fixed seed, uniform within the limits.
 
+#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
+
 use std::hint::black_box;
 use std::time::Instant;
 

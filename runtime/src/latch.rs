@@ -140,7 +140,7 @@ impl Latching {
 }
 
 /// What a message asks of a process, as far as its gate is concerned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) enum Asked {
     /// To move, or to open what will move.
     Move,
@@ -164,7 +164,7 @@ pub(crate) enum Admission {
 }
 
 /// What every process of a robot has before it: shut by a stop or a fault, opened by nothing but a reset of a new epoch.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(crate) struct Gate {
     /// The epoch of the last reset that came.
     pub epoch: u32,
@@ -198,6 +198,9 @@ impl Gate {
         }
     }
 }
+
+#[cfg(test)]
+mod model;
 
 #[cfg(test)]
 mod tests {

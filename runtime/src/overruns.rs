@@ -7,8 +7,10 @@
 use core::cell::Cell;
 use core::time::Duration;
 
+use crate::button::Button;
 use crate::fault::{Fault, FaultKind};
 use crate::link::{Closed, Nanos, News, Sample, Waiter};
+use crate::mp::MpState;
 use crate::stopping::missed_step_budget;
 
 /// Late steps, less punctual ones, that are too many.
@@ -96,6 +98,14 @@ impl Waiter for Timed<'_> {
 
     fn news(&self) -> Option<News> {
         self.waiter.news()
+    }
+
+    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
+        self.waiter.pressed(kind)
+    }
+
+    fn show(&self, state: &MpState) {
+        self.waiter.show(state);
     }
 
     fn own_time(&self) -> Nanos {

@@ -343,7 +343,7 @@ fn via_points_are_passed_on_the_robots_limits_without_a_stop() {
         vec![Vector3::new(0.4, 0.0, 0.0), Vector3::new(0.4, -0.4, 0.0), Vector3::new(0.0, -0.4, 0.1)];
     let path = points.clone();
     let robot = robot.program(move |ecp| {
-        ecp.move_robot((), JointVia::through(path, Vector3::repeat(0.01), limits)).map(drop)
+        ecp.move_robot((), JointVia::through(path.clone(), Vector3::repeat(0.01), limits)).map(drop)
     });
     let report = Cell::new(MS).robot(robot).run().expect("within the limits");
     // 1.2 m at 0.5 m/s and a ramp of 0.1 s; corners within 0.01 m, where V^2 / 8 A = 0.006, cost nothing.

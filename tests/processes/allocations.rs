@@ -12,6 +12,9 @@ pub const COUNTS: &str = "MRROC_TEST_COUNTS";
 const WARM: u64 = 100;
 pub const STEPS: u64 = 300;
 
+/// Steps after those in which whatever else is counted in the process has been counted too: then the count is written.
+const LATER: u64 = 50;
+
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
 }
@@ -46,6 +49,7 @@ pub struct Calls {
     path: Option<PathBuf>,
     calls: u64,
     before: u64,
+    within: u64,
 }
 
 impl Calls {
@@ -57,10 +61,10 @@ impl Calls {
     /// Of what has this name.
     pub fn of(name: &str) -> Calls {
         let path = std::env::var_os(COUNTS).map(|folder| Path::new(&folder).join(name));
-        Calls { path, calls: 0, before: 0 }
+        Calls { path, calls: 0, before: 0, within: 0 }
     }
 
-    /// One call. The last that is counted writes how much was allocated since the first.
+    /// One call.
     pub fn note(&mut self) {
         self.calls += 1;
         let Some(path) = &self.path else { return };
@@ -68,7 +72,9 @@ impl Calls {
         if self.calls == WARM {
             self.before = allocations;
         } else if self.calls == WARM + STEPS {
-            fs::write(path, (allocations - self.before).to_string()).expect("the folder can be written");
+            self.within = allocations - self.before;
+        } else if self.calls == WARM + STEPS + LATER {
+            fs::write(path, self.within.to_string()).expect("the folder can be written");
         }
     }
 }

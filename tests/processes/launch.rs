@@ -46,7 +46,8 @@ impl Place {
         self.start_for(crate::allocations::COUNTS, counts, arguments)
     }
 
-    fn start_for(&self, what: &str, records: &str, arguments: &[&str]) -> Launch {
+    /// Starts the program with a variable that names a folder of its own.
+    pub fn start_for(&self, what: &str, records: &str, arguments: &[&str]) -> Launch {
         let records = self.0.join(records);
         let _ = fs::remove_dir_all(&records);
         fs::create_dir_all(&records).expect("a folder");

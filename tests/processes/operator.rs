@@ -8,11 +8,13 @@ use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use rustix::process::Signal;
+
 use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
 use crate::tests::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late};
 
 /// Their names, and they.
-pub const TESTS: [(&str, fn()); 8] = [
+pub const TESTS: [(&str, fn()); 9] = [
     (
         "a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have",
         a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have,
@@ -21,6 +23,10 @@ pub const TESTS: [(&str, fn()); 8] = [
     (
         "a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand",
         a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand,
+    ),
+    (
+        "a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset",
+        a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset,
     ),
     (
         "fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token",
@@ -52,6 +58,10 @@ fn operate<T>(place: &Place, operate: impl Fn(&mut Launch) -> T, judge: impl Fn(
             launch.let_run(Duration::from_millis(1));
         }
         let seen = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| operate(&mut launch)));
+        if seen.is_err() {
+            // It may wait for an operator who has gone.
+            launch.signal(Signal::INT);
+        }
         let status = launch.end().code();
         if is_late(&launch.said()) {
             continue;
@@ -192,6 +202,41 @@ fn a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand() {
             },
         );
     }
+}
+
+fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
+    let place = Place::new(28);
+    let cell = place.base().parent().expect("a folder").join("cell.toml");
+    let text = format!("after_fault = \"await reset\"\n{}", include_str!("cell.toml"));
+    std::fs::write(cell, text).expect("written");
+    let refused = |word, told: &str| {
+        let (status, said) = ask(&place, &[word]);
+        assert!(status == Some(1) && said.contains(told), "{word}: {status:?}: {said}");
+    };
+    let operator = |launch: &mut Launch| {
+        let stopped = done(&place, &["stop"], "stopping: step ");
+        wait_until(|| ask(&place, &["status"]).1.starts_with("latched: "));
+        let (_, said) = ask(&place, &["status"]);
+        assert!(said.contains("last fault: mp: protective stop: stopped by the operator"), "{said}");
+        assert!(stand(launch));
+        refused("reset", "refused: it has stopped for a fault, which is not acknowledged: step ");
+        refused("resume", "refused: it has stopped for a fault");
+        let acknowledged = done(&place, &["acknowledge"], "acknowledged: step ");
+        let reset = done(&place, &["reset"], "reset: step ");
+        assert!(stopped < acknowledged && acknowledged < reset, "{stopped}, {acknowledged}, {reset}");
+        // To its end, or to another fault of a machine that is late, which nobody resets.
+        wait_until(|| {
+            let (status, said) = ask(&place, &["status"]);
+            if said.starts_with("latched: ") {
+                launch.signal(Signal::INT);
+            }
+            status == Some(2) || said.starts_with("latched: ")
+        });
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert_eq!(status, Some(0), "{}", launch.said());
+        assert_ends_where_it_would_have(&place, launch);
+    });
 }
 
 fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() {

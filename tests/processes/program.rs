@@ -1,6 +1,8 @@
 //! The task program of these tests: two arms that are coordinated loosely and tightly, sensors in three modes, and a
 //! record of what each arm was demanded, written by the process that demands it.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -200,7 +202,13 @@ impl VirtualSensor for Looking {
     }
 }
 
+/// The variable that makes the MP's program compute for ever instead.
+pub const COMPUTES: &str = "MRROC_TEST_COMPUTES";
+
 fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
+    while std::env::var_os(COMPUTES).is_some() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
     let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
     let (mut count, mut shaft) = (mp.sensor::<Count>("count")?, mp.sensor::<Count>("shaft")?);
     mp.wait_until((&mut left, &mut right), (&mut count,), Counted3 {})?;

@@ -13,7 +13,7 @@ use crate::launch::{
 
 /// Runs those whose names contain a word of the command line, or all.
 pub fn main() -> ExitCode {
-    let own: [(&str, fn()); 9] = [
+    let own: [(&str, fn()); 10] = [
         (
             "processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link",
             processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link,
@@ -45,6 +45,10 @@ pub fn main() -> ExitCode {
         (
             "a_step_of_a_process_in_any_role_allocates_nothing",
             a_step_of_a_process_in_any_role_allocates_nothing,
+        ),
+        (
+            "an_interrupt_ends_a_cell_whose_program_computes_for_ever",
+            an_interrupt_ends_a_cell_whose_program_computes_for_ever,
         ),
         ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
     ];
@@ -371,6 +375,21 @@ fn an_interrupt_aborts_and_ends_the_cell() {
     assert!(status == Some(1) && (said.contains("abort") || is_late(&said)), "{status:?}: {said}");
     assert_robots_stand(&launch, None);
     assert!(launch.record("left").last().map(|line| demanded(line).to_owned()).is_some());
+    launch.assert_nothing_left(&processes);
+}
+
+fn an_interrupt_ends_a_cell_whose_program_computes_for_ever() {
+    let place = Place::new(9);
+    let mut launch = place.start_for(crate::program::COMPUTES, "computes", REAL);
+    while launch.processes().len() < PROCESSES {
+        assert!(launch.end_if_over().is_none(), "{}", launch.said());
+        launch.let_run(Duration::from_millis(1));
+    }
+    let processes = launch.processes();
+    launch.signal(Signal::INT);
+    let status = launch.end().code();
+    let said = launch.said();
+    assert!(status == Some(1) && said.contains("did not end when the cell closed"), "{status:?}: {said}");
     launch.assert_nothing_left(&processes);
 }
 

@@ -379,3 +379,101 @@ fn a_guard_that_still_sees_what_it_forbids_lets_no_reset_pass() {
     // Three resets were tried, of a step each at least.
     assert!(stands(&trace, stopped, trace.len()) && trace.len() - stopped >= 6);
 }
+
+#[test]
+fn fault_36_a_protective_stop_of_the_operator_in_any_step_stops_both_robots_on_their_path_and_latches() {
+    for at in (1..1005).step_by(37) {
+        let seen = run(AfterFault::End, u64::MAX, move |step, operator| {
+            if step == at {
+                operator.protective_stop();
+            }
+        });
+        let fault = fault(seen.outcome);
+        assert_eq!(fault.kind(), FaultKind::ProtectiveStop, "pressed in step {at}: {fault}");
+        // The mirror image: one on its path, the other one there, too.
+        assert!(seen.left.iter().zip(&seen.right).all(|(l, r)| (l[0] + r[0]).abs() < 1e-12), "at {at}");
+        let (v, a) = peaks(&seen.left, 1e-3);
+        assert!(v <= 1.0 && a <= 10.0 + 1e-6, "pressed in step {at}: {v} m/s, {a} m/s²");
+        // What it moves by in its last step, its acceleration limit takes away in the next one.
+        let last = seen.left.windows(2).last().map_or(0.0, |w| (w[1] - w[0]).norm());
+        assert!(last <= 10.0 * 1e-6, "pressed in step {at}: {last} m");
+    }
+}
+
+#[test]
+fn a_protective_stop_between_two_instructions_or_during_a_reset_lets_nothing_move() {
+    // Before the first step of the first Move, and then in each of the steps of the reset that follows.
+    for wait in 1..6 {
+        let mut pressed = 0;
+        let mut resets = 0;
+        let seen = run(AfterFault::AwaitReset, u64::MAX, move |step, operator| {
+            match operator.latch() {
+                Latch::Clear if step == 1 => operator.protective_stop(),
+                Latch::Resetting => {
+                    resets += 1;
+                    if resets == wait && pressed == 0 {
+                        pressed += 1;
+                        operator.protective_stop();
+                    }
+                }
+                Latch::Latched if pressed == 1 => operator.give_up(),
+                _ => {}
+            }
+            attend(operator);
+        });
+        let Err(mrroc::CellError::Fault(fault)) = seen.outcome else {
+            panic!("pressed {wait} steps into the reset, it ran on: {:?}", seen.outcome)
+        };
+        assert_eq!(fault.kind(), FaultKind::ProtectiveStop, "{fault}");
+        assert!(stands(&seen.left, 0, seen.left.len()), "it moved, pressed {wait} steps into the reset");
+        assert_eq!(seen.runs, 1, "pressed {wait} steps into the reset");
+    }
+}
+
+/// A sensor that gives up at a reading.
+struct Gives {
+    left: u32,
+}
+
+impl mrroc::VirtualSensor for Gives {
+    type Kind = crate::kit::Counter;
+
+    fn aggregate(
+        &mut self,
+        order: &mrroc::ReadingOrder<crate::kit::Offset>,
+    ) -> Result<crate::kit::Count, Fault> {
+        self.left = self.left.saturating_sub(1);
+        if self.left == 0 {
+            return Err(Fault::thrown("the cable is cut"));
+        }
+        Ok(crate::kit::Count { count: u64::from(self.left), x: 0.0, step: order.step })
+    }
+}
+
+/// Along x to 0.4 m in 1 s, with a sensor.
+struct Sees(Smooth);
+
+#[generator(ecp)]
+fn sees(c: &mut Sees, _v: &mrroc::Reading<(crate::kit::Counter,)>, t: Tick) -> Step<Gantry> {
+    c.0.advance(t.dt).map_or(Step::Done, |x| Step::Next(crate::kit::x(x)))
+}
+
+#[test]
+fn fault_25_robots_stop_on_their_paths_together_when_a_sensor_of_one_of_them_fails() {
+    for fails_at in [2, 50, 300, 500, 800] {
+        let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
+        let left = left.program(|ecp| {
+            let mut counter = ecp.sensor::<crate::kit::Counter>("counter")?;
+            ecp.move_robot((&mut counter,), Sees(Smooth::to(0.4, 1.0))).map(drop)
+        });
+        let right = right.program(|ecp| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop));
+        let sensor = mrroc::SensorSetup::new("counter", Gives { left: fails_at }).of("left");
+        let fault = fault(Cell::new(MS).robot(left).robot(right).sensor(sensor).run());
+        assert_eq!(fault.message(), "the cable is cut", "{fault}");
+        let (left, right) = (left_trace.borrow(), right_trace.borrow());
+        let (_, a) = peaks(&left, 1e-3);
+        assert!(a <= 10.0 + 1e-6 && left[left.len() - 1] == left[left.len() - 2], "{a} m/s²");
+        // Both ran the same path, and stopped at one place of it.
+        assert!(left.iter().zip(right.iter()).all(|(l, r)| (l - r).norm() < 1e-12), "fails at {fails_at}");
+    }
+}

@@ -2,5 +2,8 @@
 
 mod cells;
 mod drives;
+mod endless;
 mod sensors;
+mod summary;
 mod sweeps;
+mod tasks;

@@ -19,7 +19,7 @@ const FAULTS: [(&str, SensorFault<At>); 9] = [
     ("intermittent", SensorFault::Intermittent),
 ];
 
-const MODES: [VspMode; 3] =
+pub const MODES: [VspMode; 3] =
     [VspMode::Interactive, VspMode::WithDelay, VspMode::NonInteractive(Duration::from_millis(1))];
 
 /// The path is between 0 and 0.02 m at no more than 0.25 m/s.

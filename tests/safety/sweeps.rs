@@ -24,7 +24,13 @@ pub fn everything(cell: fn() -> Cell) -> Sweep<'static> {
         LinkFault::Forge,
     ];
     let sweep = faults.into_iter().fold(sweep, |sweep, fault| sweep.links(fault, 3));
-    let presses = [Press::Abort, Press::SuspendAndResume(50), Press::SuspendAndResume(5), Press::Everything];
+    let presses = [
+        Press::Abort,
+        Press::Stop,
+        Press::SuspendAndResume(50),
+        Press::SuspendAndResume(5),
+        Press::Everything,
+    ];
     presses.into_iter().fold(sweep, Sweep::presses)
 }
 

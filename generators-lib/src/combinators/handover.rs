@@ -254,6 +254,14 @@ mod tests {
     }
 
     #[test]
+    fn joints_go_on_at_their_velocity() {
+        let [from, to] = [0.0, 1e-3].map(|q| Demand::<Irp6>::joints(Six::repeat(q)));
+        let left = velocity(&from, &to, 2e-3).expect("both are joints");
+        let moved = moved(to, left, 0.1).expect("joints").as_joints().expect("joints");
+        assert!((moved - Six::repeat(1e-3 + 0.5 * 0.1)).amax() < 1e-15, "{moved}");
+    }
+
+    #[test]
     fn what_begins_in_other_coordinates_is_refused() {
         let joints = Demand::<Irp6>::joints(Six::zeros());
         let pose = Demand::<Irp6>::pose(Pose::identity());

@@ -74,8 +74,9 @@ mod tests {
         let square = vec![by(0.1, 0.0), by(0.1, 0.1), by(0.0, 0.1), here];
         let limits = JerkLimits { velocity: 0.2, acceleration: 1.0, jerk: 10.0 };
         let limits = SmoothToolLimits { translation: limits, rotation: limits };
-        let robot = RobotSetup::new("irp6", irp6.clone(), arm)
-            .program(move |ecp| ecp.move_robot((), LineVia::through(square, (0.005, 0.1), limits)).map(drop));
+        let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(move |ecp| {
+            ecp.move_robot((), LineVia::through(square.clone(), (0.005, 0.1), limits)).map(drop)
+        });
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
         // Longer than 0.4 m at 0.2 m/s, shorter than four legs from rest to rest: D / V + V / A + A / J each.
         let duration = report.time.as_secs_f64();

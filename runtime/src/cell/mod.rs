@@ -15,11 +15,13 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::ecp::Ecp;
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::guard::{Guard, RobotView};
-use crate::link::memory::{MAX_PROCESSES, Scheduler};
+use crate::link::memory::{MAX_PROCESSES, Pulse, Scheduler};
+use crate::link::watchdog::Watchdog;
 use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
@@ -81,6 +83,8 @@ pub struct Cell {
     expected_sensors: Vec<String>,
     /// What its processes ask of the machine.
     realtime: Option<Realtime>,
+    /// How long a process may compute on the memory link.
+    watchdog: Option<Duration>,
     /// Who watches the run.
     witnesses: Vec<Rc<dyn Witness>>,
     /// What it is recorded to.
@@ -110,6 +114,7 @@ impl Cell {
             guard: None,
             expected_sensors: Vec::new(),
             realtime: None,
+            watchdog: None,
             witnesses: Vec::new(),
             recording: None,
             dry_run: false,
@@ -232,6 +237,15 @@ impl Cell {
         watch: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static,
     ) -> Cell {
         self.guard = Some(Guard::new(every, watch));
+        self
+    }
+
+    /// Ends the executable, with status 1 and the name of the process, when one process of the cell computes for longer than
+    /// `patience` at a stretch on the memory link: there it has the only thread, and an endless loop in a step function can
+    /// be met in no other way. Processes of the operating system need none of it.
+    #[must_use]
+    pub fn end_when_stuck(mut self, patience: Duration) -> Cell {
+        self.watchdog = Some(patience);
         self
     }
 
@@ -367,7 +381,13 @@ impl Cell {
     /// Runs a cell in which nothing is wrong.
     pub(crate) fn run_on_memory(self, names: &[Name]) -> Result<RunReport, CellError> {
         let mut scheduler = Scheduler::new();
+        let patience = self.watchdog;
         let assembly = self.assemble(names, &mut scheduler)?;
+        let _watchdog = patience.map(|patience| {
+            let pulse = Arc::<Pulse>::default();
+            scheduler.show(Arc::clone(&pulse));
+            Watchdog::new(scheduler.names(), pulse, patience)
+        });
         let time = scheduler.run()?;
         first_cause(&assembly.outcomes.borrow())?;
         Ok(RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })

@@ -27,7 +27,7 @@ use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
-use crate::testing::{Bounds, Witness};
+use crate::testing::{Bounds, Onlooker};
 use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
@@ -176,7 +176,7 @@ pub(crate) trait AnyRobot {
     /// Its drives read from a recording.
     #[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
-    fn witness(&mut self, witness: Rc<RefCell<Witness>>);
+    fn show(&mut self, onlooker: Rc<RefCell<Onlooker>>);
     fn bounds(&self) -> Bounds;
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
@@ -231,11 +231,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.drives = recorded(&self.drives, tape, step);
     }
 
-    fn witness(&mut self, witness: Rc<RefCell<Witness>>) {
+    fn show(&mut self, onlooker: Rc<RefCell<Onlooker>>) {
         self.observers.push(Box::new(move |record| {
             // A time that a servo period ends at, in nanoseconds again.
             let end = (record.time * 1e9).round() as Nanos;
-            witness.borrow_mut().see(end, record.demanded.as_slice());
+            onlooker.borrow_mut().see(end, record.demanded.as_slice());
         }));
     }
 

@@ -17,7 +17,7 @@ pub(crate) enum Drive<R: Robot> {
     /// In this process.
     Here(Box<dyn Driver<R>>),
     /// In the plant.
-    Plant(PlantDrive<R>),
+    Plant(Box<PlantDrive<R>>),
 }
 
 /// What the encoders read, and the position that the drives had been told for that time.

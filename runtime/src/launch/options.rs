@@ -190,7 +190,7 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
 }
 
 /// Whether a word is for a cell that runs already.
-fn operates(word: &OsStr) -> bool {
+pub(super) fn operates(word: &OsStr) -> bool {
     let words = ["status", "console", "view"].iter().chain(&Button::WORDS);
     words.into_iter().any(|known| word == OsStr::new(known))
 }

@@ -2,6 +2,8 @@
 //!
 //! In: the steps of a run and the wall clock. Out: a note, ever more seldom.
 
+#![expect(clippy::disallowed_methods, reason = "it tells a user how long a run has taken")]
+
 use std::time::{Duration, Instant};
 
 use super::outcome::note;

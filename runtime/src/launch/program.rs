@@ -7,10 +7,11 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use super::options::{AskedRecording, Clock, split_part, split_recording};
-use super::processes::{launch_processes, take_part};
+use super::options::{AskedRecording, Clock, operates, parse, split_part, split_recording};
+use super::processes::{examine, launch_processes, operate, take_part};
 use super::replaying::replay;
 use crate::cell::{Cell, CellError, RunReport};
+use crate::console::refused;
 use crate::fault::ProcessId;
 
 /// How a task program with a command line of its own runs its cell; [`launch`](crate::launch) is for all others.
@@ -24,6 +25,9 @@ use crate::fault::ProcessId;
 ///
 /// fn main() -> std::process::ExitCode {
 ///     let mut launch = Launch::new(std::env::args_os().skip(1));
+///     if let Some(status) = launch.operate() {
+///         return status;
+///     }
 ///     let mut quick = false;
 ///     for argument in launch.arguments().to_vec() {
 ///         match argument.to_str() {
@@ -113,6 +117,28 @@ impl Launch {
         self
     }
 
+    /// Does what the arguments ask of a cell that runs already in another terminal, such as `status` or `stop`, or of the
+    /// machine, `doctor`; `None`: they begin with no such word. The cell is the one of [`cell_file`](Launch::cell_file).
+    #[must_use]
+    pub fn operate(&self) -> Option<ExitCode> {
+        let first = self.arguments.first()?;
+        if self.is_part() || !(first == "doctor" || operates(first)) {
+            return None;
+        }
+        let options = match parse(self.arguments.iter().cloned()) {
+            Ok(options) => options?,
+            Err(error) => return Some(refused(&error)),
+        };
+        if options.doctor {
+            return Some(examine());
+        }
+        let file = options.cell.or_else(|| self.cell.clone()).map_or_else(std::env::current_exe, Ok);
+        Some(match file {
+            Ok(file) => operate(&file, options.operating?),
+            Err(error) => refused(&error),
+        })
+    }
+
     /// Whether the cell runs in this process, all of it, and nothing else than the program's own work is asked for: what watches
     /// it from here sees everything.
     #[must_use]
@@ -170,6 +196,7 @@ mod tests {
             assert_eq!((process.to_string().as_str(), session), (role, PathBuf::from("s")));
             assert_eq!(launch.arguments(), ["--text", "x"]);
         }
+        assert!(own.operate().is_none(), "a drawing is no word for a cell that runs");
         for other in [&["mp", "--text", "x"][..], &["edp", "--session", "s"], &["edp", "a", "--session"], &[]]
         {
             assert!(launch(other).is_here(), "{other:?}");

@@ -6,6 +6,7 @@ use std::fs::OpenOptions;
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use super::Recorder;
 use super::options::Options;
@@ -13,6 +14,9 @@ use super::outcome::{cell_refused, report, stopped, tell};
 use super::patience::Patience;
 use crate::cell::{Cell, CellError};
 use crate::console::refused;
+
+/// How long a process may compute at a stretch: planning takes seconds, an endless loop for ever.
+const STUCK: Duration = Duration::from_secs(60);
 
 /// Runs the cell to its end, and draws what moved unless told not to.
 pub(super) fn run(mut cell: Cell, mut recorder: impl Recorder, options: &Options) -> ExitCode {
@@ -26,7 +30,7 @@ pub(super) fn run(mut cell: Cell, mut recorder: impl Recorder, options: &Options
     if !options.quiet {
         cell = cell.also_on_step(Patience::new().notes());
     }
-    let outcome = match cell.run() {
+    let outcome = match cell.end_when_stuck(STUCK).run() {
         Ok(report) => Ok(report),
         Err(CellError::Fault(fault)) => Err(fault),
         Err(error) => return cell_refused(&error),

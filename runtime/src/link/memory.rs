@@ -5,6 +5,8 @@
 
 use core::cell::{Cell, RefCell};
 use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
@@ -39,12 +41,22 @@ impl Shared {
     }
 }
 
+/// Shows a watchdog which process runs, and whether it still does.
+#[derive(Debug, Default)]
+pub struct Pulse {
+    /// How often a process has been resumed.
+    pub resumed: AtomicU64,
+    /// The place of the one that was resumed last.
+    pub place: AtomicUsize,
+}
+
 type Process = Coroutine<(), (), (), DefaultStack>;
 
 /// All processes of a cell.
 pub struct Scheduler {
     shared: Rc<Shared>,
     processes: Vec<(String, Option<Process>)>,
+    pulse: Option<Arc<Pulse>>,
 }
 
 /// The cell could not run on.
@@ -68,7 +80,18 @@ impl Scheduler {
                 closing: Cell::new(false),
             }),
             processes: Vec::new(),
+            pulse: None,
         }
+    }
+
+    /// Shows which process runs.
+    pub fn show(&mut self, pulse: Arc<Pulse>) {
+        self.pulse = Some(pulse);
+    }
+
+    /// The processes' names, by their places.
+    pub fn names(&self) -> Vec<String> {
+        self.processes.iter().map(|(name, _)| name.clone()).collect()
     }
 
     /// Wakes the processes at places, one bit each, for messages that did not go through this link.
@@ -119,6 +142,10 @@ impl Scheduler {
     /// Resumes a process; whether it is still alive.
     fn resume(&mut self, place: usize) -> bool {
         let Some(process) = &mut self.processes[place].1 else { return false };
+        if let Some(pulse) = &self.pulse {
+            pulse.place.store(place, Ordering::Relaxed);
+            pulse.resumed.fetch_add(1, Ordering::Relaxed);
+        }
         match process.resume(()) {
             CoroutineResult::Yield(()) => true,
             CoroutineResult::Return(()) => {

@@ -8,6 +8,7 @@ pub(crate) mod envelope;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 pub mod iceoryx;
 pub mod memory;
+pub mod watchdog;
 
 use std::rc::Rc;
 

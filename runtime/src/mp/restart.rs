@@ -36,7 +36,7 @@ impl Mp<'_> {
                     if after_fault == AfterFault::AwaitReset && fault.kind() != FaultKind::CellClosed =>
                 {
                     // A program that ended with a fault of its own is latched as one that was stopped for it.
-                    let cause = self.stop(fault);
+                    let cause = self.latched.clone().unwrap_or_else(|| self.stop(fault));
                     if self.await_reset(&cause) == Verdict::End {
                         return Err(cause);
                     }
@@ -73,11 +73,9 @@ impl Mp<'_> {
     /// Holds a latched cell until its operator resets it, or gives it up, or there is no way back.
     fn await_reset(&mut self, cause: &Fault) -> Verdict {
         loop {
-            if self.operator.has_given_up() || self.gone.is_some() || self.begin_step().is_err() {
+            if self.begin_step().is_err() || self.operator.has_given_up() || self.gone.is_some() {
                 return Verdict::End;
             }
-            // It is stopped already.
-            self.operator.take_protective_stop();
             if self.operator.latch() == Latch::Resetting {
                 match self.reset() {
                     Ok(()) => return Verdict::Restart,
@@ -89,6 +87,8 @@ impl Mp<'_> {
                     }
                 }
             }
+            // It is stopped already. One that comes with the reset ends that.
+            self.operator.take_protective_stop();
             match self.what_persists() {
                 Ok(persisting) => self.show_persisting(persisting),
                 Err(_) => return Verdict::End,
@@ -143,6 +143,9 @@ impl Mp<'_> {
         self.overruns.forget();
         if let Some(guard) = &mut self.guard {
             guard.forget();
+        }
+        if self.operator.take_protective_stop() {
+            return Err(Fault::of_operator());
         }
         let all: Vec<_> = (0..self.robots.len()).collect();
         self.exchange(&all, OrderKind::Reset, 0)?;

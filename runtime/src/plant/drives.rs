@@ -118,7 +118,10 @@ impl<R: Robot> Drives<R> {
         (self.newest, self.off, self.way) = (None, None, R::Joints::zeros());
         let switched = guarded(|| match on {
             true => self.driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
-            false => Ok(self.driver.switch_off()),
+            false => {
+                self.driver.switch_off();
+                Ok(())
+            }
         });
         self.measured = self.driver.measured();
         self.at = self.measured.position;

@@ -100,7 +100,7 @@ impl Site {
                 (end, Commands::Free(commands, readings))
             }
         };
-        let drive = Drive::Plant(PlantDrive::new(&*driver, end, patience));
+        let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, end, patience)));
         self.parts.push(Box::new(Drives::new(process, driver, commands, (step, patience))));
         drive
     }

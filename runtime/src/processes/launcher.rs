@@ -200,7 +200,12 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Durati
         let rest = closing.or(aborting).map(|until| until.saturating_duration_since(Instant::now()));
         if rest == Some(Duration::ZERO) {
             match closing {
-                Some(_) => left.iter().for_each(|member| member.kill()),
+                Some(_) => left.iter().for_each(|member| {
+                    member.kill();
+                    if member.over.borrow().is_none() {
+                        death.get_or_insert(member.death("it did not end when the cell closed"));
+                    }
+                }),
                 // Its program computes, or goes on although it was aborted.
                 None => close(&mut closing),
             }

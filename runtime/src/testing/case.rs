@@ -41,6 +41,8 @@ pub enum Press {
     SuspendAndResume(u32),
     /// Aborts the instruction.
     Abort,
+    /// Stops the cell for good.
+    Stop,
     /// Suspends, aborts and resumes, all in one step.
     Everything,
 }
@@ -118,6 +120,7 @@ impl fmt::Display for Injected {
                 write!(f, "suspend, resume after {steps} steps")
             }
             Injected::Press(Press::Abort) => f.write_str("abort"),
+            Injected::Press(Press::Stop) => f.write_str("stop"),
             Injected::Own(name) => f.write_str(name),
             Injected::Press(Press::Everything) => f.write_str("suspend, abort and resume"),
         }

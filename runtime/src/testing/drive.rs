@@ -102,6 +102,27 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
         Ok(measured)
     }
 
+    fn has_brakes(&self) -> bool {
+        self.drives.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.drives.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.drives.switch_on()
+    }
+
+    fn is_simulated(&self) -> bool {
+        self.drives.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<R::Joints> {
+        self.said = self.drives.brake();
+        self.said
+    }
+
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
         self.drives.has_regulator(joint, set)
     }

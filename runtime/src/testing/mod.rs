@@ -61,6 +61,7 @@ mod case;
 mod channel;
 mod drive;
 mod link;
+mod onlooker;
 mod random;
 mod report;
 mod sensor;
@@ -68,9 +69,8 @@ mod stage;
 mod sweep;
 mod trial;
 mod verdict;
-mod witness;
 
-pub(crate) use witness::{Bounds, Witness};
+pub(crate) use onlooker::{Bounds, Onlooker};
 
 pub use case::{Case, Channel, Injected, LinkFault, Press};
 pub use drive::{DriveTrouble, FaultyDrive};

@@ -6,8 +6,8 @@ use std::rc::Rc;
 
 use super::case::{Case, Channel, Injected, Press};
 use super::link::FaultyLink;
+use super::onlooker::Onlooker;
 use super::stage::{Lasting, Stage};
-use super::witness::Witness;
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::ProcessId;
 use crate::link::Nanos;
@@ -18,7 +18,7 @@ use crate::operator::Operator;
 pub(super) struct Trial {
     /// How the programs ended; a process that was killed reports nothing.
     pub outcome: Result<RunReport, CellError>,
-    pub robots: Vec<Witness>,
+    pub robots: Vec<Onlooker>,
     pub processes: Vec<ProcessId>,
     pub channels: Vec<Channel>,
     /// Whether the fault had anything to be done to.
@@ -52,15 +52,15 @@ pub(super) fn attempt(mut cell: Cell, case: Option<Case>, lasting: Lasting) -> R
             }
         });
     }
-    let mut witnesses = Vec::new();
+    let mut onlookers = Vec::new();
     let servos: Vec<_> = cell.robots_mut().map(|robot| robot.servo_period()).collect();
     let delay = crate::interpolation::delay(step, servos.into_iter()).unwrap_or_default();
     let mut stop_steps = Vec::new();
     for robot in cell.robots_mut() {
-        let witness = Rc::new(RefCell::new(Witness::new(robot.name(), robot.bounds())));
-        robot.witness(Rc::clone(&witness));
+        let onlooker = Rc::new(RefCell::new(Onlooker::new(robot.name(), robot.bounds())));
+        robot.show(Rc::clone(&onlooker));
         stop_steps.push(robot.stop_steps(step, delay));
-        witnesses.push(witness);
+        onlookers.push(onlooker);
     }
     let rate_steps = cell.rate_steps();
     let mut scheduler = Scheduler::new();
@@ -75,7 +75,7 @@ pub(super) fn attempt(mut cell: Cell, case: Option<Case>, lasting: Lasting) -> R
             .map(|()| RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })
             .map_err(CellError::from),
     };
-    let robots = witnesses.iter().map(|witness| witness.borrow().clone()).collect();
+    let robots = onlookers.iter().map(|onlooker| onlooker.borrow().clone()).collect();
     Ok(Trial {
         outcome,
         robots,
@@ -97,12 +97,13 @@ fn play(press: Press, at: u64, step: u64, operator: &Operator) -> bool {
         Press::SuspendAndResume(_) if step == at => operator.suspend(),
         Press::SuspendAndResume(steps) if step == at + u64::from(steps) => operator.resume(),
         Press::Abort if step == at => operator.abort(),
+        Press::Stop if step == at => operator.protective_stop(),
         Press::Everything if step == at => {
             operator.suspend();
             operator.abort();
             operator.resume();
         }
-        Press::SuspendAndResume(_) | Press::Abort | Press::Everything => return false,
+        Press::SuspendAndResume(_) | Press::Abort | Press::Stop | Press::Everything => return false,
     }
     running
 }

@@ -121,6 +121,6 @@ fn delay(trial: &Trial) -> Nanos {
     2 * trial.step + 2 * trial.robots.iter().map(|robot| robot.servo()).max().unwrap_or(0)
 }
 
-fn is_of(robot: &super::witness::Witness, name: Option<crate::name::Name>) -> bool {
+fn is_of(robot: &super::onlooker::Onlooker, name: Option<crate::name::Name>) -> bool {
     name.is_some_and(|name| name.as_str() == robot.name)
 }

@@ -10,8 +10,8 @@ use crate::processes::Request;
 /// What the keys are, for the screen.
 pub(super) const KEYS: &str = "space stop · a abort · s suspend · r resume · + − speed · t take · l let go · k acknowledge · e reset · q quit";
 
-/// What `+` and `-` change the speed by.
-const NOTCH: f64 = 0.1;
+/// What `+` and `-` change the speed by: a tenth.
+const NOTCHES: f64 = 10.0;
 
 /// What a key means.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,8 +24,9 @@ pub(super) enum Pressed {
 /// What a key means while this speed is set, 0 to 1.
 pub(super) fn meaning(key: KeyEvent, speed: f64) -> Pressed {
     let press = |button| Pressed::Ask(Request::Press(button));
-    // In whole notches: 0.1 three times is 0.3.
-    let notch = |by: f64| press(Button::Speed(((speed + by) / NOTCH).round().clamp(0.0, 10.0) / 10.0));
+    let notch = |notch: f64| press(Button::Speed(notch.clamp(0.0, NOTCHES) / NOTCHES));
+    // Far less than a notch and far more than the last digit of a speed: 0.3 is the third one.
+    let (last, next) = ((NOTCHES * speed + 1e-9).floor(), (NOTCHES * speed - 1e-9).ceil());
     match key.code {
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Pressed::Quit,
         KeyCode::Char('q') => Pressed::Quit,
@@ -33,8 +34,8 @@ pub(super) fn meaning(key: KeyEvent, speed: f64) -> Pressed {
         KeyCode::Char('a') => press(Button::Abort),
         KeyCode::Char('s') => press(Button::Suspend),
         KeyCode::Char('r') => press(Button::Resume),
-        KeyCode::Char('+' | '=') | KeyCode::Up => notch(NOTCH),
-        KeyCode::Char('-') | KeyCode::Down => notch(-NOTCH),
+        KeyCode::Char('+' | '=') | KeyCode::Up => notch(last + 1.0),
+        KeyCode::Char('-') | KeyCode::Down => notch(next - 1.0),
         KeyCode::Char('t') => Pressed::Ask(Request::Take),
         KeyCode::Char('l') => Pressed::Ask(Request::Release),
         KeyCode::Char('k') => press(Button::Acknowledge),

@@ -201,7 +201,7 @@ mod tests {
         // By what they are: a process and its state, a robot's joints and what is missing to them.
         let line = |begins: &str| lines.iter().find(|line| line.contains(begins)).expect(begins);
         let mp: Vec<_> = line("mp ").split_whitespace().take(9).collect();
-        assert_eq!(mp[1..], ["mp", "100", "1200", "3", "2", "61", "480", "runs│"], "{lines:#?}");
+        assert_eq!(mp[..8], ["│mp", "100", "1200", "3", "2", "61", "480", "runs"], "{lines:#?}");
         assert!(line("vsp count").contains("101") && line("vsp count").contains("ended"));
         assert!(line("demanded").contains("0.5000   -1.5700"));
         assert!(line("error").contains("0.0010   -0.0020"));

@@ -36,6 +36,9 @@ const CAPITALS: f64 = 10.0;
 
 fn main() -> ExitCode {
     let launch = Launch::new(std::env::args_os().skip(1));
+    if let Some(status) = launch.operate() {
+        return status;
+    }
     let request = match parse(launch.arguments().iter().cloned()) {
         Ok(request) => request,
         Err(error) => return refused(&error),

@@ -125,6 +125,10 @@ Processes:
   --processes         run every process of the cell as one of the operating
                       system, in real time (Linux); measures and draws nothing
   --virtual           the same in lock-step under the virtual clock
+  status, suspend, resume, speed 50%, abort, stop, console
+                      from another terminal, to the arm that engraves by
+                      --processes
+  doctor              say what this machine can do for --processes
 
 Results:
   -o, --out DIR       folder for plate.png, paths.svg and summary.json

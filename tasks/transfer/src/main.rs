@@ -14,6 +14,9 @@ use transfer::variant::Variant;
 
 fn main() -> ExitCode {
     let launch = Launch::new(std::env::args_os().skip(1));
+    if let Some(status) = launch.operate() {
+        return status;
+    }
     let options = match parse(launch.arguments().iter().cloned()) {
         Ok(Some(options)) => options,
         Ok(None) => return say(HELP),

@@ -21,6 +21,10 @@ Options:
                          system, in real time (Linux); measures and draws
                          nothing
   --virtual              the same in lock-step under the virtual clock
+  status, suspend, resume, speed 50%, abort, stop, console
+                         from another terminal, to the arms that carry the bar
+                         by --processes
+  doctor                 say what this machine can do for --processes
   --out DIR              where the pictures go [default: transfer]
   -q, --quiet            print errors only
   -h, --help             print this text

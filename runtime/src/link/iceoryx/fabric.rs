@@ -12,7 +12,7 @@ use std::rc::Rc;
 use iceoryx2::prelude::*;
 
 use super::bell::Bell;
-use super::ports::{Answering, Asking, BoardEnd, End, Rope};
+use super::ports::{Answering, Asking, BoardEnd, End, PortEnd, Reads, Rope, Writes};
 use crate::fault::ProcessId;
 use crate::link::envelope::{Envelope, LAYOUT, Seal};
 use crate::link::memory::{MAX_PROCESSES, Stuck};
@@ -128,38 +128,15 @@ impl Fabric {
             self.bell = Some((bell, prefix.to_owned()));
         }
         for (i, planned) in self.planned.iter().enumerate() {
-            let name = service(&format!("link {i}"))?;
             match planned {
+                Planned::Port { client, asking, .. } if self.here(*client) => {
+                    asking.connect(Asking(PortEnd::new(make(&node, &format!("request {i}"))?, seal)));
+                }
                 Planned::Port { server, answering, .. } if self.here(*server) => {
-                    let ports = node
-                        .service_builder(&name)
-                        .request_response::<Envelope, Envelope>()
-                        .max_clients(1)
-                        .max_servers(1)
-                        .max_nodes(MAX_PROCESSES)
-                        .max_active_requests_per_client(2)
-                        .max_response_buffer_size(2)
-                        .enable_safe_overflow_for_requests(true)
-                        .enable_safe_overflow_for_responses(true)
-                        .enable_fire_and_forget_requests(false)
-                        .create()
-                        .map_err(LinkError::of("a port"))?;
-                    let server = ports.server_builder().create().map_err(LinkError::of("a port's server"))?;
-                    answering.connect(Answering::new(server, seal));
+                    answering.connect(Answering(PortEnd::new(make(&node, &format!("answer {i}"))?, seal)));
                 }
                 Planned::Board { writer, end, .. } if self.here(*writer) => {
-                    let board = node
-                        .service_builder(&name)
-                        .blackboard_creator::<u64>()
-                        .max_readers(1)
-                        .max_nodes(MAX_PROCESSES)
-                        .add::<Envelope>(KEY, Envelope::EMPTY)
-                        .create()
-                        .map_err(LinkError::of("a board"))?;
-                    let writer =
-                        board.writer_builder().create().map_err(LinkError::of("a board's writer"))?;
-                    let entry = writer.entry(&KEY).map_err(LinkError::of("a board's entry"))?;
-                    end.connect(BoardEnd::Writes(entry, seal, Cell::new(0)));
+                    end.connect(BoardEnd::Writes(make(&node, &format!("board {i}"))?, seal, Cell::new(0)));
                 }
                 Planned::Port { .. } | Planned::Board { .. } => {}
             }
@@ -175,33 +152,19 @@ impl Fabric {
     pub fn connect(&mut self, seal: Seal) -> Result<(), LinkError> {
         let Some(node) = &self.node else { return Ok(()) };
         for (i, planned) in self.planned.iter().enumerate() {
-            let name = service(&format!("link {i}"))?;
             match planned {
                 Planned::Port { client, server, asking, .. } if self.here(*client) => {
-                    let ports = node
-                        .service_builder(&name)
-                        .request_response::<Envelope, Envelope>()
-                        .open()
-                        .map_err(LinkError::of("a port"))?;
-                    let end = ports.client_builder().create().map_err(LinkError::of("a port's client"))?;
-                    asking.connect(Asking::new(end, self.rope(*server)?, seal));
+                    if let Some(Asking(end)) = asking.0.get() {
+                        end.meet(open(node, &format!("answer {i}"))?, self.rope(*server)?);
+                    }
                 }
                 Planned::Port { client, server, answering, .. } if self.here(*server) => {
-                    if let Some(end) = answering.0.get() {
-                        // It is set once: each port is looked at once in this round.
-                        drop(end.rope.set(self.rope(*client)?));
+                    if let Some(Answering(end)) = answering.0.get() {
+                        end.meet(open(node, &format!("request {i}"))?, self.rope(*client)?);
                     }
                 }
                 Planned::Board { reader, end, .. } if self.here(*reader) => {
-                    let board = node
-                        .service_builder(&name)
-                        .blackboard_opener::<u64>()
-                        .open()
-                        .map_err(LinkError::of("a board"))?;
-                    let reader =
-                        board.reader_builder().create().map_err(LinkError::of("a board's reader"))?;
-                    let entry = reader.entry(&KEY).map_err(LinkError::of("a board's entry"))?;
-                    end.connect(BoardEnd::Reads(entry, seal));
+                    end.connect(BoardEnd::Reads(open(node, &format!("board {i}"))?, seal));
                 }
                 Planned::Port { .. } | Planned::Board { .. } => {}
             }
@@ -233,6 +196,31 @@ pub(crate) enum Clock {
     Real,
     /// The launcher's virtual time, in lock-step.
     Virtual,
+}
+
+/// Makes a board that this process writes.
+fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
+    let board = node
+        .service_builder(&service(name)?)
+        .blackboard_creator::<u64>()
+        .max_readers(1)
+        .max_nodes(MAX_PROCESSES)
+        .add::<Envelope>(KEY, Envelope::EMPTY)
+        .create()
+        .map_err(LinkError::of(name))?;
+    let writer = board.writer_builder().create().map_err(LinkError::of(name))?;
+    writer.entry(&KEY).map_err(LinkError::of(name))
+}
+
+/// Opens a board that another process has made.
+fn open(node: &Node<ipc::Service>, name: &str) -> Result<Reads, LinkError> {
+    let board = node
+        .service_builder(&service(name)?)
+        .blackboard_opener::<u64>()
+        .open()
+        .map_err(LinkError::of(name))?;
+    let reader = board.reader_builder().create().map_err(LinkError::of(name))?;
+    reader.entry(&KEY).map_err(LinkError::of(name))
 }
 
 fn service(name: &str) -> Result<ServiceName, LinkError> {

@@ -1,7 +1,7 @@
 //! The iceoryx2 link: every process is one of the operating system, and messages lie in shared memory.
 //!
 //! In: a cell put together as on any other link, in every one of its processes alike. Out: the part of it that runs
-//! here. A port is a request-response service, a board a blackboard, and each process has one [`bell`], on which it sleeps.
+//! here. A board is a blackboard, a port two of them, and each process has one [`bell`], on which it sleeps.
 //! [`fabric`] puts the cell together, [`ports`] are the ends that are here, [`envelope`](super::envelope) is a message in shared memory,
 //! [`waiter`] how a process waits: in real time, or in lock-step under the launcher's virtual clock.
 

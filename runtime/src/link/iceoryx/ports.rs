@@ -3,15 +3,14 @@
 //! In: messages. Out: envelopes in shared memory, and a wake-up of the process that reads them. An end is made before
 //! its service is: the cell is put together first and connected afterwards, so an end that belongs to another process
 //! stays empty and does nothing.
+//!
+//! A port is two boards: the newest request, and the answer to it, which bears its ordinal. iceoryx2's request-response
+//! allocates three times for an exchange, for the request on both sides and for the answer; a blackboard never does.
 
-use core::cell::{Cell, OnceCell, RefCell};
+use core::cell::{Cell, OnceCell};
 use std::rc::Rc;
 
-use iceoryx2::active_request::ActiveRequest;
-use iceoryx2::pending_response::PendingResponse;
-use iceoryx2::port::client::Client as IpcClient;
 use iceoryx2::port::reader::EntryHandle;
-use iceoryx2::port::server::Server as IpcServer;
 use iceoryx2::port::writer::EntryHandleMut;
 use iceoryx2::prelude::ipc;
 
@@ -20,10 +19,9 @@ use crate::link::envelope::{Envelope, Seal};
 use crate::link::{Board, Client, Server};
 use crate::message::Message;
 
-pub(super) type RequestPort = IpcClient<ipc::Service, Envelope, (), Envelope, ()>;
-pub(super) type ReplyPort = IpcServer<ipc::Service, Envelope, (), Envelope, ()>;
-type Pending = PendingResponse<ipc::Service, Envelope, (), Envelope, ()>;
-type Active = ActiveRequest<ipc::Service, Envelope, (), Envelope, ()>;
+/// The end of a board in shared memory that is written, and the one that is read.
+pub(super) type Writes = EntryHandleMut<ipc::Service, u64, Envelope>;
+pub(super) type Reads = EntryHandle<ipc::Service, u64, Envelope>;
 
 /// Wakes the process at the other end.
 pub(super) enum Rope {
@@ -43,20 +41,50 @@ impl Rope {
     }
 }
 
-/// The asking end of a port.
-pub(super) struct Asking {
-    pub client: RequestPort,
-    pub rope: Rope,
-    pub seal: Seal,
-    pending: RefCell<Option<Pending>>,
+/// One end of a port: the board that it writes, and what is known once the other side has made its own.
+pub(super) struct PortEnd {
+    writes: Writes,
+    other: OnceCell<(Reads, Rope)>,
+    seal: Seal,
+    /// Ordinal of the request sent or taken last, counted from 1.
     sequence: Cell<u64>,
+    /// Whether the asking end waits for the answer to it.
+    waits: Cell<bool>,
 }
 
-impl Asking {
-    pub fn new(client: RequestPort, rope: Rope, seal: Seal) -> Self {
-        Asking { client, rope, seal, pending: RefCell::new(None), sequence: Cell::new(0) }
+impl PortEnd {
+    pub fn new(writes: Writes, seal: Seal) -> Self {
+        PortEnd { writes, other: OnceCell::new(), seal, sequence: Cell::new(0), waits: Cell::new(false) }
+    }
+
+    /// Connects it with the other side.
+    pub fn meet(&self, reads: Reads, rope: Rope) {
+        // It is met once: each port is looked at once in that round.
+        drop(self.other.set((reads, rope)));
+    }
+
+    /// Shows a message and wakes its reader.
+    fn show(&self, message: &Message) {
+        self.writes.update_with_copy(Envelope::seal(message, self.seal, self.sequence.get()));
+        if let Some((_, rope)) = self.other.get() {
+            rope.pull();
+        }
+    }
+
+    /// Reads what the other side shows, if `is_due` says so of its ordinal; what is damaged or of another run is nothing.
+    fn read(&self, message: &mut Message, is_due: impl Fn(u64) -> bool) -> Option<u64> {
+        let (reads, _) = self.other.get()?;
+        let shown = reads.get();
+        let is_new = shown.is_under(self.seal) && is_due(shown.sequence);
+        (is_new && shown.open(message).is_ok()).then_some(shown.sequence)
     }
 }
+
+/// The asking end of a port.
+pub(super) struct Asking(pub PortEnd);
+
+/// The answering end of a port.
+pub(super) struct Answering(pub PortEnd);
 
 /// An end of a port that is connected later, or never, because it belongs to another process.
 pub(super) struct End<T>(pub Rc<OnceCell<T>>);
@@ -80,91 +108,48 @@ impl<T> End<T> {
 
 impl Client for End<Asking> {
     fn send(&self, request: &Message) {
-        let Some(end) = self.0.get() else { return };
-        let sequence = end.sequence.get() + 1;
-        end.sequence.set(sequence);
-        let mut pending = end.pending.borrow_mut();
-        // The one before is given up, so that its answer cannot be taken for the answer to this one.
-        *pending = None;
-        let envelope = Envelope::seal(request, end.seal, sequence);
-        // A request that cannot be sent is a lost one: there is no answer in time.
-        let Ok(loan) = end.client.loan_uninit() else { return };
-        *pending = loan.write_payload(envelope).send().ok();
-        end.rope.pull();
+        let Some(Asking(end)) = self.0.get() else { return };
+        // The answer to the one before has another ordinal.
+        end.sequence.set(end.sequence.get() + 1);
+        end.waits.set(true);
+        end.show(request);
     }
 
     fn receive(&self, reply: &mut Message) -> bool {
-        let Some(end) = self.0.get() else { return false };
-        let mut pending = end.pending.borrow_mut();
-        let Some(waiting) = &*pending else { return false };
-        while let Ok(Some(response)) = waiting.receive() {
-            let envelope = response.payload();
-            let is_ours = envelope.is_under(end.seal) && envelope.sequence == end.sequence.get();
-            if is_ours && envelope.open(reply).is_ok() {
-                drop(response);
-                *pending = None;
-                return true;
-            }
+        let Some(Asking(end)) = self.0.get() else { return false };
+        let asked = end.sequence.get();
+        let came = end.waits.get() && end.read(reply, |ordinal| ordinal == asked).is_some();
+        if came {
+            end.waits.set(false);
         }
-        false
-    }
-}
-
-/// The answering end of a port.
-pub(super) struct Answering {
-    pub server: ReplyPort,
-    pub seal: Seal,
-    /// Known once the other side has made its bell.
-    pub rope: OnceCell<Rope>,
-    active: RefCell<Option<Active>>,
-    /// The request taken last: one that was taken, or overtaken, is none.
-    taken: Cell<u64>,
-}
-
-impl Answering {
-    pub fn new(server: ReplyPort, seal: Seal) -> Self {
-        Answering { server, seal, rope: OnceCell::new(), active: RefCell::new(None), taken: Cell::new(0) }
+        came
     }
 }
 
 impl Server for End<Answering> {
     fn receive(&self, request: &mut Message) -> bool {
-        let Some(end) = self.0.get() else { return false };
-        let mut newest = None;
-        while let Ok(Some(active)) = end.server.receive() {
-            let envelope = active.payload();
-            let is_new = envelope.is_under(end.seal) && envelope.sequence > end.taken.get();
-            if is_new && envelope.open(request).is_ok() {
-                end.taken.set(envelope.sequence);
-                newest = Some(active);
+        let Some(Answering(end)) = self.0.get() else { return false };
+        let taken = end.sequence.get();
+        match end.read(request, |ordinal| ordinal > taken) {
+            Some(ordinal) => {
+                end.sequence.set(ordinal);
+                true
             }
+            None => false,
         }
-        let came = newest.is_some();
-        if came {
-            *end.active.borrow_mut() = newest;
-        }
-        came
     }
 
     fn reply(&self, reply: &Message) {
-        let Some(end) = self.0.get() else { return };
-        let active = end.active.borrow();
-        let Some(active) = &*active else { return };
-        let envelope = Envelope::seal(reply, end.seal, active.payload().sequence);
-        // An answer that cannot be sent is a lost one: whoever waits for it has a deadline.
-        let Ok(loan) = active.loan_uninit() else { return };
-        if loan.write_payload(envelope).send().is_ok()
-            && let Some(rope) = end.rope.get()
-        {
-            rope.pull();
+        if let Some(Answering(end)) = self.0.get() {
+            end.show(reply);
         }
     }
 }
 
 /// The end of a board in the process that writes it or reads it.
 pub(super) enum BoardEnd {
-    Writes(EntryHandleMut<ipc::Service, u64, Envelope>, Seal, Cell<u64>),
-    Reads(EntryHandle<ipc::Service, u64, Envelope>, Seal),
+    Writes(Writes, Seal, Cell<u64>),
+    Reads(Reads, Seal),
 }
 
 impl Board for End<BoardEnd> {

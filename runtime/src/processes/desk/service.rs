@@ -5,27 +5,23 @@
 //! answer. What the MP did is read from its panel of the state board, so that it writes to nobody.
 
 use std::collections::BTreeSet;
-use std::io::{self, Read, Write};
-use std::os::fd::{AsFd, BorrowedFd};
-use std::os::unix::fs::PermissionsExt;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::Path;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::net::sockopt::socket_peercred;
 
 use super::console::{Asked, Console};
+use super::handle::Seat;
 use super::picture::{Picture, ProcessPicture, RobotPicture};
+use super::presses::Flight;
 use super::protocol::{Reply, Request};
-use crate::button::{Answer, Button, CellState};
+use crate::button::{Button, CellState};
 use crate::fault::{ProcessId, Role};
 use crate::processes::board::StateBoard;
 use crate::processes::control::Frame;
-use crate::processes::figures::Figures;
 use crate::processes::panel::{MpPanel, robot};
 
 /// The name of the socket in a session's folder.
@@ -40,134 +36,31 @@ const ROUND: Duration = Duration::from_millis(1);
 /// How often a press that is under way is looked after.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// How long a console waits for its press to be carried out.
-const PATIENCE: Duration = Duration::from_secs(1);
-
 /// The time between two pictures.
 const PICTURE: Duration = Duration::from_millis(50);
 
-/// A process of the cell, and whether it is there.
-struct Seat {
-    id: ProcessId,
-    pid: u32,
-    runs: bool,
-    figures: Figures,
-}
-
-/// The desk of a running cell.
-pub(in crate::processes) struct Desk {
-    presses: Receiver<Frame>,
-    wakes: UnixStream,
-    seats: Arc<Mutex<Vec<Seat>>>,
-    /// Its end ends the thread.
-    open: Option<UnixStream>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Desk {
-    /// Opens the desk in a session's folder, for processes by their places with their numbers.
-    ///
-    /// # Errors
-    /// The socket cannot be made, or the thread.
-    pub fn open(
-        folder: &Path,
-        board: StateBoard,
-        crew: impl Iterator<Item = (ProcessId, u32)>,
-    ) -> io::Result<Desk> {
-        let path = folder.join(SOCKET);
-        let listener = UnixListener::bind(&path)?;
-        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600))?;
-        listener.set_nonblocking(true)?;
-        let seats = crew.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
-        let seats = Arc::new(Mutex::new(seats));
-        let (wakes, waker) = UnixStream::pair()?;
-        wakes.set_nonblocking(true)?;
-        waker.set_nonblocking(true)?;
-        let (open, end) = UnixStream::pair()?;
-        let (sender, presses) = channel();
-        let service = Service {
-            listener,
-            end,
-            board,
-            seats: Arc::clone(&seats),
-            presses: sender,
-            waker,
-            consoles: Vec::new(),
-            flights: [None; Button::KINDS],
-            ids: 0,
-            presses_made: 0,
-            holder: None,
-            strangers: BTreeSet::new(),
-        };
-        let thread = std::thread::Builder::new().name("desk".to_owned()).spawn(move || service.run())?;
-        Ok(Desk { presses, wakes, seats, open: Some(open), thread: Some(thread) })
-    }
-
-    /// What to wait on for presses.
-    pub fn descriptor(&self) -> BorrowedFd<'_> {
-        self.wakes.as_fd()
-    }
-
-    /// The presses that have come, for the MP.
-    pub fn presses(&self) -> impl Iterator<Item = Frame> {
-        drop((&self.wakes).read(&mut [0; 64]));
-        self.presses.try_iter()
-    }
-
-    /// A process has ended.
-    pub fn ended(&self, id: ProcessId) {
-        self.at_seat(id, |seat| seat.runs = false);
-    }
-
-    /// What a process tells of its time.
-    pub fn measured(&self, id: ProcessId, figures: Figures) {
-        self.at_seat(id, |seat| seat.figures = figures);
-    }
-
-    fn at_seat(&self, id: ProcessId, change: impl FnMut(&mut Seat)) {
-        let mut seats = self.seats.lock().unwrap_or_else(PoisonError::into_inner);
-        seats.iter_mut().filter(|seat| seat.id == id).for_each(change);
-    }
-}
-
-impl Drop for Desk {
-    fn drop(&mut self) {
-        drop(self.open.take());
-        if let Some(thread) = self.thread.take() {
-            // One that panicked has said so.
-            drop(thread.join());
-        }
-    }
-}
-
-/// A press that is under way.
-#[derive(Clone, Copy)]
-struct Flight {
-    number: u64,
-    button: Button,
-    since: Instant,
-}
-
-struct Service {
-    listener: UnixListener,
-    end: UnixStream,
-    board: StateBoard,
-    seats: Arc<Mutex<Vec<Seat>>>,
-    presses: Sender<Frame>,
-    waker: UnixStream,
-    consoles: Vec<Console>,
+/// The thread of the desk.
+pub(super) struct Service {
+    pub listener: UnixListener,
+    pub end: UnixStream,
+    pub board: StateBoard,
+    pub seats: Arc<Mutex<Vec<Seat>>>,
+    pub presses: Sender<Frame>,
+    pub waker: UnixStream,
+    pub consoles: Vec<Console>,
     /// By their kinds.
-    flights: [Option<Flight>; Button::KINDS],
-    ids: u64,
-    presses_made: u64,
+    pub flights: [Option<Flight>; Button::KINDS],
+    pub ids: u64,
+    pub presses_made: u64,
     /// The console that holds the control token.
-    holder: Option<u64>,
+    pub holder: Option<u64>,
     /// Users who were refused, each told of once.
-    strangers: BTreeSet<u32>,
+    pub strangers: BTreeSet<u32>,
 }
 
 impl Service {
-    fn run(mut self) {
+    /// Serves until the handle of the desk goes.
+    pub fn run(mut self) {
         while self.wait() {
             self.accept();
             for i in 0..self.consoles.len() {
@@ -226,7 +119,8 @@ impl Service {
 
     /// Lets consoles in: those of the user that the cell belongs to.
     fn accept(&mut self) {
-        while let Ok((stream, _)) = self.listener.accept() {
+        for _ in 0..CONSOLES {
+            let Ok((stream, _)) = self.listener.accept() else { return };
             let Ok(peer) = socket_peercred(&stream) else { continue };
             let user = peer.uid.as_raw();
             let pid = peer.pid.as_raw_nonzero().get().unsigned_abs();
@@ -306,53 +200,6 @@ impl Service {
         Ok(())
     }
 
-    /// Tells consoles what became of their presses.
-    fn look_after_presses(&mut self) {
-        let mp = self.mp();
-        let over = !self.mp_runs();
-        for (kind, flight) in self.flights.iter_mut().enumerate() {
-            let Some(Flight { number, button, since }) = *flight else { continue };
-            let answer = mp.as_ref().map(|mp| mp.answers[kind]).filter(|answer| answer.number == number);
-            let reply = match answer {
-                Some(answer) => say(button, answer),
-                None if over => Reply::Refused("the cell closes".to_owned()),
-                None if since.elapsed() > PATIENCE => {
-                    Reply::Pending(format!("{button}: the program computes; when it moves or waits again"))
-                }
-                None => continue,
-            };
-            // One that is late may still be carried out, but the next one need not wait for that.
-            *flight = None;
-            let asked = Asked::Answer(kind, number);
-            self.consoles.iter_mut().filter(|console| console.asked == asked).for_each(|c| c.answer(&reply));
-        }
-    }
-
-    /// Presses the first button of each kind that consoles wait for, unless one of its kind is under way.
-    fn press(&mut self) {
-        for kind in 0..Button::KINDS {
-            let waits = |console: &Console| match console.asked {
-                Asked::Press(button) if button.kind() == kind => Some(button),
-                Asked::Press(_) | Asked::Answer(..) | Asked::Nothing => None,
-            };
-            if self.flights[kind].is_some() {
-                continue;
-            }
-            let Some(button) = self.consoles.iter().find_map(waits) else { continue };
-            self.presses_made += 1;
-            let number = self.presses_made;
-            // A launcher that is gone closes the desk, too.
-            drop(self.presses.send(Frame::Press { number, button }));
-            drop(self.waker.write(&[1]));
-            self.flights[kind] = Some(Flight { number, button, since: Instant::now() });
-            for console in &mut self.consoles {
-                if console.asked == Asked::Press(button) {
-                    console.asked = Asked::Answer(kind, number);
-                }
-            }
-        }
-    }
-
     /// Shows the cell to those who watch it and keep up with it.
     fn show(&mut self) {
         let now = Instant::now();
@@ -369,17 +216,17 @@ impl Service {
         }
     }
 
-    fn seats(&self) -> std::sync::MutexGuard<'_, Vec<Seat>> {
+    fn seats(&self) -> MutexGuard<'_, Vec<Seat>> {
         // A seat is whole whatever a thread that held it did.
         self.seats.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn mp_runs(&self) -> bool {
+    pub fn mp_runs(&self) -> bool {
         self.seats().iter().any(|seat| seat.id == ProcessId::MP && seat.runs)
     }
 
     /// What the MP shows.
-    fn mp(&self) -> Option<MpPanel> {
+    pub fn mp(&self) -> Option<MpPanel> {
         let place = self.seats().iter().position(|seat| seat.id == ProcessId::MP)?;
         self.board.read(place).map(|words| MpPanel::read(&words))
     }
@@ -415,23 +262,4 @@ impl Service {
         }
         picture
     }
-}
-
-/// `suspended: step 1203`; `refused nothing runs: step 1203`.
-fn say(button: Button, answer: Answer) -> Reply {
-    let Answer { step, state, done, .. } = answer;
-    if !done {
-        return Reply::Refused(format!("{}: step {step}", state.reason(button)));
-    }
-    let what = match (button, state) {
-        (Button::Stop, CellState::Latched | CellState::Acknowledged) => "stopped already".to_owned(),
-        (Button::Stop, _) => "stopping".to_owned(),
-        (Button::Abort, _) => "aborting".to_owned(),
-        (Button::Suspend, _) => "suspended".to_owned(),
-        (Button::Resume, _) => "resumed".to_owned(),
-        (Button::Speed(_), _) => button.to_string(),
-        (Button::Acknowledge, _) => "acknowledged".to_owned(),
-        (Button::Reset, _) => "reset".to_owned(),
-    };
-    Reply::Done(format!("{what}: step {step}"))
 }

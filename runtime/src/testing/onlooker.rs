@@ -18,7 +18,7 @@ pub(crate) struct Bounds {
 
 /// What one robot's drives were told in a trial.
 #[derive(Clone, Debug)]
-pub(crate) struct Witness {
+pub(crate) struct Onlooker {
     pub name: String,
     bounds: Bounds,
     last: Vec<f64>,
@@ -34,11 +34,11 @@ pub(crate) struct Witness {
 const SHARE: f64 = 1e-9;
 const ROUND_OFF: f64 = 1e-15;
 
-impl Witness {
-    pub fn new(name: &str, bounds: Bounds) -> Witness {
+impl Onlooker {
+    pub fn new(name: &str, bounds: Bounds) -> Onlooker {
         let velocity = vec![0.0; bounds.lower.len()];
         let (last, episodes) = (Vec::new(), Vec::new());
-        Witness { name: name.to_owned(), bounds, last, velocity, ticks: 0, episodes, wrong: None }
+        Onlooker { name: name.to_owned(), bounds, last, velocity, ticks: 0, episodes, wrong: None }
     }
 
     /// The position demanded last [rad or m].
@@ -106,7 +106,7 @@ impl Witness {
 mod tests {
     use super::*;
 
-    fn witness() -> Witness {
+    fn onlooker() -> Onlooker {
         let bounds = Bounds {
             lower: vec![-1.0],
             upper: vec![1.0],
@@ -114,15 +114,15 @@ mod tests {
             acceleration: vec![10.0],
             servo: 1_000_000,
         };
-        Witness::new("g", bounds)
+        Onlooker::new("g", bounds)
     }
 
-    fn seen(demands: &[f64]) -> Witness {
-        let mut witness = witness();
+    fn seen(demands: &[f64]) -> Onlooker {
+        let mut onlooker = onlooker();
         for (i, &q) in demands.iter().enumerate() {
-            witness.see((i as u64 + 1) * 1_000_000, &[q]);
+            onlooker.see((i as u64 + 1) * 1_000_000, &[q]);
         }
-        witness
+        onlooker
     }
 
     #[test]
@@ -145,8 +145,8 @@ mod tests {
 
     #[test]
     fn episodes_are_when_the_robot_moves() {
-        let witness = seen(&[0.0, 0.0, 1e-6, 2e-6, 2e-6, 2e-6, 1e-6]);
-        assert_eq!(witness.episodes, [(2_000_000, 4_000_000), (6_000_000, 7_000_000)]);
-        assert_eq!(witness.stood(), 7_000_000);
+        let onlooker = seen(&[0.0, 0.0, 1e-6, 2e-6, 2e-6, 2e-6, 1e-6]);
+        assert_eq!(onlooker.episodes, [(2_000_000, 4_000_000), (6_000_000, 7_000_000)]);
+        assert_eq!(onlooker.stood(), 7_000_000);
     }
 }

@@ -1,0 +1,86 @@
+//! Sweeps of the worked tasks: two arms that carry a bar, and an arm that engraves a text.
+
+use std::cell::Cell as Shared;
+use std::rc::Rc;
+use std::time::Duration;
+
+use engraving::drawing::hershey::Font;
+use engraving::drawing::{Drawing, Vec2};
+use engraving::ecp::{Activity, Job};
+use engraving::layout::{HEIGHT_ERROR, Layout};
+use engraving::placement::{Plate, Sizing, place};
+use engraving::probe::PlateSurface;
+use engraving::sampling::Sampling;
+use mrroc::testing::{LinkFault, Press, Sweep};
+use mrroc::{Cell, RobotSetup, SensorSetup};
+use mrroc_robots::SimulatedIrp6;
+
+/// The transfer's arms and hands, with nothing between them and without the guard, which has tests of its own.
+pub fn transfer() -> Cell {
+    let file = transfer::file().expect("in order");
+    let cell = transfer::cell(&file, &transfer::plant::drives()).expect("in order");
+    cell.guard(u32::MAX, |_| Ok(())).program(transfer::mp::coordinate)
+}
+
+/// One small letter, engraved.
+pub fn engraving() -> Cell {
+    let plate = Plate { width: 12.0, height: 12.0, margin: 3.0 };
+    let layout = Layout::new(&plate).expect("within reach");
+    let drawing: Drawing =
+        Font::open("futural").and_then(|font| font.write("i", 4.0)).expect("a text").drawing;
+    let drawing = place(&drawing, &plate, Sizing::Natural).expect("it fits").drawing;
+    let arm = SimulatedIrp6::new(layout.arm.clone(), &layout.park);
+    let surface = layout.plate.translation.z + HEIGHT_ERROR;
+    let probe = PlateSurface::new(layout.arm.clone(), layout.tool, arm.shaft(), surface);
+    let mut job = Job {
+        drawing,
+        sampling: Sampling::default(),
+        plate: layout.plate,
+        middle: Vec2::new(plate.width / 2.0, plate.height / 2.0),
+        orientation: layout.orientation,
+        depth: 0.3e-3,
+        feed: 10e-3,
+        step: 2e-3,
+        park: layout.park,
+        activity: Rc::new(Shared::new(Activity::default())),
+    };
+    let irp6 = RobotSetup::new("irp6", layout.arm, arm).tool(layout.tool).program(move |ecp| job.run(ecp));
+    Cell::new(Duration::from_millis(2))
+        .robot(irp6)
+        .sensor(SensorSetup::new("probe", probe).of("irp6"))
+        .program(engraving::mp::coordinate)
+}
+
+/// What a demand that was bridged leaves in the joints of an arm whose joints its pose does not determine \[rad\].
+const REDUNDANT: f64 = 1e-5;
+
+/// Processes that are killed, stalled, and links at fault, each in another one of `every` steps.
+pub fn task(cell: fn() -> Cell, every: u64) -> Sweep<'static> {
+    let sweep =
+        Sweep::new(cell).every(every).threads(2).end_tolerance(REDUNDANT).kills().stalls(3).stalls(30);
+    let links =
+        [(LinkFault::Drop, 1), (LinkFault::Delay(2), 2), (LinkFault::Corrupt, 1), (LinkFault::Forge, 1)];
+    let sweep = links.into_iter().fold(sweep, |sweep, (fault, steps)| sweep.links(fault, steps));
+    sweep.presses(Press::Abort).presses(Press::SuspendAndResume(150))
+}
+
+#[test]
+fn a_process_that_is_killed_in_either_task_leaves_all_robots_standing_within_the_bound() {
+    for (cell, every) in [(transfer as fn() -> Cell, 7919), (engraving as fn() -> Cell, 3989)] {
+        let report = Sweep::new(cell).every(every).kills().threads(2).run();
+        println!("{report}");
+        assert!(report.is_clean() && report.total().stopped > 0, "{report}");
+    }
+}
+
+/// `just sweep`: each fault in every so many steps, `MRROC_EVERY`, different faults in different steps.
+#[test]
+#[ignore = "takes minutes, or hours"]
+fn every_fault_in_a_share_of_the_steps_of_both_tasks_breaks_no_promise() {
+    let every = std::env::var("MRROC_EVERY").ok().and_then(|every| every.parse().ok()).unwrap_or(997);
+    for (name, cell) in [("engraving", engraving as fn() -> Cell), ("transfer", transfer as fn() -> Cell)] {
+        let report = task(cell, every).run();
+        println!("{name}: each fault in every {every}th step\n{report}");
+        assert!(report.is_clean(), "{report}");
+    }
+}
