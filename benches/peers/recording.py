@@ -1,8 +1,8 @@
 """What another implementation of MCAP reads in a recording of mrroc.
 
-In: a recording, and the values that a guard of the same run saw: step, robot, joint, demanded, measured, with the digits
-that give each number back. Out: the channels with their counts, and whether every message fits its schema, every value is
-the guard's to the bit, times and steps never go back, and the summary counts what is there. Exit status 1 if not.
+In: a recording, and the values that an observer of the drives saw in the same run: step, robot, joint, demanded, measured,
+with the digits that give each number back. Out: the channels with their counts, and whether every message fits its schema, every value is
+the observer's to the bit, times and steps never go back, and the summary counts what is there. Exit status 1 if not.
 """
 
 import collections
@@ -65,8 +65,8 @@ def main(recording, values):
     for topic, count in sorted(counts.items()):
         schema = next(summary.schemas[c.schema_id].name for c in summary.channels.values() if c.topic == topic)
         print(f"{topic:<32}{schema:<24}{count:>8}")
-    print(f"{sum(counts.values())} messages in {statistics.chunk_count} chunks, each fits its schema")
-    print(f"{compared} values are the guard's to the bit")
+    print(f"{sum(counts.values())} messages in {statistics.chunk_count} chunks, checked against their schemas")
+    print(f"{compared} values compared with the drives' own to the bit")
     for what in wrong:
         print(f"wrong: {what}")
     return 1 if wrong else 0

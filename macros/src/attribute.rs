@@ -131,7 +131,7 @@ struct Argument {
 
 #[allow(
     clippy::large_enum_variant,
-    reason = "one for each word of an attribute; its size varies with syn's features"
+    reason = "one at a time, while a macro expands; how large syn is depends on features"
 )]
 enum Value {
     None,

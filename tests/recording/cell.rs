@@ -42,7 +42,7 @@ pub fn programmed(cell: Cell, change: Change) -> Cell {
     cell.ecp("left", obey).ecp("right", obey).on_step(operate).program(move |mp| coordinate(mp, change))
 }
 
-pub fn operate(step: u64, operator: &Operator) {
+fn operate(step: u64, operator: &Operator) {
     match step {
         100 => operator.set_speed(0.4).expect("a share"),
         250 => operator.suspend(),

@@ -22,7 +22,7 @@ pub fn folder(name: &str, more: &str) -> PathBuf {
 
 pub fn run(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(program());
-    command.current_dir(folder).args(arguments).arg("--no-picture");
+    command.current_dir(folder).arg("--no-picture").args(arguments);
     command.output().expect("the example `recorded` has been built")
 }
 

@@ -1,38 +1,36 @@
 //! A recording in the eyes of another language's MCAP library: PyPI's, which needs a network to be installed once.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
 
-use mrroc::{Operator, Recording};
+use mrroc::{Observation, Recording};
 
-use crate::cell::{Change, arms, operate};
+use crate::cell::{Change, STEP, arms};
 
 #[test]
 #[ignore = "installs PyPI's mcap: just test-recording-peer"]
-fn another_librarys_values_are_those_that_a_guard_saw() {
+fn another_librarys_values_are_those_that_the_drives_got_and_measured() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let (file, values) = (folder.join("peer.mcap"), folder.join("peer.csv"));
-    let (seen, step) = (Rc::new(RefCell::new(String::new())), Rc::new(std::cell::Cell::new(0)));
-    let (to, now, begins) = (Rc::clone(&seen), Rc::clone(&step), Rc::clone(&step));
+    let seen = Rc::new(RefCell::new(String::new()));
+    let to = Rc::clone(&seen);
+    let mut before = BTreeMap::new();
     let ran = arms(Change::Nothing)
-        .on_step(move |step, operator: &Operator| {
-            begins.set(step);
-            operate(step, operator);
-        })
-        .guard(1, move |views| {
-            let mut text = to.borrow_mut();
-            for view in views {
-                for joint in 0..6 {
-                    let (demanded, measured) = (view.demanded.joints[joint], view.measured.joints[joint]);
-                    writeln!(text, "{},{},{joint},{demanded:?},{measured:?}", now.get(), view.name)
-                        .expect("a text");
-                }
+        .watch(move |now: &Observation<'_>| {
+            // A servo period of a step's length begins in the middle of its step, and its end is told.
+            let step = (now.time / STEP.as_secs_f64() - 1.5).round();
+            let measured = before.insert(now.robot.to_owned(), now.measured.to_vec());
+            for (joint, (demanded, measured)) in
+                now.demanded.iter().zip(measured.iter().flatten()).enumerate()
+            {
+                writeln!(to.borrow_mut(), "{step},{},{joint},{demanded:?},{measured:?}", now.robot)
+                    .expect("a text");
             }
-            Ok(())
         })
         .record(Recording::to(&file))
         .run()
@@ -43,7 +41,7 @@ fn another_librarys_values_are_those_that_a_guard_saw() {
     let said = [read.stdout, read.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
     println!("{said}");
     assert!(read.status.success(), "{said}");
-    // The guard saw both robots in nearly every step of the run.
+    // Six joints of two robots in nearly every step of the run.
     let steps = seen.borrow().lines().count() as u64 / 12;
     assert!(steps > ran.steps * 9 / 10, "{steps} of {}", ran.steps);
 }
