@@ -19,17 +19,18 @@ bench:
     cargo bench -p mrroc-generators --bench jerk
     cargo bench -p mrroc-robots --bench kinematics
 
-# What jerk-limited plans keep, for 256,000 random inputs of each kind.
+# What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
 sweep-profiles:
-    MRROC_SWEEP=256000 cargo test -p mrroc-generators --test jerk_properties
+    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test profile_properties --test jerk_properties
 
 # Inverse kinematics of the arms read from URDF, for 100,000 poses each.
 test-urdf:
     cargo test --release -p mrroc-robots --test urdf_inverse -- --nocapture
 
-# Kinematics beside KDL, Pinocchio and rs-opw-kinematics, which it installs into target/peers.
+# Kinematics beside KDL, Pinocchio and rs-opw-kinematics, motions beside KDL and Ruckig, all installed into target/peers.
 bench-peers:
     benches/peers/run
+    benches/peers/motions
 
 # Accept changed snapshots of expansions, diagnostics and the template's files.
 snapshots:
@@ -56,3 +57,19 @@ test-kills:
 # A round trip between two processes beside bare iceoryx2, a futex and a socket, in microseconds.
 bench-latency:
     cargo test --release -p mrroc --features processes --lib round_trips_of_every_kind -- --ignored --nocapture
+
+# Every fault in every step of small cells, of the transfer and of the engraving task: over 100,000 cases, some minutes.
+sweep:
+    cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture every_fault
+
+# Rows of SAFETY.md, the cases tried for them, and the worst stop beside its bound.
+safety:
+    cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture summary
+
+# Mutated files into all that reads files and messages: so many in all.
+fuzz N="10000000":
+    MRROC_FUZZ={{N}} cargo test --release -p mrroc-tests --test parsers -- --nocapture
+
+# The same with coverage, on nightly and with cargo-fuzz: one of cell, svg, dxf, gcode, urdf, trj, wire for some seconds.
+fuzz-nightly TARGET SECONDS="60":
+    cd fuzz && cargo +nightly fuzz run {{TARGET}} corpus/{{TARGET}} ../tests/parsers/corpus/{{TARGET}} -- -max_total_time={{SECONDS}}

@@ -39,7 +39,14 @@ fn main() {
                     velocity: draw(0.6 * moving),
                     acceleration: draw(2.0 * moving),
                 };
-                (start, JointTarget { position: draw(2.0), velocity: draw(0.6 * moving) })
+                (
+                    start,
+                    JointTarget {
+                        position: draw(2.0),
+                        velocity: draw(0.6 * moving),
+                        acceleration: Six::zeros(),
+                    },
+                )
             })
             .collect()
     };
@@ -54,7 +61,8 @@ fn main() {
                 velocity: start.velocity[0],
                 acceleration: start.acceleration[0],
             };
-            let to = AxisTarget { position: target.position[0], velocity: target.velocity[0] };
+            let to =
+                AxisTarget { position: target.position[0], velocity: target.velocity[0], acceleration: 0.0 };
             let _ = black_box(AxisPlan::new(&from, &to, &limits.axis(0)));
         });
     }

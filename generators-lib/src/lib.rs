@@ -8,6 +8,8 @@
 //! - [`curve`]: arcs, helices, ellipses, screws, blended polylines, cubic splines;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
 //! - [`feed`]: how fast along such a spline;
+//! - [`timing`]: how fast along a given path of joints, in the least time;
+//! - [`via`]: straight legs through via points within a stated deviation;
 //! - [`teach`]: taught poses and their files, MRROC++'s too;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: how the axes of a tool move freely, are guarded, or keep a load;
@@ -32,3 +34,5 @@ pub mod jerk;
 pub mod line;
 pub mod profile;
 pub mod teach;
+pub mod timing;
+pub mod via;

@@ -4,9 +4,9 @@
 //! joint (or translation and rotation alike) within its limits: with `|dq_j|` the way of joint `j`,
 //! `V = min_j V_j / |dq_j|`, `A = min_j A_j / |dq_j|`.
 
-use crate::profile::{JerkLimits, ProfileError, ProfileLimits, SevenPhase, Trapezoid};
+use crate::profile::{JerkLimits, ProfileError, ProfileLimits, ProfilePoint, SevenPhase, Trapezoid};
 use mrroc::JointVector;
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// A straight line in joint space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,14 +61,38 @@ pub struct SmoothToolLimits {
     pub rotation: JerkLimits,
 }
 
+/// A tool at an instant of its motion, seen from the frame W of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolPoint {
+    /// `X_WE` \[m\].
+    pub pose: Isometry3<f64>,
+    /// `v_WE`, of the tool's origin [m/s].
+    pub velocity: Vector3<f64>,
+    /// `w_WE`, angular [rad/s].
+    pub turning: Vector3<f64>,
+    /// `a_WE`, of the tool's origin [m/s^2].
+    pub acceleration: Vector3<f64>,
+    /// `alpha_WE`, angular [rad/s^2].
+    pub turning_acceleration: Vector3<f64>,
+}
+
 /// A straight line of the tool frame: its origin moves linearly, its orientation turns at a constant rate about a
 /// constant axis, the short way round (spherical linear interpolation, Shoemake 1985).
+///
+/// ```text
+/// q(s) = q0 exp(s theta u / 2) = q0 cos(s theta / 2) + (q0 u) sin(s theta / 2)
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinePath {
     from: Isometry3<f64>,
     to: Isometry3<f64>,
     way: Vector3<f64>,
+    /// `q0 u`, for the unit axis `u` in the frame of the start.
+    across: Quaternion<f64>,
+    /// `theta u` in the frame of the path \[rad\].
     turn: Vector3<f64>,
+    /// `theta / 2` \[rad\].
+    half_angle: f64,
 }
 
 impl LinePath {
@@ -78,7 +102,9 @@ impl LinePath {
     pub fn new(from: Isometry3<f64>, to: Isometry3<f64>) -> Self {
         let way = to.translation.vector - from.translation.vector;
         let turn = (from.rotation.inverse() * to.rotation).scaled_axis();
-        Self { from, to, way, turn }
+        let axis = turn.try_normalize(0.0).unwrap_or_default();
+        let across = from.rotation.into_inner() * Quaternion::from_imag(axis);
+        Self { from, to, way, across, turn: from.rotation * turn, half_angle: 0.5 * turn.norm() }
     }
 
     /// Length of the origin's way \[m\].
@@ -90,10 +116,11 @@ impl LinePath {
     /// Angle of the turn \[rad\], 0..=pi.
     #[must_use]
     pub fn angle(&self) -> f64 {
-        self.turn.norm()
+        2.0 * self.half_angle
     }
 
     /// Pose at `s` in 0..=1; the ends are met exactly.
+    #[inline]
     #[must_use]
     pub fn pose(&self, s: f64) -> Isometry3<f64> {
         if s <= 0.0 {
@@ -103,10 +130,41 @@ impl LinePath {
             return self.to;
         }
         let translation = Translation3::from(self.from.translation.vector + self.way * s);
-        Isometry3::from_parts(
-            translation,
-            self.from.rotation * UnitQuaternion::from_scaled_axis(self.turn * s),
-        )
+        Isometry3::from_parts(translation, self.rotation(s))
+    }
+
+    /// Orientation at `s` in 0..=1; the ends are met exactly.
+    #[inline]
+    #[must_use]
+    pub fn rotation(&self, s: f64) -> UnitQuaternion<f64> {
+        if s <= 0.0 {
+            return self.from.rotation;
+        }
+        if s >= 1.0 {
+            return self.to.rotation;
+        }
+        let (sin, cos) = (self.half_angle * s).sin_cos();
+        // Of length 1 but for rounding, since both quaternions are and are perpendicular.
+        UnitQuaternion::new_unchecked(self.from.rotation.into_inner() * cos + self.across * sin)
+    }
+
+    /// The turn as a vector in the frame of the path \[rad\]: the angular velocity per rate of `s`.
+    #[must_use]
+    pub const fn turning(&self) -> Vector3<f64> {
+        self.turn
+    }
+
+    /// Pose, velocity and acceleration where a profile of `s` from 0 to 1 is at `point`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, point: &ProfilePoint) -> ToolPoint {
+        ToolPoint {
+            pose: self.pose(point.s),
+            velocity: self.way * point.v,
+            turning: self.turn * point.v,
+            acceleration: self.way * point.a,
+            turning_acceleration: self.turn * point.a,
+        }
     }
 
     /// The fastest profile of `s` from 0 to 1 within `limits` of translation and of rotation at once. A line without
@@ -234,6 +292,27 @@ mod tests {
             }
             prop_assert_eq!(line.pose(0.0), from);
             prop_assert_eq!(line.pose(1.0), to);
+        }
+
+        #[test]
+        fn velocities_and_accelerations_are_the_derivatives_of_the_pose(from in poses(), to in poses(), x in 0.05..0.95f64) {
+            let (line, h) = (LinePath::new(from, to), 1e-5);
+            let tool = ToolLimits { translation: limits(0.3, 1.0), rotation: limits(0.5, 2.0) };
+            let profile = line.profile(tool).unwrap();
+            let at = |t: f64| line.at(&profile.at(t));
+            let (before, here, after) =
+                (at(x * profile.duration() - h), at(x * profile.duration()), at(x * profile.duration() + h));
+            let v = (after.pose.translation.vector - before.pose.translation.vector) / (2.0 * h);
+            // In the frame of the path: exp(2 h w) q = q'.
+            let w = (after.pose.rotation * before.pose.rotation.inverse()).scaled_axis() / (2.0 * h);
+            prop_assert!((v - here.velocity).norm() < 1e-5 && (w - here.turning).norm() < 2e-5);
+            // Constant between the corners of the trapezoid, and nowhere above the limits.
+            prop_assert!(here.acceleration.norm() <= 1.0 + 1e-12 && here.turning_acceleration.norm() <= 2.0 + 1e-12);
+            if (before.acceleration - after.acceleration).norm() < 1e-12 {
+                prop_assert!(((after.velocity - before.velocity) / (2.0 * h) - here.acceleration).norm() < 1e-8);
+                prop_assert!(((after.turning - before.turning) / (2.0 * h) - here.turning_acceleration).norm() < 1e-8);
+            }
+            prop_assert!((here.pose.rotation.coords.norm() - 1.0).abs() < 1e-15);
         }
 
         #[test]

@@ -127,6 +127,32 @@ fn the_circle_is_travelled_at_nearly_the_greatest_possible_speed() {
     }
 }
 
+/// A figure of eight whose bends limit the speed: it goes down and up with the curvature's radius, not from cell to cell.
+#[test]
+fn the_speed_follows_the_curvature_without_chatter() {
+    let limits = FeedLimits { feed: 0.1, tangential: 0.4, normal: 0.4, step: 4e-3, ..limits() };
+    for points in [48, 96, 300] {
+        let eight: Vec<_> = (0..=points)
+            .map(|i| f64::from(i) * std::f64::consts::TAU / f64::from(points))
+            .map(|a| Point::new(1.0 - a.cos(), (2.0 * a).sin() / 2.0, 0.0) * 0.05)
+            .collect();
+        let all = follow(limits, smooth(&eight), |_| 1e-3);
+        let rates: Vec<_> = all.windows(2).map(|w| (w[1].speed - w[0].speed) / 1e-3).collect();
+        // Turns between speeding up and slowing down at more than a quarter of what is allowed.
+        let (mut turns, mut sign) = (0, 0.0);
+        for rate in rates.iter().filter(|rate| rate.abs() > 0.25 * limits.tangential) {
+            turns += u32::from(*rate * sign < 0.0);
+            sign = *rate;
+        }
+        // Four bends, each entered and left, between a start and an end.
+        assert!(turns <= 9, "{points} points: {turns} turns");
+        // At the sharpest bend the speed is what the curvature allows, but for the bound's distance from it.
+        let sharpest = all.iter().max_by(|a, b| a.curvature.total_cmp(&b.curvature)).unwrap();
+        let most = (limits.normal / sharpest.curvature).sqrt();
+        assert!(sharpest.speed > 0.95 * most && sharpest.speed <= most, "{} of {most}", sharpest.speed);
+    }
+}
+
 /// Line of 0.5 m at 0.1 m/s and 1.5 m/s^2: T = D/V + V/A.
 #[test]
 fn a_line_takes_the_time_of_the_closed_form() {

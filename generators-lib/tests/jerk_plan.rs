@@ -5,7 +5,7 @@ use nalgebra::{Vector2, Vector3};
 use std::f64::consts::PI;
 
 fn rest(distance: f64, limits: &AxisLimits) -> Result<AxisPlan, JerkError> {
-    AxisPlan::new(&AxisState::default(), &AxisTarget { position: distance, velocity: 0.0 }, limits)
+    AxisPlan::new(&AxisState::default(), &AxisTarget { position: distance, ..AxisTarget::default() }, limits)
 }
 
 /// `Ta = V/A + A/J`, or `2 sqrt(V/J)`; `T = D/V + Ta`, or `A/J + sqrt((A/J)^2 + 4D/A)`, or `4 cbrt(D/2J)`.
@@ -79,7 +79,9 @@ fn a_duration_between_going_straight_and_turning_round_is_refused() {
     // At 1 m/s with 1 m/s to arrive with: 1 s straight on; longer takes a detour with turns.
     let moving = AxisState { velocity: 1.0, ..AxisState::default() };
     let limits = AxisLimits::symmetric(1.5, 2.0, 10.0);
-    let plan = AxisPlan::new(&moving, &AxisTarget { position: 0.01, velocity: 1.0 }, &limits).unwrap();
+    let plan =
+        AxisPlan::new(&moving, &AxisTarget { position: 0.01, velocity: 1.0, acceleration: 0.0 }, &limits)
+            .unwrap();
     assert!(plan.least() < 0.01);
     let (from, until) = plan.blocked()[0];
     assert!(plan.least() <= from && until > 1.0, "{from} {until}");
@@ -127,16 +129,15 @@ fn what_makes_no_plan_is_refused_with_its_numbers() {
             assert!(matches!(rest(value, &good), Err(JerkError::NotFinite { name: "target position", .. })));
         }
     }
-    let to = AxisTarget::default();
-    let from = |velocity, acceleration| AxisState { position: 0.0, velocity, acceleration };
-    let name = |start| match AxisPlan::new(&start, &to, &good) {
+    let to = |velocity, acceleration| AxisTarget { position: 0.0, velocity, acceleration };
+    let name = |target| match AxisPlan::new(&AxisState::default(), &target, &good) {
         Err(JerkError::Outside { name, .. }) => name,
         other => panic!("{other:?}"),
     };
-    assert_eq!(name(from(1.1, 0.0)), "start velocity");
-    assert_eq!(name(from(0.0, -2.1)), "start acceleration");
-    // 0.95 + 1.5^2 / 20 = 1.0625 m/s before the acceleration can be 0.
-    assert_eq!(name(from(0.95, 1.5)), "velocity inevitable from the start");
+    assert_eq!(name(to(1.1, 0.0)), "target velocity");
+    assert_eq!(name(to(0.0, -2.1)), "target acceleration");
+    // 0.95 + 1.5^2 / 20 = 1.0625 m/s when the acceleration was 0 last.
+    assert_eq!(name(to(0.95, -1.5)), "velocity inevitable before the target");
     let steps = SynchronisedMove::in_whole_steps(
         &JointState::rest(Vector2::zeros()),
         &JointTarget::rest(Vector2::x()),
@@ -151,6 +152,23 @@ fn what_makes_no_plan_is_refused_with_its_numbers() {
 }
 
 #[test]
+fn a_start_outside_the_limits_is_first_brought_back() {
+    let limits = AxisLimits::symmetric(1.0, 2.0, 10.0);
+    let from = |velocity, acceleration| {
+        let start = AxisState { position: 0.0, velocity, acceleration };
+        AxisPlan::new(&start, &AxisTarget::default(), &limits).unwrap()
+    };
+    // 1.1 m/s at -10 m/s^3: the limit is passed when 5 t^2 = 0.1.
+    assert!((from(1.1, 0.0).braking() - 0.02_f64.sqrt()).abs() < 1e-15);
+    // 2.5 m/s^2 is 2 after 0.05 s; -3 is -2 after 0.1 s.
+    assert!((from(0.0, 2.5).braking() - 0.05).abs() < 1e-15);
+    assert!((from(0.0, -3.0).braking() - 0.1).abs() < 1e-15);
+    // 3 m/s: -2 m/s^2 after 0.2 s at 2.8 m/s, then 0.9 s.
+    assert!((from(3.0, 0.0).braking() - 1.1).abs() < 1e-12);
+    assert_eq!(from(1.0, -2.0).braking(), 0.0);
+}
+
+#[test]
 fn numbers_of_any_size_make_a_finite_plan_or_an_error() {
     let sizes = [0.0, 1e-300, 1e-100, 1e-15, 1e-3, 1.0, 1e6, 1e100, 1e300];
     let positive = &sizes[1..];
@@ -159,9 +177,9 @@ fn numbers_of_any_size_make_a_finite_plan_or_an_error() {
             for &a in positive {
                 for &j in positive {
                     let limits = AxisLimits::symmetric(v, a, j);
-                    for velocity in [0.0, 0.5 * v, -v] {
+                    for velocity in [0.0, 0.5 * v, -v, 3.0 * v] {
                         let start = AxisState { position: -distance, velocity, acceleration: 0.0 };
-                        let target = AxisTarget { position: distance, velocity: 0.0 };
+                        let target = AxisTarget { position: distance, ..AxisTarget::default() };
                         let Ok(plan) = AxisPlan::new(&start, &target, &limits) else { continue };
                         let profile = plan.fastest();
                         let point = profile.at(0.5 * profile.duration());
@@ -182,9 +200,12 @@ fn a_target_a_rounding_away_is_reached() {
     for off in [0.0, 1e-17, 1e-15, -1e-15, 1e-12, -1e-9] {
         for position in [0.0, 0.5, -1234.5] {
             let start = AxisState { position, velocity: 0.0, acceleration: 0.0 };
-            let plan =
-                AxisPlan::new(&start, &AxisTarget { position: position + off, velocity: 0.0 }, &limits)
-                    .unwrap();
+            let plan = AxisPlan::new(
+                &start,
+                &AxisTarget { position: position + off, ..AxisTarget::default() },
+                &limits,
+            )
+            .unwrap();
             assert!(plan.least() < 4.0 * (off.abs() / 100.0).cbrt() + 1e-3, "{}", plan.least());
         }
     }

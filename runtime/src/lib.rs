@@ -58,7 +58,13 @@
 extern crate self as mrroc;
 
 mod advice;
+mod approach;
 mod braking;
+#[cfg_attr(
+    not(all(feature = "processes", target_os = "linux")),
+    allow(dead_code, reason = "consoles are processes")
+)]
+mod button;
 mod cell;
 mod cell_file;
 mod class;
@@ -84,13 +90,16 @@ mod message;
 mod mp;
 mod name;
 mod operator;
+mod overruns;
 mod payload;
 mod plant;
+mod plausible;
 mod pose;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 mod processes;
 mod realtime;
 mod recording;
+#[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
 mod replay;
 mod robot;
 mod sensing;
@@ -100,8 +109,11 @@ mod step_fn;
 mod stopping;
 mod suggestion;
 mod task_space;
+pub mod testing;
 mod together;
 mod transparent;
+#[cfg(all(feature = "view", target_os = "linux"))]
+mod view;
 mod vsp;
 mod wire;
 mod witness;
@@ -121,7 +133,7 @@ pub use image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
 pub use interpolation::InterpolationSpace;
 pub use joints::{JointVector, MAX_JOINTS};
 pub use latch::{Latch, LatchRefusal};
-pub use launch::{Recorder, launch};
+pub use launch::{Clock, Launch, Ran, Recorder, launch};
 pub use list::{
     AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
     SensorList, SensorsEach, SensorsOf,
@@ -130,7 +142,13 @@ pub use mp::Mp;
 pub use name::{BadName, MAX_NAME, Name};
 pub use operator::{BadSpeed, Operator};
 pub use payload::{Nudge, Order, Payload};
+pub use plausible::Plausible;
 pub use pose::{AngleAxis, Pose, Zyz};
+#[cfg(feature = "recording")]
+pub use recording::{CutOff, NotReplayable, ReplayError};
+pub use recording::{NotRecorded, Recording};
+#[cfg(feature = "recording")]
+pub use replay::compare::{Compared, Difference};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
 pub use shape::Shape;
 pub use step::{Always, Step, Tick};

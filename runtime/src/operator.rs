@@ -1,4 +1,4 @@
-//! The operator: suspend, resume, abort, speed; and after a fault acknowledge, reset.
+//! The operator: suspend, resume, abort, stop, speed; and after a fault acknowledge, reset.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,7 +9,7 @@ use crate::latch::{Event, Latch, LatchRefusal, Latching};
 /// The operator's handle of a cell. It may be cloned and used from any thread.
 ///
 /// Speed and Suspend scale the path time of every step with a bounded change of rate, so that the robots slow
-/// down on their paths; Abort stops on the path too and then ends the instruction with a fault.
+/// down on their paths; Abort stops on the path too and then ends the instruction with a fault; Stop ends the cell so.
 ///
 /// After a fault stop the cell is latched. One that [awaits a reset](crate::AfterFault) starts its programs again when
 /// its operator has acknowledged the fault and then pressed the reset:

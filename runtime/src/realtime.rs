@@ -3,7 +3,6 @@
 //! In: the file's table. Out: for each process a priority, whether its memory stays in place, and a core. Nothing is asked
 //! of a machine unless the table is there, and what is asked and not permitted is refused unless the table says otherwise.
 
-#[cfg(any(test, all(feature = "processes", target_os = "linux")))]
 use crate::fault::{ProcessId, Role};
 
 /// The highest priority that may be asked for: above it are the kernel's own threads.
@@ -20,7 +19,6 @@ pub(crate) enum Permission {
 
 /// What the processes of a cell ask of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(not(all(feature = "processes", target_os = "linux")), allow(dead_code, reason = "for processes"))]
 pub(crate) struct Realtime {
     pub permission: Permission,
     /// Priority under SCHED_FIFO, from 1 to [`MAX_PRIORITY`].
@@ -31,16 +29,23 @@ pub(crate) struct Realtime {
     pub cores: Option<Vec<usize>>,
 }
 
-#[cfg(any(test, all(feature = "processes", target_os = "linux")))]
+impl Realtime {
+    /// A priority and memory in its place, where the machine permits them.
+    pub const PREFERRED: Realtime =
+        Realtime { permission: Permission::BestEffort, priority: 50, lock_memory: true, cores: None };
+}
+
 impl Realtime {
     /// The core of a process, of those that it may use. A robot's ECP and EDP share one: on the same core the one wakes
-    /// the other three to ten times sooner than across cores. The MP and the sensors run where there is room.
+    /// the other three to ten times sooner than across cores. The MP shares the first robot's: of all places that is the
+    /// best for it (docs/decisions/0014-bells-are-futexes.md). The others run where there is room.
     pub fn core(&self, process: ProcessId, robots: &[ProcessId], usable: &[usize]) -> Option<usize> {
-        if !matches!(process.role, Role::Ecp | Role::Edp) {
-            return None;
-        }
         let cores = self.cores.as_deref().unwrap_or(usable);
-        let place = robots.iter().position(|robot| robot.name == process.name)?;
+        let place = match process.role {
+            Role::Mp => 0,
+            Role::Ecp | Role::Edp => robots.iter().position(|robot| robot.name == process.name)?,
+            Role::Vsp | Role::Plant => return None,
+        };
         // With one core there is nothing to choose.
         cores.get(place.checked_rem(cores.len())?).copied()
     }
@@ -72,7 +77,7 @@ mod tests {
                     assert_eq!(realtime.core(process(role, robot), &robots, usable), core);
                 }
             }
-            assert_eq!(realtime.core(ProcessId::MP, &robots, usable), None);
+            assert_eq!(realtime.core(ProcessId::MP, &robots, usable), chosen[0]);
             assert_eq!(realtime.core(process(Role::Vsp, "a"), &robots, usable), None);
         }
     }

@@ -6,8 +6,9 @@ use std::rc::Rc;
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::image::Sensor;
 use crate::joints::MAX_JOINTS;
-use crate::link::{Board, Closed, Nanos, Server, Waiter};
+use crate::link::{Board, Closed, Nanos, Sample, Server, Waiter};
 use crate::message::{Kind, Message};
+use crate::plant::sensors::PlantSensor;
 use crate::pose::Pose;
 use crate::shape::Shape;
 use crate::wire::{BadWords, WORDS, Wire};
@@ -31,6 +32,12 @@ pub trait VirtualSensor: 'static {
         &mut self,
         order: &ReadingOrder<<Self::Kind as Sensor>::Configuration>,
     ) -> Result<<Self::Kind as Sensor>::Reading, Fault>;
+
+    /// Whether it senses a simulated world. Where a cell runs as processes of the operating system, that is in one of its
+    /// own, `plant`, with all simulated drives, and so is this sensor: its VSP passes orders on.
+    fn is_simulated(&self) -> bool {
+        false
+    }
 }
 
 /// What a virtual sensor is told with each order.
@@ -111,8 +118,7 @@ pub(crate) struct Boards {
 
 /// The process.
 pub(crate) struct Vsp<'w, V: VirtualSensor> {
-    pub process: ProcessId,
-    pub sensor: V,
+    pub sensors: RawSensors<V>,
     pub configuration: <V::Kind as Sensor>::Configuration,
     pub waiter: &'w dyn Waiter,
     pub orders: Orders,
@@ -147,7 +153,7 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                             let asked = Some((request.header.step, configuration));
                             if core::mem::replace(&mut aggregated, asked) != asked {
                                 self.work()?;
-                                self.aggregate(request, reply);
+                                self.aggregate(request, reply)?;
                             }
                             port.reply(reply);
                         }
@@ -169,7 +175,7 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                             continue;
                         }
                         self.work()?;
-                        self.aggregate(request, reply);
+                        self.aggregate(request, reply)?;
                         for (board, _) in boards.iter().zip(&requests).filter(|(_, other)| like(other)) {
                             board.readings.write(reply);
                         }
@@ -215,6 +221,32 @@ impl<V: VirtualSensor> Vsp<'_, V> {
         Ok(())
     }
 
+    fn aggregate(&mut self, request: &Message, reply: &mut Message) -> Result<(), Closed> {
+        let began = self.waiter.now();
+        match &mut self.sensors {
+            RawSensors::Here(aggregator) => aggregator.answer(request, reply),
+            RawSensors::Plant(sensor) => sensor.answer(request, reply, self.waiter)?,
+        }
+        self.waiter.sample(Sample::Worked(self.waiter.now().saturating_sub(began)));
+        Ok(())
+    }
+}
+
+/// Where the raw sensors of a VSP are.
+pub(crate) enum RawSensors<V: VirtualSensor> {
+    /// In its process.
+    Here(Aggregator<V>),
+    /// In the plant.
+    Plant(PlantSensor),
+}
+
+/// A virtual sensor that answers orders.
+pub(crate) struct Aggregator<V: VirtualSensor> {
+    pub process: ProcessId,
+    pub sensor: V,
+}
+
+impl<V: VirtualSensor> Aggregator<V> {
     /// What an order says: a configuration that cannot be read is a fault, never the default one.
     fn read(request: &Message) -> Result<ReadingOrder<<V::Kind as Sensor>::Configuration>, Fault> {
         let words = request.words();
@@ -229,7 +261,8 @@ impl<V: VirtualSensor> Vsp<'_, V> {
         Ok(ReadingOrder { configuration, robot, step: request.header.step })
     }
 
-    fn aggregate(&mut self, request: &Message, reply: &mut Message) {
+    /// The reading for an order, or the fault that there is none.
+    pub fn answer(&mut self, request: &Message, reply: &mut Message) {
         reply.header.step = request.header.step;
         let result = Self::read(request).and_then(|order| {
             let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));

@@ -10,14 +10,16 @@ use mrroc_generators::curve::Helix;
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{
     AwaitOperator, CircularMove, CompliantTransmit, ConstantOrder, CurveMove, Delay, EyeInHand, FollowMaster,
-    ForceLaw, GuardedApproach, GuidedBody, Jog, JointMove, JointSpline, MovingFrame, OrderedForce,
-    ReachState, Replay, RigidCarry, Settle, SharedDrive, Sleep, SmoothJointMove, SmoothLine, SplineTrack,
-    SqueezedCarry, StraightLine, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
+    ForceLaw, GuardedApproach, GuidedBody, Jog, JointMove, JointSpline, JointVia, LineVia, MovingFrame,
+    OrderedForce, PoseSplineMove, ReachState, Replay, RigidCarry, Settle, SharedDrive, Sleep,
+    SmoothJointMove, SmoothLine, SplineTrack, SqueezedCarry, StraightLine, TimeOptimalCurve,
+    TimeOptimalJoints, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
 };
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_generators::teach::Jogging;
+use mrroc_generators::timing::PathLimits;
 use mrroc_robots::{Irp6, Six};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 use nalgebra::{Translation3, UnitQuaternion, UnitVector3, Vector3};
@@ -37,6 +39,11 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(CircularMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(CurveMove::<Gantry, Helix>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(JointSpline::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(TimeOptimalJoints::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(TimeOptimalCurve::<Gantry, Helix>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(JointVia::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(LineVia::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(PoseSplineMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(ReachState::<Gantry>::CLASS.to_string(), "ECP f*4(c0, c), first step f*6(c0, c, e)");
     assert_eq!(SplineTrack::<Gantry, Points>::CLASS.to_string(), "ECP f*0(c)");
     assert_eq!(GuardedApproach::<Gantry, Probe>::CLASS.to_string(), "ECP f*1(c, v), first step f*3(c, e, v)");
@@ -303,4 +310,46 @@ fn a_guarded_approach_without_contact_is_a_fault_and_goes_no_farther_than_told()
     assert_eq!(fault.kind(), FaultKind::Program);
     assert!(fault.message().contains("no contact"), "{fault}");
     assert!((-0.1001..=-0.0999).contains(&z), "{z}");
+}
+
+#[test]
+fn a_time_optimal_path_of_a_six_joint_arm_passes_the_limits_at_full_speed() {
+    let (robot, q) = irp6_at([0.85, 0.0, 0.35]);
+    let limits = *robot.limits();
+    let limits =
+        PathLimits { velocity: limits.velocity, acceleration: limits.acceleration, speed: f64::INFINITY };
+    let points =
+        vec![q + Six::new(0.3, 0.1, -0.1, 0.05, 0.4, -0.6), q + Six::new(0.1, 0.2, 0.1, 0.1, -0.3, 0.5), q];
+    let (setup, trace) = traced(RobotSetup::new("irp6", robot, ExactDrive::new(q, MS)));
+    let path = points.clone();
+    let setup = setup
+        .program(move |ecp| ecp.move_robot((), TimeOptimalJoints::through(path.clone(), limits)).map(drop));
+    let report = Cell::new(MS).robot(setup).run().expect("within the limits, at every step");
+    let trace = trace.borrow();
+    assert_eq!(*trace.last().expect("recorded"), q);
+    let nearest = |point: &Six| trace.iter().map(|at| (at - point).norm()).fold(f64::INFINITY, f64::min);
+    assert!(points.iter().all(|point| nearest(point) < 5e-3), "{}", report.steps);
+}
+
+#[test]
+fn via_points_are_passed_on_the_robots_limits_without_a_stop() {
+    let (robot, trace) = gantry("g");
+    let limits = JointLimits {
+        velocity: Vector3::repeat(0.5),
+        acceleration: Vector3::repeat(5.0),
+        jerk: Vector3::repeat(f64::INFINITY),
+    };
+    let points =
+        vec![Vector3::new(0.4, 0.0, 0.0), Vector3::new(0.4, -0.4, 0.0), Vector3::new(0.0, -0.4, 0.1)];
+    let path = points.clone();
+    let robot = robot.program(move |ecp| {
+        ecp.move_robot((), JointVia::through(path.clone(), Vector3::repeat(0.01), limits)).map(drop)
+    });
+    let report = Cell::new(MS).robot(robot).run().expect("within the limits");
+    // 1.2 m at 0.5 m/s and a ramp of 0.1 s; corners within 0.01 m, where V^2 / 8 A = 0.006, cost nothing.
+    assert!((2500..2504).contains(&report.steps), "{}", report.steps);
+    let trace = trace.borrow();
+    assert_eq!(trace.last(), points.last());
+    let (v, a) = peaks(&trace, 1e-3);
+    assert!(v < 0.5 + 1e-9 && a < 5.0 + 1e-6, "{v} {a}");
 }

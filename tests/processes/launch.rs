@@ -17,25 +17,43 @@ pub struct Place(PathBuf);
 impl Place {
     /// Short, because names of sockets in it have 108 bytes.
     pub fn new(test: u32) -> Place {
+        Place::of(test, include_str!("cell.toml"))
+    }
+
+    /// With this cell.
+    pub fn of(test: u32, cell: &str) -> Place {
         let folder = PathBuf::from(format!("/tmp/mr{}-{test}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder");
-        fs::write(folder.join("cell.toml"), include_str!("cell.toml")).expect("a file");
+        fs::write(folder.join("cell.toml"), cell).expect("a file");
         Place(folder)
+    }
+
+    /// The program, in this folder.
+    pub fn program(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(std::env::current_exe().expect("a test has a path"));
+        command.args(["--cell", "cell.toml"]).args(arguments).current_dir(&self.0);
+        command.env("MRROC_TEST_PROGRAM", "1").env("XDG_RUNTIME_DIR", &self.0);
+        command
     }
 
     /// Starts the program; its records go to a folder of this name.
     pub fn start(&self, records: &str, arguments: &[&str]) -> Launch {
+        self.start_for(crate::program::RECORDS, records, arguments)
+    }
+
+    /// Starts the program; the counts of what its processes allocate go to a folder of this name.
+    pub fn count(&self, counts: &str, arguments: &[&str]) -> Launch {
+        self.start_for(crate::allocations::COUNTS, counts, arguments)
+    }
+
+    fn start_for(&self, what: &str, records: &str, arguments: &[&str]) -> Launch {
         let records = self.0.join(records);
         let _ = fs::remove_dir_all(&records);
         fs::create_dir_all(&records).expect("a folder");
         let errors = records.join("stderr");
-        let child = Command::new(std::env::current_exe().expect("a test has a path"))
-            .args(arguments)
-            .args(["--cell", "cell.toml"])
-            .current_dir(&self.0)
-            .env("MRROC_TEST_PROGRAM", "1")
-            .env(crate::program::RECORDS, &records)
-            .env("XDG_RUNTIME_DIR", &self.0)
+        let child = self
+            .program(arguments)
+            .env(what, &records)
             .stdout(Stdio::null())
             .stderr(File::create(&errors).expect("a file"))
             .spawn()
@@ -191,7 +209,7 @@ impl Launch {
 
     /// What it said on its standard error.
     pub fn said(&self) -> String {
-        fs::read_to_string(self.records.join("stderr")).unwrap_or_default()
+        self.text("stderr")
     }
 
     /// The sessions that it had.
@@ -199,11 +217,21 @@ impl Launch {
         &self.seen
     }
 
+    /// What a file of its records says; nothing when it is not there.
+    pub fn text(&self, file: &str) -> String {
+        fs::read_to_string(self.records.join(file)).unwrap_or_default()
+    }
+
     /// The lines of a robot's record; none when its EDP did not come so far.
     pub fn record(&self, robot: &str) -> Vec<String> {
-        let text = fs::read_to_string(self.records.join(robot)).unwrap_or_default();
+        let text = self.text(robot);
         let whole = text.rfind('\n').map_or(0, |end| end + 1);
         text[..whole].lines().map(str::to_owned).collect()
+    }
+
+    /// What a robot's drives did, in whichever process they were.
+    pub fn drives(&self, robot: &str) -> Vec<Period> {
+        self.record(&format!("{robot}.plant")).iter().map(|line| Period::read(line)).collect()
     }
 
     /// Asserts that nothing of it is left: no process, no file, no segment.
@@ -226,6 +254,28 @@ impl Drop for Launch {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
+    }
+}
+
+/// A servo period of a robot's drives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Period {
+    /// Whether they had power, or their brakes applied.
+    pub powered: bool,
+    /// What the encoders read: positions \[rad\], then velocities [rad/s].
+    pub measured: Vec<f64>,
+}
+
+impl Period {
+    fn read(line: &str) -> Period {
+        let mut words = line.split(' ');
+        let powered = words.next() == Some("tick");
+        Period { powered, measured: words.map(|word| word.parse().expect("a number")).collect() }
+    }
+
+    /// Whether the robot moves at most at 1e-3 rad/s.
+    pub fn stands(&self) -> bool {
+        self.measured[self.measured.len() / 2..].iter().all(|velocity| velocity.abs() <= 1e-3)
     }
 }
 

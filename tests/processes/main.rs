@@ -2,8 +2,11 @@
 //!
 //! This executable is the tests and the task program that they start: it has a main function of its own.
 
+mod allocations;
 mod launch;
+mod operator;
 mod program;
+mod records;
 mod tests;
 
 use std::process::ExitCode;

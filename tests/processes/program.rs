@@ -1,23 +1,23 @@
 //! The task program of these tests: two arms that are coordinated loosely and tightly, sensors in three modes, and a
 //! record of what each arm was demanded, written by the process that demands it.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::rc::Rc;
 use std::time::Duration;
 
 use mrroc::{
-    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp,
-    Observation, Payload, Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick,
-    VirtualSensor, condition, generator,
+    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp, Payload,
+    Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick, VirtualSensor, condition,
+    generator,
 };
-use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
 
-/// The variable that names the folder of the records.
-pub const RECORDS: &str = "MRROC_TEST_RECORDS";
+use crate::allocations::Calls;
+
+pub use crate::records::RECORDS;
 
 /// Runs it under the options of the command line.
 pub fn main() -> ExitCode {
@@ -25,57 +25,60 @@ pub fn main() -> ExitCode {
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {
+    let left = Rc::new(RefCell::new(None));
+    let truth = Rc::clone(&left);
     let cell = file
-        .cell(&Kinds::new().with("irp6", |entry| {
+        .cell(&Kinds::new().with("irp6", move |entry| {
             let arm = Irp6::nominal().with_base(entry.base());
             let drives = Recorded::new(entry.name(), SimulatedIrp6::new(arm.clone(), &entry.start(&arm)?));
+            if entry.name() == "left" {
+                *truth.borrow_mut() = Some(drives.drives.shaft());
+            }
             Ok(RobotSetup::new(entry.name(), arm, drives))
         }))?
-        .sensor(file.sensor("count", Counting::default())?)
-        .sensor(file.sensor("slow", Counting::default())?)
-        .sensor(file.sensor("free", Counting::default())?)
+        .sensor(file.sensor("count", Counting::new("vsp count"))?)
+        .sensor(file.sensor("slow", Counting::new("vsp slow"))?)
+        .sensor(file.sensor("free", Counting::new("vsp free"))?)
+        .sensor(file.sensor("shaft", Looking(left.take()))?)
         .ecp("left", arm)
         .ecp("right", arm)
         .program(coordinate);
+    if Calls::are_counted() {
+        let mut steps = Calls::of("mp");
+        let periods = RefCell::new(BTreeMap::new());
+        return Ok(cell.on_step(move |_, _| steps.note()).watch(move |seen| {
+            let mut periods = periods.borrow_mut();
+            if !periods.contains_key(seen.robot) {
+                periods.insert(seen.robot.to_owned(), Calls::of(&format!("edp {}", seen.robot)));
+            }
+            periods.get_mut(seen.robot).expect("it is there").note();
+        }));
+    }
     Ok(match std::env::var_os(RECORDS) {
-        Some(folder) => cell.watch(record(PathBuf::from(folder))),
+        Some(folder) => cell.watch(crate::records::record(PathBuf::from(folder))),
         None => cell,
     })
-}
-
-/// Writes every servo period of every robot to a file of its own: the time, then the bits of each demanded joint.
-fn record(folder: PathBuf) -> impl FnMut(&Observation<'_>) {
-    let files = RefCell::new(BTreeMap::new());
-    move |seen| {
-        let mut files = files.borrow_mut();
-        let file = files.entry(seen.robot.to_owned()).or_insert_with(|| {
-            File::create(folder.join(seen.robot)).expect("the folder of the records can be written")
-        });
-        let bits: String = seen.demanded.iter().map(|q| format!(" {:016x}", q.to_bits())).collect();
-        // One write a line: what is there when the process is killed is whole.
-        file.write_all(format!("{:.6}{bits}\n", seen.time).as_bytes()).expect("written");
-    }
 }
 
 /// Simulated drives that write what they do, in whichever process they are: a line for each servo period, `tick` or
 /// `brake`, and what the encoders read at its end.
 struct Recorded {
-    name: String,
+    path: Option<PathBuf>,
     drives: SimulatedIrp6,
     file: Option<File>,
+    calls: Calls,
 }
 
 impl Recorded {
     fn new(name: &str, drives: SimulatedIrp6) -> Recorded {
-        Recorded { name: format!("{name}.plant"), drives, file: None }
+        let path = std::env::var_os(RECORDS).map(|folder| Path::new(&folder).join(format!("{name}.plant")));
+        Recorded { path, drives, file: None, calls: Calls::of(&format!("plant {name}")) }
     }
 
     fn write(&mut self, what: &str, measured: &Measured<Six>) {
-        let Some(folder) = std::env::var_os(RECORDS) else { return };
-        let file = self.file.get_or_insert_with(|| {
-            File::create(Path::new(&folder).join(&self.name))
-                .expect("the folder of the records can be written")
-        });
+        self.calls.note();
+        let Some(path) = &self.path else { return };
+        let file = self.file.get_or_insert_with(|| File::create(path).expect("the file can be written"));
         let line = |q: &Six| q.iter().map(|q| format!(" {q:e}")).collect::<String>();
         let text = format!("{what}{}{}\n", line(&measured.position), line(&measured.velocity));
         file.write_all(text.as_bytes()).expect("written");
@@ -95,6 +98,18 @@ impl Driver<Irp6> for Recorded {
         let outcome = self.drives.tick(demanded);
         self.write("tick", &self.drives.measured());
         outcome
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.drives.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.drives.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.drives.switch_on()
     }
 
     fn is_simulated(&self) -> bool {
@@ -148,27 +163,52 @@ struct Counted {
     column: f64,
 }
 
-#[derive(Default)]
-struct Counting(u64);
+struct Counting {
+    count: u64,
+    calls: Calls,
+}
+
+impl Counting {
+    fn new(name: &str) -> Counting {
+        Counting { count: 0, calls: Calls::of(name) }
+    }
+}
 
 impl VirtualSensor for Counting {
     type Kind = Count;
 
     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Counted, Fault> {
-        self.0 += 1;
-        Ok(Counted { count: self.0, column: order.robot.map_or(0.0, |robot| robot.joints[0]) })
+        self.calls.note();
+        self.count += 1;
+        Ok(Counted { count: self.count, column: order.robot.map_or(0.0, |robot| robot.joints[0]) })
+    }
+}
+
+/// Tells where the left column truly is: it looks at the simulated drives, and counts nothing.
+struct Looking(Option<Shaft>);
+
+impl VirtualSensor for Looking {
+    type Kind = Count;
+
+    fn aggregate(&mut self, _: &ReadingOrder<()>) -> Result<Counted, Fault> {
+        let column = self.0.as_ref().map_or(0.0, |shaft| shaft.state().position[0]);
+        Ok(Counted { count: 0, column })
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
     }
 }
 
 fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
-    let mut count = mp.sensor::<Count>("count")?;
+    let (mut count, mut shaft) = (mp.sensor::<Count>("count")?, mp.sensor::<Count>("shaft")?);
     mp.wait_until((&mut left, &mut right), (&mut count,), Counted3 {})?;
     for phase in [Phase::Out, Phase::Back] {
         mp.move_robots((&mut left, &mut right), (), Ask(phase))?;
     }
     let swing = Swing { t: 0.0 };
-    mp.move_robots((&mut left, &mut right), (&mut count,), swing)?;
+    mp.move_robots((&mut left, &mut right), (&mut count, &mut shaft), swing)?;
     Ok(())
 }
 
@@ -186,20 +226,20 @@ fn ask(c: &mut Ask) -> Always<(Irp6, Irp6), Phase> {
     Always((c.0, c.0))
 }
 
-/// Both columns out and back, against each other, in a second; what the sensor counted makes a difference of its own.
+/// Both columns out and back, against each other, in a second; what the sensors saw makes a difference of its own.
 struct Swing {
     t: f64,
 }
 
 #[generator(mp)]
-fn swing(c: &mut Swing, v: &Reading<(Count,)>, t: Tick) -> Step<(Irp6, Irp6), Turned> {
+fn swing(c: &mut Swing, v: &Reading<(Count, Count)>, t: Tick) -> Step<(Irp6, Irp6), Turned> {
     if c.t >= 1.0 {
         return Step::Done;
     }
     c.t = (c.t + t.dt).min(1.0);
-    let counted = v.0.reading().map_or(0.0, |reading| 1e-9 * reading.column);
-    let by =
-        0.002 * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t)) + counted * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
+    let column = |seen: Option<Counted>| seen.map_or(0.0, |reading| 1e-9 * reading.column);
+    let seen = column(v.0.reading()) + column(v.1.reading());
+    let by = (0.002 + seen) * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
     Step::Next((Turned { by }, Turned { by: -by }))
 }
 
@@ -209,7 +249,7 @@ fn smooth(u: f64) -> f64 {
 
 fn arm(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
     let from = ecp.image().demanded().joints;
-    let go = |angle, duration| GoTo { angle, duration, from, t: 0.0 };
+    let go = |angle, duration| GoTo { angle, duration, from, t: 0.0, calls: Calls::of("ecp") };
     for _ in 0..2 {
         ecp.obey(|ecp, phase: Phase| match phase {
             Phase::Out => ecp.move_robot((), go(0.01, 1.0)).map(drop),
@@ -225,6 +265,7 @@ struct GoTo {
     duration: f64,
     from: Six,
     t: f64,
+    calls: Calls,
 }
 
 #[generator(ecp)]
@@ -235,6 +276,7 @@ impl GoTo {
     }
 
     fn next_step(&mut self, t: Tick) -> Step<Irp6> {
+        self.calls.note();
         if self.t >= self.duration {
             return Step::Done;
         }

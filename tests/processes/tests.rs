@@ -6,11 +6,14 @@ use std::time::Duration;
 
 use rustix::process::Signal;
 
-use crate::launch::{Launch, Place, Process, demanded, periods_at_rest, segments, wait_for_end, wait_until};
+use crate::allocations::STEPS;
+use crate::launch::{
+    Launch, Period, Place, Process, demanded, periods_at_rest, segments, wait_for_end, wait_until,
+};
 
 /// Runs those whose names contain a word of the command line, or all.
 pub fn main() -> ExitCode {
-    let all: [(&str, fn()); 8] = [
+    let own: [(&str, fn()); 9] = [
         (
             "processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link",
             processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link,
@@ -39,13 +42,16 @@ pub fn main() -> ExitCode {
             "fault_30_what_crashed_launches_left_is_removed_and_does_no_harm",
             fault_30_what_crashed_launches_left_is_removed_and_does_no_harm,
         ),
+        (
+            "a_step_of_a_process_in_any_role_allocates_nothing",
+            a_step_of_a_process_in_any_role_allocates_nothing,
+        ),
         ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
     ];
+    let all = own.iter().chain(&crate::operator::TESTS);
     let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let mut failed = false;
-    for (name, test) in
-        all.iter().filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w)))
-    {
+    for (name, test) in all.filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w))) {
         let passed = catch_unwind(test).is_ok();
         println!("test {name} ... {}", if passed { "ok" } else { "FAILED" });
         failed |= !passed;
@@ -53,14 +59,23 @@ pub fn main() -> ExitCode {
     if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-const REAL: &[&str] = &["--processes", "--quiet"];
+pub const REAL: &[&str] = &["--processes", "--quiet"];
 const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
-const MEMORY: &[&str] = &["--no-picture", "--quiet"];
-const ROBOTS: [&str; 2] = ["left", "right"];
+pub const MEMORY: &[&str] = &["--no-picture", "--quiet"];
+pub const ROBOTS: [&str; 2] = ["left", "right"];
+
+/// The MP, two ECPs and EDPs, the plant, four VSPs.
+const PROCESSES: usize = 10;
+
+/// Steps that an EDP or the drives bridge, `L` at 2 ms.
+const L: usize = 10;
+
+/// Servo periods in which a robot's brakes bring it to a standstill; as long as its own braking may take.
+const BRAKES: usize = 108;
 
 /// Steps in which a robot must stand after a process is gone, `L + 2 + T_b`: at 2 ms `L` = 10, and the IRp-6 brakes from
 /// 1.5 rad/s at 7 rad/s2 in 108 steps; two more until its drives are where the last demand was.
-const BOUND: usize = 10 + 2 + 108 + 2;
+const BOUND: usize = L + 2 + 108 + 2;
 
 fn processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_link() {
     let place = Place::new(0);
@@ -73,6 +88,10 @@ fn processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_li
         // 1 s out, 1.5 s back and 1 s of tight motion, in periods of 2 ms.
         assert!(record.len() > 1750, "{}", record.len());
         assert_eq!(record, processes.record(robot), "{robot}");
+        // So did the drives, until their commands stopped.
+        let (own, apart) = (memory.drives(robot), processes.drives(robot));
+        assert!(own.len() >= record.len() && apart.starts_with(&own), "{robot}");
+        assert!(apart.len() - own.len() <= L + 1, "{robot}");
     }
     processes.assert_nothing_left(&[]);
 }
@@ -97,20 +116,33 @@ fn assert_ended_well_or_late(launch: &Launch, status: Option<i32>) {
     }
 }
 
-fn is_late(said: &str) -> bool {
-    ["the process at the other end is gone", "demanded acceleration exceeds", "demanded velocity exceeds"]
-        .iter()
-        .any(|kind| said.contains(kind))
+pub fn is_late(said: &str) -> bool {
+    [
+        "the process at the other end is gone",
+        "too many steps were missed",
+        "demanded acceleration exceeds",
+        "demanded velocity exceeds",
+    ]
+    .iter()
+    .any(|kind| said.contains(kind))
 }
 
-/// A robot stands when its EDP goes; one whose EDP was killed is not told anything more.
-fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
+/// A robot stands when its EDP goes, and whatever was killed, its drives stand when the plant goes. One whose EDP was killed
+/// is not told anything more, and without the plant there is no robot.
+pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
+    let is_killed = |role: &str| killed.is_some_and(|killed| killed.role == role);
+    if is_killed("plant") {
+        return;
+    }
     for robot in ROBOTS {
-        if killed.is_some_and(|killed| killed.role == format!("edp {robot}")) {
-            continue;
-        }
         let record = launch.record(robot);
-        assert!(record.is_empty() || periods_at_rest(&record) >= 2, "{robot}: {:?}", record.last());
+        assert!(
+            is_killed(&format!("edp {robot}")) || record.is_empty() || periods_at_rest(&record) >= 2,
+            "{robot}: {:?}",
+            record.last()
+        );
+        let drives = launch.drives(robot);
+        assert!(drives.last().is_none_or(Period::stands), "{robot}: {:?}", drives.last());
     }
 }
 
@@ -119,15 +151,18 @@ fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the
     let mut reference = place.start("reference", MEMORY);
     assert!(reference.end().success(), "{}", reference.said());
     let mut random = Random::new();
-    let mut stopped = 0;
+    let (mut stopped, mut braked) = (0, 0);
     for kill in 0..kills() {
         let mut launch = place.start("killed", VIRTUAL);
         let (killed, processes) = kill_one(&mut launch, &mut random, 1200);
         let status = launch.end().code();
         let said = launch.said();
         assert!(matches!(status, Some(0 | 1)), "kill {kill}, {killed:?}: {status:?}: {said}");
+        let is_killed = |role: &str| killed.as_ref().is_some_and(|killed| killed.role == role);
         for robot in ROBOTS {
-            if killed.as_ref().is_some_and(|killed| killed.role == format!("edp {robot}")) {
+            if is_killed(&format!("edp {robot}")) {
+                assert_drives_brake(&launch, robot);
+                braked += 1;
                 continue;
             }
             let (record, whole) = (launch.record(robot), reference.record(robot));
@@ -139,7 +174,24 @@ fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the
         stopped += usize::from(status == Some(1));
         launch.assert_nothing_left(&processes);
     }
-    println!("{} kills in lock-step, {stopped} stopped the cell (seed {})", kills(), random.seed);
+    println!(
+        "{} kills in lock-step, {stopped} stopped the cell, {braked} robots stood by their drives' brakes (seed {})",
+        kills(),
+        random.seed
+    );
+}
+
+/// Row 1: drives whose EDP is gone bridge `L` steps, then brake, and stand.
+fn assert_drives_brake(launch: &Launch, robot: &str) {
+    let (commanded, drives) = (launch.record(robot).len(), launch.drives(robot));
+    let Some(last) = drives.last() else { return };
+    let braked = drives.iter().position(|period| !period.powered).expect("they brake");
+    // The EDP may be gone before it has written what it commanded last.
+    let bridged = braked.saturating_sub(commanded);
+    assert!((L..=L + 1).contains(&bridged), "{robot}: {bridged} periods bridged");
+    let braking = drives[braked..].iter().take_while(|period| !period.stands()).count();
+    assert!(braking <= BRAKES && last.stands(), "{robot}: {braking} periods");
+    assert!(drives[braked..].iter().all(|period| !period.powered), "{robot}: powered again");
 }
 
 fn fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards() {
@@ -177,10 +229,17 @@ fn fault_07_a_kill_at_any_moment_ends_the_cell_cleanly() {
     let place = Place::new(3);
     let mut random = Random::new();
     let mut tally = [0; 3];
+    let (mut killed_plants, mut missed) = (0, 0);
     for kill in 0..kills() {
         let mut launch = place.start("killed", REAL);
-        // One in two dies while the cell starts.
-        let (killed, processes) = kill_one(&mut launch, &mut random, if kill % 2 == 0 { 150 } else { 1500 });
+        // One in two dies while the cell starts, the others while robots move.
+        let starting = kill % 2 == 0;
+        while !starting && launch.record("left").is_empty() && launch.end_if_over().is_none() {
+            launch.let_run(Duration::from_millis(1));
+        }
+        let (killed, processes) = kill_one(&mut launch, &mut random, if starting { 300 } else { 3500 });
+        killed_plants += usize::from(killed.as_ref().is_some_and(|killed| killed.role == "plant"));
+        missed += usize::from(killed.is_none());
         let status = launch.end().code();
         let said = launch.said();
         match status {
@@ -199,7 +258,8 @@ fn fault_07_a_kill_at_any_moment_ends_the_cell_cleanly() {
     let mut next = place.start("next", VIRTUAL);
     assert!(next.end().success(), "{}", next.said());
     println!(
-        "{} kills: {} cells ran on or started again, {} stopped for the killed process, {} were late (seed {})",
+        "{} kills, {killed_plants} of them of the plant, {missed} before or after all processes: {} cells ran on or started \
+         again, {} stopped for the killed process, {} were late (seed {})",
         kills(),
         tally[0],
         tally[1],
@@ -223,7 +283,7 @@ fn kill_one(launch: &mut Launch, random: &mut Random, millis: u64) -> (Option<Pr
 fn fault_28_a_second_launch_is_refused_with_the_number_of_the_first() {
     let place = Place::new(4);
     let mut first = place.start("first", VIRTUAL);
-    while first.processes().len() < 8 {
+    while first.processes().len() < PROCESSES {
         first.let_run(Duration::from_millis(1));
     }
     let mut second = place.start("second", REAL);
@@ -246,7 +306,7 @@ fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
         crashed.let_run(Duration::from_millis(1));
     }
     let processes = crashed.processes();
-    assert_eq!(processes.len(), 8, "{processes:?}");
+    assert_eq!(processes.len(), PROCESSES, "{processes:?}");
     crashed.signal(Signal::KILL);
     crashed.end();
     // Without their launcher all end, and the robots stand.
@@ -276,6 +336,25 @@ fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
         assert_eq!(segments(&session), Vec::<String>::new());
     }
     println!("a crashed launch left {left_segments} segments; the next one removed them, and 100 sessions");
+}
+
+fn a_step_of_a_process_in_any_role_allocates_nothing() {
+    let place = Place::new(8);
+    let roles = ["mp", "ecp", "edp left", "edp right", "plant left", "plant right", "vsp count", "vsp free"];
+    for (counts, arguments) in [("virtual", VIRTUAL), ("real", REAL)] {
+        let mut launch = place.count(counts, arguments);
+        let status = launch.end().code();
+        assert_ended_well_or_late(&launch, status);
+        let mut counted = 0;
+        for role in roles {
+            let text = launch.text(role);
+            // A cell that was too late for its machine has not come so far.
+            assert!(!text.is_empty() || status == Some(1), "{role} of {counts} has not been counted");
+            assert!(text.is_empty() || text == "0", "{role} of {counts}: {text} allocations");
+            counted += usize::from(!text.is_empty());
+        }
+        println!("{counts}: no allocations in {STEPS} steps of {counted} of {} roles", roles.len());
+    }
 }
 
 fn an_interrupt_aborts_and_ends_the_cell() {

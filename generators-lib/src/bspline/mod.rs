@@ -26,6 +26,7 @@ mod moving;
 mod parametrisation;
 mod point;
 mod span;
+mod span_length;
 mod stream;
 mod window;
 
@@ -36,5 +37,6 @@ pub use moving::{Method, MovingSegment, Poll, SplineError, SplineSettings, WINDO
 pub use parametrisation::Parametrisation;
 pub use point::{Junction, Part, PathSpan, SpanEnd, SplinePoint};
 pub use span::{Span, SpanGeometry};
+pub use span_length::SpanLength;
 pub use stream::SpanStream;
 pub use window::{EndCondition, first_slopes};

@@ -7,6 +7,8 @@ use mrroc::{
 };
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
+use super::Joined;
+
 /// How fast and how far a correction may go; all within 1e-9 and 1e9.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CorrectionLimits {
@@ -24,7 +26,8 @@ pub struct CorrectionLimits {
     pub oldest: u32,
 }
 
-/// Adds to what a generator `G` without sensors demands, poses or displacements, a correction in the tool's own axes: `X_WE X_EE'`.
+/// Adds to what a generator `G` of one sensor at most demands, poses or displacements, a correction in the tool's own axes:
+/// `X_WE X_EE'`. The sensor of the correction is the last.
 /// The correction `X_EE'` goes towards what `correct` makes of a reading, at a limited speed and acceleration; without a
 /// reading it stays. The generator knows nothing of it.
 pub struct Corrected<G, S: Sensor> {
@@ -38,7 +41,7 @@ pub struct Corrected<G, S: Sensor> {
     of: PhantomData<S>,
 }
 
-impl<G: Generator<Language = Motion, Sensors = ()>, S: Sensor> Corrected<G, S> {
+impl<G: Generator<Language = Motion>, S: Sensor> Corrected<G, S> {
     /// `generator`, displaced by what `correct` makes of a reading, within `limits`.
     #[must_use]
     pub fn by(generator: G, correct: fn(&S::Reading) -> Pose, limits: CorrectionLimits) -> Self {
@@ -111,13 +114,14 @@ fn pull(x: &mut Vector3<f64>, v: &mut Vector3<f64>, goal: &Vector3<f64>, speed: 
 
 impl<G, S, R> Generator for Corrected<G, S>
 where
-    G: Generator<Robots = R, Language = Motion, Sensors = ()>,
+    G: Generator<Robots = R, Language = Motion>,
+    G::Sensors: Joined<(S,)>,
     S: Sensor,
     R: Robot,
 {
     type Robots = R;
     type Language = Motion;
-    type Sensors = (S,);
+    type Sensors = <G::Sensors as Joined<(S,)>>::All;
     type Order = G::Order;
     const CLASS: Class = {
         let mut class = G::CLASS;
@@ -131,23 +135,25 @@ where
         &mut self,
         c0: &Order<G::Order>,
         e: &State<R>,
-        v: &Reading<(S,)>,
+        v: &Reading<Self::Sensors>,
         t: Tick,
     ) -> Result<Step<R>, Fault> {
         self.check()?;
-        let step = self.generator.first_step(c0, e, &Reading::new(()), t)?;
-        self.corrected(step, v, t)
+        let (own, v) = G::Sensors::split(v);
+        let step = self.generator.first_step(c0, e, &own, t)?;
+        self.corrected(step, &v, t)
     }
 
     fn next_step(
         &mut self,
         c0: &Order<G::Order>,
         e: &State<R>,
-        v: &Reading<(S,)>,
+        v: &Reading<Self::Sensors>,
         t: Tick,
     ) -> Result<Step<R>, Fault> {
-        let step = self.generator.next_step(c0, e, &Reading::new(()), t)?;
-        self.corrected(step, v, t)
+        let (own, v) = G::Sensors::split(v);
+        let step = self.generator.next_step(c0, e, &own, t)?;
+        self.corrected(step, &v, t)
     }
 }
 
@@ -155,10 +161,11 @@ where
 mod tests {
     use super::*;
     use crate::cooperation::Displacement;
-    use crate::generators::ToolOffset;
+    use crate::force::{Behaviour, ForceControl, Give};
+    use crate::generators::{ForceLaw, ToolOffset};
     use crate::line::ToolLimits;
     use crate::profile::ProfileLimits;
-    use mrroc::{RobotImage, RobotState, SensorImage};
+    use mrroc::{RobotImage, RobotState, SensorImage, Wrench};
     use mrroc_robots::{Irp6, Six};
 
     struct Seam;
@@ -204,5 +211,41 @@ mod tests {
         assert!((end - Vector3::new(0.2, 0.01, 0.0)).norm() < 1e-6, "{end}");
         let far = generator.advance(&seam(0.03), t).expect_err("out of bounds");
         assert!(far.excess().is_some_and(|x| x.actual == 0.03 && x.limit == 0.02));
+    }
+
+    struct Wrist;
+
+    impl Sensor for Wrist {
+        const KIND: &'static str = "wrist";
+        type Reading = Wrench;
+        type Configuration = ();
+    }
+
+    /// Pressing on a surface along z by a wrist's readings, drawn aside along y by those of a seam.
+    #[test]
+    fn a_generator_that_has_a_sensor_of_its_own_is_corrected_by_another() {
+        let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
+        axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+        let law = ForceControl::new(axes).expect("in range");
+        let bounds =
+            CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, way: 0.02, angle: 0.1, oldest: 1 };
+        let press = ForceLaw::<Irp6, Wrist>::lasting(law, 4.0, 1);
+        let mut generator = Corrected::<_, Seam>::by(press, |seam| seam.pose, bounds);
+        let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
+        let (c0, e) = (Order::new(()), State::new(RobotImage::new(state, state)));
+        let (mut at, t) = (Vector3::<f64>::zeros(), Tick { step: 0, dt: 2e-3, duration: 2e-3 });
+        for i in 0..1900 {
+            let felt = Wrench::new(Vector3::new(0.0, 0.0, -2000.0 * at.z.max(0.0)), Vector3::zeros());
+            let seam = Displacement { pose: Pose::translation(0.0, 0.01, 0.0) };
+            let v = Reading::<(Wrist, Seam)>::new((SensorImage::new(felt, 0), SensorImage::new(seam, 0)));
+            let step = if i == 0 {
+                generator.first_step(&c0, &e, &v, t)
+            } else {
+                generator.next_step(&c0, &e, &v, t)
+            };
+            let Ok(Step::Next(demand)) = step else { panic!("{step:?}") };
+            at = demand.as_pose().expect("a pose").translation.vector;
+        }
+        assert!((at - Vector3::new(0.0, 0.01, 10.0 / 2000.0)).norm() < 1e-6, "{at}");
     }
 }

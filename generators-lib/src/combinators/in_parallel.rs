@@ -2,10 +2,13 @@
 
 use mrroc::{Class, Demand, Fault, Generator, Level, Motion, Order, Reading, Robot, State, Step, Tick};
 
+use super::Joined;
+
 /// Runs a generator of one robot and a generator of another, both written for ECPs, as one motion of the MP: they begin in the
 /// same step and share its path time; the one that is done first holds until the other is, too.
 ///
-/// For generators without sensors and orders. Its robots have transparent ECPs.
+/// For generators without orders, and of one sensor at most each: the sensors are those of the first, then those of the
+/// second. Its robots have transparent ECPs.
 pub struct InParallel<A, B> {
     parts: (A, B),
     done: (bool, bool),
@@ -32,14 +35,15 @@ fn told<R: Robot>(step: Step<R>, done: &mut bool) -> Demand<R> {
 
 impl<A, B, R, S> Generator for InParallel<A, B>
 where
-    A: Generator<Robots = R, Language = Motion, Sensors = (), Order = ()>,
-    B: Generator<Robots = S, Language = Motion, Sensors = (), Order = ()>,
+    A: Generator<Robots = R, Language = Motion, Order = ()>,
+    B: Generator<Robots = S, Language = Motion, Order = ()>,
+    A::Sensors: Joined<B::Sensors>,
     R: Robot,
     S: Robot,
 {
     type Robots = (R, S);
     type Language = Motion;
-    type Sensors = ();
+    type Sensors = <A::Sensors as Joined<B::Sensors>>::All;
     type Order = ();
     const CLASS: Class = {
         let (a, b) = (A::CLASS, B::CLASS);
@@ -54,11 +58,12 @@ where
         &mut self,
         c0: &Order<()>,
         e: &State<(R, S)>,
-        v: &Reading<()>,
+        v: &Reading<Self::Sensors>,
         t: Tick,
     ) -> Result<Step<(R, S)>, Fault> {
-        let one = told(self.parts.0.first_step(c0, &State::new(e.0), v, t)?, &mut self.done.0);
-        let two = told(self.parts.1.first_step(c0, &State::new(e.1), v, t)?, &mut self.done.1);
+        let v = A::Sensors::split(v);
+        let one = told(self.parts.0.first_step(c0, &State::new(e.0), &v.0, t)?, &mut self.done.0);
+        let two = told(self.parts.1.first_step(c0, &State::new(e.1), &v.1, t)?, &mut self.done.1);
         Ok(if self.done == (true, true) { Step::Done } else { Step::Next((one, two)) })
     }
 
@@ -66,15 +71,15 @@ where
         &mut self,
         c0: &Order<()>,
         e: &State<(R, S)>,
-        v: &Reading<()>,
+        v: &Reading<Self::Sensors>,
         t: Tick,
     ) -> Result<Step<(R, S)>, Fault> {
-        let (mut one, mut two) = (Demand::hold(), Demand::hold());
+        let (v, mut one, mut two) = (A::Sensors::split(v), Demand::hold(), Demand::hold());
         if !self.done.0 {
-            one = told(self.parts.0.next_step(c0, &State::new(e.0), v, t)?, &mut self.done.0);
+            one = told(self.parts.0.next_step(c0, &State::new(e.0), &v.0, t)?, &mut self.done.0);
         }
         if !self.done.1 {
-            two = told(self.parts.1.next_step(c0, &State::new(e.1), v, t)?, &mut self.done.1);
+            two = told(self.parts.1.next_step(c0, &State::new(e.1), &v.1, t)?, &mut self.done.1);
         }
         Ok(if self.done == (true, true) { Step::Done } else { Step::Next((one, two)) })
     }
@@ -83,9 +88,10 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::generators::JointMove;
-    use mrroc::{Cell, RobotSetup};
+    use crate::generators::{GuardedApproach, JointMove};
+    use mrroc::{Cell, Pose, RobotImage, RobotSetup, RobotState, Sensor, SensorImage, Wrench};
     use mrroc_robots::{Irp6, Polycrank, Seven, Simulated, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
     use std::time::Duration;
 
     #[test]
@@ -108,5 +114,50 @@ mod tests {
         assert!((1.0..1.02).contains(&duration), "{duration} s");
         assert!((shafts.0.state().position - q6 - Six::repeat(0.05)).amax() < 1e-3);
         assert!((shafts.1.state().position - q7 - Seven::repeat(0.2)).amax() < 1e-3);
+    }
+
+    struct Touch;
+
+    impl Sensor for Touch {
+        const KIND: &'static str = "touch";
+        type Reading = Wrench;
+        type Configuration = ();
+    }
+
+    #[test]
+    fn each_of_two_arms_stops_at_its_own_contact() {
+        let approach = || {
+            GuardedApproach::<Irp6, Touch>::along(Vector3::z_axis(), 0.05, 0.5, 1.0, |felt: &Wrench| {
+                felt.force.z < -1.0
+            })
+        };
+        let mut both = InParallel::of(approach(), approach());
+        let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
+        let image = RobotImage::<Irp6>::new(state, state);
+        let (c0, e) = (Order::new(()), State::new((image, image)));
+        let felt = |pressed: bool| {
+            SensorImage::new(
+                Wrench::new(-Vector3::z() * f64::from(u8::from(pressed)) * 2.0, Vector3::zeros()),
+                0,
+            )
+        };
+        // The first feels something in step 20, the second in step 50.
+        for step in 0..=50 {
+            let v = Reading::<(Touch, Touch)>::new((felt(step >= 20), felt(step >= 50)));
+            let t = Tick { step, dt: 2e-3, duration: 2e-3 };
+            let told =
+                if step == 0 { both.first_step(&c0, &e, &v, t) } else { both.next_step(&c0, &e, &v, t) };
+            match told.expect("no fault") {
+                Step::Next((one, two)) => {
+                    assert!(step < 50);
+                    assert_eq!(
+                        (one.as_pose().is_some(), two.as_pose().is_some()),
+                        (step < 20, true),
+                        "{step}"
+                    );
+                }
+                Step::Done => assert_eq!(step, 50),
+            }
+        }
     }
 }

@@ -13,6 +13,7 @@
 //! - [`Displacement`]: the numeric order of tight cooperation, which an ECP only transmits;
 //! - [`KinematicLoop`], [`Transform`]: loops that share a drive frame, as in KALI;
 //! - [`Smoothed`]: a measured pose as a reference, for a slave;
+//! - [`TrackedFrame`]: a frame that moves by itself, by readings that are late;
 //! - [`InternalForce`], [`SqueezeLaw`]: what the arms do to the body besides moving it, and how to reduce it;
 //! - [`dry_run`], [`Arm`]: whether every arm can follow, asked before anything moves; [`FreeDirection`] for arms with
 //!   fewer joints than a pose has coordinates.
@@ -28,6 +29,7 @@ mod grasp;
 mod internal_force;
 mod smoothed;
 mod squeeze;
+mod tracked;
 
 pub use attainable::{Arm, ArmModel, Cause, Direction, DryRunError, FreeDirection, Unattainable, dry_run};
 pub use body_path::{BodyPath, SplineBody, StraightBody, TimedBody};
@@ -37,3 +39,4 @@ pub use grasp::{BodyFrame, Grasps};
 pub use internal_force::{GraspStiffness, InternalForce, Sharing, central_squeeze};
 pub use smoothed::Smoothed;
 pub use squeeze::{BadSqueeze, Correction, SqueezeBounds, SqueezeGains, SqueezeLaw};
+pub use tracked::{TrackedFrame, Tracking};

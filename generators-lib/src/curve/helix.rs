@@ -1,5 +1,6 @@
 //! Turns about an axis while advancing along it.
 
+use super::sine::sin_cos;
 use super::{Curve, CurveError, CurvePoint, finite};
 use nalgebra::{UnitVector3, Vector3};
 
@@ -12,8 +13,9 @@ pub struct Helix {
     /// Advance per angle [m/rad].
     advance: Vector3<f64>,
     angle: f64,
-    /// Length per angle [m/rad].
-    rate: f64,
+    length: f64,
+    /// Angle per length [rad/m].
+    per_length: f64,
     end: Option<Vector3<f64>>,
 }
 
@@ -44,12 +46,32 @@ impl Helix {
             return Err(CurveError::Coincident);
         }
         let radial = [radial, turn.cross(&radial)];
-        Ok(Helix { centre, radial, advance: turn * per_angle, angle: angle.abs(), rate, end: None })
+        let (advance, angle, per_length) = (turn * per_angle, angle.abs(), 1.0 / rate);
+        Ok(Helix { centre, radial, advance, angle, length: rate * angle, per_length, end: None })
     }
 
     /// The same, ending at a point that differs from its own end by rounding.
     pub(super) fn ending_at(self, end: Vector3<f64>) -> Self {
         Helix { end: Some(end), ..self }
+    }
+
+    /// Where it has turned by `angle` \[rad\].
+    #[inline]
+    fn turned(&self, angle: f64) -> CurvePoint {
+        let (sin, cos) = sin_cos(angle);
+        let ([x, y], i) = (self.radial, self.per_length);
+        let (out, across) = (x * cos + y * sin, y * cos - x * sin);
+        CurvePoint {
+            position: self.centre + out + self.advance * angle,
+            tangent: (across + self.advance) * i,
+            curvature: out * (-i * i),
+        }
+    }
+
+    #[cold]
+    fn end(&self) -> CurvePoint {
+        let end = self.turned(self.angle);
+        CurvePoint { position: self.end.unwrap_or(end.position), ..end }
     }
 
     /// Radius \[m\].
@@ -73,20 +95,14 @@ impl Helix {
 
 impl Curve for Helix {
     fn length(&self) -> f64 {
-        self.rate * self.angle
+        self.length
     }
 
     #[inline]
     fn at(&self, s: f64) -> CurvePoint {
-        let angle = (s / self.rate).clamp(0.0, self.angle);
-        let (sin, cos) = angle.sin_cos();
-        let [x, y] = self.radial;
-        let (out, across) = (x * cos + y * sin, y * cos - x * sin);
-        let position = match self.end {
-            Some(end) if angle == self.angle => end,
-            _ => self.centre + out + self.advance * angle,
-        };
-        let i = 1.0 / self.rate;
-        CurvePoint { position, tangent: (across + self.advance) * i, curvature: out * (-i * i) }
+        if s >= self.length {
+            return self.end();
+        }
+        self.turned(s.max(0.0) * self.per_length)
     }
 }

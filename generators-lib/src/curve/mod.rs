@@ -10,30 +10,47 @@
 //! | [`Arc`], through three points or about an axis | exact |
 //! | [`Helix`] | exact |
 //! | [`Ellipse`], whole or in part | quadrature, error below 1e-9 of the long axis for axes up to 1 : 20 |
+//! | [`ByLength`] of a [`Nurbs`] or of a [`CubicSpline`] in space | quadrature, error below 1e-9 but near cusps |
 //! | [`SpanCurve`]: [`blended`] polylines, splines in space | quadrature, error below 1e-9 but near cusps |
 //!
-//! [`CurveBody`] leads a body along any of them; [`Screw`] is the screw motion between two poses; [`CubicSpline`]
-//! interpolates vectors of any dimension, such as joints, twice continuously differentiable.
+//! [`TurnedCurve`] leads a tool along any of them while it turns, [`CurveBody`] a body at its start's orientation;
+//! [`Screw`] is the screw motion between two poses; [`CubicSpline`]
+//! interpolates vectors of any dimension, such as joints, or smooths them, twice continuously differentiable; so are the
+//! [`RotationSpline`] through orientations and the [`PoseSpline`] through poses.
 
 mod arc;
 mod body;
+mod by_length;
 mod cubic_spline;
 mod ellipse;
 mod helix;
+mod nurbs;
+mod parametric;
 mod polyline;
+mod pose_spline;
+mod rotation_spline;
 mod screw;
 mod segment;
+mod sine;
+mod smoothing;
 mod spans;
+mod turned;
 
 pub use arc::Arc;
 pub use body::CurveBody;
+pub use by_length::ByLength;
 pub use cubic_spline::{CubicSpline, SplineEnds, SplinePoint};
 pub use ellipse::Ellipse;
 pub use helix::Helix;
+pub use nurbs::Nurbs;
+pub use parametric::Parametric;
 pub use polyline::blended;
+pub use pose_spline::{PoseBounds, PoseSpline};
+pub use rotation_spline::RotationSpline;
 pub use screw::Screw;
 pub use segment::Segment;
 pub use spans::SpanCurve;
+pub use turned::TurnedCurve;
 
 use nalgebra::Vector3;
 use thiserror::Error;
@@ -76,6 +93,12 @@ pub enum CurveError {
     /// A spline of fewer than two knots, or of knots and points that do not match or do not rise.
     #[error("a spline needs two points or more, one per knot, and knots that rise")]
     Knots,
+    /// A weight of a spline, or its smoothing, is negative or none, or their number does not match the points.
+    #[error("a spline's weights must be greater than 0, one per point, its smoothing 0 or more, all finite")]
+    Weights,
+    /// Orientations so far apart that no smooth way between them is found.
+    #[error("the orientations turn too far from knot to knot for a smooth way: help: put more in between")]
+    Turn,
     /// The deviation allowed at corners is not positive.
     #[error("the deviation {0} m allowed at corners must be finite and greater than 0")]
     Deviation(f64),

@@ -1,12 +1,15 @@
 //! A piece of a span with one speed limit.
 
 use super::FeedLimits;
-use crate::bspline::{Span, length_measured};
+use crate::bspline::{Span, SpanLength, length_measured};
+use nalgebra::Vector3;
 
 /// Most cells of one span, a power of two: four halvings.
 pub(super) const CELLS_PER_SPAN: usize = 16;
-/// A bound of the curvature this much above the curvature found is near enough.
-const NEAR: f64 = 1.1;
+/// A bound of the curvature this much above the curvature found is near enough; what it is then is no matter of chance.
+const NEAR: f64 = 1.05;
+/// Relative difference of two curvatures that are one, but for what a window of the spline leaves.
+const SAME: f64 = 1e-2;
 
 /// A piece of a span with one speed limit, and what the planner allows at its start.
 #[derive(Clone, Copy, Debug)]
@@ -16,41 +19,92 @@ pub(super) struct Cell {
     pub(super) u: [f64; 2],
     /// Length \[m\].
     pub(super) length: f64,
+    /// The span's length by its parameter, where that is a polynomial, and the length at the first parameter \[m\].
+    pub(super) by_parameter: Option<(SpanLength, f64)>,
     /// Whether 5 Gauss nodes suffice for lengths within it.
     pub(super) plain: bool,
     /// Square of the speed limit [m^2/s^2].
     pub(super) limit2: f64,
+    /// Curvature at the first and at the last point [1/m].
+    curvature: [f64; 2],
+    /// Square of the speed limit at the first and at the last point, which falls and rises evenly in between.
+    pub(super) top2: [f64; 2],
     /// Square of the speed limit of its first point alone.
     pub(super) join2: f64,
     /// Square of the speed planned at its first point.
     pub(super) entry2: f64,
 }
 
-/// Cuts `span` into cells, in order.
-pub(super) fn cut(span: &Span, limits: &FeedLimits, mut take: impl FnMut(Cell)) {
-    let width = span.knot_span() / CELLS_PER_SPAN as f64;
-    // A dyadic grid, as for lengths: a refused piece is halved, an accepted one followed by the largest that fits.
-    let (mut at, mut size) = (0, CELLS_PER_SPAN);
-    while at < CELLS_PER_SPAN {
-        let (start, end) = (width * at as f64, width * (at + size) as f64);
-        let end = if at + size == CELLS_PER_SPAN { span.knot_span() } else { end };
-        let (bound, found) = curvature_bound(span, start, end);
-        let limit = limits.speed_at_curvature(bound);
-        if size > 1 && limit < limits.feed && bound > NEAR * found {
-            size /= 2;
-            continue;
+impl Cell {
+    /// None, for a place that is to take one.
+    pub(super) fn empty() -> Self {
+        let zero = Vector3::zeros();
+        let span = Span::cubic(zero, zero, zero, zero, 1.0);
+        Cell {
+            span,
+            u: [0.0; 2],
+            length: 0.0,
+            by_parameter: None,
+            plain: true,
+            limit2: 0.0,
+            curvature: [0.0; 2],
+            top2: [0.0; 2],
+            join2: 0.0,
+            entry2: 0.0,
         }
-        let limit = limit.min(jerk_limit(span, start, end, limits));
-        let (length, plain) = length_measured(span, start, end);
-        let limit2 = limit * limit;
-        take(Cell { span: *span, u: [start, end], length, plain, limit2, join2: limit2, entry2: 0.0 });
-        at += size;
-        size = 1 << at.trailing_zeros();
+    }
+
+    /// Where the curvature goes on from `self` into `next`, so do the limits that it sets: without this every cell would be
+    /// entered and left at the lower limit of two, and travelled at its own, by full acceleration up and down.
+    pub(super) fn join(&mut self, next: &mut Cell, feed: f64) {
+        let (ours, theirs) = (self.curvature[1], next.curvature[0]);
+        let goes_on = (ours - theirs).abs() <= SAME * ours.max(theirs);
+        if goes_on && self.limit2.max(next.limit2) < feed * feed {
+            let lower = self.limit2.min(next.limit2);
+            (self.top2[1], next.top2[0]) = (lower, lower);
+        }
     }
 }
 
-/// A bound of the curvature [1/m] over `a..=b`, and the larger of the curvatures at its ends.
-fn curvature_bound(span: &Span, a: f64, b: f64) -> (f64, f64) {
+/// Cuts `span` into cells, in order; their widths are equal, since what varied would show in the acceleration.
+pub(super) fn cut(span: &Span, limits: &FeedLimits, mut take: impl FnMut(Cell)) {
+    let table = SpanLength::new(span);
+    let mut count = 1;
+    while count < CELLS_PER_SPAN && (0..count).any(|i| is_too_wide(span, parameters(span, i, count), limits))
+    {
+        count *= 2;
+    }
+    for i in 0..count {
+        let u @ [start, end] = parameters(span, i, count);
+        let (bound, curvature) = curvature_bound(span, start, end);
+        // So is the same distance from the curvature found, where the bound is nearer than it must be.
+        let limit = limits.speed_at_curvature(bound.max(NEAR * curvature[0].max(curvature[1])));
+        let limit = limit.min(jerk_limit(span, start, end, limits));
+        let by_parameter = table.map(|table| (table, table.to(start)));
+        let (length, plain) = match &by_parameter {
+            Some((table, from)) => (table.to(end) - from, true),
+            None => length_measured(span, start, end),
+        };
+        let (limit2, span) = (limit * limit, *span);
+        let (top2, join2, entry2) = ([limit2; 2], limit2, 0.0);
+        take(Cell { span, u, length, by_parameter, plain, limit2, curvature, top2, join2, entry2 });
+    }
+}
+
+/// First and last parameter of cell `i` of `count`.
+fn parameters(span: &Span, i: usize, count: usize) -> [f64; 2] {
+    let (h, width) = (span.knot_span(), span.knot_span() / count as f64);
+    [width * i as f64, if i + 1 == count { h } else { width * (i + 1) as f64 }]
+}
+
+/// Whether the curvature of a cell limits its speed, by a bound that is far from the curvature found.
+fn is_too_wide(span: &Span, [start, end]: [f64; 2], limits: &FeedLimits) -> bool {
+    let (bound, curvature) = curvature_bound(span, start, end);
+    limits.speed_at_curvature(bound) < limits.feed && bound > NEAR * curvature[0].max(curvature[1])
+}
+
+/// A bound of the curvature [1/m] over `a..=b`, and the curvatures at its ends.
+fn curvature_bound(span: &Span, a: f64, b: f64) -> (f64, [f64; 2]) {
     let eighth = 0.125 * (b - a) * (b - a);
     let (start, end) = (span.at(a), span.at(b));
     let larger = |x: f64, y: f64| x.max(y);
@@ -68,7 +122,7 @@ fn curvature_bound(span: &Span, a: f64, b: f64) -> (f64, f64) {
     let nearest = if along > 0.0 { start.first + chord * along.min(1.0) } else { start.first };
     let least = nearest.norm() - eighth * m3;
     let bound = if least > 0.0 { bend / (least * least * least) } else { f64::INFINITY };
-    (bound, larger(start.curvature(), end.curvature()))
+    (bound, [start.curvature(), end.curvature()])
 }
 
 /// Speed limit [m/s] by jerk, from the ends and the middle.

@@ -11,11 +11,13 @@
 //! ```
 //!
 //! `rho` is the least radius of the whole cell by a bound, not by samples: with `w` the cell's width,
-//! `|f(u)| <= max at the ends + w^2/8 sup |f''|` for `f = S' x S''`, and likewise `|S'|` from below; a cell whose bound
-//! is more than a tenth above the curvature at its ends is halved, four times at most. Inside a cell the speed is
-//! the fastest trapezoid of `v^2` over the length, `|dv/dt| <= A_t`; a backward pass over the known cells, at rest
-//! behind the last of them, leaves it always able to stop on the path. So `|a| <= sqrt(A_t^2 + A_n^2)` holds at every
-//! instant, not only at samples; and since only path time is advanced, any feed override visits the same path.
+//! `|f(u)| <= max at the ends + w^2/8 sup |f''|` for `f = S' x S''`, and likewise `|S'|` from below; a span with a cell
+//! whose bound is more than 5 % above the curvature at its ends is cut into twice as many, sixteen at most. Where the
+//! curvature goes on from cell to cell, the limit of `v^2` is a line from join to join, below both cells' limits: the speed
+//! follows the curvature without chatter. Inside a cell the speed is the fastest trapezoid of `v^2` over the length under
+//! that line, `|dv/dt| <= A_t`; a backward pass over the known cells, at rest behind the last of them, leaves it always
+//! able to stop on the path. So `|a| <= sqrt(A_t^2 + A_n^2)` holds at every instant, not only at samples; and since only
+//! path time is advanced, any feed override visits the same path.
 
 mod cell;
 mod limits;

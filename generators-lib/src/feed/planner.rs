@@ -38,7 +38,7 @@ struct Travel {
     u: f64,
 }
 
-/// A feed planner over the next `HORIZON` (>= 32) cells; about `HORIZON` times 250 bytes, fixed.
+/// A feed planner over the next `HORIZON` (>= 32) cells; about `HORIZON` times 400 bytes, fixed.
 #[derive(Clone, Debug)]
 pub struct FeedPlanner<const HORIZON: usize = 64> {
     limits: FeedLimits,
@@ -64,13 +64,9 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
     pub fn new(limits: FeedLimits) -> Result<Self, FeedError> {
         const { Self::ROOMY };
         limits.validate()?;
-        let zero = Vector3::zeros();
-        let span = Span::cubic(zero, zero, zero, zero, 1.0);
-        let empty =
-            Cell { span, u: [0.0; 2], length: 0.0, plain: true, limit2: 0.0, join2: 0.0, entry2: 0.0 };
         Ok(Self {
             limits,
-            cells: [empty; HORIZON],
+            cells: [Cell::empty(); HORIZON],
             first: 0,
             count: 0,
             tail: None,
@@ -115,9 +111,11 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
         let at = (self.first + before) % HORIZON;
         self.cells[at].join2 = join2.min(self.cells[at].limit2);
         for k in before.max(1)..self.count {
-            let previous = self.cells[(self.first + k - 1) % HORIZON].limit2;
-            let cell = &mut self.cells[(self.first + k) % HORIZON];
-            cell.join2 = cell.join2.min(previous);
+            let [earlier, later] = [k - 1, k].map(|k| (self.first + k) % HORIZON);
+            let (mut previous, mut cell) = (self.cells[earlier], self.cells[later]);
+            cell.join2 = cell.join2.min(previous.limit2);
+            previous.join(&mut cell, self.limits.feed);
+            (self.cells[earlier].top2, self.cells[later]) = (previous.top2, cell);
         }
         if before == 0
             && let Some(travel) = &self.travel
@@ -197,7 +195,7 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
         let next = if self.count > 0 { self.cells[self.first].entry2 } else { 0.0 };
         let a = self.limits.tangential;
         let exit2 = next.min(entry2 + 2.0 * a * cell.length);
-        let speeds = CellTrapezoid::new(entry2, exit2, cell.limit2, cell.length, a);
+        let speeds = CellTrapezoid::new(entry2, exit2, cell.top2, cell.length, a);
         self.travel = Some(Travel { cell, speeds, exit2, time: 0.0, s: 0.0, u: cell.u[0] });
         Some(())
     }
@@ -208,10 +206,10 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
         let s = s.clamp(travel.s, travel.cell.length);
         let (span, end) = (&travel.cell.span, travel.cell.u[1]);
         let further = s - travel.s;
-        travel.u = if travel.cell.plain {
-            parameter_at_plain(span, travel.u, end, further)
-        } else {
-            parameter_at(span, travel.u, end, further)
+        travel.u = match &travel.cell.by_parameter {
+            Some((table, start)) => table.parameter_at(start + s, travel.u),
+            None if travel.cell.plain => parameter_at_plain(span, travel.u, end, further),
+            None => parameter_at(span, travel.u, end, further),
         };
         travel.s = s;
         on_span(span, travel.u, self.length + s, speed)

@@ -1,50 +1,71 @@
 //! The fastest speed over one cell between two given speeds.
+//!
+//! The square of the speed is a line of the length wherever the acceleration is constant. So it is the least of three lines:
+//! speeding up from the entry, slowing down to the exit, and the limit, which may itself rise or fall over the cell.
 
-/// Speed up, hold, slow down over a given length; the ends' speeds need not be zero.
+/// Speed up, keep to the limit, slow down over a given length; the ends' speeds need not be zero.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CellTrapezoid {
-    acceleration: f64,
-    entry: f64,
-    peak: f64,
-    exit: f64,
+    /// Acceleration of each phase [m/s^2].
+    accelerations: [f64; 3],
+    /// Speed at the start of each phase [m/s].
+    speeds: [f64; 3],
+    /// Length at the start of each phase \[m\].
+    lengths: [f64; 3],
+    /// Time at the end of each phase \[s\].
+    times: [f64; 3],
     length: f64,
-    up: f64,
-    hold: f64,
-    duration: f64,
+    exit: f64,
 }
 
 impl CellTrapezoid {
-    /// From the squares of the entry, exit and largest speed [m^2/s^2]. The entry and exit must be within the
-    /// limit and reachable from each other; `length` \[m\] > 0.
-    pub(super) fn new(entry2: f64, exit2: f64, limit2: f64, length: f64, acceleration: f64) -> Self {
-        let reachable = 0.5 * (entry2 + exit2) + acceleration * length;
-        let peak2 = limit2.min(reachable).max(entry2).max(exit2);
-        let (entry, peak, exit) = (entry2.sqrt(), peak2.sqrt(), exit2.sqrt());
-        let up = (peak - entry) / acceleration;
-        let down = (peak - exit) / acceleration;
-        let ramps = (2.0 * peak2 - entry2 - exit2) / (2.0 * acceleration);
-        let hold = if peak > 0.0 { ((length - ramps) / peak).max(0.0) } else { 0.0 };
-        Self { acceleration, entry, peak, exit, length, up, hold, duration: up + hold + down }
+    /// From the squares of the entry and exit speed [m^2/s^2], and of the limit at either end. Entry and exit must be within
+    /// the limit and reachable from each other; `length` \[m\] > 0.
+    pub(super) fn new(entry2: f64, exit2: f64, top2: [f64; 2], length: f64, acceleration: f64) -> Self {
+        let steepest = 2.0 * acceleration;
+        let slope = (top2[1] - top2[0]) / length;
+        // Where speeding up would exceed the limit, and from where slowing down will do; a limit that is steeper than either
+        // is not met by it.
+        let meets = if slope < steepest { (top2[0] - entry2) / (steepest - slope) } else { length };
+        let leaves = if slope > -steepest { length - (top2[1] - exit2) / (steepest + slope) } else { 0.0 };
+        let (first, second, squares) = if meets < leaves {
+            let (first, second) = (meets.max(0.0), leaves.min(length));
+            (first, second, [top2[0] + slope * first, top2[0] + slope * second])
+        } else {
+            let turn = (0.5 * (length + (exit2 - entry2) / steepest)).clamp(0.0, length);
+            (turn, turn, [(entry2 + steepest * turn).max(exit2); 2])
+        };
+        let (entry, exit) = (entry2.sqrt(), exit2.sqrt());
+        let [meeting, leaving] = squares.map(|square| square.max(0.0).sqrt());
+        let time = |way: f64, from: f64, to: f64| if way > 0.0 { 2.0 * way / (from + to) } else { 0.0 };
+        let up = time(first, entry, meeting);
+        let kept = time(second - first, meeting, leaving);
+        let down = time(length - second, leaving, exit);
+        Self {
+            accelerations: [acceleration, 0.5 * slope, -acceleration],
+            speeds: [entry, meeting, leaving],
+            lengths: [0.0, first, second],
+            times: [up, up + kept, up + kept + down],
+            length,
+            exit,
+        }
     }
 
     /// Time over the cell \[s\].
     pub(super) fn duration(&self) -> f64 {
-        self.duration
+        self.times[2]
     }
 
     /// Length \[m\] and speed [m/s] at `t` \[s\] in 0..=duration.
     #[inline]
     pub(super) fn at(&self, t: f64) -> (f64, f64) {
-        let a = self.acceleration;
-        if t < self.up {
-            return (t * (self.entry + 0.5 * a * t), self.entry + a * t);
+        // Backwards from the exit, which is met exactly.
+        if t >= self.times[1] {
+            let (left, a) = ((self.times[2] - t).max(0.0), -self.accelerations[2]);
+            return (self.length - left * (self.exit + 0.5 * a * left), self.exit + a * left);
         }
-        let left = self.duration - t;
-        if t < self.up + self.hold {
-            let t = t - self.up;
-            return (self.up * 0.5 * (self.entry + self.peak) + self.peak * t, self.peak);
-        }
-        let left = left.max(0.0);
-        (self.length - left * (self.exit + 0.5 * a * left), self.exit + a * left)
+        let (phase, start) = if t < self.times[0] { (0, 0.0) } else { (1, self.times[0]) };
+        let (t, a, v) = (t - start, self.accelerations[phase], self.speeds[phase]);
+        (self.lengths[phase] + t * (v + 0.5 * a * t), v + a * t)
     }
 }

@@ -3,11 +3,11 @@
 use core::marker::PhantomData;
 
 use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
-use nalgebra::{Translation3, Vector3};
+use nalgebra::Vector3;
 
-use mrroc_generators::curve::{Arc, Curve};
-use mrroc_generators::line::{LinePath, SmoothToolLimits};
-use mrroc_generators::profile::{JerkLimits, Profile, ProfileCursor, SevenPhase};
+use mrroc_generators::curve::{Arc, Curve, TurnedCurve};
+use mrroc_generators::line::SmoothToolLimits;
+use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 
 /// Moves the tool on the circle through a point to a pose, while it turns the short way, by one jerk-limited profile.
 ///
@@ -16,7 +16,7 @@ pub struct CircularMove<R> {
     via: Vector3<f64>,
     goal: Pose,
     limits: SmoothToolLimits,
-    path: Option<(Arc, LinePath, ProfileCursor<SevenPhase>)>,
+    path: Option<(TurnedCurve<Arc>, ProfileCursor<SevenPhase>)>,
     of: PhantomData<R>,
 }
 
@@ -29,13 +29,9 @@ impl<R: Robot> CircularMove<R> {
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
-        let Some((arc, turn, cursor)) = &mut self.path else { return Step::Done };
+        let Some((path, cursor)) = &mut self.path else { return Step::Done };
         match cursor.advance(t.dt) {
-            Some(point) => {
-                let position = Translation3::from(arc.at(point.s).position);
-                let rotation = turn.pose(point.s / cursor.profile().distance()).rotation;
-                Step::Next(Demand::pose(Pose::from_parts(position, rotation)))
-            }
+            Some(point) => Step::Next(Demand::pose(path.pose(point.s))),
             None => Step::Done,
         }
     }
@@ -46,19 +42,20 @@ impl<R: Robot> CircularMove<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         let start = e.demanded().pose;
         let arc = Arc::through(start.translation.vector, self.via, self.goal.translation.vector);
-        let arc = arc.map_err(|error| Fault::thrown(&error.to_string()))?;
-        let (turn, SmoothToolLimits { translation, rotation }) =
-            (LinePath::new(start, self.goal), self.limits);
+        let path = arc.and_then(|arc| TurnedCurve::new(arc, start, self.goal));
+        let path = path.map_err(|error| Fault::thrown(&error.to_string()))?;
+        let SmoothToolLimits { translation, rotation } = self.limits;
         // The turn's limits, as limits of the length that goes with it.
-        let rate = arc.length() / turn.angle().max(1e-12);
+        let length = path.curve().length();
+        let rate = length / path.angle().max(1e-12);
         let limits = JerkLimits {
             velocity: translation.velocity.min(rotation.velocity * rate),
             acceleration: translation.acceleration.min(rotation.acceleration * rate),
             jerk: translation.jerk.min(rotation.jerk * rate),
         };
-        let profile = SevenPhase::new(arc.length(), limits);
+        let profile = SevenPhase::new(length, limits);
         let profile = profile.map_err(|error| Fault::thrown(&error.to_string()))?;
-        self.path = Some((arc, turn, ProfileCursor::new(profile)));
+        self.path = Some((path, ProfileCursor::new(profile)));
         Ok(self.advance(t))
     }
 

@@ -2,7 +2,7 @@
 //!
 //! "Uses" is what a step takes besides the function's own state; lines are lines of code. Every class of section 6 of the
 //! paper has at least one. [`combinators`](crate::combinators) make generators out of these.
-//! What some demand over time, and their paths in space, is drawn in the folder `pictures` of this crate.
+//! What each demands over time, and its path in space, is drawn in the folder `pictures` of this crate.
 //!
 #![doc = include_str!("../../classes.md")]
 
@@ -14,14 +14,18 @@ mod curve_move;
 mod delay;
 mod eye_in_hand;
 mod follow_master;
+mod followed_frame;
 mod force_law;
 mod guarded_approach;
 mod guided_body;
 mod jog;
 mod joint_move;
 mod joint_spline;
+mod joint_via;
+mod line_via;
 mod moving_frame;
 mod ordered_force;
+mod pose_spline_move;
 mod reach_state;
 mod replay;
 mod rigid_carry;
@@ -33,6 +37,8 @@ mod smooth_line;
 mod spline_track;
 mod squeezed_carry;
 mod straight_line;
+mod time_optimal_curve;
+mod time_optimal_joints;
 mod tool_offset;
 mod transmit_displacement;
 mod watched_transmit;
@@ -46,14 +52,18 @@ pub use curve_move::CurveMove;
 pub use delay::Delay;
 pub use eye_in_hand::{EyeInHand, Servoing};
 pub use follow_master::FollowMaster;
+pub use followed_frame::FollowedFrame;
 pub use force_law::ForceLaw;
 pub use guarded_approach::GuardedApproach;
 pub use guided_body::GuidedBody;
 pub use jog::Jog;
 pub use joint_move::JointMove;
 pub use joint_spline::JointSpline;
+pub use joint_via::JointVia;
+pub use line_via::LineVia;
 pub use moving_frame::MovingFrame;
 pub use ordered_force::{OrderedForce, Pressing};
+pub use pose_spline_move::PoseSplineMove;
 pub use reach_state::{JointOrder, ReachState};
 pub use replay::Replay;
 pub use rigid_carry::RigidCarry;
@@ -65,6 +75,8 @@ pub use smooth_line::SmoothLine;
 pub use spline_track::SplineTrack;
 pub use squeezed_carry::SqueezedCarry;
 pub use straight_line::StraightLine;
+pub use time_optimal_curve::TimeOptimalCurve;
+pub use time_optimal_joints::TimeOptimalJoints;
 pub use tool_offset::ToolOffset;
 pub use transmit_displacement::TransmitDisplacement;
 pub use watched_transmit::WatchedTransmit;

@@ -12,7 +12,7 @@ use mrroc_generators::line::LinePath;
 /// has passed, the tool is at the share `b` of the straight line from its start to where the place *now* is: it leaves at rest and
 /// arrives with the velocity of the place, neither with a step.
 ///
-/// The frame moves on path time: suspended with the cell. What moves by itself must be sensed.
+/// The frame moves on path time: suspended with the cell. What moves by itself is for [`FollowedFrame`](super::FollowedFrame).
 pub struct MovingFrame<R, F> {
     frame: F,
     place: Pose,

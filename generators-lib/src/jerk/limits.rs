@@ -28,13 +28,15 @@ pub struct AxisState {
     pub acceleration: f64,
 }
 
-/// Where an axis is to arrive, without acceleration.
+/// Where an axis is to arrive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisTarget {
     /// Position \[m\].
     pub position: f64,
     /// Velocity [m/s].
     pub velocity: f64,
+    /// Acceleration [m/s^2].
+    pub acceleration: f64,
 }
 
 /// Why an axis has no plan.
@@ -58,7 +60,7 @@ pub enum JerkError {
         /// Its value, SI.
         value: f64,
     },
-    /// A number of the start or of the target lies outside its limits.
+    /// A number of the target lies outside its limits.
     #[error("{name} {value} lies outside its limits {low} to {high}")]
     Outside {
         /// Which.
@@ -132,7 +134,7 @@ impl AxisLimits {
         }
     }
 
-    /// Checks that a start is within the limits and need not leave them, and that a target is within.
+    /// Checks that a start is a number and a target within the limits, and need not come from outside.
     pub(super) fn check(&self, from: &AxisState, to: &AxisTarget) -> Result<(), JerkError> {
         let finite = [
             ("start position", from.position),
@@ -140,34 +142,47 @@ impl AxisLimits {
             ("start acceleration", from.acceleration),
             ("target position", to.position),
             ("target velocity", to.velocity),
+            ("target acceleration", to.acceleration),
         ];
         for (name, value) in finite {
             if !value.is_finite() {
                 return Err(JerkError::NotFinite { name, value });
             }
         }
-        // Where the velocity gets while the jerk ends the acceleration.
-        let inevitable = from.velocity + from.acceleration * from.acceleration.abs() / (2.0 * self.jerk);
+        // Where the velocity comes from while the jerk builds the acceleration up.
+        let before = to.velocity - to.acceleration * to.acceleration.abs() / (2.0 * self.jerk);
         let velocities = (self.min_velocity, self.max_velocity);
         let within = [
-            ("start acceleration", from.acceleration, (self.min_acceleration, self.max_acceleration)),
-            ("start velocity", from.velocity, velocities),
-            ("velocity inevitable from the start", inevitable, velocities),
+            ("target acceleration", to.acceleration, (self.min_acceleration, self.max_acceleration)),
             ("target velocity", to.velocity, velocities),
+            ("velocity inevitable before the target", before, velocities),
         ];
         for (name, value, (low, high)) in within {
-            // A state computed on a plan may exceed a limit by rounding.
-            let slack = 1e-11 * (high - low);
-            if !(value >= low - slack && value <= high + slack) {
+            if !(value >= low - slack(low, high) && value <= high + slack(low, high)) {
                 return Err(JerkError::Outside { name, value, low, high });
             }
         }
         Ok(())
     }
 
-    /// The limits, widened by the rounding that [`Self::check`] lets pass.
+    /// Whether a start is within the limits and need not leave them.
+    pub(super) fn allow(&self, from: &AxisState) -> bool {
+        let within = |value: f64, low: f64, high: f64| {
+            value >= low - slack(low, high) && value <= high + slack(low, high)
+        };
+        within(from.acceleration, self.min_acceleration, self.max_acceleration)
+            && within(from.velocity, self.min_velocity, self.max_velocity)
+            && within(self.inevitable(from), self.min_velocity, self.max_velocity)
+    }
+
+    /// Where the velocity gets while the jerk ends the acceleration.
+    fn inevitable(&self, from: &AxisState) -> f64 {
+        from.velocity + from.acceleration * from.acceleration.abs() / (2.0 * self.jerk)
+    }
+
+    /// The limits, widened by the rounding that [`Self::allow`] lets pass.
     pub(super) fn around(&self, from: &AxisState) -> Self {
-        let inevitable = from.velocity + from.acceleration * from.acceleration.abs() / (2.0 * self.jerk);
+        let inevitable = self.inevitable(from);
         AxisLimits {
             max_velocity: self.max_velocity.max(inevitable),
             min_velocity: self.min_velocity.min(inevitable),
@@ -176,4 +191,9 @@ impl AxisLimits {
             jerk: self.jerk,
         }
     }
+}
+
+/// By how much a state computed on a plan may exceed a limit: by rounding.
+fn slack(low: f64, high: f64) -> f64 {
+    1e-11 * (high - low)
 }

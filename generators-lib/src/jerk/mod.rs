@@ -1,6 +1,6 @@
 //! Jerk-limited motion from any state: the fastest, or of a given duration, on one axis or on many that arrive together.
 //!
-//! In: the state of each axis (position, velocity, acceleration), its target (position, velocity; no acceleration) and
+//! In: the state of each axis (position, velocity, acceleration), its target (the same) and
 //! its limits of velocity, acceleration and jerk, which may differ by direction. Out: position, velocity, acceleration
 //! and jerk at any instant of path time, exactly, and the extreme values that each takes.
 //!
@@ -13,10 +13,14 @@
 //! duration, hence of at most fourteen. Accuracy: the target is met exactly at the end; the motion leading there
 //! misses it by less than 1e-9 of the numbers it was computed from, or the plan is refused.
 //!
+//! A start outside its limits, or one that must leave them, is first brought back; nothing else is done there, as in
+//! Ruckig. A target outside its limits, or one that can only be reached from outside, is refused.
+//!
 //! Literature: Kröger, *On-Line Trajectory Generation in Robotic Systems* (2010); Berscheid and Kröger, *Jerk-limited
 //! Real-time Trajectory Generation with Arbitrary Target States* (RSS 2021), whose durations these equal. The
 //! extremal motions in place of its case trees are this library's own.
 
+mod brake;
 mod cursor;
 mod extremal;
 mod limits;

@@ -11,17 +11,22 @@
 //! short to turn round. Where the shortest is not asked for, `D` divides the extremal motions of the duration in a
 //! ratio, and the same ratio of the motions themselves is a motion within the limits.
 
+use super::brake::{Brake, brake};
 use super::extremal::Extremal;
 use super::profile::Phases;
 use super::rest::rest_to_rest;
 use super::{AxisLimits, AxisState, AxisTarget, JerkError, JerkProfile};
 
-/// Most blocked intervals; two are known to occur.
-const BLOCKED: usize = 4;
+/// Most blocked intervals; three are known to occur.
+const BLOCKED: usize = 6;
 
 /// How an axis reaches its target.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisPlan {
+    origin: AxisState,
+    brake: Brake,
+    /// How long the brake takes \[s\], and where it leads to.
+    delay: f64,
     start: AxisState,
     target: AxisTarget,
     limits: AxisLimits,
@@ -44,11 +49,13 @@ impl Side {
 
     fn extreme(self, start: &AxisState, target: &AxisTarget, limits: &AxisLimits, cut: bool) -> Extremal {
         if self == Side::Forwards {
-            return Extremal::new(start, target.velocity, limits, cut);
+            return Extremal::new(start, target, limits, cut);
         }
         let AxisState { position, velocity, acceleration } = *start;
         let mirrored = AxisState { position, velocity: -velocity, acceleration: -acceleration };
-        Extremal::new(&mirrored, -target.velocity, &limits.mirrored(), cut)
+        let AxisTarget { position, velocity, acceleration } = *target;
+        let arriving = AxisTarget { position, velocity: -velocity, acceleration: -acceleration };
+        Extremal::new(&mirrored, &arriving, &limits.mirrored(), cut)
     }
 }
 
@@ -56,12 +63,16 @@ impl AxisPlan {
     /// From `start` to `target` within `limits`.
     ///
     /// # Errors
-    /// A limit of the wrong sign, a number that is not finite, a start that has left the limits or must leave them, a
-    /// target's velocity outside the limits.
+    /// A limit of the wrong sign, a number that is not finite, a target outside the limits or only to be reached from there.
     pub fn new(start: &AxisState, target: &AxisTarget, limits: &AxisLimits) -> Result<Self, JerkError> {
         limits.validate()?;
         limits.check(start, target)?;
+        let origin = start;
+        let (brake, start) = &brake(origin, limits);
         let mut plan = AxisPlan {
+            origin: *origin,
+            brake: *brake,
+            delay: brake[0].0 + brake[1].0,
             start: *start,
             target: *target,
             limits: limits.around(start),
@@ -86,11 +97,15 @@ impl AxisPlan {
             plan.plan_moving(way);
         }
         check_end(start, target, &JerkProfile::through(start, &plan.fastest))?;
+        if !plan.delay.is_finite() {
+            return Err(JerkError::Precision(f64::INFINITY));
+        }
         Ok(plan)
     }
 
     fn rests(&self) -> bool {
-        self.start.velocity == 0.0 && self.start.acceleration == 0.0 && self.target.velocity == 0.0
+        let AxisPlan { start, target, .. } = self;
+        [start.velocity, start.acceleration, target.velocity, target.acceleration] == [0.0; 4]
     }
 
     /// The fastest motion and the gaps behind it, of an axis that moves at its start or at its target.
@@ -102,8 +117,8 @@ impl AxisPlan {
         let extremes = [&forwards, &backwards];
         let least_way = extremes[0].least_way();
         // On the fastest change of velocity: to the rounding of what it was computed from.
-        let (beginning, a0) = (extremes[0].beginning(), start.acceleration);
-        let speed = start.velocity.abs() + target.velocity.abs() + a0 * a0 / limits.jerk;
+        let (beginning, a0, a1) = (extremes[0].beginning(), start.acceleration, target.acceleration);
+        let speed = start.velocity.abs() + target.velocity.abs() + (a0 * a0 + a1 * a1) / limits.jerk;
         let rounding = 1e-11 * (way.abs() + least_way.abs())
             + 64.0 * f64::EPSILON * speed * beginning.duration
             + 8.0 * f64::EPSILON * (start.position.abs() + target.position.abs());
@@ -134,13 +149,19 @@ impl AxisPlan {
     /// Shortest duration \[s\].
     #[must_use]
     pub fn least(&self) -> f64 {
-        self.least
+        self.delay + self.least
+    }
+
+    /// How long the start is brought back into the limits \[s\]: 0 for one that they allow.
+    #[must_use]
+    pub fn braking(&self) -> f64 {
+        self.delay
     }
 
     /// Open intervals of longer durations \[s\] that are impossible, in no order; they may overlap or be empty.
     #[must_use]
     pub fn blocked(&self) -> [(f64, f64); BLOCKED] {
-        self.blocked
+        self.blocked.map(|(from, until)| (self.delay + from, self.delay + until))
     }
 
     /// The shortest possible duration \[s\] that is not below `duration`.
@@ -148,7 +169,7 @@ impl AxisPlan {
     pub fn possible_from(&self, duration: f64) -> f64 {
         let mut duration = duration.max(self.least());
         for _ in 0..BLOCKED {
-            for (from, until) in self.blocked {
+            for (from, until) in self.blocked() {
                 if duration > from && duration < until {
                     duration = until;
                 }
@@ -160,7 +181,7 @@ impl AxisPlan {
     /// The fastest motion.
     #[must_use]
     pub fn fastest(&self) -> JerkProfile {
-        JerkProfile::through(&self.start, &self.fastest).ending_at(self.least, &self.target)
+        self.behind_brake(JerkProfile::through(&self.start, &self.fastest), self.least())
     }
 
     /// A motion of exactly `duration` \[s\].
@@ -176,15 +197,16 @@ impl AxisPlan {
         if duration == self.least() {
             return Ok(self.fastest());
         }
+        let moving = duration - self.delay;
         let profile = if self.rests() {
-            if self.least() == 0.0 {
-                return Ok(JerkProfile::resting(start.position, duration));
+            if self.least == 0.0 {
+                return Ok(self.behind_brake(JerkProfile::resting(start.position, moving), duration));
             }
-            self.fastest().slowed(duration / self.least())
+            JerkProfile::through(start, &self.fastest).slowed(moving / self.least)
         } else {
             let extreme = |side: Side| {
                 let extreme = side.extreme(start, target, limits, false);
-                JerkProfile::through(start, &extreme.phases(&extreme.lasting(duration), side.sign()))
+                JerkProfile::through(start, &extreme.phases(&extreme.lasting(moving), side.sign()))
             };
             let (far, near) = (extreme(Side::Forwards), extreme(Side::Backwards));
             let (high, low) = (far.last().point.position, near.last().point.position);
@@ -194,7 +216,13 @@ impl AxisPlan {
             far.mixed(&near, share)
         };
         check_end(start, target, &profile)?;
-        Ok(profile.ending_at(duration, target))
+        Ok(self.behind_brake(profile, duration))
+    }
+
+    /// The whole motion, of `duration` \[s\], of that behind the brake.
+    fn behind_brake(&self, profile: JerkProfile, duration: f64) -> JerkProfile {
+        let whole = if self.delay > 0.0 { profile.after(&self.origin, &self.brake) } else { profile };
+        whole.ending_at(duration, &self.target)
     }
 }
 

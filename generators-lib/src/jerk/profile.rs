@@ -2,8 +2,8 @@
 
 use super::{AxisState, AxisTarget};
 
-/// Most phases: two profiles of seven, merged.
-pub(super) const PHASES: usize = 14;
+/// Most phases: two profiles of seven, merged, behind a brake of two.
+pub(super) const PHASES: usize = 16;
 
 /// A duration \[s\] and a jerk [m/s^3] each.
 pub(super) type Phases = [(f64, f64); 7];
@@ -155,10 +155,23 @@ impl JerkProfile {
 
     /// The same, with its end replaced by one that differs by rounding.
     pub(super) fn ending_at(mut self, duration: f64, end: &AxisTarget) -> Self {
-        let AxisTarget { position, velocity } = *end;
+        let AxisTarget { position, velocity, acceleration } = *end;
         self.knots[self.phases] =
-            Knot { time: duration, point: AxisPoint { position, velocity, acceleration: 0.0, jerk: 0.0 } };
+            Knot { time: duration, point: AxisPoint { position, velocity, acceleration, jerk: 0.0 } };
         self
+    }
+
+    /// The same behind phases that lead from `start` to where it begins.
+    pub(super) fn after(&self, start: &AxisState, phases: &[(f64, f64); 2]) -> Self {
+        let mut all: Phases = Default::default();
+        all[..2].copy_from_slice(phases);
+        let mut joined = JerkProfile::through(start, &all);
+        let (first, time) = (joined.phases, joined.duration());
+        for (knot, later) in joined.knots[first..].iter_mut().zip(&self.knots[..=self.phases]) {
+            *knot = Knot { time: time + later.time, point: later.point };
+        }
+        joined.phases = first + self.phases;
+        joined
     }
 
     /// A length of the order of the ways on this motion \[m\].
@@ -178,8 +191,8 @@ impl JerkProfile {
         self.last().time
     }
 
-    /// The axis at path time `t` \[s\]. At the end it is exactly at its target, and goes on at the target's velocity; before
-    /// 0 it is at its start.
+    /// The axis at path time `t` \[s\]. At the end it is exactly at its target, and goes on from there as the target's velocity
+    /// and acceleration say; before 0 it is at its start.
     #[must_use]
     #[inline]
     pub fn at(&self, t: f64) -> AxisPoint {

@@ -30,13 +30,15 @@ pub struct JointState<J> {
     pub acceleration: J,
 }
 
-/// Where all axes are to arrive together, without acceleration.
+/// Where all axes are to arrive together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointTarget<J> {
     /// Positions [rad or m].
     pub position: J,
     /// Velocities [rad/s or m/s].
     pub velocity: J,
+    /// Accelerations [rad/s^2 or m/s^2].
+    pub acceleration: J,
 }
 
 /// All axes at an instant.
@@ -72,11 +74,15 @@ impl<J: JointVector> JointTarget<J> {
     /// At rest.
     #[must_use]
     pub fn rest(position: J) -> Self {
-        JointTarget { position, velocity: J::zeros() }
+        JointTarget { position, velocity: J::zeros(), acceleration: J::zeros() }
     }
 
     fn axis(&self, i: usize) -> AxisTarget {
-        AxisTarget { position: self.position[i], velocity: self.velocity[i] }
+        AxisTarget {
+            position: self.position[i],
+            velocity: self.velocity[i],
+            acceleration: self.acceleration[i],
+        }
     }
 }
 
@@ -99,8 +105,7 @@ impl<J: JointVector> From<JointPoint<J>> for JointState<J> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SynchronisedMove<J> {
     axes: [JerkProfile; MAX_JOINTS],
-    end: J,
-    end_velocity: J,
+    end: JointTarget<J>,
     duration: f64,
 }
 
@@ -168,12 +173,8 @@ impl<J: JointVector> SynchronisedMove<J> {
             }
             duration = possible;
         }
-        let mut motion = SynchronisedMove {
-            axes: [JerkProfile::default(); MAX_JOINTS],
-            end: target.position,
-            end_velocity: target.velocity,
-            duration,
-        };
+        let mut motion =
+            SynchronisedMove { axes: [JerkProfile::default(); MAX_JOINTS], end: *target, duration };
         let Some(lead) = plans().nth(slowest) else { return Ok(motion) };
         let lead = lead.lasting(duration)?;
         let peaks = lead.peaks();
@@ -199,7 +200,7 @@ impl<J: JointVector> SynchronisedMove<J> {
         self.duration
     }
 
-    /// All axes at path time `t` \[s\]; exactly at the target at the end, and on from there at its velocity.
+    /// All axes at path time `t` \[s\]; exactly at the target at the end, and on from there as it moves there.
     #[must_use]
     pub fn at(&self, t: f64) -> JointPoint<J> {
         let zeros = J::zeros();
@@ -227,7 +228,7 @@ impl<J: JointVector> SynchronisedMove<J> {
     /// The target.
     #[must_use]
     pub fn target(&self) -> JointTarget<J> {
-        JointTarget { position: self.end, velocity: self.end_velocity }
+        self.end
     }
 }
 
@@ -240,7 +241,7 @@ fn ratio<J: JointVector>(
 ) -> Option<f64> {
     let numbers = |i: usize| {
         let (from, to) = (start.axis(i), target.axis(i));
-        [to.position - from.position, from.velocity, from.acceleration, to.velocity]
+        [to.position - from.position, from.velocity, from.acceleration, to.velocity, to.acceleration]
     };
     let (ours, theirs) = (numbers(i), numbers(lead));
     let ratio = ours[0] / theirs[0];

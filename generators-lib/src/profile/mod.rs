@@ -126,6 +126,6 @@ fn validate(distance: f64, velocity: f64, acceleration: f64, jerk: f64) -> Resul
 }
 
 /// What a longer duration makes of a shorter one, if it is one.
-fn check_stretch(asked: f64, least: f64) -> Result<(), ProfileError> {
+pub(crate) fn check_stretch(asked: f64, least: f64) -> Result<(), ProfileError> {
     if asked.is_finite() && asked >= least { Ok(()) } else { Err(ProfileError::Duration { asked, least }) }
 }

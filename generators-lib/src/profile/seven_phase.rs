@@ -40,7 +40,7 @@ impl SevenPhase {
         let JerkLimits { velocity, acceleration, jerk } = limits;
         validate(distance, velocity, acceleration, jerk)?;
         let axis = AxisLimits::symmetric(velocity, acceleration, jerk);
-        let target = AxisTarget { position: distance, velocity: 0.0 };
+        let target = AxisTarget { position: distance, ..AxisTarget::default() };
         let plan = AxisPlan::new(&AxisState::default(), &target, &axis);
         let plan = plan.map_err(|_| ProfileError::Precision(distance))?;
         Ok(SevenPhase { distance, motion: plan.fastest(), rate: 1.0, duration: plan.least() })

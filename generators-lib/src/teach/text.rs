@@ -24,9 +24,14 @@ fn bad<T>(line: usize, reason: impl Into<String>) -> Result<T, BadFile> {
 /// A line's words, and its number from 1.
 type Line<'a> = (usize, Vec<&'a str>);
 
+/// Words of a line that are looked at: more than any line may have, and no more memory for one that is longer.
+const MOST_WORDS: usize = 2 * MAX_COORDINATES + 4;
+
 /// Lines that hold something, without comments.
 fn lines<'a>(text: &'a str, comment: &'a str) -> impl Iterator<Item = Line<'a>> {
-    let content = move |line: &'a str| line.split(comment).next().unwrap_or("").split_whitespace().collect();
+    let content = move |line: &'a str| {
+        line.split(comment).next().unwrap_or("").split_whitespace().take(MOST_WORDS).collect()
+    };
     text.lines()
         .enumerate()
         .map(move |(i, line)| (i + 1, content(line)))

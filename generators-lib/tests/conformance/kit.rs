@@ -9,7 +9,7 @@ use mrroc::{
     Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Wrench,
 };
 use mrroc_generators::bspline::SplineSettings;
-use mrroc_generators::combinators::{Corrected, CorrectionLimits, Override};
+use mrroc_generators::combinators::{Corrected, CorrectionLimits, Handover, Override};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::{CurveError, Helix};
@@ -20,6 +20,7 @@ use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
+use mrroc_generators::timing::PathLimits;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -137,6 +138,10 @@ pub fn joint_limits(velocity: f64, acceleration: f64, jerk: f64) -> JointLimits<
         acceleration: Six::repeat(acceleration),
         jerk: Six::repeat(jerk),
     }
+}
+
+pub fn path_limits(velocity: f64, acceleration: f64, speed: f64) -> PathLimits<Six> {
+    PathLimits { velocity: Six::repeat(velocity), acceleration: Six::repeat(acceleration), speed }
 }
 
 /// Limits that are none, one at a time and all.
@@ -295,4 +300,16 @@ pub fn shown(x: f64, share: f64, space: Space) -> Option<Taught> {
     let poses = [1.0, 0.5].map(|k| TaughtPose::new(share, 0.5, &[k * x; 6]));
     let poses = poses.into_iter().collect::<Option<_>>()?;
     Some(Taught { space, reference: Reference::Relative, poses })
+}
+
+/// To a place beside the object that the camera sees.
+pub fn followed(place: Pose, rate: f64, most: f64, times: (f64, f64)) -> FollowedFrame<Irp6, Camera> {
+    let how = Tracking { rate, acceleration: most, turning: most };
+    FollowedFrame::to(|seen: &Displacement| Some(seen.pose), place, how, times, 2)
+}
+
+/// Onto a belt, and off it to `goal`.
+pub fn handed(goal: Pose, fading: f64) -> Handover<MovingFrame<Irp6, Belt>, StraightLine<Irp6>, Irp6> {
+    let limits = tool_limits(0.3, 1.0);
+    Handover::of(MovingFrame::to(belt(), start(), 0.5, 0.6), StraightLine::to(goal, limits), fading)
 }

@@ -246,4 +246,8 @@ impl VirtualSensor for SimulatedWrist {
         let reading = (raw - self.measured_bias).moved(&self.X_ES) - weight;
         Ok(self.filter(reading))
     }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
 }

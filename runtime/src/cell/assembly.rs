@@ -10,6 +10,7 @@ use crate::fault::{ProcessId, Role};
 use crate::link::{Link, Nanos};
 use crate::mp::{Mp, RobotPort};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::plant::{Rests, Site};
 use crate::sensing::Sensing;
 use crate::stopping::missed_step_budget;
@@ -34,7 +35,6 @@ impl Cell {
     ///
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up.
-    #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) fn put_on(mut self, link: &mut dyn Link) -> Result<Assembly, CellError> {
         let names = self.check()?;
         self.assemble(&names, link)
@@ -67,6 +67,7 @@ impl Cell {
         let mut requesters = Requesters {
             tape: self.tape.clone(),
             link,
+            plant: &mut plant,
             step: self.step,
             mp,
             robots: names,
@@ -108,7 +109,8 @@ impl Cell {
         link.body(
             mp,
             Box::new(move |waiter| {
-                let mut mp = Mp::new(waiter, ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                let timed = Timed::new(waiter);
+                let mut mp = Mp::new(&timed, ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 mp.watch_by(guard);
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {

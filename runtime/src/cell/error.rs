@@ -6,6 +6,7 @@ use crate::cell_file::CellFileError;
 use crate::fault::Fault;
 use crate::link::memory::Stuck;
 use crate::name::{BadName, Name};
+use crate::recording::NotRecorded;
 
 /// Why a cell did not run, or did not run to its end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -41,6 +42,9 @@ pub enum CellError {
         "sensor `{0}` of the cell's file has no VSP: add `.sensor(file.sensor(\"{0}\", ..)?)` to the cell, with the virtual sensor that computes it, or take [sensors.{0}] out of the file"
     )]
     NoVsp(String),
+    /// It cannot run as processes of the operating system; nothing has moved.
+    #[error("{0}")]
+    Processes(String),
     /// What is wrong with the cell's file.
     #[error(transparent)]
     File(#[from] CellFileError),
@@ -130,6 +134,9 @@ pub enum CellError {
     /// A configuration or a reading that is too long for a message.
     #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]
     TooLong(Name),
+    /// The run cannot be recorded.
+    #[error(transparent)]
+    Recording(#[from] NotRecorded),
     /// The processes wait for each other.
     #[error(transparent)]
     Stuck(#[from] Stuck),

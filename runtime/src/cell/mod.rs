@@ -4,6 +4,7 @@
 
 mod assembly;
 mod error;
+mod layout;
 mod limits;
 #[cfg(test)]
 mod orphans;
@@ -12,6 +13,7 @@ mod sensor;
 
 use core::time::Duration;
 use std::cell::RefCell;
+use std::path::Path;
 use std::rc::Rc;
 
 use crate::ecp::Ecp;
@@ -22,7 +24,7 @@ use crate::mp::{Mp, StepHook};
 use crate::name::Name;
 use crate::operator::Operator;
 use crate::realtime::Realtime;
-use crate::recording::Recording;
+use crate::recording::{self, Recorder, Recording};
 use crate::replay::Tape;
 use crate::robot::Robot;
 use crate::stopping::STOP_TIME;
@@ -32,6 +34,7 @@ use crate::witness::Witness;
 use robot::SharedObserver;
 use sensor::AnySensor;
 
+pub(crate) use layout::{JointLayout, Layout, RobotLayout, SensorLayout};
 pub(crate) use robot::AnyRobot;
 
 pub use error::CellError;
@@ -82,6 +85,8 @@ pub struct Cell {
     witnesses: Vec<Rc<dyn Witness>>,
     /// What it is recorded to.
     recording: Option<Recording>,
+    /// Whether a dry run comes before one in real time.
+    dry_run: bool,
     /// What it replays.
     tape: Option<Rc<Tape>>,
     /// What was found wrong while the cell was put together.
@@ -107,6 +112,7 @@ impl Cell {
             realtime: None,
             witnesses: Vec::new(),
             recording: None,
+            dry_run: false,
             tape: None,
             errors: Vec::new(),
         }
@@ -235,16 +241,45 @@ impl Cell {
         self.operator.clone()
     }
 
+    /// Its robots, for a trial to watch.
+    pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
+        self.robots.iter_mut().map(|robot| &mut **robot)
+    }
+
+    /// The length of a step.
+    pub(crate) const fn step_length(&self) -> Duration {
+        self.step
+    }
+
+    /// Steps in which the rate falls from the planned one to a standstill.
+    pub(crate) fn rate_steps(&self) -> u64 {
+        // A float becomes the nearest integer that there is.
+        (1.0 / (self.rate_change * self.step.as_secs_f64())).ceil() as u64
+    }
+
     /// How long a stop of one of its robots may take.
     #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn stop_limit(&self) -> Duration {
         self.stop_time
     }
 
-    /// What its processes ask of the machine.
+    /// Length of a step \[ns\].
     #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn step(&self) -> u64 {
+        self.step.as_nanos() as u64
+    }
+
+    /// What its processes ask of the machine.
     pub(crate) const fn realtime(&self) -> Option<&Realtime> {
         self.realtime.as_ref()
+    }
+
+    /// Asks the machine for priority and for memory that stays in its place when the cell runs as processes in real time,
+    /// and runs without them where it does not permit that: `[realtime]` of a cell's file with `permission = "best effort"`,
+    /// for a cell without a file.
+    #[must_use]
+    pub fn prefer_real_time(self) -> Cell {
+        self.ask_for(Some(Realtime::PREFERRED))
     }
 
     /// Asks this of the machine for its processes.
@@ -253,14 +288,51 @@ impl Cell {
         self
     }
 
+    /// Records every step to a file: what robots are demanded and do, what sensors read, what the MP orders. It takes the
+    /// feature `recording`.
+    #[must_use]
+    pub fn record(mut self, recording: Recording) -> Cell {
+        self.recording = Some(recording);
+        self
+    }
+
+    /// Records to this file what it is asked to record, or everything.
+    pub(crate) fn record_to(mut self, file: &Path) -> Cell {
+        let asked = self.recording.take().unwrap_or_else(|| Recording::to(file));
+        self.recording = Some(asked.into(file));
+        self
+    }
+
+    /// Records nothing.
+    pub(crate) fn unrecorded(mut self) -> Cell {
+        self.recording = None;
+        self
+    }
+
+    /// Lets no run in real time begin before a dry run has gone well.
+    pub(crate) const fn demand_dry_run(mut self) -> Cell {
+        self.dry_run = true;
+        self
+    }
+
+    /// Whether a dry run comes before one in real time.
+    pub(crate) const fn demands_dry_run(&self) -> bool {
+        self.dry_run
+    }
+
+    /// What it is recorded to.
+    pub(crate) const fn recording(&self) -> Option<&Recording> {
+        self.recording.as_ref()
+    }
+
     /// Shows what happens in the cell's processes to a witness.
     pub(crate) fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
         self.witnesses.push(witness);
         self
     }
 
-    /// Answers from a recording in place of drives, sensors and the operator. What was found wrong with it before anything
-    /// moves is [`check_tape`](crate::replay::compare)'s.
+    /// Answers from a recording in place of drives, sensors and the operator. The recording is of this cell.
+    #[cfg(feature = "recording")]
     pub(crate) fn replaying(mut self, tape: Rc<Tape>) -> Cell {
         let step = self.step;
         for robot in &mut self.robots {
@@ -278,8 +350,24 @@ impl Cell {
     /// [`CellError`]: what is wrong with the set-up, before anything moves; or the first cause of a stop.
     pub fn run(mut self) -> Result<RunReport, CellError> {
         let names = self.check()?;
+        let recorder = match &self.recording {
+            Some(recording) => Some(recording::begin(recording, &self.layout())?),
+            None => None,
+        };
+        if let Some(recorder) = &recorder {
+            let witness: Rc<Recorder> = Rc::clone(recorder);
+            self = self.witnessed_by(witness);
+        }
+        let outcome = self.run_on_memory(&names);
+        // Bodies that were given up keep theirs.
+        recorder.iter().for_each(|recorder| recorder.finish());
+        outcome
+    }
+
+    /// Runs a cell in which nothing is wrong.
+    pub(crate) fn run_on_memory(self, names: &[Name]) -> Result<RunReport, CellError> {
         let mut scheduler = Scheduler::new();
-        let assembly = self.assemble(&names, &mut scheduler)?;
+        let assembly = self.assemble(names, &mut scheduler)?;
         let time = scheduler.run()?;
         first_cause(&assembly.outcomes.borrow())?;
         Ok(RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })
@@ -332,6 +420,9 @@ impl Cell {
         }
         let without = |name: &&String| self.sensors.iter().all(|sensor| sensor.name() != name.as_str());
         errors.extend(self.expected_sensors.iter().filter(without).cloned().map(CellError::NoVsp));
+        let layout = self.recording.as_ref().map(|_| self.layout());
+        let unrecorded = self.recording.iter().zip(&layout).flat_map(|(asked, layout)| asked.check(layout));
+        errors.extend(unrecorded.map(CellError::from));
         let misplaced =
             |error: &CellError| matches!(error, CellError::NoRobot(..) | CellError::OtherKind { .. });
         let has_program = self.program.is_some() || self.robots.iter().any(|robot| robot.has_program());

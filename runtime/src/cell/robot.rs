@@ -5,6 +5,7 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use super::layout::{RobotLayout, joints};
 use super::{CellError, Outcomes, limits};
 use crate::driver::{Driver, Homing};
 use crate::ecp::{Ecp, Pace};
@@ -15,8 +16,9 @@ use crate::interpolation::InterpolationSpace;
 use crate::joints::JointVector;
 use crate::latch::Gate;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Server, Waiter};
+use crate::link::{Link, Nanos, Server, Waiter};
 use crate::name::Name;
+use crate::overruns::Timed;
 use crate::payload::Nudge;
 use crate::plant::Site;
 use crate::pose::Pose;
@@ -25,6 +27,7 @@ use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
 use crate::stopping::stop_steps;
+use crate::testing::{Bounds, Witness};
 use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
@@ -171,10 +174,14 @@ pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
     /// Its drives read from a recording.
+    #[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>);
+    fn bounds(&self) -> Bounds;
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
+    fn layout(&self) -> RobotLayout;
     fn has_program(&self) -> bool;
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
@@ -224,6 +231,26 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.drives = recorded(&self.drives, tape, step);
     }
 
+    fn witness(&mut self, witness: Rc<RefCell<Witness>>) {
+        self.observers.push(Box::new(move |record| {
+            // A time that a servo period ends at, in nanoseconds again.
+            let end = (record.time * 1e9).round() as Nanos;
+            witness.borrow_mut().see(end, record.demanded.as_slice());
+        }));
+    }
+
+    fn bounds(&self) -> Bounds {
+        let limits = self.robot.limits();
+        let vector = |joints: &R::Joints| joints.as_slice().to_vec();
+        Bounds {
+            lower: vector(&limits.lower),
+            upper: vector(&limits.upper),
+            velocity: vector(&limits.velocity),
+            acceleration: vector(&limits.acceleration),
+            servo: self.drives.period().as_nanos() as Nanos,
+        }
+    }
+
     fn name(&self) -> &str {
         &self.name
     }
@@ -234,6 +261,18 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn kind_name(&self) -> &'static str {
         R::KIND
+    }
+
+    fn layout(&self) -> RobotLayout {
+        RobotLayout {
+            name: self.name.clone(),
+            kind: R::KIND,
+            servo: self.drives.period(),
+            homed: self.is_homed(),
+            ecp_program: self.program.is_some(),
+            space: self.space,
+            joints: joints(&self.robot, &self.following_error),
+        }
     }
 
     fn has_program(&self) -> bool {
@@ -333,7 +372,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         link.body(
             place.ecp,
             Box::new(move |waiter| {
-                let mut ecp = Ecp::<'_, R>::new(process, waiter, mp, client, sensing, pace);
+                let timed = Timed::new(waiter);
+                let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace);
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
                         Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

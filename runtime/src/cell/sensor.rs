@@ -5,14 +5,16 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use super::CellError;
+use super::layout::SensorLayout;
 use crate::fault::{ProcessId, Role};
 use crate::image::Sensor;
 use crate::link::{Client, Link, Nanos, Server};
 use crate::name::Name;
+use crate::plant::Site;
 use crate::replay::Tape;
 use crate::sensing::{Sensing, SensorPort, Source};
 use crate::shape::Shape;
-use crate::vsp::{Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
+use crate::vsp::{Aggregator, Boards, CONFIGURATION_WORDS, Orders, VirtualSensor, Vsp, VspMode};
 use crate::wire::{WORDS, Wire};
 
 /// A virtual sensor of a cell.
@@ -95,6 +97,7 @@ impl<V: VirtualSensor> SensorSetup<V> {
 /// A virtual sensor of any kind.
 pub(super) trait AnySensor {
     fn name(&self) -> &str;
+    fn layout(&self) -> SensorLayout;
     fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError>;
 }
@@ -104,6 +107,7 @@ pub(super) struct Requesters<'a> {
     /// What a replay says was collected.
     pub tape: Option<Rc<Tape>>,
     pub link: &'a mut dyn Link,
+    pub plant: &'a mut Site,
     pub step: Duration,
     pub mp: usize,
     pub robots: &'a [Name],
@@ -115,6 +119,17 @@ pub(super) struct Requesters<'a> {
 impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn layout(&self) -> SensorLayout {
+        SensorLayout {
+            name: self.name.clone(),
+            kind: V::Kind::KIND,
+            of: self.robot.clone(),
+            mode: self.mode,
+            latency: self.latency,
+            reading: Self::reads().1,
+        }
     }
 
     fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError> {
@@ -139,7 +154,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         if let Some(tape) = among.tape.clone() {
             return self.replay(among, &tape);
         }
-        let Requesters { link, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
+        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, name);
@@ -180,10 +195,11 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
         let step = step.as_nanos() as Nanos;
+        let sensors = plant.take_sensor(*link, place, Aggregator { process, sensor });
         link.body(
             place,
             Box::new(move |waiter| {
-                Vsp { process, sensor, configuration, waiter, orders, latency, step }.run();
+                Vsp { sensors, configuration, waiter, orders, latency, step }.run();
             }),
         )?;
         Ok(())

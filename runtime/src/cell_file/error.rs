@@ -45,6 +45,12 @@ impl CellFileError {
         CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
     }
 
+    pub(super) fn too_long(name: &str, most: u64) -> Self {
+        let what = format!("it has more than {most} bytes");
+        let (at, help) = (name.to_owned(), "give a cell.toml; this is another file".to_owned());
+        CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
+    }
+
     /// All complaints as one, if there are any, from the file's top to its end.
     pub(super) fn all(errors: Vec<CellFileError>) -> Result<(), CellFileError> {
         let mut complaints: Vec<_> = errors.into_iter().flat_map(|error| error.complaints).collect();

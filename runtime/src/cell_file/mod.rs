@@ -7,6 +7,8 @@
 //! step_ms = 2        # Ts, the step of the cell [ms]
 //! stop_ms = 600      # the longest stop that it allows any joint [ms]; 600 unless it is said
 //! after_fault = "end"    # or "await reset": stay latched until the operator resets it; end unless it is said
+//! dry_run = true     # no run in real time before the whole program has kept all limits under the virtual clock; false
+//!                    # unless it is said
 //!
 //! [robots.arm]       # a robot of this name
 //! kind = "irp6"      # one of the program's kinds
@@ -26,6 +28,11 @@
 //! lock_memory = true # no page is fetched in a step (mlockall); true unless it is said
 //! cores = [0, 1]     # a robot's ECP and EDP share one of them; of all cores unless it is said; [] pins nothing
 //! permission = "required"   # or "best effort": run without what is not permitted; required unless it is said
+//!
+//! [recording]        # every step goes to a file; nothing is recorded unless the table is there, or by --record FILE
+//! file = "run.mcap"  # written anew by each run, in the folder in which the program runs
+//! robots = ["arm"]   # of these robots; of all unless it is said. Only a recording of everything can be replayed
+//! sensors = ["touch"]   # of these sensors; of all unless it is said
 //! ```
 
 mod entry;
@@ -34,12 +41,15 @@ mod kinds;
 mod reader;
 
 use core::time::Duration;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
 use crate::cell::{AfterFault, Cell, CellError, SensorSetup};
 use crate::image::Sensor;
 use crate::realtime::Realtime;
+use crate::recording::Recording;
 use crate::vsp::VirtualSensor;
 
 pub use entry::RobotEntry;
@@ -57,9 +67,14 @@ pub struct CellFile {
     stop_time: Option<Duration>,
     after_fault: AfterFault,
     realtime: Option<Realtime>,
+    recording: Option<Recording>,
+    dry_run: bool,
     robots: Vec<RobotEntry>,
     sensors: Vec<SensorEntry>,
 }
+
+/// The longest file \[bytes\]: a cell of 31 robots has some thousands.
+const MOST_BYTES: u64 = 1 << 20;
 
 impl CellFile {
     /// Reads the file at `path`.
@@ -69,8 +84,11 @@ impl CellFile {
     pub fn read(path: impl AsRef<Path>) -> Result<CellFile, CellFileError> {
         let path = path.as_ref();
         let name = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => CellFile::parse(&name, &text),
+        let mut text = String::new();
+        // A device has no end: one byte too many is enough to refuse it.
+        let read = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+        match read {
+            Ok(_) => CellFile::parse(&name, &text),
             Err(error) => Err(CellFileError::unreadable(&name, &error)),
         }
     }
@@ -80,6 +98,9 @@ impl CellFile {
     /// # Errors
     /// [`CellFileError`] with everything that is wrong with it.
     pub fn parse(name: &str, text: &str) -> Result<CellFile, CellFileError> {
+        if text.len() as u64 > MOST_BYTES {
+            return Err(CellFileError::too_long(name, MOST_BYTES));
+        }
         reader::read(name, text)
     }
 
@@ -106,6 +127,12 @@ impl CellFile {
             .after_fault(self.after_fault);
         if let Some(limit) = self.stop_time {
             cell = cell.stop_time(limit);
+        }
+        if let Some(recording) = &self.recording {
+            cell = cell.record(recording.clone());
+        }
+        if self.dry_run {
+            cell = cell.demand_dry_run();
         }
         let mut errors = Vec::new();
         for entry in &self.robots {

@@ -12,6 +12,7 @@ use crate::cell::AfterFault;
 use crate::name::Name;
 use crate::pose::{Pose, Zyz};
 use crate::realtime::{MAX_PRIORITY, Permission, Realtime};
+use crate::recording::Recording;
 use crate::vsp::VspMode;
 
 use super::CellFile;
@@ -21,7 +22,9 @@ use crate::suggestion::suggestion;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 
-const CELL_KEYS: [&str; 6] = ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime"];
+const CELL_KEYS: [&str; 8] =
+    ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime", "dry_run", "recording"];
+const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
 const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
 const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
@@ -66,14 +69,23 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         let help = "write a table [robots.arm] with the kind of a robot that you will call arm";
         reader.complain(&(0..0), "the cell has no robot".to_owned(), help.to_owned());
     }
-    let sensors = reader
+    let robot_names = names.clone();
+    let sensors: Vec<_> = reader
         .entries(table, "sensors")
         .into_iter()
         .filter_map(|entry| reader.sensor(entry, &names))
         .collect();
     let realtime = table.get("realtime").and_then(|value| reader.realtime(value));
+    let names: Vec<_> = sensors.iter().map(|sensor: &SensorEntry| sensor.name.clone()).collect();
+    let recording = table
+        .get("recording")
+        .and_then(|value| reader.recording(value, [("robots", &robot_names), ("sensors", &names)]));
+    let dry_run = table.get("dry_run").and_then(|value| reader.truth(value, "true or false"));
+    let dry_run = dry_run.is_some_and(|dry_run| dry_run.value);
     CellFileError::all(reader.errors)?;
     Ok(CellFile {
+        dry_run,
+        recording,
         source,
         step,
         stop_time,
@@ -301,6 +313,56 @@ impl Reader {
             lock_memory: locks.map_or(Some(true), |locks| Some(locks?.value))?,
             cores: cores.map_or(Some(None), |cores: Option<Vec<usize>>| Some(Some(cores?)))?,
         })
+    }
+
+    fn recording(&mut self, value: &Value<'_>, there: [(&str, &Vec<String>); 2]) -> Option<Recording> {
+        let DeValue::Table(table) = value.get_ref() else {
+            self.wrong_type(value, "a table [recording]");
+            return None;
+        };
+        self.known(table, &RECORDING_KEYS, "[recording] has");
+        let [robots, sensors] = there.map(|(key, there)| {
+            table
+                .get(key)
+                .map(|value| self.names(value, key, there))
+                .map_or(Some(None), |names| Some(Some(names?)))
+        });
+        let Some(file) = table.get("file") else {
+            let help = "write file = \"run.mcap\", or leave [recording] out";
+            self.complain(&value.span(), "[recording] has no `file`".to_owned(), help.to_owned());
+            return None;
+        };
+        let mut recording = Recording::to(self.text(file, "the name of a file, in quotes")?);
+        if let Some(names) = robots? {
+            recording = recording.robots(names.iter().map(String::as_str));
+        }
+        if let Some(names) = sensors? {
+            recording = recording.sensors(names.iter().map(String::as_str));
+        }
+        Some(recording)
+    }
+
+    /// A list of names of what is there.
+    fn names(&mut self, value: &Value<'_>, of: &str, there: &[String]) -> Option<Vec<String>> {
+        let expected = format!("a list of names of {of}, in quotes");
+        let DeValue::Array(array) = value.get_ref() else {
+            self.wrong_type(value, &expected);
+            return None;
+        };
+        let known: Vec<_> = there.iter().map(String::as_str).collect();
+        let names: Vec<_> = array
+            .iter()
+            .map(|value| {
+                let name = self.text(value, &expected)?;
+                if !known.contains(&name) {
+                    let what = format!("`{name}` is none of the {of}");
+                    self.complain(&value.span(), what, suggestion(name, &known, "there are"));
+                    return None;
+                }
+                Some(name.to_owned())
+            })
+            .collect();
+        names.into_iter().collect()
     }
 
     /// A whole number of a range.

@@ -10,11 +10,14 @@ mod motion;
 mod orders;
 mod waiting;
 
+use core::time::Duration;
+
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, Sensor};
 use crate::link::{Client, Nanos, Server, Waiter};
 use crate::list::{PayloadType, SensorHandle};
 use crate::message::{OrderKind, RequestKind, flag};
+use crate::overruns::Overruns;
 use crate::payload::{Nudge, Order, Payload};
 use crate::robot::Robot;
 use crate::sensing::Sensing;
@@ -30,6 +33,7 @@ pub struct Ecp<'w, R: Robot> {
     driver: DriverPort<R>,
     sensing: Sensing,
     pace: Pace,
+    overruns: Overruns,
     refusals: u32,
     /// What the MP has been told, or will be, to stop the robot for on its path.
     trouble: Trouble,
@@ -74,6 +78,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             orders: Orders::new(mp),
             driver: DriverPort::new(edp, sensing.patience),
             sensing,
+            overruns: Overruns::new(Duration::from_nanos(pace.period)),
             pace,
             refusals: 0,
             trouble: Trouble::None,

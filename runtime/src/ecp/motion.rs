@@ -111,6 +111,7 @@ impl<R: Robot> Ecp<'_, R> {
                 | Duty::Reset
                 | Duty::Foreign) => return Err(self.decline(duty)),
             };
+            self.count_own_time(step)?;
             let (mut dt, mut duration) = (self.orders.header().dt, self.orders.header().duration);
             if step == 0 && !self.driver.moving && duration > 0.0 {
                 // No period of this motion can have been skipped.
@@ -184,6 +185,16 @@ impl<R: Robot> Ecp<'_, R> {
             Ending::Standstill => self.settle_unless_blending(),
             Ending::Blend => Ok(()),
         }
+    }
+
+    /// A step that took the ECP itself too long is one of those that may be too many; before the first one its program
+    /// had no step to be in time for.
+    fn count_own_time(&mut self, step: u64) -> Result<(), Fault> {
+        let missed = self.waiter.own_time() / self.pace.period.max(1);
+        if step == 0 {
+            return Ok(());
+        }
+        self.overruns.note(missed).map_err(|fault| self.fail(fault))
     }
 
     /// One step of eq. 6: order the readings, send the demand, collect the reply and the readings.

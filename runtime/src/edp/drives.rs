@@ -152,7 +152,8 @@ impl<R: Robot> PlantDrive<R> {
     ) -> Result<Followed<R::Joints>, Fault> {
         let servo = (self.period.as_nanos() as Nanos).max(1);
         let (choice, regulators) = self.chosen;
-        let command = Command { period: now / servo, choice, regulators, demanded: *demanded };
+        let (period, switched) = (now / servo, self.switched);
+        let command = Command { period, switched, choice, regulators, demanded: *demanded };
         command.put(&mut self.message);
         self.tell(waiter)?;
         if !core::mem::replace(&mut self.began, true) {

@@ -24,8 +24,9 @@ use crate::interpolation::{Interpolation, InterpolationSpace};
 use crate::joints::JointVector;
 use crate::latch::Gate;
 use crate::limits::{AcceptedDemand, Acceptor};
-use crate::link::{Closed, Nanos, Server, Waiter};
+use crate::link::{Closed, Nanos, Sample, Server, Waiter};
 use crate::message::Message;
+use crate::overruns::Overruns;
 use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::stopping::{detection_time, stop_steps};
@@ -106,6 +107,9 @@ pub(crate) struct Edp<'w, R: Robot> {
     next_tick: Nanos,
     step: Nanos,
     servo: Nanos,
+    /// Steps that were late, and for how many periods the last one was.
+    overruns: Overruns,
+    behind: u64,
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
@@ -147,6 +151,8 @@ impl<'w, R: Robot> Edp<'w, R> {
             next_tick: tick * servo + servo / 2,
             step,
             servo,
+            overruns: Overruns::new(config.step),
+            behind: 0,
             measured,
             gate: Gate::default(),
             fault: None,
@@ -185,11 +191,15 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// `PeerLost` when the robot still moved then and did not come to a standstill in the time that its stops may take.
     pub fn run(mut self) -> Result<(), Fault> {
         while self.waiter.wait(Some(self.next_step.min(self.next_tick))) != Err(Closed) {
+            let (woke, first) = (self.waiter.now(), self.next_tick);
             while self.port.receive(&mut self.request) {
                 self.serve();
             }
             while self.waiter.now() >= self.next_step.min(self.next_tick) {
                 self.advance();
+            }
+            if self.next_tick > first {
+                self.waiter.sample(Sample::Worked(self.waiter.now().saturating_sub(woke)));
             }
         }
         self.come_to_rest()
@@ -221,13 +231,36 @@ impl<'w, R: Robot> Edp<'w, R> {
     }
 
     /// The step or servo period that begins next; a step before the servo period that begins with it.
+    ///
+    /// A step that is late is made up for: what its demand was, or what bridged it, is what the next one begins at. A servo
+    /// period that is over is left out: drives are told where to be at the end of the present one, on the same curve.
     fn advance(&mut self) {
+        let now = self.waiter.now();
         if self.next_step <= self.next_tick {
+            self.count_late_step(now);
             self.begin_step();
             self.next_step += self.step;
+            return;
+        }
+        if now >= self.next_tick + self.servo {
+            self.waiter.sample(Sample::Skipped(1));
         } else {
+            self.waiter.sample(Sample::Late(now.saturating_sub(self.next_tick)));
             self.tick(self.next_tick);
-            self.next_tick += self.servo;
+        }
+        self.next_tick += self.servo;
+    }
+
+    /// Being late is one cause, however many steps are made up for at once. It counts while the robot moves.
+    fn count_late_step(&mut self, now: Nanos) {
+        let missed = now.saturating_sub(self.next_step) / self.step.max(1);
+        let goes_on = missed + 1 == core::mem::replace(&mut self.behind, missed);
+        if goes_on || !matches!(self.mode, Mode::Moving { .. }) {
+            return;
+        }
+        if let Err(fault) = self.overruns.note(missed) {
+            self.latch(fault, self.due);
+            self.brake();
         }
     }
 

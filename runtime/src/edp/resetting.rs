@@ -31,6 +31,7 @@ impl<R: Robot> Edp<'_, R> {
     /// # Errors
     /// What is still wrong: the robot stays latched.
     pub(super) fn reset(&mut self) -> Result<(), Fault> {
+        self.overruns.forget();
         let before = self.fault.take();
         if self.lost {
             return Err(before.unwrap_or_else(|| Fault::new(FaultKind::GeneratorPanicked)));

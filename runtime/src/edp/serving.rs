@@ -84,6 +84,10 @@ impl<R: Robot> Edp<'_, R> {
         while self.due < header.step && self.waiter.now() >= self.next_step.min(self.next_tick) {
             self.advance();
         }
+        // A step has one demand: one that came twice, or again in place of another, would be a step of its own.
+        if self.next.is_some() {
+            return Ok(());
+        }
         if self.request.is(flag::FIRST) {
             self.acceptor.begin();
         }

@@ -2,6 +2,9 @@
 //!
 //! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
 
+mod dry_run;
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod operating;
 mod options;
 mod outcome;
 mod patience;
@@ -10,19 +13,32 @@ mod processes;
 #[cfg(not(all(feature = "processes", target_os = "linux")))]
 #[path = "no_processes.rs"]
 mod processes;
+mod program;
+#[cfg(feature = "recording")]
+mod replaying;
+#[cfg(not(feature = "recording"))]
+#[path = "no_replaying.rs"]
+mod replaying;
 mod running;
+mod table;
 
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use self::options::{HELP, nearest_cell, parse};
-use self::outcome::{cell_refused, tell};
-use self::processes::{examine, launch_processes, take_part};
+use self::dry_run::{dry_run, dry_run_first};
+use self::options::{HELP, Options, nearest_cell, parse};
+use self::outcome::{cell_refused, stopped, tell};
+use self::processes::{examine, operate};
+use self::replaying::replay;
 use self::running::run;
+use self::table::Table;
 use crate::cell::{Cell, CellError};
 use crate::cell_file::CellFile;
 use crate::console::{refused, say};
+
+pub use self::options::Clock;
+pub use self::program::{Launch, Ran};
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
 pub trait Recorder {
@@ -58,25 +74,48 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
         Err(error) => return refused(&error),
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
+    if let Some(operating) = options.operating {
+        return operate(&path, operating);
+    }
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
     let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
-    let cell = match checked {
+    let mut cell = match checked {
         Ok(cell) => cell,
         Err(error) => return cell_refused(&error),
     };
+    if let Some(file) = &options.record {
+        cell = cell.record_to(file);
+    }
     if options.check {
-        let well = format!("{}: nothing is wrong with the cell\n", path.display());
+        let link = match options.processes {
+            None => "memory, under the virtual clock",
+            Some(Clock::Virtual) => "iceoryx2, under the virtual clock",
+            Some(Clock::Real) => "iceoryx2, in real time",
+        };
+        let table = Table::of(&cell, link);
+        let well = format!("{}: nothing is wrong with the cell\n\n{table}", path.display());
         return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
     }
-    if let Some((process, session)) = &options.part {
-        return take_part(cell, *process, session, options.quiet);
-    }
-    if let Some(clock) = options.processes {
-        return match launch_processes(cell, (clock, options.spin), path, options.quiet) {
-            Ok(_) if options.quiet => ExitCode::SUCCESS,
-            Ok(report) => tell(&report, None),
-            Err(status) => status,
+    if options.part.is_none() && options.processes.is_none() {
+        return match &options.replay {
+            Some(file) => replay(cell, file, options.partial, options.quiet),
+            None if options.dry_run => dry_run(cell, options.quiet),
+            None => run(cell, recorder, &options),
         };
     }
-    run(cell, recorder, &options)
+    if options.part.is_none()
+        && (options.dry_run || (cell.demands_dry_run() && options.processes == Some(Clock::Real)))
+        && let Err(status) = dry_run_first(&path, options.quiet)
+    {
+        return status;
+    }
+    let Options { part, processes, spin, quiet, .. } = options;
+    let arguments = std::env::args_os().skip(1).collect();
+    match (Launch { part, arguments, clock: processes, spin, cell: Some(path), quiet }).run(cell) {
+        Ok(Ran::Part(status)) => status,
+        Ok(Ran::Here(_) | Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
+        Ok(Ran::Here(report) | Ran::Processes(report)) => tell(&report, None),
+        Err(CellError::Fault(fault)) => stopped(&fault),
+        Err(error) => cell_refused(&error),
+    }
 }

@@ -2,11 +2,12 @@
 //!
 //! In: what would need them. Out: how to build it with them.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
-use super::options::Clock;
-use crate::cell::{Cell, RunReport};
+use super::Launch;
+use super::options::{Clock, Operating};
+use crate::cell::{Cell, CellError, RunReport};
 use crate::console::refused;
 use crate::fault::ProcessId;
 
@@ -17,10 +18,14 @@ pub(super) fn examine() -> ExitCode {
     refused(&NO_PROCESSES)
 }
 
+pub(super) fn operate(_: &Path, _: Operating) -> ExitCode {
+    refused(&NO_PROCESSES)
+}
+
 pub(super) fn take_part(_: Cell, process: ProcessId, _: &Path, _: bool) -> ExitCode {
     refused(&format!("{process}: {NO_PROCESSES}"))
 }
 
-pub(super) fn launch_processes(_: Cell, _: (Clock, u64), _: PathBuf, _: bool) -> Result<RunReport, ExitCode> {
-    Err(refused(&NO_PROCESSES))
+pub(super) fn launch_processes(_: Cell, _: Clock, _: Launch) -> Result<RunReport, CellError> {
+    Err(CellError::Processes(NO_PROCESSES.to_owned()))
 }

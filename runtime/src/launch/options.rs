@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use lexopt::prelude::*;
 
+use crate::button::{Button, NoButton};
 use crate::fault::{ProcessId, Role};
 use crate::name::Name;
 use crate::suggestion::suggestion;
@@ -18,7 +19,16 @@ Options:
   --cell FILE      the cell [default: the project's cell.toml]
   --picture FILE   the picture [default: picture.svg]
   --no-picture     draw nothing
-  --check          put the cell together, but run nothing
+  --check          put the cell together and print it as a table, but run
+                   nothing
+  --dry-run        run the whole program under the virtual clock and say how
+                   near it comes to the limits; with --processes, start them
+                   only if it keeps them
+  --record FILE    record every step to an MCAP file (feature `recording`)
+  replay FILE      run the programs again on what a recording says of robots,
+                   sensors and operator, and compare the demands; identical:
+                   exit status 0, different: 1
+  --partial        replay a recording that was cut off as far as it goes
   --processes      run every process of the cell as one of the operating
                    system, in real time (feature `processes`, Linux); draws
                    nothing
@@ -27,18 +37,38 @@ Options:
                    before it sleeps [default: 0]; for machines with more cores
                    than the cell has processes
   doctor           say what this machine can do for --processes; takes 10 s
+
+From another terminal, to the same cell while it runs by --processes:
+  status           say what it does
+  suspend          stop all robots on their paths
+  resume           go on
+  speed 50%        slow down or speed up on the path, 0% to 100% of the plan
+  abort            stop on the path and end the instruction
+  stop             stop on the path and end the cell
+  acknowledge, reset
+                   after a fault: take notice of it, then start again
+  console          any of these, line by line, and take and release, which keep
+                   the control from others meanwhile
+  view             the same as a picture that moves (feature `view`)
+Everybody may stop and abort; the rest is for one console at a time.
+
   -q, --quiet      print errors only
   -h, --help       print this text
 
 Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
-the command line was refused; then nothing has moved.
+the command line was refused; then nothing has moved. From another terminal: 0
+if it was done, 1 if it was refused, 2 if no such cell runs, 3 if it will be
+done when the program, which computes, moves or waits again.
 ";
 
-const NAMES: [&str; 9] = [
+const NAMES: [&str; 12] = [
     "--cell",
     "--picture",
     "--no-picture",
     "--check",
+    "--dry-run",
+    "--record",
+    "--partial",
     "--processes",
     "--virtual",
     "--spin",
@@ -51,9 +81,15 @@ pub(super) struct Options {
     pub(super) cell: Option<PathBuf>,
     pub(super) picture: Option<PathBuf>,
     pub(super) check: bool,
+    pub(super) dry_run: bool,
+    pub(super) record: Option<PathBuf>,
+    pub(super) replay: Option<PathBuf>,
+    pub(super) partial: bool,
     pub(super) quiet: bool,
     pub(super) processes: Option<Clock>,
     pub(super) doctor: bool,
+    /// What a cell that runs already is asked.
+    pub(super) operating: Option<Operating>,
     /// How long a process looks for messages before it sleeps \[ns\].
     pub(super) spin: u64,
     /// Which process of a cell this one is, and in which session, as its launcher started it.
@@ -62,9 +98,20 @@ pub(super) struct Options {
 
 /// Whose time processes run in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Clock {
+pub enum Clock {
+    /// The machine's.
     Real,
+    /// The launcher's virtual clock, in lock-step: the same demands to the bit as on the memory link.
     Virtual,
+}
+
+/// What an operator wants of a cell that runs already.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Operating {
+    Status,
+    Press(Button),
+    Console,
+    View,
 }
 
 /// A command line that cannot be followed.
@@ -82,9 +129,14 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
         cell: None,
         picture: Some(PathBuf::from("picture.svg")),
         check: false,
+        dry_run: false,
+        record: None,
+        replay: None,
+        partial: false,
         quiet: false,
         processes: None,
         doctor: false,
+        operating: None,
         spin: 0,
         part: None,
     };
@@ -97,6 +149,9 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
             Short('h') | Long("help") => return Ok(None),
             Short('q') | Long("quiet") => options.quiet = true,
             Long("check") => options.check = true,
+            Long("dry-run") => options.dry_run = true,
+            Long("record") => options.record = Some(next(&mut parser)?),
+            Long("partial") => options.partial = true,
             Long("processes") => options.processes = options.processes.or(Some(Clock::Real)),
             Long("virtual") => options.processes = Some(Clock::Virtual),
             Long("spin") => {
@@ -114,6 +169,11 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
             }
             Short(letter) => return Err(bad(format!("no option -{letter}"), "see --help")),
             Value(value) if value == "doctor" => options.doctor = true,
+            Value(value) if value == "replay" => options.replay = Some(next(&mut parser)?),
+            Value(word) if options.operating.is_none() && role.is_empty() && operates(&word) => {
+                let rest = parser.raw_args().map_err(|error| bad(error.to_string(), "see --help"))?;
+                options.operating = Some(read_operating(&word, rest)?);
+            }
             Value(value) if role.len() < 2 && is_role(&role, &value) => role.push(value),
             Value(value) => {
                 let what = format!("`{}` is not asked for", value.to_string_lossy());
@@ -129,6 +189,32 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
     Ok(Some(options))
 }
 
+/// Whether a word is for a cell that runs already.
+fn operates(word: &OsStr) -> bool {
+    let words = ["status", "console", "view"].iter().chain(&Button::WORDS);
+    words.into_iter().any(|known| word == OsStr::new(known))
+}
+
+/// Reads it, with the speed that may come after it: `50%` or `50 %`.
+fn read_operating(word: &OsStr, mut rest: lexopt::RawArgs<'_>) -> Result<Operating, BadOption> {
+    Ok(match word.to_str().unwrap_or_default() {
+        "status" => Operating::Status,
+        "console" => Operating::Console,
+        "view" => Operating::View,
+        word => {
+            let mut value = String::new();
+            while word == "speed"
+                && rest.peek().is_some_and(|next| !next.to_string_lossy().starts_with("--"))
+                && !value.ends_with('%')
+            {
+                value.extend(rest.next().map(|next| next.to_string_lossy().into_owned()));
+            }
+            let bad = |error: NoButton| BadOption { what: error.what, help: error.help };
+            Operating::Press(Button::read(word, &value).map_err(bad)?)
+        }
+    })
+}
+
 /// Whether a word goes on with what a process is called: `mp`, `ecp NAME`.
 fn is_role(role: &[OsString], word: &OsStr) -> bool {
     match role {
@@ -136,6 +222,18 @@ fn is_role(role: &[OsString], word: &OsStr) -> bool {
         [role] => role != "mp" && role != "plant",
         _ => false,
     }
+}
+
+/// Splits off what a launcher tells a process that it starts: who it is, and in which session.
+pub(super) fn split_part(mut arguments: Vec<OsString>) -> (Option<(ProcessId, PathBuf)>, Vec<OsString>) {
+    let words = (0..2).take_while(|&n| arguments.get(n).is_some_and(|word| is_role(&arguments[..n], word)));
+    let words = words.count();
+    let part = match (read_role(&arguments[..words]), arguments.get(words), arguments.get(words + 1)) {
+        (Some(process), Some(session), Some(folder)) if session == "--session" => (process, folder.into()),
+        _ => return (None, arguments),
+    };
+    arguments.drain(..words + 2);
+    (Some(part), arguments)
 }
 
 fn read_role(words: &[OsString]) -> Option<ProcessId> {
@@ -213,5 +311,28 @@ mod tests {
         }
         assert_eq!(options(&["--processes", "--spin", "20"]).spin, 20_000);
         assert!(options(&["doctor"]).doctor && !options(&[]).doctor);
+    }
+
+    #[test]
+    fn an_operator_says_in_words_what_a_running_cell_is_to_do() {
+        let options = |arguments: &[&str]| parsed(arguments).expect("right").expect("no help");
+        assert_eq!(options(&[]).operating, None);
+        assert_eq!(options(&["status"]).operating, Some(Operating::Status));
+        assert_eq!(options(&["view", "--cell", "c"]).operating, Some(Operating::View));
+        let half = Some(Operating::Press(Button::Speed(0.5)));
+        for speed in [&["speed", "50%"][..], &["speed", "50", "%"], &["--cell", "c", "speed", "50%", "-q"]] {
+            assert_eq!(options(speed).operating, half, "{speed:?}");
+        }
+        assert_eq!(options(&["stop"]).operating, Some(Operating::Press(Button::Stop)));
+        for (arguments, told) in [
+            (&["speed", "fast"][..], "write 0% to 100%"),
+            (&["speed"], "write 0% to 100%"),
+            (&["speed", "--cell", "c"], "write 0% to 100%"),
+            (&["stop", "now"], "`now` is not asked for"),
+            (&["stop", "abort"], "`abort` is not asked for"),
+        ] {
+            let error = parsed(arguments).err().expect("refused");
+            assert!(error.contains(told), "{error}");
+        }
     }
 }

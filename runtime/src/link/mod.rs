@@ -4,14 +4,17 @@
 //! of the paper), and a free-running virtual sensor shows its last reading on a board. User programs never see
 //! which link they run on.
 
+pub(crate) mod envelope;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 pub mod iceoryx;
 pub mod memory;
 
 use std::rc::Rc;
 
+use crate::button::Button;
 use crate::fault::ProcessId;
 use crate::message::Message;
+use crate::mp::MpState;
 
 use memory::Stuck;
 
@@ -49,10 +52,38 @@ pub trait Waiter {
         Err(Closed)
     }
 
+    /// The time that the process itself took since it was asked last, for work between its waits and for waking late; 0
+    /// where that is not measured \[ns\].
+    fn own_time(&self) -> Nanos {
+        0
+    }
+
+    /// Counts something of this process, where anybody wants to know.
+    fn sample(&self, _sample: Sample) {}
+
     /// What has happened outside of the cell's own messages, once.
     fn news(&self) -> Option<News> {
         None
     }
+
+    /// To an MP: the button of a kind that the operator has pressed, and the number of that press, once.
+    fn pressed(&self, _kind: usize) -> Option<(u64, Button)> {
+        None
+    }
+
+    /// Shows what an MP does to whoever looks. It is called in every step and neither waits nor allocates.
+    fn show(&self, _state: &MpState) {}
+}
+
+/// What is counted of a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sample {
+    /// A step or a servo period began so much after it was due \[ns\].
+    Late(Nanos),
+    /// The process took so much time of its own for it \[ns\].
+    Worked(Nanos),
+    /// So many periods were left out.
+    Skipped(u64),
 }
 
 /// What an MP is told from outside of its cell.

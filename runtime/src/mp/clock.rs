@@ -5,7 +5,7 @@
 //! never replayed: its `duration` is the number of periods since the step before it. `dt = rate * duration`.
 
 use crate::feed::Feed;
-use crate::link::{Closed, Nanos, Waiter};
+use crate::link::{Closed, Nanos, Sample, Waiter};
 use crate::step::Tick;
 
 /// The steps of a cell.
@@ -41,6 +41,11 @@ impl StepClock {
             suspended: false,
             feed,
         }
+    }
+
+    /// Length of a step \[ns\].
+    pub fn period(&self) -> Nanos {
+        self.period.max(1)
     }
 
     /// Index of the step that has begun.
@@ -115,6 +120,10 @@ impl StepClock {
         }
         let step = waiter.now() / self.period;
         let periods = step - self.step;
+        waiter.sample(Sample::Late(waiter.now().saturating_sub(next)));
+        if periods > 1 {
+            waiter.sample(Sample::Skipped(periods - 1));
+        }
         (self.step, self.used) = (step, false);
         self.duration = periods as f64 * self.period as f64 * 1e-9;
         Ok(true)

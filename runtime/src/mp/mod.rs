@@ -10,7 +10,10 @@ mod exchange;
 mod instruction;
 mod motion;
 mod restart;
+mod shown;
 mod telling;
+#[cfg(test)]
+mod tests;
 mod waiting;
 
 use core::any::TypeId;
@@ -18,13 +21,14 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::ecp::MAX_REFUSALS;
-use crate::fault::{Ended, Fault, FaultKind, ProcessId};
+use crate::fault::{Ended, Fault, FaultKind, FaultWords, ProcessId};
 use crate::feed::Feed;
 use crate::guard::Guard;
 use crate::image::{RobotImage, Sensor};
 use crate::link::{Nanos, News, Waiter};
 use crate::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;
+use crate::overruns::Overruns;
 use crate::replay::Script;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
@@ -34,6 +38,7 @@ use crate::witness::Tap;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
+pub(crate) use shown::{Doing, MpState};
 
 /// What is called at the start of every step: the cell's index of the step and its operator.
 pub(crate) type StepHook = Box<dyn FnMut(u64, &Operator)>;
@@ -53,6 +58,7 @@ pub struct Mp<'w> {
     ordinal: u32,
     latched: Option<Fault>,
     refusals: u32,
+    overruns: Overruns,
     /// How fast all robots of the last exchange may slow down together.
     law: BrakingLaw,
     /// Resets that were tried.
@@ -64,6 +70,8 @@ pub struct Mp<'w> {
     aborts: bool,
     /// A replay's steps.
     script: Option<Rc<Script>>,
+    /// What an operator is shown.
+    shown: MpState,
 }
 
 impl<'w> Mp<'w> {
@@ -78,8 +86,9 @@ impl<'w> Mp<'w> {
     ) -> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         let (guard, protective, latched) = (None, None, None);
-        let (ordinal, refusals) = (0, 0);
+        let (ordinal, refusals, overruns) = (0, 0, Overruns::new(step));
         let (tap, aborts, script) = (sensing.tap.clone(), false, None);
+        let shown = MpState::default();
         Mp {
             waiter,
             robots,
@@ -95,9 +104,11 @@ impl<'w> Mp<'w> {
             ordinal,
             latched,
             refusals,
+            overruns,
             tap,
             aborts,
             script,
+            shown,
         }
     }
 
@@ -154,21 +165,30 @@ impl<'w> Mp<'w> {
         self.keep_to_script();
         let begins = self.clock.begin(self.waiter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
+            self.count_own_time()?;
             // A hook that panics is not called again by the stop that follows.
             if let Some(mut hook) = self.hook.take() {
                 hook(self.clock.step(), &self.operator);
                 self.hook = Some(hook);
             }
             self.follow_script();
-            if self.latched.is_none() && self.operator.take_protective_stop() {
-                self.protect(Fault::of_operator());
-            }
+            self.hear_operator();
             self.clock.advance(self.wanted_rate(), self.operator.is_suspended());
             self.tell_step()?;
+            self.show_step();
         }
         self.hear_news()?;
         self.tell_abort();
         Ok(())
+    }
+
+    /// A step that began late because of the MP itself is one of those that may be too many.
+    fn count_own_time(&mut self) -> Result<(), Fault> {
+        let missed = self.waiter.own_time() / self.clock.period();
+        if self.latched.is_some() {
+            return Ok(());
+        }
+        self.overruns.note(missed).map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
     }
 
     /// The rate that robots are to be brought to.
@@ -205,6 +225,7 @@ impl<'w> Mp<'w> {
     /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        self.shown.fault = Some(FaultWords::from(&fault));
         // What goes wrong while a guard's stop is under way is not its cause.
         let fault = match &self.protective {
             Some(protective) if exchange::precedes(protective, &fault) => protective.clone(),
@@ -218,7 +239,17 @@ impl<'w> Mp<'w> {
     /// are the next one's, and so is an abort that came too late for it.
     fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.check_latch()?;
+        if self.robots.iter().all(|robot| !robot.handed_over) {
+            // What a program does while its robots stand makes no step late.
+            self.waiter.own_time();
+        }
         self.operator.begin();
+        let outcome = self.carry_out(work);
+        self.show_end();
+        outcome
+    }
+
+    fn carry_out<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         let outcome = work(self).map_err(|fault| self.conclude(fault));
         if outcome.is_ok() && self.robots.iter().any(|robot| robot.handed_over) {
             return outcome;
@@ -260,15 +291,19 @@ impl<'w> Mp<'w> {
     fn check_latch(&mut self) -> Result<(), Fault> {
         let Some(fault) = &self.latched else { return Ok(()) };
         let fault = fault.clone();
-        self.refusals += 1;
-        if self.refusals > MAX_REFUSALS {
-            // Ends a program that loops over refused instructions, through the process's own boundary.
-            self.refusals = 0;
-            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
-        }
+        self.refuse();
         // A refused call takes a step: a program that ignores the fault cannot stop the cell's time.
         self.clock.spend();
         self.begin_step()?;
         Err(fault)
+    }
+
+    /// Ends a program that loops over refused instructions, through the process's own boundary.
+    fn refuse(&mut self) {
+        self.refusals += 1;
+        if self.refusals > MAX_REFUSALS {
+            self.refusals = 0;
+            std::panic::resume_unwind(Box::new(Ended("ended by the runtime: it ignores a latched fault")));
+        }
     }
 }

@@ -10,7 +10,7 @@ use crate::message::{OrderKind, flag};
 use crate::payload::{Nudge, Order};
 use crate::step::Step;
 
-use super::Mp;
+use super::{Doing, Mp};
 
 impl Mp<'_> {
     /// **Move**: generates the next states of the robots, step by step, until the generator is done (a motion
@@ -54,6 +54,7 @@ impl Mp<'_> {
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
+        self.show_instruction(Doing::Move, core::any::type_name::<G>());
         let outcome = self.instruction(|mp| {
             mp.generate(indices, &sensors, &mut generator, &mut e, &mut v)?;
             mp.end(indices, OrderKind::End, ending)
@@ -187,6 +188,7 @@ impl Mp<'_> {
     /// The nudging MP: one instruction of a constant order to all robots, until every ECP has finished.
     pub(crate) fn nudge(&mut self) -> Result<(), Fault> {
         let indices: Vec<_> = (0..self.robots.len()).collect();
+        self.show_instruction(Doing::Move, "nudge");
         self.instruction(|mp| {
             mp.nudge_all(&indices)?;
             mp.end(&indices, OrderKind::End, 0)

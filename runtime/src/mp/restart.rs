@@ -9,8 +9,8 @@ use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::latch::{Event, Latch};
 use crate::message::{Message, OrderKind, flag};
 
-use super::Mp;
 use super::exchange::SILENT;
+use super::{Doing, Mp};
 
 /// Steps for which drives hold after a reset before a program starts: one that cannot says so.
 const TRIAL: u64 = 5;
@@ -49,6 +49,7 @@ impl Mp<'_> {
     /// Runs it once. A panic in it stops the robots as any fault does.
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
+            self.show_instruction(Doing::Homing, "");
             self.instruction(Self::home)?;
             program(self)
         });
@@ -139,6 +140,7 @@ impl Mp<'_> {
     fn reset(&mut self) -> Result<(), Fault> {
         self.epoch += 1;
         (self.latched, self.protective, self.refusals) = (None, None, 0);
+        self.overruns.forget();
         if let Some(guard) = &mut self.guard {
             guard.forget();
         }

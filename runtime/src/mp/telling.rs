@@ -6,6 +6,7 @@
 use std::rc::Rc;
 
 use crate::fault::{Fault, FaultKind};
+use crate::latch::Latch;
 use crate::replay::Script;
 use crate::witness::What;
 
@@ -39,11 +40,13 @@ impl Mp<'_> {
             return Ok(());
         }
         if self.tap.is_over(step) {
+            self.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
         let (speed, suspended) = (self.operator.speed(), self.clock.is_suspended());
         let (dt, duration) = (self.clock.dt(), self.clock.duration());
-        let what = What::Step { step, dt, duration, speed, suspended, aborting: self.aborts };
+        let (aborting, resetting) = (self.aborts, self.operator.latch() == Latch::Resetting);
+        let what = What::Step { step, dt, duration, speed, suspended, aborting, resetting };
         self.tap.show(self.waiter.now(), &what, &[]);
         Ok(())
     }

@@ -8,7 +8,7 @@ use crate::list::{RobotsOf, SensorsOf};
 use crate::message::{OrderKind, flag};
 use crate::payload::Order;
 
-use super::Mp;
+use super::{Doing, Mp};
 
 impl Mp<'_> {
     /// **Wait**: holds until the condition is met; returns it. The robots' images are refreshed in every step.
@@ -49,6 +49,7 @@ impl Mp<'_> {
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
+        self.show_instruction(Doing::Wait, core::any::type_name::<C>());
         let outcome =
             self.instruction(|mp| mp.wait_step(indices, &sensors, &mut condition, &mut e, &mut v, limit));
         self.each_image(indices, |i, words| robots.refresh(i, words))?;

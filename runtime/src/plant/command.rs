@@ -10,6 +10,8 @@ use crate::wire::{BadWords, WORDS};
 pub(crate) struct Command<J> {
     /// Ordinal of the period, counted from the start of the cell.
     pub period: u64,
+    /// How often power was switched before: the newest message is all that the plant may see.
+    pub switched: u64,
     /// How often regulators have been chosen: a choice is acted on once.
     pub choice: u64,
     pub regulators: Regulators,
@@ -36,7 +38,7 @@ pub(crate) struct Reading<J> {
     pub demanded: J,
 }
 
-const COMMAND_WORDS: usize = 2 + MAX_JOINTS;
+const COMMAND_WORDS: usize = 3 + MAX_JOINTS;
 const READING_WORDS: usize = 3 * MAX_JOINTS;
 const SWITCH_WORDS: usize = 1;
 const _: () = assert!(COMMAND_WORDS <= WORDS && READING_WORDS <= WORDS);
@@ -55,8 +57,8 @@ impl<J: JointVector> Command<J> {
     pub fn put(&self, message: &mut Message) {
         message.header.kind = Kind::Command;
         (message.header.step, message.header.len) = (self.period, COMMAND_WORDS as u32);
-        (message.body[0], message.body[1]) = (self.choice, self.regulators.to_word());
-        put(&self.demanded, &mut message.body[2..COMMAND_WORDS]);
+        message.body[..3].copy_from_slice(&[self.switched, self.choice, self.regulators.to_word()]);
+        put(&self.demanded, &mut message.body[3..COMMAND_WORDS]);
     }
 
     /// # Errors
@@ -68,9 +70,10 @@ impl<J: JointVector> Command<J> {
         }
         Ok(Command {
             period: message.header.step,
-            choice: words[0],
-            regulators: Regulators::from_word(words[1]),
-            demanded: get(&words[2..]),
+            switched: words[0],
+            choice: words[1],
+            regulators: Regulators::from_word(words[2]),
+            demanded: get(&words[3..]),
         })
     }
 }

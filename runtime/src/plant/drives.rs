@@ -99,6 +99,11 @@ impl<R: Robot> Drives<R> {
             return;
         }
         let Ok(command) = Command::get(&self.message) else { return };
+        if command.switched > self.switched {
+            // What is demanded has been given power first.
+            self.switched = command.switched;
+            self.switch(true);
+        }
         match &self.newest {
             // The first command says which period it is.
             None => self.next = command.period,

@@ -4,10 +4,16 @@
 //! do: drives whose commands stop bridge `L` steps and apply their brakes in the next one (rows 1 to 3 of SAFETY.md). One
 //! process has all of them, because simulated robots may be in one world, with a body between them.
 //!
-//! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro.
+//! Drives that have yet to find their reference marks stay in their EDP, and so do the drives that they become: while a
+//! robot searches nothing is commanded that could be bridged or run out, and a search that is called no more comes to rest
+//! by itself. A robot of a shared world is therefore one that knows where it is.
+//!
+//! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro;
+//! [`sensors`] are virtual sensors that sense this world.
 
 pub(crate) mod command;
 mod drives;
+pub(crate) mod sensors;
 #[cfg(test)]
 mod tests;
 
@@ -19,11 +25,13 @@ use crate::driver::{Driver, Measured};
 use crate::edp::{Drive, PlantDrive, PlantEnd};
 use crate::fault::ProcessId;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Nanos, Simulation, Waiter};
+use crate::link::{Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
 use crate::stopping::missed_step_budget;
+use crate::vsp::{Aggregator, RawSensors, VirtualSensor};
 
 use drives::{Commands, Drives};
+use sensors::{PlantSensor, Sensor};
 
 /// How a robot came to a standstill after its commands had stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +47,7 @@ pub(crate) struct Rest {
 /// What the plant leaves behind.
 pub(crate) type Rests = Rc<RefCell<Vec<Rest>>>;
 
-/// A robot's drives, of any kind.
+/// A robot's drives or a simulated sensor, of any kind.
 trait Part {
     /// Does what has come for it.
     fn serve(&mut self);
@@ -79,7 +87,7 @@ impl Site {
         driver: Box<dyn Driver<R>>,
     ) -> Drive<R> {
         let Some(plant) = self.place.filter(|_| driver.is_simulated()) else { return Drive::Here(driver) };
-        let patience = (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos;
+        let patience = self.patience();
         let step = self.step.as_nanos() as Nanos;
         let (end, commands) = match self.simulation {
             Simulation::InEdps | Simulation::Asked => {
@@ -97,6 +105,27 @@ impl Site {
         drive
     }
 
+    /// Takes the raw sensors of the VSP at `vsp`, if they are simulated and the plant has a place; returns what the VSP has
+    /// of them.
+    pub fn take_sensor<V: VirtualSensor>(
+        &mut self,
+        link: &mut dyn Link,
+        vsp: usize,
+        aggregator: Aggregator<V>,
+    ) -> RawSensors<V> {
+        let Some(plant) = self.place.filter(|_| aggregator.sensor.is_simulated()) else {
+            return RawSensors::Here(aggregator);
+        };
+        let (port, server) = link.port(vsp, plant);
+        self.parts.push(Box::new(Sensor::new(aggregator, server)));
+        RawSensors::Plant(PlantSensor { port, plant, patience: self.patience() })
+    }
+
+    /// For how long the plant may be silent \[ns\].
+    fn patience(&self) -> Nanos {
+        (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos
+    }
+
     /// Gives the plant its body.
     ///
     /// # Errors
@@ -110,21 +139,28 @@ impl Site {
 /// Runs until the cell closes and all robots stand.
 fn run(mut parts: Vec<Box<dyn Part>>, waiter: &dyn Waiter, rests: &Rests) {
     let due = |parts: &[Box<dyn Part>]| parts.iter().filter_map(|part| part.due()).min();
-    let attend = |parts: &mut [Box<dyn Part>]| {
+    let attend = |parts: &mut [Box<dyn Part>], now: Nanos| {
         parts.iter_mut().for_each(|part| part.serve());
-        let now = waiter.now();
         parts.iter_mut().for_each(|part| part.advance(now));
     };
-    while waiter.wait(due(&parts)).is_ok() {
-        attend(&mut parts);
+    loop {
+        let awaited = due(&parts);
+        if waiter.wait(awaited).is_err() {
+            break;
+        }
+        let woke = waiter.now();
+        attend(&mut parts, woke);
+        if let Some(late) = awaited.and_then(|due| woke.checked_sub(due)) {
+            waiter.sample(Sample::Late(late));
+            waiter.sample(Sample::Worked(waiter.now().saturating_sub(woke)));
+        }
     }
     // EDPs may still brake their robots. Those that are gone send nothing more.
     while parts.iter().any(|part| !part.rests()) {
         let Some(due) = due(&parts) else { break };
-        if waiter.wait_closing(due).is_err() {
-            break;
-        }
-        attend(&mut parts);
+        // Where time stands still then, that of the drives goes on.
+        let now = waiter.wait_closing(due).map_or(due, |()| waiter.now());
+        attend(&mut parts, now);
     }
     rests.borrow_mut().extend(parts.iter().filter_map(|part| part.rest()));
 }

@@ -7,7 +7,9 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 
+use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
+use crate::button::Button;
 use crate::fault::{Fault, FaultWords, ProcessId, Role};
 use crate::link::Nanos;
 use crate::link::iceoryx::{Clock, Seal};
@@ -36,6 +38,8 @@ pub(super) enum Frame {
     Lost(ProcessId),
     /// To an MP: the operator aborts.
     Abort,
+    /// To an MP: the operator has pressed a button, under this number.
+    Press { number: u64, button: Button },
     /// The cell closes.
     Close,
     /// From a process: it has made what others open; a hash of the cell as it sees it.
@@ -49,6 +53,8 @@ pub(super) enum Frame {
     Calls { place: u64, woken: u64 },
     /// From the plant: a robot whose commands had stopped has come to a standstill.
     Rested(Rest),
+    /// In real time, now and then and at the end: how late it was, how long it worked.
+    Figures(Figures),
     /// It cannot take part.
     Refuses(String),
     /// It has ended: steps begun, the time, and how its program ended, if it had one.
@@ -84,6 +90,11 @@ impl Frame {
                 5
             }
             Frame::Abort => 6,
+            Frame::Press { number, button } => {
+                words[1] = *number;
+                words[2..4].copy_from_slice(&button.to_words());
+                20
+            }
             Frame::Close => 7,
             Frame::Created { fingerprint } => {
                 words[1] = *fingerprint;
@@ -107,6 +118,10 @@ impl Frame {
                     name.put(&mut words[3..6]);
                 }
                 14
+            }
+            Frame::Figures(figures) => {
+                figures.put(&mut words[1..]);
+                15
             }
             Frame::Refuses(text) => {
                 let mut len = text.len().min(TEXT);
@@ -152,6 +167,10 @@ impl Frame {
                 Frame::Lost(ProcessId { role, name: Name::get(&words[2..5]).ok() })
             }
             6 => Frame::Abort,
+            20 => {
+                let button = Button::from_words([words[2], words[3]]).ok_or(BadWords)?;
+                Frame::Press { number: words[1], button }
+            }
             7 => Frame::Close,
             8 => Frame::Created { fingerprint: words[1] },
             9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
@@ -171,6 +190,10 @@ impl Frame {
                 Frame::Over { steps: words[1], time: words[2], outcome }
             }
             13 => Frame::Calls { place: words[1], woken: words[2] },
+            15 => {
+                let figures = words[1..].first_chunk::<FIGURES_WORDS>().ok_or(BadWords)?;
+                Frame::Figures(Figures::get(figures))
+            }
             14 => Frame::Rested(Rest {
                 edp: ProcessId::new(Role::Edp, Name::get(&words[3..6])?),
                 braked_after: words[1],
@@ -219,6 +242,11 @@ impl Control {
         self.0.set_read_timeout(None)
     }
 
+    /// Another handle of this end.
+    pub(super) fn try_clone(&self) -> io::Result<Control> {
+        self.0.try_clone().map(Control)
+    }
+
     /// What to wait on for the next frame.
     pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
@@ -247,11 +275,14 @@ mod tests {
             Frame::Lost(edp),
             Frame::Lost(ProcessId::MP),
             Frame::Abort,
+            Frame::Press { number: 6, button: Button::Speed(0.25) },
+            Frame::Press { number: 7, button: Button::Stop },
             Frame::Close,
             Frame::Created { fingerprint: 7 },
             Frame::Ready { lacks: Lacks::from_word(5) },
             Frame::Waits { deadline: 8, woken: 9 },
             Frame::Calls { place: 8, woken: 9 },
+            Frame::Figures(Figures { skipped: 1, overruns: 2, dropped: 3, ..Figures::default() }),
             Frame::Rested(Rest { edp, braked_after: 11, stood_after: 3 }),
             Frame::Refuses("no shared memory: größer".to_owned()),
             Frame::Over { steps: 1, time: 2, outcome: None },
@@ -268,11 +299,11 @@ mod tests {
 
     #[test]
     fn words_that_spell_no_frame_are_refused() {
-        // No tag; an unknown one; a text, a role and an outcome that there are not.
+        // No tag; an unknown one; a text, a role, an outcome and a button that there are not.
         for words in [[0; WORDS], [99; WORDS]] {
             assert_eq!(Frame::get(&words), Err(BadWords));
         }
-        for (tag, place) in [(11, 1), (5, 1), (12, 3)] {
+        for (tag, place) in [(11, 1), (5, 1), (12, 3), (20, 2)] {
             let mut words = [0; WORDS];
             (words[0], words[place]) = (tag, u64::MAX);
             assert_eq!(Frame::get(&words), Err(BadWords));

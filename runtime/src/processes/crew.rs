@@ -1,6 +1,7 @@
 //! The processes of a launch: started, connected, reaped.
 
 use core::cell::{Cell, RefCell};
+use std::ffi::OsString;
 use std::io;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
@@ -11,6 +12,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use super::control::{Control, Frame};
+use super::figures::Figures;
 use super::scheduling::Lacks;
 use super::session::Session;
 use crate::fault::{Fault, FaultKind, ProcessId};
@@ -26,6 +28,8 @@ const SETTING_UP: Duration = Duration::from_secs(30);
 pub(crate) struct Plan {
     /// The cell's file.
     pub cell: PathBuf,
+    /// What its processes are started with.
+    pub arguments: Vec<OsString>,
     /// Whose time the cell runs in.
     pub clock: Clock,
     /// How long a process looks for messages before it sleeps \[ns\].
@@ -77,6 +81,8 @@ pub(super) struct Member {
     pub control: Control,
     child: RefCell<Child>,
     pub over: RefCell<Option<Over>>,
+    /// Its newest figures, in real time.
+    pub figures: Cell<Option<Figures>>,
     /// It has been waited for.
     pub gone: Cell<bool>,
 }
@@ -90,15 +96,18 @@ impl Member {
         }
         // What `ps` shows: its role and whose it is.
         command.args(id.to_string().split(' '));
-        command.arg("--session").arg(session.folder()).arg("--cell").arg(&plan.cell);
-        if plan.quiet {
-            command.arg("--quiet");
-        }
+        command.arg("--session").arg(session.folder()).args(&plan.arguments);
         // Ctrl-C is the launcher's to act on: a robot must not lose its processes one by one.
         let child = command.stdin(Stdio::from(OwnedFd::from(theirs))).process_group(0).spawn()?;
         ours.set_read_timeout(Some(SETTING_UP))?;
         let (child, over) = (RefCell::new(child), RefCell::new(None));
-        Ok(Member { id, control: Control::new(ours), child, over, gone: Cell::new(false) })
+        let (figures, gone) = (Cell::new(None), Cell::new(false));
+        Ok(Member { id, control: Control::new(ours), child, over, figures, gone })
+    }
+
+    /// Its number.
+    pub fn pid(&self) -> u32 {
+        self.child.borrow().id()
     }
 
     /// Waits for its end, which has come; says how it ended.
@@ -208,6 +217,11 @@ impl Crew {
             // One that refused has said so, and ends by itself.
             status.signal().map(|_| NoStart::Died(member.id, how(status)))
         })
+    }
+
+    /// The newest figures of all processes that have told any.
+    pub fn figures(&self) -> Vec<(ProcessId, Figures)> {
+        self.0.iter().filter_map(|member| Some((member.id, member.figures.get()?))).collect()
     }
 
     /// Tells all that are still at work. Whoever is gone does not hear it; that it is gone is seen elsewhere.

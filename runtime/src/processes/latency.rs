@@ -3,6 +3,9 @@
 //! Two processes, a request and its answer of the size of a [`Message`], the asking one blocked until the answer is
 //! there. All kinds take turns in one run, so that they meet the same machine. Raw samples go to `target/latency/`.
 
+mod step;
+mod topology;
+
 use std::io::{Read, Write};
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::net::UnixStream;
@@ -193,8 +196,7 @@ fn end(
             barrier();
             fabric.connect(SEAL).expect("connected");
             barrier();
-            let listener = fabric.take_listener().expect("made");
-            let waiter = RealTime::new(listener, control, 0, 0);
+            let waiter = waiter(&fabric);
             // The node lives as long as the process.
             std::mem::forget(fabric);
             let message = Message::new(Kind::Order(OrderKind::Step));
@@ -255,11 +257,12 @@ fn end(
     }
 }
 
-fn start(kind: &str, core: usize, stdin: UnixStream, shared: &OwnedFd) -> Child {
+/// Starts this executable as a process of the measurement: the test `what`, which is told `words`.
+fn start(what: &str, words: &str, stdin: UnixStream, shared: &OwnedFd) -> Child {
     let shared = shared.try_clone().expect("a descriptor");
     Command::new("/proc/self/exe")
-        .args(["--exact", "processes::latency::peer", "--ignored", "--nocapture", "--test-threads=1"])
-        .env(PEER, format!("{kind} {core} {}", std::process::id()))
+        .args(["--exact", what, "--ignored", "--nocapture", "--test-threads=1"])
+        .env(PEER, words)
         .stdin(OwnedFd::from(stdin))
         .stdout(Stdio::from(shared))
         .stderr(Stdio::inherit())
@@ -299,7 +302,8 @@ fn round(kind: &str, cores: [usize; 2]) -> Vec<u64> {
     ftruncate(&shared, 4096).expect("memory");
     let (ours, theirs) = UnixStream::pair().expect("sockets");
     let control: &'static Control = Box::leak(Box::new(Control::new(ours)));
-    let mut child = start(kind, cores[1], theirs, &shared);
+    let words = format!("{kind} {} {of}", cores[1]);
+    let mut child = start("processes::latency::peer", &words, theirs, &shared);
     let mut end = end(kind, true, of, control, &shared, &|| barrier(control));
     barrier(control);
     let samples = (0..WARM_UP + SAMPLES).map(|_| {
@@ -311,8 +315,7 @@ fn round(kind: &str, cores: [usize; 2]) -> Vec<u64> {
     drop(end);
     assert!(child.wait().expect("a child").success());
     let file = format!("{kind}-{}-{}.txt", cores[0], cores[1]);
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/latency"));
-    std::fs::create_dir_all(&folder).expect("a folder");
+    let folder = samples_folder();
     let lines: String = samples.iter().map(|sample| format!("{sample}\n")).collect();
     let mut raw =
         std::fs::OpenOptions::new().append(true).create(true).open(folder.join(file)).expect("a file");
@@ -351,6 +354,20 @@ fn round_trips_of_every_kind() {
         }
     }
     let _ = std::fs::remove_dir_all(root);
+}
+
+/// Waits as a process of a cell does, with a launcher that says nothing.
+fn waiter(fabric: &Fabric) -> RealTime {
+    let hears_nothing = std::sync::mpsc::channel().1;
+    let samples = std::sync::Arc::new(crate::link::iceoryx::Samples::new());
+    RealTime::new(fabric.bell().expect("made"), hears_nothing, (0, 0), samples)
+}
+
+/// Where raw samples go.
+fn samples_folder() -> PathBuf {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/latency"));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
 }
 
 /// Those of this measurement alone.

@@ -14,15 +14,20 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
+use super::board::StateBoard;
 use super::control::Frame;
 use super::crew::{Crew, Member, NoStart, Over, Plan};
-use super::session::{CellLock, SessionError};
+use super::desk::Desk;
+use super::figures::table;
+use super::session::{CellLock, Session, SessionError};
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::{Fault, ProcessId, Role};
 use crate::link::iceoryx::{Clock, Fabric, monotonic};
 use crate::link::memory::Scheduler;
 use crate::link::{Link, Nanos, Waiter};
 use crate::plant::Rest;
+use crate::recording::Pace;
+use crate::recording::relay::Relay;
 
 /// How often a launch is tried whose processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -32,6 +37,9 @@ const HEAD_START: Duration = Duration::from_millis(20);
 
 /// How much longer than its robots' stops the end of a cell may take.
 const CLOSING: Duration = Duration::from_secs(10);
+
+/// How much longer than its robots' stops an MP may go on that was told to end.
+const ABORTING: Duration = Duration::from_secs(5);
 
 /// A cell did not run as processes, or not to its end.
 #[derive(Debug, thiserror::Error)]
@@ -45,6 +53,12 @@ pub(crate) enum LaunchError {
     /// A process could not be set up.
     #[error(transparent)]
     Start(#[from] NoStart),
+    /// It has no state board.
+    #[error("no shared memory for the cell's state: {0}\n help: make room in /dev/shm")]
+    Board(std::io::Error),
+    /// Its operator cannot reach it.
+    #[error("the operator's socket cannot be made: {0}")]
+    Desk(std::io::Error),
     /// Signals cannot be heard.
     #[error("signals cannot be heard: {0}")]
     Signals(#[from] std::io::Error),
@@ -56,6 +70,7 @@ pub(crate) enum LaunchError {
 /// [`LaunchError`]: what was refused, before anything moves; or the first cause of a stop.
 pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> {
     let stop = cell.stop_limit();
+    let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
     // The launcher's own look at the cell: it runs no part of it.
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
@@ -64,19 +79,49 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
     let mut epoch = 1;
     loop {
         let session = lock.session()?;
+        let relay = match &recording {
+            Some((recording, layout)) => {
+                let pace = if plan.clock == Clock::Real { Pace::Real } else { Pace::Virtual };
+                Some(Relay::listen(session.folder(), recording, layout, pace).map_err(CellError::from)?)
+            }
+            None => None,
+        };
+        let board = make_board(plan.clock, &session, fabric.places().len())?;
         match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
             Ok(crew) => {
-                let run = match plan.clock {
-                    Clock::Real => supervise(&crew, &signals, stop, plan.quiet),
-                    Clock::Virtual => pace(&crew, &signals, stop, plan.quiet)?,
+                let run = match board {
+                    Some(board) => {
+                        supervise(&crew, &signals, &open_desk(&session, board, &crew)?, (stop, plan.quiet))
+                    }
+                    None => pace(&crew, &signals, stop, plan.quiet)?,
                 };
                 crew.reap(Instant::now() + CLOSING);
+                // All have said what they had to say.
+                drop(relay);
+                let figures = crew.figures();
+                if !plan.quiet && !figures.is_empty() {
+                    eprint!("{}", table(&figures));
+                }
                 return run.report().map_err(|fault| LaunchError::Cell(fault.into()));
             }
             Err(NoStart::Died(..)) if epoch < ATTEMPTS && !signals.came() => epoch += 1,
             Err(error) => return Err(error.into()),
         }
     }
+}
+
+/// Where the processes of a cell in real time show what they do. Virtual time waits for nobody who looks on.
+fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<StateBoard>, LaunchError> {
+    match clock {
+        Clock::Real => StateBoard::create(session.number(), places).map(Some).map_err(LaunchError::Board),
+        Clock::Virtual => Ok(None),
+    }
+}
+
+/// Where the operator's consoles connect.
+fn open_desk(session: &Session, board: StateBoard, crew: &Crew) -> Result<Desk, LaunchError> {
+    let seats = crew.0.iter().map(|member| (member.id, member.pid()));
+    Desk::open(session.folder(), board, seats).map_err(LaunchError::Desk)
 }
 
 /// What became of a run.
@@ -110,7 +155,8 @@ impl Run {
     }
 }
 
-/// Ctrl-C, and being told to end: the first one is an abort, the second one ends the launcher at once.
+/// Ctrl-C, and being told to end: the first one is an abort, after which the cell closes, whatever its program does; the
+/// second one ends the launcher at once.
 struct Signals {
     came: Arc<AtomicBool>,
     wakes: UnixStream,
@@ -136,10 +182,10 @@ impl Signals {
 }
 
 /// Runs a cell in real time: hears who is gone and who has ended, until all have.
-fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run {
+fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Duration, bool)) -> Run {
     crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
-    let mut closing: Option<Instant> = None;
+    let (mut aborting, mut closing): (Option<Instant>, Option<Instant>) = (None, None);
     let close = |closing: &mut Option<Instant>| {
         closing.get_or_insert_with(|| {
             crew.tell(&Frame::Close);
@@ -151,27 +197,39 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run
         if left.is_empty() {
             return Run::of(crew, death, None);
         }
-        let rest = closing.map(|until| until.saturating_duration_since(Instant::now()));
+        let rest = closing.or(aborting).map(|until| until.saturating_duration_since(Instant::now()));
         if rest == Some(Duration::ZERO) {
-            left.iter().for_each(|member| member.kill());
+            match closing {
+                Some(_) => left.iter().for_each(|member| member.kill()),
+                // Its program computes, or goes on although it was aborted.
+                None => close(&mut closing),
+            }
             continue;
         }
-        let (signalled, spoke) = wait(&left, signals, rest);
+        let (signalled, spoke) = wait(&left, signals, desk, rest);
         if signalled {
             crew.tell_mp(&Frame::Abort);
+            aborting.get_or_insert(Instant::now() + stop + ABORTING);
         }
+        desk.presses().for_each(|press| crew.tell_mp(&press));
         for member in spoke {
             match member.control.receive() {
                 Ok(Frame::Over { steps, time, outcome }) => {
                     member.over.replace(Some(Over { steps, time, outcome }));
+                    desk.ended(member.id);
                     if member.id == ProcessId::MP {
                         close(&mut closing);
                     }
                 }
                 Ok(Frame::Rested(rest)) => tell_rest(&rest, quiet),
+                Ok(Frame::Figures(figures)) => {
+                    member.figures.set(Some(figures));
+                    desk.measured(member.id, figures);
+                }
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();
+                    desk.ended(member.id);
                     if member.over.borrow().is_some() {
                         continue;
                     }
@@ -193,16 +251,18 @@ fn supervise(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Run
     }
 }
 
-/// Waits until a signal comes, or a process says something or ends; at most for a time.
+/// Waits until a signal comes, a button is pressed, or a process says something or ends; at most for a time.
 fn wait<'a>(
     left: &[&'a Rc<Member>],
     signals: &Signals,
+    desk: &Desk,
     time: Option<Duration>,
 ) -> (bool, Vec<&'a Rc<Member>>) {
     let mut all: Vec<_> = left
         .iter()
         .map(|member| PollFd::from_borrowed_fd(member.control.descriptor(), PollFlags::IN))
         .collect();
+    all.push(PollFd::from_borrowed_fd(desk.descriptor(), PollFlags::IN));
     all.push(PollFd::from_borrowed_fd(signals.wakes.as_fd(), PollFlags::IN));
     let time = time.and_then(|time| Timespec::try_from(time).ok());
     if poll(&mut all, time.as_ref()).is_err() {

@@ -1,38 +1,48 @@
 //! One process of a cell: joins the session that its launcher made, runs its part, and says how it ended.
 
+use core::cell::OnceCell;
 use std::io;
-use std::os::fd::{AsFd, BorrowedFd};
+use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
+use std::rc::Rc;
+use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-use rustix::event::{PollFd, PollFlags, poll};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
+use super::board::StateBoard;
 use super::control::{Control, Frame};
+use super::figures::Gauge;
+use super::panel;
 use super::scheduling::{Lacks, ask};
 use super::session::{Membership, prefix};
-use crate::cell::Cell;
+use crate::cell::{Cell, Observation};
 use crate::fault::{ProcessId, Role};
-use crate::link::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal};
+use crate::link::iceoryx::{Bell, Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show};
 use crate::link::{Nanos, News, Waiter};
+use crate::mp::MpState;
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
 
-impl Launcher for Control {
-    fn descriptor(&self) -> BorrowedFd<'_> {
-        Control::descriptor(self)
-    }
+/// Stack of the thread that listens to the launcher \[bytes\]: where memory is locked, all of it is there.
+const EAR_STACK: usize = 64 << 10;
 
+/// What a frame of the launcher says. One that says anything else is no launcher, and one that is gone says nothing more.
+fn heard(frame: io::Result<Frame>) -> Heard {
+    match frame {
+        Ok(Frame::Resume { now }) => Heard::Resume(now),
+        Ok(Frame::Lost(process)) => Heard::News(News::Lost(process)),
+        Ok(Frame::Abort) => Heard::News(News::Abort),
+        Ok(Frame::Press { number, button }) => Heard::Press(number, button),
+        Ok(_) | Err(_) => Heard::Close,
+    }
+}
+
+impl Launcher for Control {
     fn hear(&self) -> Heard {
-        match self.receive() {
-            Ok(Frame::Resume { now }) => Heard::Resume(now),
-            Ok(Frame::Lost(process)) => Heard::News(News::Lost(process)),
-            Ok(Frame::Abort) => Heard::News(News::Abort),
-            // A launcher that says anything else is none, and one that is gone says nothing more.
-            Ok(_) | Err(_) => Heard::Close,
-        }
+        heard(self.receive())
     }
 
     fn yields(&self, deadline: Nanos, woken: u64) {
@@ -105,16 +115,26 @@ fn take_part(
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
-    let realtime = cell.realtime().cloned();
+    let (realtime, step) = (cell.realtime().cloned(), cell.step());
     let mut fabric = Fabric::new(me, clock);
+    let panel = Panel::default();
+    let cell = if me.role == Role::Edp { cell.watch(panel.of_robot()) } else { cell };
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
         return Err(Ended::Refuses("the cell has no such process".to_owned()));
     };
+    if clock == Clock::Real {
+        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
+    }
     fabric.create(folder, &prefix(seal.session), seal).map_err(Ended::of)?;
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
     fabric.connect(seal).map_err(Ended::of)?;
+    // Before this thread asks for a priority that the other one is not to have.
+    let gauge = match clock {
+        Clock::Real => Some(Gauge::start(control, step).map_err(Ended::of)?),
+        Clock::Virtual => None,
+    };
     let lacks = match (clock, realtime) {
         (Clock::Real, Some(realtime)) => {
             let ecps: Vec<_> = fabric.places().iter().filter(|id| id.role == Role::Ecp).copied().collect();
@@ -124,16 +144,15 @@ fn take_part(
     };
     say(control, &Frame::Ready { lacks })?;
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
-    let time = match (clock, fabric.take_listener()) {
-        (Clock::Real, Some(listener)) => {
-            if has_robot(me) {
-                end_after_launcher(control).map_err(Ended::of)?;
-            }
-            let waiter = RealTime::new(listener, control, origin, spin);
+    let time = match (gauge, fabric.bell()) {
+        (Some(gauge), Some(bell)) => {
+            let heard = listen(control, bell, has_robot(me)).map_err(Ended::of)?;
+            let waiter = RealTime::new(bell, heard, (origin, spin), gauge.samples()).showing(panel.of(me));
             body(&waiter);
+            gauge.end();
             waiter.now()
         }
-        (Clock::Virtual, _) | (Clock::Real, None) => {
+        _ => {
             let waiter = LockStep::new(control, fabric.woken());
             body(&waiter);
             waiter.now()
@@ -151,26 +170,68 @@ fn has_robot(me: ProcessId) -> bool {
     matches!(me.role, Role::Edp | Role::Plant)
 }
 
+/// This process's panel of the state board, once the cell is put together and its place is known.
+#[derive(Default)]
+struct Panel(Rc<OnceCell<(StateBoard, usize)>>);
+
+impl Panel {
+    fn hang(&self, fabric: &Fabric, me: ProcessId, seal: Seal) -> io::Result<()> {
+        let places = fabric.places();
+        let board = StateBoard::open(seal.session, places.len())?;
+        if let Some(place) = places.iter().position(|&place| place == me) {
+            // It is hung once.
+            drop(self.0.set((board, place)));
+        }
+        Ok(())
+    }
+
+    /// Shows every servo period of the robot of this process.
+    fn of_robot(&self) -> impl FnMut(&Observation<'_>) + 'static {
+        let panel = Rc::clone(&self.0);
+        move |seen| {
+            if let Some((board, place)) = panel.get() {
+                board.write(*place, &panel::of_robot(seen));
+            }
+        }
+    }
+
+    /// Shows every step of an MP.
+    fn of(&self, me: ProcessId) -> Option<Show> {
+        let panel = Rc::clone(&self.0);
+        let show = move |state: &MpState| {
+            if let Some((board, place)) = panel.get() {
+                board.write(*place, &panel::of_mp(state));
+            }
+        };
+        (me == ProcessId::MP).then(|| -> Show { Box::new(show) })
+    }
+}
+
 fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {
     control.send(frame).map_err(|_| Ended::Closed)
 }
 
-/// An EDP whose launcher is gone brakes its robot and ends, and so does the plant. One whose drives do not return is ended.
-fn end_after_launcher(control: &Control) -> io::Result<()> {
-    let descriptor = control.descriptor().try_clone_to_owned()?;
-    std::thread::Builder::new().name("guard".to_owned()).spawn(move || {
+/// Listens to the launcher in a thread of its own, which rings the process's bell: so a step waits in one place. A process
+/// with a robot brakes it when the launcher is gone, and ends; one whose drives do not return is ended.
+fn listen(control: &Control, bell: Bell, has_robot: bool) -> io::Result<Receiver<Heard>> {
+    let control = control.try_clone()?;
+    control.wait_for_ever()?;
+    let (tells, hears) = channel();
+    std::thread::Builder::new().name("ear".to_owned()).stack_size(EAR_STACK).spawn(move || {
         loop {
-            // The end of the stream, and nothing else: frames are the process's to read.
-            let mut end = [PollFd::new(&descriptor, PollFlags::RDHUP)];
-            let polled = poll(&mut end, None);
-            if polled.is_ok()
-                && end[0].revents().intersects(PollFlags::RDHUP | PollFlags::HUP | PollFlags::ERR)
-            {
+            let frame = control.receive();
+            let gone = frame.is_err();
+            // A process that does not listen any more is about to end.
+            let _ = tells.send(heard(frame));
+            bell.ring();
+            if gone {
                 break;
             }
         }
-        std::thread::sleep(LAST_BRAKING);
-        std::process::exit(1);
+        if has_robot {
+            std::thread::sleep(LAST_BRAKING);
+            std::process::exit(1);
+        }
     })?;
-    Ok(())
+    Ok(hears)
 }

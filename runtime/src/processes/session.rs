@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Where segments of shared memory lie.
-const SHARED_MEMORY: &str = "/dev/shm";
+pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 
 /// The longest root path: a socket in it has 57 bytes more, and the system allows it 107.
 const MAX_ROOT: usize = 50;
@@ -67,9 +67,7 @@ impl CellLock {
     /// Takes the lock of the cell in the file at `cell`.
     pub fn take(cell: &Path) -> Result<CellLock, SessionError> {
         let base = base()?;
-        let whole = fs::canonicalize(cell).unwrap_or_else(|_| cell.to_owned());
-        let hash = crate::wire::layout_hash(0, &whole.to_string_lossy());
-        let hash = (hash ^ hash >> 32) as u32;
+        let hash = number_of(cell);
         let path = base.join(format!("{hash:08x}.cell"));
         loop {
             let mut file = open(&path).map_err(at(&path))?;
@@ -198,6 +196,30 @@ impl Membership {
         let lock = File::open(&path).and_then(|lock| lock.lock_shared().map(|()| lock)).map_err(at(&path))?;
         Ok(Membership { number, _lock: lock })
     }
+}
+
+/// The number of the cell in a file: what its sessions are found by.
+fn number_of(cell: &Path) -> u32 {
+    let whole = fs::canonicalize(cell).unwrap_or_else(|_| cell.to_owned());
+    let hash = crate::wire::layout_hash(0, &whole.to_string_lossy());
+    (hash ^ hash >> 32) as u32
+}
+
+/// The folders of the sessions of the cell in a file that somebody is in.
+///
+/// # Errors
+/// [`SessionError`]: the folder of sessions is not private, or cannot be read.
+pub(super) fn sessions_of(cell: &Path) -> Result<Vec<PathBuf>, SessionError> {
+    let (base, number) = (base()?, number_of(cell));
+    let entries = fs::read_dir(&base).map_err(at(&base))?.flatten();
+    let ours = entries.filter(|entry| {
+        let name = entry.file_name().to_str().and_then(read_name);
+        name.is_some_and(|(cell, _)| cell == number)
+    });
+    // A crashed one's lock is free.
+    let is_held =
+        |folder: &PathBuf| File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err());
+    Ok(ours.map(|entry| entry.path()).filter(is_held).collect())
 }
 
 /// What the names of a session's segments begin with.

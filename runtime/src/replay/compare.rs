@@ -59,6 +59,8 @@ pub struct Compared {
     pub difference: Option<Difference>,
     /// The last step of the recording, when the replay's programs ended before it.
     pub longer: Option<u64>,
+    /// The fault from outside, such as a drive's, up to which was compared.
+    pub outside: Option<String>,
     /// What the recorded run ended with: nothing, or the text of its fault; `None` when it was cut off.
     pub end: Option<Option<String>>,
 }
@@ -87,6 +89,7 @@ impl Comparison {
             images: self.compared.get(),
             difference,
             longer: is_short.then_some(self.last),
+            outside: self.tape.outside.as_ref().map(|(_, text)| text.clone()),
             end: self.tape.end.clone(),
         }
     }

@@ -9,7 +9,6 @@ pub(crate) mod drives;
 pub(crate) mod readings;
 pub(crate) mod script;
 
-use core::time::Duration;
 use std::rc::Rc;
 
 use crate::fault::ProcessId;
@@ -34,7 +33,6 @@ pub(crate) struct RecordedImage {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RobotTape {
     pub name: Name,
-    pub kind: String,
     pub joints: usize,
     /// When its drives were found, if they had to look for their reference marks \[ns\].
     pub found: Option<Nanos>,
@@ -63,10 +61,11 @@ impl RobotTape {
 
 /// What a recording holds of a run.
 pub(crate) struct Tape {
-    pub step: Duration,
     pub robots: Vec<Rc<RobotTape>>,
     pub readings: Vec<Rc<ReadingTape>>,
     pub script: Rc<Script>,
+    /// The first fault that did not come from the programs: its step and its text.
+    pub outside: Option<(u64, String)>,
     /// How the MP's program ended: nothing, or its fault's text; `None` when the recording does not go so far.
     pub end: Option<Option<String>>,
 }
@@ -86,6 +85,7 @@ impl Tape {
     /// The last step of which everything is recorded.
     pub fn last(&self) -> u64 {
         let robots = self.robots.iter().map(|robot| robot.last().unwrap_or(0));
-        robots.chain([self.script.last()]).min().unwrap_or(0)
+        let outside = self.outside.iter().map(|(step, _)| step.saturating_sub(1));
+        robots.chain(outside).chain([self.script.last()]).min().unwrap_or(0)
     }
 }

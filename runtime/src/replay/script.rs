@@ -1,5 +1,6 @@
 //! The steps of a recorded run: in which of them the MP began one, and what the operator wanted then.
 
+use crate::latch::Latch;
 use crate::operator::Operator;
 
 /// One step.
@@ -12,6 +13,8 @@ pub(crate) struct ScriptedStep {
     /// Whether he aborted, when the step began or in it.
     pub aborting: bool,
     pub aborts: bool,
+    /// Whether he had reset the latched cell.
+    pub resetting: bool,
     /// Whether what took place in it left no time for more.
     pub late: bool,
 }
@@ -50,6 +53,10 @@ impl Script {
         if scripted.aborting {
             operator.abort();
         }
+        if scripted.resetting && operator.latch() != Latch::Resetting {
+            // What is refused here was refused there, or the demands will tell.
+            let _ = operator.acknowledge().and_then(|()| operator.reset());
+        }
     }
 
     /// Lets the operator abort as he did after a step had begun.
@@ -70,7 +77,15 @@ mod tests {
     use super::*;
 
     fn step(step: u64) -> ScriptedStep {
-        ScriptedStep { step, speed: 1.0, suspended: false, aborting: false, aborts: false, late: false }
+        ScriptedStep {
+            step,
+            speed: 1.0,
+            suspended: false,
+            aborting: false,
+            aborts: false,
+            resetting: false,
+            late: false,
+        }
     }
 
     #[test]

@@ -17,12 +17,12 @@ use engraving::paths_svg::PathsSvg;
 use engraving::picture::{Material, render};
 use engraving::placement::{Placement, place};
 use engraving::progress::{Display, Progress};
-use engraving::run::{Outcome, Settings, check_reach, engrave};
+use engraving::run::{Outcome, Settings, cell, check_reach, engrave};
 use engraving::sampling::Sampling;
 use engraving::summary::{JointPeaks, PathDeviation, PlateHeight, Summary};
 use engraving::{NAMEPLATE, error::DrawingError};
-use mrroc::Robot;
 use mrroc::console::{complain, refused, say};
+use mrroc::{Cell, CellError, Launch, Ran, Robot};
 
 /// The demanded path may lie this far from the drawing \[mm\].
 const DEMANDED_BOUND: f64 = 0.01;
@@ -35,7 +35,8 @@ const HEIGHT_BOUND: f64 = 0.02;
 const CAPITALS: f64 = 10.0;
 
 fn main() -> ExitCode {
-    let request = match parse(std::env::args_os().skip(1)) {
+    let launch = Launch::new(std::env::args_os().skip(1));
+    let request = match parse(launch.arguments().iter().cloned()) {
         Ok(request) => request,
         Err(error) => return refused(&error),
     };
@@ -44,10 +45,22 @@ fn main() -> ExitCode {
         Request::Version => return say(concat!("engraving ", env!("CARGO_PKG_VERSION"), "\n")),
         Request::Engrave(options) => options,
     };
-    let plan = match Plan::new(&options) {
+    let launch = match options.processes {
+        Some(clock) => launch.processes(clock),
+        None => launch,
+    };
+    let talk = if launch.is_part() { Talk::Quiet } else { options.talk };
+    let plan = match Plan::new(&options, talk) {
         Ok(plan) => plan,
         Err(error) => return refused(&*error),
     };
+    if !launch.is_here() {
+        return run_as_processes(launch, plan.cell(&options), options.talk);
+    }
+    // Found out now, not after minutes of engraving.
+    if let Err(error) = std::fs::create_dir_all(&options.out) {
+        return refused(&unwritable(&options.out, &error));
+    }
     match plan.carry_out(&options) {
         Ok(summary) => {
             let said = match options.talk {
@@ -64,6 +77,24 @@ fn main() -> ExitCode {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE
         }
+    }
+}
+
+/// Runs the cell as processes, or the one of them that this is.
+fn run_as_processes(launch: Launch, cell: Cell, talk: Talk) -> ExitCode {
+    let launch = if talk == Talk::Quiet { launch.quiet() } else { launch };
+    match (launch.run(cell), talk) {
+        (Ok(Ran::Part(status)), _) => status,
+        (Ok(Ran::Here(_) | Ran::Processes(_)), Talk::Quiet) => ExitCode::SUCCESS,
+        (Ok(Ran::Here(report) | Ran::Processes(report)), Talk::Normal) => {
+            let seconds = report.time.as_secs_f64();
+            say(&format!("engraved for {seconds:.1} s in {} steps\n", report.steps))
+        }
+        (Err(error @ CellError::Fault(_)), _) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+        (Err(error), _) => refused(&error),
     }
 }
 
@@ -84,9 +115,9 @@ struct Plan {
 }
 
 impl Plan {
-    fn new(options: &Options) -> Result<Plan, Box<dyn Error>> {
+    fn new(options: &Options, talk: Talk) -> Result<Plan, Box<dyn Error>> {
         let (source, import) = read(&options.source)?;
-        if options.talk == Talk::Normal {
+        if talk == Talk::Normal {
             for warning in &import.warnings {
                 complain(&format!("warning: {warning}"));
             }
@@ -96,9 +127,17 @@ impl Plan {
         let layout = Layout::new(&options.plate)?;
         let sampling = Sampling::default();
         let samples = check_reach(&layout, &options.plate, &placement.drawing, &sampling, options.depth)?;
-        // Found out now, not after minutes of engraving.
-        std::fs::create_dir_all(&options.out).map_err(|error| unwritable(&options.out, &error))?;
         Ok(Plan { source, layout, placement, sampling, samples })
+    }
+
+    fn settings(options: &Options) -> Settings {
+        let Options { step, feed, depth, cutter, .. } = *options;
+        Settings { step, feed, depth, cutter }
+    }
+
+    fn cell(&self, options: &Options) -> Cell {
+        let drawing = &self.placement.drawing;
+        cell(&self.layout, &options.plate, drawing, self.sampling, Plan::settings(options))
     }
 
     fn carry_out(&self, options: &Options) -> Result<Summary, Box<dyn Error>> {
@@ -106,8 +145,7 @@ impl Plan {
         let drawing = &self.placement.drawing;
         let progress = Rc::new(RefCell::new(Progress::new(display, drawing.length())));
         let shown = Rc::clone(&progress);
-        let settings =
-            Settings { step: options.step, feed: options.feed, depth: options.depth, cutter: options.cutter };
+        let settings = Plan::settings(options);
         let began = Instant::now();
         let outcome =
             engrave(&self.layout, &options.plate, drawing, self.sampling, settings, move |step, path| {

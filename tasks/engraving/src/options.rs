@@ -4,6 +4,7 @@ use crate::drawing::hershey::Font;
 use crate::placement::{Plate, Sizing};
 use crate::plate::Cutter;
 use lexopt::prelude::*;
+use mrroc::Clock;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
@@ -51,6 +52,8 @@ pub struct Options {
     pub feed: f64,
     /// The controller's step \[s\], > 0.
     pub step: f64,
+    /// Whether the cell runs as processes of the operating system, and in whose time.
+    pub processes: Option<Clock>,
     /// What is said.
     pub talk: Talk,
 }
@@ -66,6 +69,7 @@ impl Default for Options {
             depth: 0.3,
             feed: 20.0,
             step: 0.002,
+            processes: None,
             talk: Talk::Normal,
         }
     }
@@ -117,6 +121,11 @@ Plate and tool:
   --step-ms MS        step of the controller: 0.5, 1 or a multiple of 2
                       [default: 2]
 
+Processes:
+  --processes         run every process of the cell as one of the operating
+                      system, in real time (Linux); measures and draws nothing
+  --virtual           the same in lock-step under the virtual clock
+
 Results:
   -o, --out DIR       folder for plate.png, paths.svg and summary.json
                       [default: engraving/]
@@ -129,8 +138,23 @@ command line was refused; then nothing has moved.
 ";
 
 const NAMES: &[&str] = &[
-    "text", "font", "size", "scale", "fit", "plate", "margin", "tool", "depth", "feed", "step-ms", "out",
-    "quiet", "help", "version",
+    "text",
+    "font",
+    "size",
+    "scale",
+    "fit",
+    "plate",
+    "margin",
+    "tool",
+    "depth",
+    "feed",
+    "step-ms",
+    "out",
+    "processes",
+    "virtual",
+    "quiet",
+    "help",
+    "version",
 ];
 
 /// Reads the arguments after the program's name.
@@ -163,6 +187,8 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, O
             "help" => return Ok(Request::Help),
             "version" => return Ok(Request::Version),
             "quiet" => options.talk = Talk::Quiet,
+            "processes" => options.processes = options.processes.or(Some(Clock::Real)),
+            "virtual" => options.processes = Some(Clock::Virtual),
             "fit" => new_sizing = Some(("--fit", Sizing::Fill)),
             "text" => text = Some(value(&mut parser, "--text")?.replace("\\n", "\n")),
             "font" => font = Some(value(&mut parser, "--font")?),
@@ -357,6 +383,11 @@ mod tests {
         assert_eq!(found.cutter, Cutter::Ball { radius: 1.0 });
         assert_eq!((found.depth, found.feed, found.step), (0.5, 30.0, 0.001));
         assert_eq!((found.out, found.talk), ("x".into(), Talk::Quiet));
+        assert_eq!(found.processes, None);
+        assert_eq!(options("--processes").processes, Some(Clock::Real));
+        for both in ["--virtual", "--processes --virtual", "--virtual --processes"] {
+            assert_eq!(options(both).processes, Some(Clock::Virtual));
+        }
         assert_eq!(options("--text Hi").sizing, Sizing::Fill);
         assert_eq!(run("--help"), Ok(Request::Help));
     }

@@ -49,6 +49,10 @@ impl VirtualSensor for PlateSurface {
         self.touched = if contact { Some(self.touched.unwrap_or(seen.pose.translation.z)) } else { None };
         Ok(Touch { contact, height: self.touched.unwrap_or(0.0) })
     }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
 }
 
 /// The circuit has been open for so many steps: the probe is fit to be used.

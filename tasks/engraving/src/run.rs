@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use mrroc::{Cell, CellError, Pose, RobotSetup, RunReport, SensorSetup};
-use mrroc_robots::SimulatedIrp6;
+use mrroc_robots::{Irp6, Shaft, SimulatedIrp6};
 use nalgebra::Translation3;
 
 use crate::deviation::{Corners, Deviation};
@@ -70,6 +70,70 @@ pub fn check_reach(
     Ok(samples)
 }
 
+/// What a cell is put together from.
+struct Parts {
+    arm: RobotSetup<Irp6>,
+    probe: PlateSurface,
+    /// What the arm truly does, and what it is at: for those who look on.
+    shaft: Shaft,
+    activity: Rc<Shared<Activity>>,
+    /// `X_WP` of the plate's true surface.
+    surface: Pose,
+}
+
+impl Parts {
+    fn new(
+        layout: &Layout,
+        plate: &Plate,
+        drawing: &Drawing,
+        sampling: Sampling,
+        settings: Settings,
+    ) -> Parts {
+        let surface =
+            Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * layout.plate;
+        let drives = SimulatedIrp6::new(layout.arm.clone(), &layout.park);
+        let shaft = drives.shaft();
+        let activity = Rc::new(Shared::new(Activity::default()));
+        let mut job = Job {
+            drawing: drawing.clone(),
+            sampling,
+            plate: layout.plate,
+            middle: Vec2::new(plate.width / 2.0, plate.height / 2.0),
+            orientation: layout.orientation,
+            depth: settings.depth * 1e-3,
+            feed: settings.feed * 1e-3,
+            step: settings.step,
+            park: layout.park,
+            activity: Rc::clone(&activity),
+        };
+        let probe = PlateSurface::new(layout.arm.clone(), layout.tool, shaft.clone(), surface.translation.z);
+        let arm = RobotSetup::new("irp6", layout.arm.clone(), drives)
+            .tool(layout.tool)
+            .program(move |ecp| job.run(ecp));
+        Parts { arm, probe, shaft, activity, surface }
+    }
+
+    fn cell(self, step: f64) -> Cell {
+        Cell::new(Duration::from_secs_f64(step))
+            .prefer_real_time()
+            .robot(self.arm)
+            .sensor(SensorSetup::new("probe", self.probe).of("irp6"))
+            .program(coordinate)
+    }
+}
+
+/// The cell without instruments: they look into the memory of one process, and so not into a cell of many.
+#[must_use]
+pub fn cell(
+    layout: &Layout,
+    plate: &Plate,
+    drawing: &Drawing,
+    sampling: Sampling,
+    settings: Settings,
+) -> Cell {
+    Parts::new(layout, plate, drawing, sampling, settings).cell(settings.step)
+}
+
 /// Engraves the drawing. `on_step` is called at the start of every step with its index and the length of the path in
 /// the material so far \[mm\].
 ///
@@ -83,16 +147,13 @@ pub fn engrave(
     settings: Settings,
     mut on_step: impl FnMut(u64, f64) + 'static,
 ) -> Result<Outcome, CellError> {
-    let surface_frame =
-        Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * layout.plate;
-    let arm = SimulatedIrp6::new(layout.arm.clone(), &layout.park);
-    let shaft = arm.shaft();
-    let activity = Rc::new(Shared::new(Activity::default()));
+    let mut parts = Parts::new(layout, plate, drawing, sampling, settings);
+    let activity = Rc::clone(&parts.activity);
     let execution = Rc::new(RefCell::new(Execution::new(
         layout.arm.clone(),
-        shaft.clone(),
+        parts.shaft.clone(),
         Rc::clone(&activity),
-        &surface_frame,
+        &parts.surface,
         settings.depth,
         Instruments {
             deviation: Deviation::new(drawing, &sampling, Corners::Counted),
@@ -100,30 +161,10 @@ pub fn engrave(
             trace: Trace::new(TRACE_TOLERANCE),
         },
     )));
-    let mut job = Job {
-        drawing: drawing.clone(),
-        sampling,
-        plate: layout.plate,
-        middle: Vec2::new(plate.width / 2.0, plate.height / 2.0),
-        orientation: layout.orientation,
-        depth: settings.depth * 1e-3,
-        feed: settings.feed * 1e-3,
-        step: settings.step,
-        park: layout.park,
-        activity: Rc::clone(&activity),
-    };
-    let probe = PlateSurface::new(layout.arm.clone(), layout.tool, shaft, surface_frame.translation.z);
-    let irp6 = RobotSetup::new("irp6", layout.arm.clone(), arm)
-        .tool(layout.tool)
-        .program(move |ecp| job.run(ecp))
-        .observe(Execution::observer(&execution));
+    parts.arm = parts.arm.observe(Execution::observer(&execution));
     let watched = Rc::clone(&execution);
-    let report = Cell::new(Duration::from_secs_f64(settings.step))
-        .robot(irp6)
-        .sensor(SensorSetup::new("probe", probe).of("irp6"))
-        .program(coordinate)
-        .on_step(move |step, _| on_step(step, watched.borrow().cut_length))
-        .run()?;
+    let report =
+        parts.cell(settings.step).on_step(move |step, _| on_step(step, watched.borrow().cut_length)).run()?;
     let height_found = activity.get().plate_height.map(|height| height - layout.plate.translation.z);
     // The cell is gone, and with it the observer: this is the only owner left.
     let execution = Rc::into_inner(execution).map(RefCell::into_inner);

@@ -6,14 +6,15 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc::console::{complain, refused, say};
-use mrroc::{CellError, CellFile, Recorder};
+use mrroc::{CellError, CellFile, CellFileError, Launch, Ran, Recorder};
 use transfer::options::{HELP, Options, Talk, parse};
 use transfer::pictures::{film, plot};
 use transfer::summary::Summary;
 use transfer::variant::Variant;
 
 fn main() -> ExitCode {
-    let options = match parse(std::env::args_os().skip(1)) {
+    let launch = Launch::new(std::env::args_os().skip(1));
+    let options = match parse(launch.arguments().iter().cloned()) {
         Ok(Some(options)) => options,
         Ok(None) => return say(HELP),
         Err(error) => return refused(&error),
@@ -22,6 +23,9 @@ fn main() -> ExitCode {
         Some(path) => CellFile::read(path),
         None => transfer::file(),
     };
+    if launch.is_part() || options.processes.is_some() {
+        return run_as_processes(launch, &options, file);
+    }
     let file = match file.map_err(Into::into).and_then(|file| {
         Summary::check(&file)?;
         // Found out now, not after all runs.
@@ -45,6 +49,38 @@ fn main() -> ExitCode {
         }
         Err(error) if is_refusal(&*error) => refused(&*error),
         Err(error) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs the cell of the run that is drawn as processes, or the one of them that this is.
+fn run_as_processes(
+    mut launch: Launch,
+    options: &Options,
+    file: Result<CellFile, CellFileError>,
+) -> ExitCode {
+    let variant = Variant::Bar { bases: options.bases, sensors: options.sensors };
+    if let Some(clock) = options.processes {
+        launch = launch.processes(clock);
+    }
+    if let Some(file) = &options.cell {
+        launch = launch.cell_file(file);
+    }
+    if options.talk == Talk::Quiet {
+        launch = launch.quiet();
+    }
+    let ran = file.map_err(CellError::from).and_then(|file| launch.run(variant.ready(&file)?.cell));
+    match (ran, options.talk) {
+        (Ok(Ran::Part(status)), _) => status,
+        (Ok(Ran::Here(_) | Ran::Processes(_)), Talk::Quiet) => ExitCode::SUCCESS,
+        (Ok(Ran::Here(report) | Ran::Processes(report)), Talk::Normal) => {
+            let seconds = report.time.as_secs_f64();
+            say(&format!("carried the bar for {seconds:.1} s in {} steps\n", report.steps))
+        }
+        (Err(error), _) if is_refusal(&error) => refused(&error),
+        (Err(error), _) => {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE
         }

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use lexopt::prelude::*;
+use mrroc::Clock;
 
 use crate::variant::{Bases, Sensors};
 
@@ -16,6 +17,10 @@ Options:
   --no-sensor            draw the run without force sensors
   --no-error             draw the run with bases where they are believed to be
   --cell FILE            the cell [default: the task's own cell.toml]
+  --processes            run every process of the cell as one of the operating
+                         system, in real time (Linux); measures and draws
+                         nothing
+  --virtual              the same in lock-step under the virtual clock
   --out DIR              where the pictures go [default: transfer]
   -q, --quiet            print errors only
   -h, --help             print this text
@@ -44,6 +49,8 @@ pub struct Options {
     pub cell: Option<PathBuf>,
     /// Where the pictures go.
     pub out: PathBuf,
+    /// Whether the cell of the run that is drawn runs as processes of the operating system instead, and in whose time.
+    pub processes: Option<Clock>,
     /// What is said.
     pub talk: Talk,
 }
@@ -51,7 +58,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         let (bases, sensors, talk) = (Bases::Off, Sensors::Used, Talk::Normal);
-        Options { bases, sensors, cell: None, out: PathBuf::from("transfer"), talk }
+        Options { bases, sensors, cell: None, out: PathBuf::from("transfer"), processes: None, talk }
     }
 }
 
@@ -71,6 +78,8 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Opt
         match argument {
             Long("no-sensor") => options.sensors = Sensors::Unused,
             Long("no-error") => options.bases = Bases::Calibrated,
+            Long("processes") => options.processes = options.processes.or(Some(Clock::Real)),
+            Long("virtual") => options.processes = Some(Clock::Virtual),
             Long("cell") => options.cell = Some(parser.value()?.into()),
             Long("out") => options.out = parser.value()?.into(),
             Short('q') | Long("quiet") => options.talk = Talk::Quiet,
@@ -91,6 +100,12 @@ mod tests {
         let options = read(&["--no-sensor", "--out=x", "-q"]).expect("right").expect("no help");
         assert_eq!((options.sensors, options.bases), (Sensors::Unused, Bases::Off));
         assert_eq!((options.out, options.talk), (PathBuf::from("x"), Talk::Quiet));
+        assert_eq!(options.processes, None);
+        for (arguments, clock) in
+            [(&["--processes"][..], Clock::Real), (&["--virtual", "--processes"], Clock::Virtual)]
+        {
+            assert_eq!(read(arguments).expect("right").expect("no help").processes, Some(clock));
+        }
         assert_eq!(read(&["-h"]).expect("right"), None);
         assert!(read(&["--sensors"]).expect_err("none").to_string().contains("--sensors"));
         assert!(read(&["--out"]).is_err());

@@ -29,7 +29,7 @@ pub(super) enum Kind {
 pub(super) struct Piece {
     kind: Kind,
     pub from: f64,
-    to: f64,
+    pub to: f64,
     pub from_value: Value,
     pub to_value: Value,
 }

@@ -1,7 +1,7 @@
 //! Puts a cell together in one of its processes, and connects the part of it that is here.
 //!
 //! Services are made in two rounds with a barrier between them, which the launcher keeps: first every process makes its
-//! event service, the ports that it answers and the boards that it writes; when all have, each opens what the others
+//! bell, the ports that it answers and the boards that it writes; when all have, each opens what the others
 //! made. So nothing is opened that is not there, and nothing is made twice.
 
 use core::cell::Cell;
@@ -9,12 +9,12 @@ use core::fmt::Display;
 use std::path::Path;
 use std::rc::Rc;
 
-use iceoryx2::port::listener::Listener;
 use iceoryx2::prelude::*;
 
-use super::envelope::{Envelope, LAYOUT, Seal};
-use super::ports::{Answering, Asking, Bell, BoardEnd, End};
+use super::bell::Bell;
+use super::ports::{Answering, Asking, BoardEnd, End, Rope};
 use crate::fault::ProcessId;
+use crate::link::envelope::{Envelope, LAYOUT, Seal};
 use crate::link::memory::{MAX_PROCESSES, Stuck};
 use crate::link::{Board, Body, Client, Link, Server, Simulation};
 use crate::wire::layout_hash;
@@ -50,7 +50,8 @@ pub(crate) struct Fabric {
     body: Option<Body>,
     /// Places that messages were sent to since the process was resumed, in lock-step.
     woken: Rc<Cell<u64>>,
-    listener: Option<Listener<ipc::Service>>,
+    /// What it sleeps on, and the prefix of all bells, in real time.
+    bell: Option<(Bell, String)>,
     node: Option<Node<ipc::Service>>,
 }
 
@@ -64,7 +65,7 @@ impl Fabric {
             planned: Vec::new(),
             body: None,
             woken: Rc::default(),
-            listener: None,
+            bell: None,
             node: None,
         }
     }
@@ -122,16 +123,9 @@ impl Fabric {
             .map_err(LinkError::of("its node"))?;
         let me = self.places.iter().position(|&place| place == self.me);
         if let (Clock::Real, Some(me)) = (self.clock, me) {
-            let events = node
-                .service_builder(&service(&format!("wake {me}"))?)
-                .event()
-                .max_listeners(1)
-                .max_notifiers(2 * MAX_PROCESSES)
-                .max_nodes(MAX_PROCESSES)
-                .create()
-                .map_err(LinkError::of("its event service"))?;
             // There before anyone can ring.
-            self.listener = Some(events.listener_builder().create().map_err(LinkError::of("its listener"))?);
+            let bell = Bell::create(prefix, me).map_err(LinkError::of("its bell"))?;
+            self.bell = Some((bell, prefix.to_owned()));
         }
         for (i, planned) in self.planned.iter().enumerate() {
             let name = service(&format!("link {i}"))?;
@@ -190,12 +184,12 @@ impl Fabric {
                         .open()
                         .map_err(LinkError::of("a port"))?;
                     let end = ports.client_builder().create().map_err(LinkError::of("a port's client"))?;
-                    asking.connect(Asking::new(end, self.bell(node, *server)?, seal));
+                    asking.connect(Asking::new(end, self.rope(*server)?, seal));
                 }
                 Planned::Port { client, server, answering, .. } if self.here(*server) => {
                     if let Some(end) = answering.0.get() {
                         // It is set once: each port is looked at once in this round.
-                        drop(end.bell.set(self.bell(node, *client)?));
+                        drop(end.rope.set(self.rope(*client)?));
                     }
                 }
                 Planned::Board { reader, end, .. } if self.here(*reader) => {
@@ -216,24 +210,19 @@ impl Fabric {
     }
 
     /// What wakes the process at `place`.
-    fn bell(&self, node: &Node<ipc::Service>, place: usize) -> Result<Bell, LinkError> {
-        match self.clock {
-            Clock::Virtual => Ok(Bell::Mark(place, Rc::clone(&self.woken))),
-            Clock::Real => {
-                let events = node
-                    .service_builder(&service(&format!("wake {place}"))?)
-                    .event()
-                    .open()
-                    .map_err(LinkError::of("the event service of another process"))?;
-                let notifier = events.notifier_builder().create().map_err(LinkError::of("a notifier"))?;
-                Ok(Bell::Event(Box::new(notifier)))
+    fn rope(&self, place: usize) -> Result<Rope, LinkError> {
+        match &self.bell {
+            None => Ok(Rope::Mark(place, Rc::clone(&self.woken))),
+            Some((_, prefix)) => {
+                let bell = Bell::open(prefix, place);
+                bell.map(Rope::Bell).map_err(LinkError::of("the way to another process's bell"))
             }
         }
     }
 
-    /// What wakes this process, in real time.
-    pub fn take_listener(&mut self) -> Option<Listener<ipc::Service>> {
-        self.listener.take()
+    /// What this process sleeps on, in real time.
+    pub fn bell(&self) -> Option<Bell> {
+        self.bell.as_ref().map(|(bell, _)| *bell)
     }
 }
 

@@ -1,16 +1,18 @@
 //! The iceoryx2 link: every process is one of the operating system, and messages lie in shared memory.
 //!
 //! In: a cell put together as on any other link, in every one of its processes alike. Out: the part of it that runs
-//! here. A port is a request-response service, a board a blackboard, and each process has one event service, on whose
-//! descriptor it sleeps. [`fabric`] puts the cell together, [`ports`] are the ends that are here, [`envelope`] is a
-//! message in shared memory, [`waiter`] how a process waits: in real time, or in lock-step under the launcher's
-//! virtual clock.
+//! here. A port is a request-response service, a board a blackboard, and each process has one [`bell`], on which it sleeps.
+//! [`fabric`] puts the cell together, [`ports`] are the ends that are here, [`envelope`](super::envelope) is a message in shared memory,
+//! [`waiter`] how a process waits: in real time, or in lock-step under the launcher's virtual clock.
 
-mod envelope;
+mod bell;
 mod fabric;
 mod ports;
+mod samples;
 mod waiter;
 
-pub(crate) use envelope::Seal;
+pub(crate) use super::envelope::Seal;
+pub(crate) use bell::Bell;
 pub(crate) use fabric::{Clock, Fabric};
-pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, monotonic};
+pub(crate) use samples::Samples;
+pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Show, monotonic};

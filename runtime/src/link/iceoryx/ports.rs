@@ -10,13 +10,13 @@ use std::rc::Rc;
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::pending_response::PendingResponse;
 use iceoryx2::port::client::Client as IpcClient;
-use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::reader::EntryHandle;
 use iceoryx2::port::server::Server as IpcServer;
 use iceoryx2::port::writer::EntryHandleMut;
 use iceoryx2::prelude::ipc;
 
-use super::envelope::{Envelope, Seal};
+use super::bell::Bell;
+use crate::link::envelope::{Envelope, Seal};
 use crate::link::{Board, Client, Server};
 use crate::message::Message;
 
@@ -26,19 +26,19 @@ type Pending = PendingResponse<ipc::Service, Envelope, (), Envelope, ()>;
 type Active = ActiveRequest<ipc::Service, Envelope, (), Envelope, ()>;
 
 /// Wakes the process at the other end.
-pub(super) enum Bell {
-    /// By an event of its own event service.
-    Event(Box<Notifier<ipc::Service>>),
+pub(super) enum Rope {
+    /// By its bell.
+    Bell(Bell),
     /// In lock-step: the launcher resumes it. Which place, and the places to be resumed.
     Mark(usize, Rc<Cell<u64>>),
 }
 
-impl Bell {
-    fn ring(&self) {
+impl Rope {
+    fn pull(&self) {
         match self {
             // A peer that is gone is not woken; that it is gone is told by its silence and by the launcher.
-            Bell::Event(notifier) => drop(notifier.notify()),
-            Bell::Mark(place, woken) => woken.set(woken.get() | 1 << place),
+            Rope::Bell(bell) => bell.ring(),
+            Rope::Mark(place, woken) => woken.set(woken.get() | 1 << place),
         }
     }
 }
@@ -46,15 +46,15 @@ impl Bell {
 /// The asking end of a port.
 pub(super) struct Asking {
     pub client: RequestPort,
-    pub bell: Bell,
+    pub rope: Rope,
     pub seal: Seal,
     pending: RefCell<Option<Pending>>,
     sequence: Cell<u64>,
 }
 
 impl Asking {
-    pub fn new(client: RequestPort, bell: Bell, seal: Seal) -> Self {
-        Asking { client, bell, seal, pending: RefCell::new(None), sequence: Cell::new(0) }
+    pub fn new(client: RequestPort, rope: Rope, seal: Seal) -> Self {
+        Asking { client, rope, seal, pending: RefCell::new(None), sequence: Cell::new(0) }
     }
 }
 
@@ -90,7 +90,7 @@ impl Client for End<Asking> {
         // A request that cannot be sent is a lost one: there is no answer in time.
         let Ok(loan) = end.client.loan_uninit() else { return };
         *pending = loan.write_payload(envelope).send().ok();
-        end.bell.ring();
+        end.rope.pull();
     }
 
     fn receive(&self, reply: &mut Message) -> bool {
@@ -114,14 +114,16 @@ impl Client for End<Asking> {
 pub(super) struct Answering {
     pub server: ReplyPort,
     pub seal: Seal,
-    /// Known once the other side has made its event service.
-    pub bell: OnceCell<Bell>,
+    /// Known once the other side has made its bell.
+    pub rope: OnceCell<Rope>,
     active: RefCell<Option<Active>>,
+    /// The request taken last: one that was taken, or overtaken, is none.
+    taken: Cell<u64>,
 }
 
 impl Answering {
     pub fn new(server: ReplyPort, seal: Seal) -> Self {
-        Answering { server, seal, bell: OnceCell::new(), active: RefCell::new(None) }
+        Answering { server, seal, rope: OnceCell::new(), active: RefCell::new(None), taken: Cell::new(0) }
     }
 }
 
@@ -131,7 +133,9 @@ impl Server for End<Answering> {
         let mut newest = None;
         while let Ok(Some(active)) = end.server.receive() {
             let envelope = active.payload();
-            if envelope.is_under(end.seal) && envelope.open(request).is_ok() {
+            let is_new = envelope.is_under(end.seal) && envelope.sequence > end.taken.get();
+            if is_new && envelope.open(request).is_ok() {
+                end.taken.set(envelope.sequence);
                 newest = Some(active);
             }
         }
@@ -150,9 +154,9 @@ impl Server for End<Answering> {
         // An answer that cannot be sent is a lost one: whoever waits for it has a deadline.
         let Ok(loan) = active.loan_uninit() else { return };
         if loan.write_payload(envelope).send().is_ok()
-            && let Some(bell) = end.bell.get()
+            && let Some(rope) = end.rope.get()
         {
-            bell.ring();
+            rope.pull();
         }
     }
 }

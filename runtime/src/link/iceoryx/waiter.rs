@@ -1,16 +1,19 @@
-//! How a process waits: in real time on its event service, or in lock-step for the launcher to resume it.
+//! How a process waits: in real time on its bell, or in lock-step for the launcher to resume it.
 
 use core::cell::Cell;
 use core::num::NonZeroU64;
-use std::os::fd::BorrowedFd;
 use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
 
-use iceoryx2::port::listener::Listener;
-use iceoryx2::prelude::{FileDescriptorBased, ipc};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
+use rustix::time::Timespec;
 
-use crate::link::{Closed, Nanos, News, Waiter};
+use super::bell::Bell;
+use super::samples::Samples;
+use crate::button::Button;
+use crate::link::{Closed, Nanos, News, Sample, Waiter};
+use crate::mp::MpState;
 
 const NANOS: u64 = 1_000_000_000;
 
@@ -21,15 +24,12 @@ pub(crate) fn monotonic() -> Nanos {
     now.tv_sec.cast_unsigned() * NANOS + now.tv_nsec.cast_unsigned()
 }
 
-fn timespec(nanos: Nanos) -> Timespec {
+pub(super) fn timespec(nanos: Nanos) -> Timespec {
     Timespec { tv_sec: (nanos / NANOS).cast_signed(), tv_nsec: (nanos % NANOS).cast_signed() }
 }
 
-/// The launcher's side of a process: what it says, and in lock-step when the process runs.
+/// The launcher's side of a process in lock-step: it says when the process runs.
 pub(crate) trait Launcher {
-    /// What to wait on for it to say something.
-    fn descriptor(&self) -> BorrowedFd<'_>;
-
     /// What it says; waits for it.
     fn hear(&self) -> Heard;
 
@@ -41,85 +41,106 @@ pub(crate) trait Launcher {
 }
 
 /// What a launcher says to a process that runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Heard {
     /// Run on; it is now this time \[ns\].
     Resume(Nanos),
     /// Something has happened.
     News(News),
+    /// The operator has pressed a button, under this number.
+    Press(u64, Button),
     /// The cell closes, or the launcher is gone.
     Close,
 }
 
-/// Waits in real time: sleeps until a message comes, until a deadline, or until the launcher says something.
-pub(crate) struct RealTime<'a, L: Launcher> {
-    listener: Listener<ipc::Service>,
-    launcher: &'a L,
-    /// When the cell's time began, on the machine's clock, and for how long to look for messages before sleeping \[ns\].
+/// Waits in real time: sleeps until its bell rings, or until a deadline.
+pub(crate) struct RealTime {
+    bell: Bell,
+    /// Rings that were heard.
+    rings: Cell<u32>,
+    /// What the launcher says. It comes with a ring.
+    heard: Receiver<Heard>,
+    /// When the cell's time began, on the machine's clock, and for how long to listen before sleeping \[ns\].
     origin: Nanos,
     spin: Nanos,
     closing: Cell<bool>,
     news: Cell<Option<News>>,
+    samples: Arc<Samples>,
+    /// One press of each kind: a newer one replaces it.
+    pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
+    shows: Option<Show>,
 }
 
-impl<'a, L: Launcher> RealTime<'a, L> {
-    pub fn new(listener: Listener<ipc::Service>, launcher: &'a L, origin: Nanos, spin: Nanos) -> Self {
+/// What shows the state of an MP.
+pub(crate) type Show = Box<dyn Fn(&MpState)>;
+
+impl RealTime {
+    pub fn new(
+        bell: Bell,
+        heard: Receiver<Heard>,
+        (origin, spin): (Nanos, Nanos),
+        samples: Arc<Samples>,
+    ) -> Self {
         // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
-        RealTime { listener, launcher, origin, spin, closing: Cell::new(false), news: Cell::new(None) }
-    }
-
-    /// Takes the wake-ups that have come; whether there was one.
-    fn take_wakes(&self) -> bool {
-        self.listener.try_wait(|_| ()).is_ok_and(|wakes| wakes > 0)
-    }
-
-    /// Sleeps until one of both descriptors can be read, or for a time \[ns\].
-    fn sleep(&self, time: Option<Nanos>) {
-        let descriptor = self.listener.file_descriptor();
-        // SAFETY: the number is used while the listener, which owns the descriptor, is borrowed.
-        #[allow(unsafe_code)]
-        let listener = unsafe { BorrowedFd::borrow_raw(descriptor.native_handle()) };
-        let mut both = [
-            PollFd::from_borrowed_fd(listener, PollFlags::IN),
-            PollFd::from_borrowed_fd(self.launcher.descriptor(), PollFlags::IN),
-        ];
-        let time = time.map(timespec);
-        // An interrupted sleep is a short one.
-        if poll(&mut both, time.as_ref()).is_err() {
-            return;
+        RealTime {
+            bell,
+            rings: Cell::new(0),
+            heard,
+            origin,
+            spin,
+            closing: Cell::new(false),
+            news: Cell::new(None),
+            samples,
+            pressed: Default::default(),
+            shows: None,
         }
-        let [woken, spoken] = both.map(|descriptor| !descriptor.revents().is_empty());
-        if spoken {
-            match self.launcher.hear() {
+    }
+
+    /// Shows what the MP does by this.
+    pub fn showing(mut self, shows: Option<Show>) -> Self {
+        self.shows = shows;
+        self
+    }
+
+    /// Whether the bell has rung since this was asked last.
+    fn has_rung(&self) -> bool {
+        let rings = self.bell.rings();
+        self.rings.replace(rings) != rings
+    }
+
+    /// Takes what the launcher has said.
+    fn hear(&self) {
+        while let Ok(heard) = self.heard.try_recv() {
+            match heard {
                 Heard::Close => self.closing.set(true),
+                // An abort must not hide that a process is gone.
+                Heard::News(News::Abort) if self.news.get().is_some() => {}
                 Heard::News(news) => self.news.set(Some(news)),
+                Heard::Press(number, button) => self.pressed[button.kind()].set(Some((number, button))),
                 Heard::Resume(_) => {}
             }
         }
-        if woken {
-            self.take_wakes();
-        }
     }
 }
 
-impl<L: Launcher> Waiter for RealTime<'_, L> {
+impl Waiter for RealTime {
     fn now(&self) -> Nanos {
         monotonic().saturating_sub(self.origin)
     }
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
-        if !self.closing.get() {
-            let began = self.now();
-            let until = deadline.unwrap_or(Nanos::MAX).min(began.saturating_add(self.spin));
-            while self.spin > 0 && self.now() < until {
-                if self.take_wakes() {
-                    return Ok(());
+        if !self.closing.get() && !self.has_rung() {
+            if self.spin > 0 {
+                let until = deadline.unwrap_or(Nanos::MAX).min(self.now().saturating_add(self.spin));
+                while self.now() < until && self.bell.rings() == self.rings.get() {
+                    core::hint::spin_loop();
                 }
-                core::hint::spin_loop();
             }
-            self.sleep(deadline.map(|deadline| deadline.saturating_sub(self.now())));
+            self.bell.sleep(self.rings.get(), deadline.map(|deadline| self.origin.saturating_add(deadline)));
+            self.has_rung();
         }
+        self.hear();
         if self.closing.get() { Err(Closed) } else { Ok(()) }
     }
 
@@ -130,8 +151,22 @@ impl<L: Launcher> Waiter for RealTime<'_, L> {
         Ok(())
     }
 
+    fn sample(&self, sample: Sample) {
+        self.samples.push(sample);
+    }
+
     fn news(&self) -> Option<News> {
         self.news.take()
+    }
+
+    fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
+        self.pressed.get(kind)?.take()
+    }
+
+    fn show(&self, state: &MpState) {
+        if let Some(shows) = &self.shows {
+            shows(state);
+        }
     }
 }
 
@@ -155,7 +190,7 @@ impl<'a, L: Launcher> LockStep<'a, L> {
         match self.launcher.hear() {
             Heard::Resume(now) => self.now.set(now),
             // In lock-step nothing else is said.
-            Heard::Close | Heard::News(_) => self.closing.set(true),
+            Heard::Close | Heard::News(_) | Heard::Press(..) => self.closing.set(true),
         }
     }
 }

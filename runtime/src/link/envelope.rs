@@ -1,6 +1,7 @@
-//! A message in shared memory: plain words, whatever they hold, so that a foreign or damaged one is an error and never
-//! undefined behaviour.
+//! A message between processes: plain words, whatever they hold, so that a foreign or damaged one is an error and never
+//! undefined behaviour. A sum over all words tells of damage: a damaged message is a lost one.
 
+#[cfg(all(feature = "processes", target_os = "linux"))]
 use iceoryx2::prelude::ZeroCopySend;
 
 use crate::limits::RateHeadroom;
@@ -13,6 +14,9 @@ pub(crate) const LAYOUT: u64 = 2;
 
 /// Words of a message's head.
 const HEAD: usize = 14;
+
+/// Which of them is the length of the body.
+const LEN_WORD: usize = 4;
 
 /// The kinds of messages; one travels as its place in this list.
 const KINDS: [Kind; 17] = [
@@ -44,24 +48,38 @@ pub(crate) struct Seal {
     pub epoch: u64,
 }
 
-/// A message in shared memory.
+/// A message between processes, as it lies in shared memory.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, ZeroCopySend)]
-#[type_name("mrroc::Envelope")]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(all(feature = "processes", target_os = "linux"), derive(ZeroCopySend))]
+#[cfg_attr(all(feature = "processes", target_os = "linux"), type_name("mrroc::Envelope"))]
 pub(crate) struct Envelope {
     layout: u64,
     session: u64,
     epoch: u64,
     /// Ordinal of the request that it is or answers, counted from 1; of a board's message, how many were shown before.
     pub sequence: u64,
+    /// The sum over all other words that count.
+    check: u64,
     head: [u64; HEAD],
     body: [u64; WORDS],
 }
 
 impl Envelope {
     /// No message.
-    pub const EMPTY: Envelope =
-        Envelope { layout: 0, session: 0, epoch: 0, sequence: 0, head: [0; HEAD], body: [0; WORDS] };
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "what boards show before they are written")
+    )]
+    pub const EMPTY: Envelope = Envelope {
+        layout: 0,
+        session: 0,
+        epoch: 0,
+        sequence: 0,
+        check: 0,
+        head: [0; HEAD],
+        body: [0; WORDS],
+    };
 
     /// Puts a message under a seal.
     pub fn seal(message: &Message, seal: Seal, sequence: u64) -> Envelope {
@@ -90,12 +108,23 @@ impl Envelope {
             session: seal.session,
             epoch: seal.epoch,
             sequence,
+            check: 0,
             head,
             body: [0; WORDS],
         };
         let words = message.words();
         envelope.body[..words.len()].copy_from_slice(words);
+        envelope.check = envelope.sum(words.len());
         envelope
+    }
+
+    /// A sum over the words that count. Each of its steps is a bijection of what it had, so that no change of one word
+    /// leaves it as it was, and one of several words does with a probability of 2⁻⁶⁴.
+    fn sum(&self, len: usize) -> u64 {
+        let fixed = [self.layout, self.session, self.epoch, self.sequence];
+        let body = self.body.get(..len).unwrap_or(&self.body);
+        let words = fixed.iter().chain(&self.head).chain(body);
+        words.fold(0, |sum: u64, word| (sum ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29))
     }
 
     /// Whether it is of this run and layout.
@@ -106,7 +135,7 @@ impl Envelope {
     /// The message in it.
     ///
     /// # Errors
-    /// [`BadWords`] when its head is none; `message` is then as it was.
+    /// [`BadWords`] when it is damaged or its head is none; `message` is then as it was.
     pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
         let [
             kind,
@@ -127,7 +156,7 @@ impl Envelope {
         let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
         let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
         let len = narrow(len)?;
-        if len as usize > WORDS {
+        if len as usize > WORDS || self.check != self.sum(len as usize) {
             return Err(BadWords);
         }
         message.header = Header {
@@ -149,6 +178,21 @@ impl Envelope {
         };
         message.body[..len as usize].copy_from_slice(&self.body[..len as usize]);
         Ok(())
+    }
+
+    /// The same with bits of one of its words turned round, counted from the seal's.
+    pub(crate) fn damaged(mut self, word: u64, bits: u64) -> Envelope {
+        let counts = HEAD + (self.head[LEN_WORD] as usize).min(WORDS);
+        match word as usize % (5 + counts) {
+            0 => self.layout ^= bits,
+            1 => self.session ^= bits,
+            2 => self.epoch ^= bits,
+            3 => self.sequence ^= bits,
+            4 => self.check ^= bits,
+            word if word < 5 + HEAD => self.head[word - 5] ^= bits,
+            word => self.body[word - 5 - HEAD] ^= bits,
+        }
+        self
     }
 }
 
@@ -203,6 +247,23 @@ mod tests {
     }
 
     #[test]
+    fn fault_16_a_message_of_which_any_bit_is_the_wrong_way_round_is_none() {
+        let sent = message(Kind::Reply);
+        let len = sent.words().len();
+        for word in 0..HEAD + len {
+            for bit in 0..64 {
+                let mut envelope = Envelope::seal(&sent, SEAL, 1);
+                match word.checked_sub(HEAD) {
+                    None => envelope.head[word] ^= 1 << bit,
+                    Some(word) => envelope.body[word] ^= 1 << bit,
+                }
+                let opened = envelope.open(&mut Message::empty());
+                assert_eq!(opened, Err(BadWords), "word {word}, bit {bit}");
+            }
+        }
+    }
+
+    #[test]
     fn a_damaged_head_is_no_message() {
         // Kind, flags, instruction, length, epoch: the words that not every number spells.
         for (word, value) in
@@ -210,6 +271,7 @@ mod tests {
         {
             let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
             envelope.head[word] = value;
+            envelope.check = envelope.sum(message(Kind::Reply).words().len());
             assert_eq!(envelope.open(&mut Message::empty()), Err(BadWords), "word {word}: {value}");
         }
     }

@@ -1,0 +1,8 @@
+//! `cargo +nightly fuzz run urdf ../tests/parsers/corpus/urdf`, in this folder.
+#![no_main]
+
+#[path = "../../tests/parsers/targets.rs"]
+#[allow(dead_code, reason = "each target is one of them")]
+mod targets;
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| targets::urdf(bytes));

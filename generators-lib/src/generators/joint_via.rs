@@ -1,0 +1,90 @@
+//! All joints through via points without a stop, past each within a deviation, with limited jerk or parabolic blends.
+
+use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
+
+use mrroc_generators::jerk::JointLimits;
+use mrroc_generators::via::JointVia as Motion;
+
+/// Leads the joints from where they are along straight legs through all points, to rest at the last one.
+///
+/// A point is passed at a distance of at most its deviation, per joint; the smaller it is, the slower is the corner.
+pub struct JointVia<R: Robot> {
+    points: Vec<R::Joints>,
+    limits: JointLimits<R::Joints>,
+    deviation: R::Joints,
+    motion: Option<(Motion<R::Joints>, f64)>,
+}
+
+impl<R: Robot> JointVia<R> {
+    /// Through `points` within a `deviation` [rad or m] per joint, > 0, and within `limits`; an infinite jerk makes parabolic
+    /// blends. Leave a tenth of the robot's limits to the operator's feed rate.
+    #[must_use]
+    pub fn through(points: Vec<R::Joints>, deviation: R::Joints, limits: JointLimits<R::Joints>) -> Self {
+        JointVia { points, limits, deviation, motion: None }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((motion, time)) = &mut self.motion else { return Step::Done };
+        if *time >= motion.duration() {
+            return Step::Done;
+        }
+        *time += t.dt;
+        // The sum of n increments may miss n * dt by rounding; that must not cost a step.
+        if motion.duration() - *time <= 1e-9 * t.dt {
+            *time = motion.duration();
+        }
+        Step::Next(Demand::joints(motion.at(*time)))
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> JointVia<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        self.points.insert(0, e.demanded().joints);
+        let motion = Motion::new(&self.points, &self.limits, &self.deviation);
+        self.motion = Some((motion.map_err(|error| Fault::thrown(&error.to_string()))?, 0.0));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState};
+    use mrroc_robots::{Irp6, Six};
+
+    #[test]
+    fn via_points_are_passed_within_the_deviation_and_all_limits_kept() {
+        let (robot, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
+        let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
+        let limits = JointLimits {
+            velocity: Six::repeat(0.5),
+            acceleration: Six::repeat(2.0),
+            jerk: Six::repeat(20.0),
+        };
+        let state = RobotState { joints: start, velocity: Six::zeros(), pose: robot.forward(&start) };
+        let mut motion = JointVia::<Irp6>::through(points.clone(), Six::repeat(0.01), limits);
+        let tick = Tick { step: 0, dt: 1e-3, duration: 1e-3 };
+        let mut step = motion.first_step(&State::new(RobotImage::new(state, state)), tick).expect("a motion");
+        let mut trace = vec![start; 3];
+        while let Step::Next(demand) = step {
+            trace.push(demand.as_joints().expect("joints"));
+            step = motion.next_step(tick);
+        }
+        assert_eq!(trace.last(), points.last());
+        for q in trace.windows(4) {
+            let (v, a) = ((q[3] - q[2]) / 1e-3, (q[3] - q[2] * 2.0 + q[1]) / 1e-6);
+            let j = (q[3] - q[2] * 3.0 + q[1] * 3.0 - q[0]) / 1e-9;
+            assert!(v.amax() < 0.5 + 1e-9 && a.amax() < 2.0 + 1e-6 && j.amax() < 20.0 + 1e-3, "{v} {a} {j}");
+        }
+        for point in &points {
+            let nearest = trace.iter().map(|q| (q - point).amax()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 0.01 + 1e-3, "{nearest}");
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Straight lines of the tool through via poses without a stop, past each within a deviation.
+
+use core::marker::PhantomData;
+
+use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+
+use mrroc_generators::line::SmoothToolLimits;
+use mrroc_generators::via::LineVia as Motion;
+
+/// Leads the tool from where it is straight from pose to pose, to rest at the last one, with limited jerk or, where that is
+/// infinite, with parabolic blends.
+///
+/// A pose is passed at a distance and an angle of at most the deviation; the smaller that is, the slower is the corner. No
+/// joint coordinates: it serves every robot.
+pub struct LineVia<R> {
+    poses: Vec<Pose>,
+    deviation: (f64, f64),
+    limits: SmoothToolLimits,
+    motion: Option<(Motion, f64)>,
+    of: PhantomData<R>,
+}
+
+impl<R: Robot> LineVia<R> {
+    /// Through `poses` `X_WE` of the tool in the world, passed within `deviation` \[m\], \[rad\], both > 0, and within `limits`.
+    #[must_use]
+    pub fn through(poses: Vec<Pose>, deviation: (f64, f64), limits: SmoothToolLimits) -> Self {
+        LineVia { poses, deviation, limits, motion: None, of: PhantomData }
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((motion, time)) = &mut self.motion else { return Step::Done };
+        if *time >= motion.duration() {
+            return Step::Done;
+        }
+        *time += t.dt;
+        // The sum of n increments may miss n * dt by rounding; that must not cost a step.
+        if motion.duration() - *time <= 1e-9 * t.dt {
+            *time = motion.duration();
+        }
+        Step::Next(Demand::pose(motion.at(*time)))
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> LineVia<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        self.poses.insert(0, e.demanded().pose);
+        let motion = Motion::new(&self.poses, self.limits, self.deviation);
+        self.motion = Some((motion.map_err(|error| Fault::thrown(&error.to_string()))?, 0.0));
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{Cell, RobotSetup};
+    use mrroc_generators::profile::JerkLimits;
+    use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+    use nalgebra::Vector3;
+    use std::time::Duration;
+
+    #[test]
+    fn a_square_with_rounded_corners_is_executed_and_ends_where_it_began() {
+        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let arm = SimulatedIrp6::new(irp6.clone(), &start);
+        let shaft = arm.shaft();
+        let here = irp6.forward(&start);
+        let by = |x: f64, y: f64| Pose::translation(x, y, 0.0) * here * Pose::rotation(Vector3::z() * y);
+        let square = vec![by(0.1, 0.0), by(0.1, 0.1), by(0.0, 0.1), here];
+        let limits = JerkLimits { velocity: 0.2, acceleration: 1.0, jerk: 10.0 };
+        let limits = SmoothToolLimits { translation: limits, rotation: limits };
+        let robot = RobotSetup::new("irp6", irp6.clone(), arm)
+            .program(move |ecp| ecp.move_robot((), LineVia::through(square.clone(), (0.005, 0.1), limits)).map(drop));
+        let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+        // Longer than 0.4 m at 0.2 m/s, shorter than four legs from rest to rest: D / V + V / A + A / J each.
+        let duration = report.time.as_secs_f64();
+        assert!((2.0..3.1).contains(&duration), "{duration} s");
+        let off = irp6.forward(&shaft.state().position).translation.vector - here.translation.vector;
+        assert!(off.norm() < 1e-3, "{off}");
+    }
+}

@@ -1,0 +1,113 @@
+//! A path through joint positions in the least time, from rest to rest.
+
+use mrroc::{Demand, Fault, JointVector, Robot, State, Step, Tick, generator};
+
+use mrroc_generators::curve::{CubicSpline, SplineEnds};
+use mrroc_generators::profile::ProfileCursor;
+use mrroc_generators::timing::{PathLimits, TimeOptimal, grid};
+
+/// Leads the joints from where they are through all points without a stop, on the natural cubic spline, as fast as the
+/// velocity and the acceleration of every joint allow at every place: one of them is always at its limit. Jerk is unlimited.
+pub struct TimeOptimalJoints<R: Robot> {
+    points: Vec<R::Joints>,
+    limits: PathLimits<R::Joints>,
+    path: Option<(CubicSpline<R::Joints>, ProfileCursor<TimeOptimal>)>,
+}
+
+impl<R: Robot> TimeOptimalJoints<R> {
+    /// Through `points` [rad or m] within `limits`, of which `speed` is that along the chords between the points. Leave a
+    /// tenth of the robot's limits to the operator's feed rate.
+    #[must_use]
+    pub fn through(points: Vec<R::Joints>, limits: PathLimits<R::Joints>) -> Self {
+        TimeOptimalJoints { points, limits, path: None }
+    }
+
+    /// Along a `path` that begins where the joints are, as planned before: with torque limits, say.
+    #[must_use]
+    pub fn planned(path: CubicSpline<R::Joints>, plan: TimeOptimal) -> Self {
+        let zeros = R::Joints::zeros();
+        let limits = PathLimits { velocity: zeros, acceleration: zeros, speed: f64::INFINITY };
+        TimeOptimalJoints { points: Vec::new(), limits, path: Some((path, ProfileCursor::new(plan))) }
+    }
+
+    /// Plans the way from `start` through the points.
+    fn plan(&mut self, start: R::Joints) -> Result<(), Fault> {
+        self.points.insert(0, start);
+        // Knots by the distance between the points, the chord.
+        let chord = |p: &[R::Joints]| (p[1] - p[0]).as_slice().iter().map(|x| x * x).sum::<f64>().sqrt();
+        let knots = self.points.windows(2).scan(0.0, |u, pair| {
+            *u += chord(pair);
+            Some(*u)
+        });
+        let knots = core::iter::once(0.0).chain(knots).collect();
+        let path = CubicSpline::new(knots, core::mem::take(&mut self.points), SplineEnds::Natural);
+        let path = path.map_err(|error| Fault::thrown(&error.to_string()))?;
+        let plan = TimeOptimal::plan(&path, &grid(&path, 200), &self.limits, [0.0; 2]);
+        let plan = plan.map_err(|error| Fault::thrown(&error.to_string()))?;
+        self.path = Some((path, ProfileCursor::new(plan)));
+        Ok(())
+    }
+
+    fn advance(&mut self, t: Tick) -> Step<R> {
+        let Some((path, cursor)) = &mut self.path else { return Step::Done };
+        match cursor.advance(t.dt) {
+            Some(point) => Step::Next(Demand::joints(path.at(path.range().0 + point.s).value)),
+            None => Step::Done,
+        }
+    }
+}
+
+#[generator(ecp)]
+impl<R: Robot> TimeOptimalJoints<R> {
+    fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        let start = e.demanded().joints;
+        match &self.path {
+            None => self.plan(start)?,
+            Some((path, _)) => {
+                let off = path.at(path.range().0).value - start;
+                if !off.as_slice().iter().all(|x| x.abs() <= 1e-6) {
+                    return Err(Fault::thrown("the path does not begin where the joints are"));
+                }
+            }
+        }
+        Ok(self.advance(t))
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<R> {
+        self.advance(t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::{RobotImage, RobotState};
+    use mrroc_robots::{Irp6, Six};
+
+    #[test]
+    fn some_joint_is_at_a_limit_throughout_and_none_beyond() {
+        let (robot, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
+        let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
+        let limits =
+            PathLimits { velocity: Six::repeat(0.5), acceleration: Six::repeat(2.0), speed: f64::INFINITY };
+        let state = RobotState { joints: start, velocity: Six::zeros(), pose: robot.forward(&start) };
+        let mut motion = TimeOptimalJoints::<Irp6>::through(points.clone(), limits);
+        let tick = Tick { step: 0, dt: 1e-3, duration: 1e-3 };
+        let mut step = motion.first_step(&State::new(RobotImage::new(state, state)), tick).expect("a plan");
+        let mut trace = vec![start, start];
+        while let Step::Next(demand) = step {
+            trace.push(demand.as_joints().expect("joints"));
+            step = motion.next_step(tick);
+        }
+        assert_eq!(trace.last(), points.last());
+        let mut at_limit = 0;
+        for q in trace.windows(3) {
+            let (v0, v1) = ((q[1] - q[0]) / 1e-3, (q[2] - q[1]) / 1e-3);
+            let share = (v1.amax() / 0.5).max((v1 - v0).amax() / 1e-3 / 2.0);
+            assert!(share < 1.0 + 1e-6, "{share}");
+            at_limit += usize::from(share > 0.97);
+        }
+        assert!(at_limit * 10 > trace.len() * 9, "at a limit in {at_limit} of {} steps", trace.len());
+    }
+}

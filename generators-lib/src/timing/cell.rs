@@ -1,0 +1,127 @@
+//! Two-variable linear programmes: which accelerations `u` and squares `x` of the speed the limits of a cell allow.
+
+use super::LinearLimit;
+
+/// `low <= u + slope x <= high`.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    slope: f64,
+    low: f64,
+    high: f64,
+}
+
+/// The limits of one cell.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cell {
+    rows: Vec<Row>,
+    /// Least and largest `x`, by the limits in which `u` does not occur.
+    x: (f64, f64),
+}
+
+/// The tightest limits of `u` at one `x`.
+struct Edges {
+    lower: Row,
+    upper: Row,
+    least: f64,
+    most: f64,
+}
+
+/// The limits at the start, at the control point and at the end of a cell `width` wide, of one that holds at its start,
+/// middle and end, as limits of `u` and of `x` at the start: at a share `r` of the cell there is `x + 2 r width u`.
+pub(super) fn hull(at: [LinearLimit; 3], width: f64) -> [LinearLimit; 3] {
+    let [start, middle, end] = at;
+    let middle = LinearLimit { a: middle.a + width * middle.b, ..middle };
+    let end = LinearLimit { a: end.a + 2.0 * width * end.b, ..end };
+    let control = |f: fn(&LinearLimit) -> f64| 2.0 * f(&middle) - 0.5 * (f(&start) + f(&end));
+    let control = LinearLimit {
+        a: control(|limit| limit.a),
+        b: control(|limit| limit.b),
+        low: control(|limit| limit.low),
+        high: control(|limit| limit.high),
+    };
+    [start, control, end]
+}
+
+impl Cell {
+    /// No limits but `0 <= x <= most`.
+    pub fn clear(&mut self, most: f64) {
+        self.rows.clear();
+        self.x = (0.0, most);
+    }
+
+    /// Adds a limit.
+    pub fn push(&mut self, limit: LinearLimit) {
+        let LinearLimit { a, b, low, high } = limit;
+        let per = 1.0 / a;
+        let (low_u, high_u) = if a > 0.0 { (low * per, high * per) } else { (high * per, low * per) };
+        let row = Row { slope: b * per, low: low_u, high: high_u };
+        if row.slope.is_finite() && !(low_u.is_nan() || high_u.is_nan()) {
+            self.rows.push(row);
+        } else if b != 0.0 {
+            // `u` does not occur in it.
+            let (p, q) = (low / b, high / b);
+            self.x = (self.x.0.max(p.min(q)), self.x.1.min(p.max(q)));
+        } else if low > 0.0 || high < 0.0 {
+            self.x.1 = f64::NEG_INFINITY;
+        }
+    }
+
+    fn edges(&self, x: f64) -> Edges {
+        let none = Row { slope: 0.0, low: f64::NEG_INFINITY, high: f64::INFINITY };
+        let mut edges = Edges { lower: none, upper: none, least: f64::NEG_INFINITY, most: f64::INFINITY };
+        for row in &self.rows {
+            let by = row.slope * x;
+            let (least, most) = (row.low - by, row.high - by);
+            if least > edges.least {
+                (edges.least, edges.lower) = (least, *row);
+            }
+            if most < edges.most {
+                (edges.most, edges.upper) = (most, *row);
+            }
+        }
+        edges
+    }
+
+    /// The largest `u` at an `x` for which there is one.
+    pub fn most(&self, x: f64) -> f64 {
+        let Edges { lower, upper, least, most } = self.edges(x);
+        // Limits that contradict each other do so by rounding, magnified where `u` hardly occurs: that one is the steeper.
+        if least > most && upper.slope.abs() > lower.slope.abs() { least } else { most }
+    }
+
+    /// The least and the largest `x` for which there is a `u`; none if there is no such `x`.
+    pub fn range(&self) -> Option<(f64, f64)> {
+        let (low, high) = self.x;
+        if low > high {
+            return None;
+        }
+        let most = self.feasible(high, -1.0)?;
+        let least = self.feasible(low, 1.0)?;
+        (least <= most).then_some((least, most))
+    }
+
+    /// The first `x` from `from` on, in the `direction` 1 or -1, for which there is a `u`: Newton's iteration on the gap
+    /// between the tightest limits, which is convex and made of straight pieces.
+    fn feasible(&self, from: f64, direction: f64) -> Option<f64> {
+        let mut x = from;
+        // Every step leaves a pair of limits for good; the count only guards against rounding.
+        for _ in 0..=2 * self.rows.len() {
+            let Edges { lower, upper, least, most } = self.edges(x);
+            if least <= most {
+                break;
+            }
+            let closing = lower.slope - upper.slope;
+            if closing * direction <= 0.0 {
+                return None;
+            }
+            let next = (lower.low - upper.high) / closing;
+            let progress = (next - x) * direction > 0.0;
+            // Without it, the gap is rounding.
+            if !progress {
+                break;
+            }
+            x = next;
+        }
+        (x >= self.x.0 && x <= self.x.1).then_some(x)
+    }
+}

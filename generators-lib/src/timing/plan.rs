@@ -1,0 +1,212 @@
+//! The plan: controllable sets backwards, the fastest motion forwards, and that motion over path time.
+
+use mrroc::JointVector;
+
+use super::cell::{Cell, hull};
+use super::{LinearLimit, PathLimits, TimingError, speeds};
+use crate::curve::{Parametric, SplinePoint};
+use crate::profile::{Profile, ProfileError, ProfilePoint, check_stretch};
+
+/// A place on the grid: when it is passed, where it is, how fast, and the acceleration from there on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Knot {
+    time: f64,
+    s: f64,
+    v: f64,
+    a: f64,
+}
+
+/// The fastest motion along a path within limits, over path time; immutable. `s` is how far the path's parameter is from
+/// its start.
+///
+/// It begins and ends at the speeds that were asked for; in between its acceleration is constant on each cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeOptimal {
+    knots: Vec<Knot>,
+}
+
+/// A path cut into cells, and the limits on it.
+struct Problem {
+    grid: Vec<f64>,
+    /// Square of the speed that velocity limits allow at each point of the grid.
+    most: Vec<f64>,
+    /// Linear limits at the start, in the middle and at the end of each cell.
+    linear: Vec<LinearLimit>,
+    rows: usize,
+}
+
+impl TimeOptimal {
+    /// Along `path` within `limits`, on a `grid` of two or more of its parameters that rise from its start to its end (see
+    /// [`grid`](super::grid)), with the speeds `[start, end]` of the parameter [1/s].
+    ///
+    /// # Errors
+    /// Limits, grid or path that are none; a speed that the limits do not allow.
+    pub fn plan<P: Parametric>(
+        path: &P,
+        grid: &[f64],
+        limits: &PathLimits<P::Value>,
+        speeds: [f64; 2],
+    ) -> Result<Self, TimingError> {
+        Self::with_linear_limits(path, grid, limits, speeds, |_, _| {})
+    }
+
+    /// The same within more limits that are linear in `s''` and `s'^2`, the same number at every point, such as
+    /// [`torque_limits`](super::torque_limits): `more` adds those at a point of the path.
+    ///
+    /// # Errors
+    /// As [`plan`](Self::plan); a place that no motion within the limits passes.
+    pub fn with_linear_limits<P: Parametric>(
+        path: &P,
+        grid: &[f64],
+        limits: &PathLimits<P::Value>,
+        speeds: [f64; 2],
+        more: impl FnMut(&SplinePoint<P::Value>, &mut Vec<LinearLimit>),
+    ) -> Result<Self, TimingError> {
+        let problem = Problem::new(path, grid, limits, more)?;
+        let sets = problem.controllable(speeds[1])?;
+        problem.fastest(&sets, speeds[0])
+    }
+
+    fn last(&self) -> &Knot {
+        &self.knots[self.knots.len() - 1]
+    }
+}
+
+impl Problem {
+    fn new<P: Parametric>(
+        path: &P,
+        grid: &[f64],
+        limits: &PathLimits<P::Value>,
+        mut more: impl FnMut(&SplinePoint<P::Value>, &mut Vec<LinearLimit>),
+    ) -> Result<Self, TimingError> {
+        limits.validate()?;
+        let (start, end) = path.range();
+        let rises = grid.windows(2).all(|pair| pair[0] < pair[1]);
+        if grid.len() < 2 || !rises || grid[0] != start || grid[grid.len() - 1] != end {
+            return Err(TimingError::Grid(start, end));
+        }
+        let cells: Vec<_> = grid
+            .windows(2)
+            .map(|pair| {
+                // The end belongs to this cell, not to the next one.
+                [pair[0], pair[0] + 0.5 * (pair[1] - pair[0]), pair[1].next_down()].map(|u| path.at(u))
+            })
+            .collect();
+        let most = speeds::most(&cells, limits);
+        if let Some(i) = most.iter().position(|most| !(*most > 0.0 && most.is_finite())) {
+            return Err(TimingError::NotFinite(grid[i]));
+        }
+        let mut linear = Vec::new();
+        let mut rows = 0;
+        for (k, point) in cells.iter().flatten().enumerate() {
+            let before = linear.len();
+            linear.extend((0..P::Value::LEN).map(|j| {
+                let high = limits.acceleration[j];
+                LinearLimit { a: point.first[j], b: point.second[j], low: -high, high }
+            }));
+            more(point, &mut linear);
+            let (at, actual) = (grid[k / 3], linear.len() - before);
+            rows = if k == 0 { actual } else { rows };
+            if actual != rows {
+                return Err(TimingError::Rows { at, actual, expected: rows });
+            }
+            let finite =
+                |limit: &LinearLimit| (limit.a + limit.b).is_finite() && (limit.low + limit.high).is_finite();
+            if !(point.value.is_finite() && linear[before..].iter().all(finite)) {
+                return Err(TimingError::NotFinite(at));
+            }
+        }
+        Ok(Problem { grid: grid.to_vec(), most, linear, rows })
+    }
+
+    fn width(&self, i: usize) -> f64 {
+        self.grid[i + 1] - self.grid[i]
+    }
+
+    /// The limits of cell `i`, which is to end within `next`.
+    fn cell(&self, i: usize, next: (f64, f64), cell: &mut Cell) {
+        cell.clear(self.most[i]);
+        let (width, first) = (self.width(i), 3 * i * self.rows);
+        for k in first..first + self.rows {
+            let at = [self.linear[k], self.linear[k + self.rows], self.linear[k + 2 * self.rows]];
+            hull(at, width).into_iter().for_each(|limit| cell.push(limit));
+        }
+        cell.push(LinearLimit { a: 2.0 * width, b: 1.0, low: next.0, high: next.1 });
+    }
+
+    /// The squares of speed at each point of the grid from which the `end` speed can be reached.
+    fn controllable(&self, end: f64) -> Result<Vec<(f64, f64)>, TimingError> {
+        let last = self.grid.len() - 1;
+        let most = self.most[last].sqrt();
+        if !(end >= 0.0 && end <= most) {
+            return Err(TimingError::Speed { place: "end", asked: end, least: 0.0, most });
+        }
+        let mut sets = vec![(end * end, end * end); last + 1];
+        let mut cell = Cell::default();
+        for i in (0..last).rev() {
+            self.cell(i, sets[i + 1], &mut cell);
+            sets[i] = cell.range().ok_or(TimingError::Impassable(self.grid[i]))?;
+        }
+        Ok(sets)
+    }
+
+    /// The largest acceleration in every cell that stays in the controllable `sets`.
+    fn fastest(&self, sets: &[(f64, f64)], start: f64) -> Result<TimeOptimal, TimingError> {
+        let (least, most) = (sets[0].0.sqrt(), sets[0].1.sqrt());
+        // A speed that was computed may exceed its limit by rounding.
+        if !(start >= least * (1.0 - 1e-12) && start <= most * (1.0 + 1e-12)) {
+            return Err(TimingError::Speed { place: "start", asked: start, least, most });
+        }
+        let mut knots = Vec::with_capacity(self.grid.len());
+        let (mut cell, mut time, mut x) = (Cell::default(), 0.0, start * start);
+        for (i, next) in sets[1..].iter().enumerate() {
+            self.cell(i, *next, &mut cell);
+            let width = self.width(i);
+            let beyond = (x + 2.0 * width * cell.most(x)).min(next.1).max(next.0);
+            let (v, after) = (x.sqrt(), beyond.sqrt());
+            knots.push(Knot { time, s: self.grid[i] - self.grid[0], v, a: (beyond - x) / (2.0 * width) });
+            time += 2.0 * width / (v + after);
+            if !time.is_finite() {
+                return Err(TimingError::Impassable(self.grid[i]));
+            }
+            x = beyond;
+        }
+        let s = self.grid[self.grid.len() - 1] - self.grid[0];
+        knots.push(Knot { time, s, v: x.sqrt(), a: 0.0 });
+        Ok(TimeOptimal { knots })
+    }
+}
+
+impl Profile for TimeOptimal {
+    fn distance(&self) -> f64 {
+        self.last().s
+    }
+
+    fn duration(&self) -> f64 {
+        self.last().time
+    }
+
+    /// Before 0 it is at its start, from the duration on at its end, at the speeds it has there.
+    fn at(&self, t: f64) -> ProfilePoint {
+        let next = self.knots.partition_point(|knot| knot.time <= t);
+        let knot = &self.knots[next.max(1) - 1];
+        let Some(after) = self.knots.get(next.max(1)) else {
+            return ProfilePoint { s: knot.s, v: knot.v, a: knot.a };
+        };
+        let t = (t - knot.time).max(0.0);
+        let s = knot.s + (knot.v + 0.5 * knot.a * t) * t;
+        ProfilePoint { s: s.min(after.s), v: (knot.v + knot.a * t).max(0.0), a: knot.a }
+    }
+
+    fn stretched_to(mut self, duration: f64) -> Result<Self, ProfileError> {
+        check_stretch(duration, self.duration())?;
+        let k = duration / self.duration();
+        for knot in &mut self.knots {
+            (knot.time, knot.v, knot.a) = (knot.time * k, knot.v / k, knot.a / (k * k));
+        }
+        if let Some(last) = self.knots.last_mut() {
+            last.time = duration;
+        }
+        Ok(self)
+    }
+}

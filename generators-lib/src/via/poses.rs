@@ -1,0 +1,98 @@
+//! The tool through via poses.
+
+use mrroc::{MAX_JOINTS, Pose};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use super::ViaError;
+use super::legs::{Group, Way, plan};
+use super::times::Times;
+use crate::line::SmoothToolLimits;
+
+/// Straight lines of the tool through via poses, from rest to rest, over path time; immutable.
+///
+/// On each leg the origin moves straight and the orientation turns about a constant axis, the short way round. Round a
+/// via pose both change as the via point's own rotation vector does: the angular velocity is continuous.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineVia {
+    poses: Vec<Pose>,
+    /// Way of the origin in the common frame, and turn in the axes of the moving frame, of each leg.
+    ways: Vec<(Vector3<f64>, Vector3<f64>)>,
+    times: Times,
+}
+
+impl LineVia {
+    /// Through `poses` in one common frame \[m\], which the origin passes within `deviation.0` \[m\] and the orientation
+    /// within `deviation.1` \[rad\], both > 0, and within `limits`, of which jerk may be infinite. The limit of angular jerk is
+    /// that of the rotation vector. Poses that coincide with the one before are left out.
+    ///
+    /// # Errors
+    /// No two poses that differ; numbers that are none.
+    pub fn new(poses: &[Pose], limits: SmoothToolLimits, deviation: (f64, f64)) -> Result<Self, ViaError> {
+        let finite = |pose: &Pose| {
+            pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite())
+        };
+        if !poses.iter().all(finite) {
+            return Err(ViaError::NotFinite);
+        }
+        let mut kept: Vec<Pose> = Vec::with_capacity(poses.len());
+        let mut ways = Vec::with_capacity(poses.len());
+        for pose in poses {
+            if let Some(before) = kept.last() {
+                let way = pose.translation.vector - before.translation.vector;
+                let turn = (before.rotation.inverse() * pose.rotation).scaled_axis();
+                if way == Vector3::zeros() && turn == Vector3::zeros() {
+                    continue;
+                }
+                ways.push((way, turn));
+            }
+            kept.push(*pose);
+        }
+        let group = |first: usize, limits, deviation, turns| Group {
+            axes: first..first + 3,
+            limits,
+            deviation,
+            turns,
+        };
+        let groups =
+            [group(0, limits.translation, deviation.0, false), group(3, limits.rotation, deviation.1, true)];
+        let coordinates: Vec<Way> = ways
+            .iter()
+            .map(|(way, turn)| {
+                let mut all = [0.0; MAX_JOINTS];
+                all[..3].copy_from_slice(way.as_slice());
+                all[3..6].copy_from_slice(turn.as_slice());
+                all
+            })
+            .collect();
+        let times = plan(&coordinates, &groups)?;
+        Ok(LineVia { poses: kept, ways, times })
+    }
+
+    /// Duration \[s\].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.times.duration()
+    }
+
+    /// The pose at path time `t` \[s\]: before 0 the first one, from the duration on exactly the last.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Pose {
+        let last = self.poses.len() - 1;
+        if t >= self.duration() {
+            return self.poses[last];
+        }
+        let at = self.times.at(t);
+        let leg = |(k, share): (usize, f64)| {
+            let (way, turn) = self.ways[k.min(last - 1)];
+            (way * share, turn * share)
+        };
+        let (k, share) = at.place;
+        let from = self.poses[k];
+        // On a leg the turns are about one axis: they add up.
+        let (on_leg, before, after) = (leg((k, share)), leg(at.before), leg(at.after));
+        let way = on_leg.0 + before.0 + after.0;
+        let turn =
+            UnitQuaternion::from_scaled_axis(on_leg.1) * UnitQuaternion::from_scaled_axis(before.1 + after.1);
+        Pose::from_parts(Translation3::from(from.translation.vector + way), from.rotation * turn)
+    }
+}

@@ -1,0 +1,196 @@
+//! The state board of a session: what each of its processes does, in shared memory, for whoever looks on.
+//!
+//! In: plain numbers, by each process on a panel of its own, in every step. Out: the newest of them, in the launcher.
+//! Writing is a few stores and waits for nobody: a sequence number that is odd while numbers change tells a reader to
+//! look again (a sequence lock). A reader that never finds them at rest knows no more than before.
+
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::os::fd::AsFd;
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::PathBuf;
+use std::ptr::NonNull;
+use std::sync::atomic::{AtomicU64, Ordering, fence};
+
+use rustix::fs::{FallocateFlags, fallocate};
+use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
+
+use super::session::{SHARED_MEMORY, prefix};
+
+/// Words of a panel, its sequence number not counted.
+pub(super) const PANEL: usize = 79;
+
+/// How often a reader looks again before it gives up.
+const LOOKS: usize = 1000;
+
+/// The numbers of one process.
+#[repr(C)]
+struct Panel {
+    sequence: AtomicU64,
+    words: [AtomicU64; PANEL],
+}
+
+impl Panel {
+    fn write(&self, words: &[u64]) {
+        let sequence = self.sequence.load(Ordering::Relaxed);
+        self.sequence.store(sequence.wrapping_add(1), Ordering::Relaxed);
+        fence(Ordering::Release);
+        for (place, word) in self.words.iter().zip(words) {
+            place.store(*word, Ordering::Relaxed);
+        }
+        self.sequence.store(sequence.wrapping_add(2), Ordering::Release);
+    }
+
+    fn read(&self) -> Option<[u64; PANEL]> {
+        (0..LOOKS).find_map(|_| {
+            let before = self.sequence.load(Ordering::Acquire);
+            let words = core::array::from_fn(|i| self.words[i].load(Ordering::Relaxed));
+            fence(Ordering::Acquire);
+            let after = self.sequence.load(Ordering::Relaxed);
+            // 0: nothing was ever written.
+            (before == after && before.is_multiple_of(2) && before > 0).then_some(words)
+        })
+    }
+}
+
+/// The panels of all processes of a session, by their places.
+#[derive(Debug)]
+pub(super) struct StateBoard {
+    panels: NonNull<Panel>,
+    count: usize,
+}
+
+// SAFETY: panels are atomics in memory that is mapped until the board is dropped.
+#[allow(unsafe_code)]
+unsafe impl Send for StateBoard {}
+
+impl StateBoard {
+    /// Makes the board of a session with so many processes.
+    ///
+    /// # Errors
+    /// There is no shared memory for it.
+    pub fn create(session: u64, count: usize) -> io::Result<StateBoard> {
+        let file =
+            OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(path(session))?;
+        // All of it is there before anything moves: a full disk must not show when it is written.
+        fallocate(&file, FallocateFlags::empty(), 0, bytes(count) as u64)?;
+        StateBoard::map(&file, count)
+    }
+
+    /// Opens the board that a session's launcher made.
+    ///
+    /// # Errors
+    /// There is none, or it is of another size.
+    pub fn open(session: u64, count: usize) -> io::Result<StateBoard> {
+        let path = path(session);
+        let file = OpenOptions::new().read(true).write(true).open(&path)?;
+        if fs::metadata(&path)?.len() != bytes(count) as u64 {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "a state board of another cell"));
+        }
+        StateBoard::map(&file, count)
+    }
+
+    fn map(file: &File, count: usize) -> io::Result<StateBoard> {
+        let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED | MapFlags::POPULATE);
+        // SAFETY: a new mapping, wherever the system likes; nothing else is at its address.
+        #[allow(unsafe_code)]
+        let mapped = unsafe { mmap(core::ptr::null_mut(), bytes(count), access, flags, file.as_fd(), 0) }?;
+        let panels = NonNull::new(mapped.cast()).ok_or(io::ErrorKind::OutOfMemory)?;
+        Ok(StateBoard { panels, count })
+    }
+
+    fn panel(&self, place: usize) -> Option<&Panel> {
+        // SAFETY: the mapping holds `count` panels, aligned to a page, of which every byte is a part of an atomic number,
+        // and lives as long as the board.
+        #[allow(unsafe_code)]
+        (place < self.count).then(|| unsafe { self.panels.add(place).as_ref() })
+    }
+
+    /// Shows the numbers of the process at a place: it alone does so. What does not fit is not shown.
+    pub fn write(&self, place: usize, words: &[u64]) {
+        if let Some(panel) = self.panel(place) {
+            panel.write(words);
+        }
+    }
+
+    /// The numbers shown last by the process at a place; `None` before there are any, or if it died over them.
+    pub fn read(&self, place: usize) -> Option<[u64; PANEL]> {
+        self.panel(place)?.read()
+    }
+}
+
+impl Drop for StateBoard {
+    fn drop(&mut self) {
+        // SAFETY: what `map` mapped, once; no panel is borrowed any more.
+        #[allow(unsafe_code)]
+        let _ = unsafe { munmap(self.panels.as_ptr().cast(), bytes(self.count)) };
+    }
+}
+
+fn bytes(count: usize) -> usize {
+    count.max(1) * size_of::<Panel>()
+}
+
+fn path(session: u64) -> PathBuf {
+    PathBuf::from(SHARED_MEMORY).join(format!("{}state", prefix(session)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    /// A board of this process, whose file goes with it.
+    struct Board(StateBoard, u64);
+
+    impl Board {
+        fn new(test: u64) -> Board {
+            // The bits above those of a session's number: no session has it.
+            let session = 1 << 60 | u64::from(std::process::id()) << 8 | test;
+            Board(StateBoard::create(session, 2).expect("shared memory"), session)
+        }
+    }
+
+    impl Drop for Board {
+        fn drop(&mut self) {
+            let _ = fs::remove_file(path(self.1));
+        }
+    }
+
+    #[test]
+    fn what_one_process_shows_another_one_reads_and_no_more() {
+        let board = Board::new(1);
+        let other = StateBoard::open(board.1, 2).expect("a board");
+        assert_eq!(other.read(0), None);
+        board.0.write(0, &[1, 2, 3]);
+        assert_eq!(other.read(0).expect("shown")[..4], [1, 2, 3, 0]);
+        assert_eq!((other.read(1), other.read(2)), (None, None));
+        board.0.write(2, &[1]);
+        assert!(StateBoard::open(board.1, 3).is_err());
+    }
+
+    #[test]
+    fn numbers_that_change_while_they_are_read_are_never_mixed() {
+        let board = Board::new(2);
+        let open = || StateBoard::open(board.1, 2).expect("a board");
+        let (writer, reader) = (open(), open());
+        writer.write(1, &[0; PANEL]);
+        let over = &AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                (1..100_000).for_each(|number| writer.write(1, &[number; PANEL]));
+                over.store(true, Ordering::Release);
+            });
+            scope.spawn(move || {
+                let mut last = 0;
+                while !over.load(Ordering::Acquire) {
+                    if let Some(words) = reader.read(1) {
+                        assert!(words.iter().all(|&word| word == words[0]), "{words:?}");
+                        assert!(words[0] >= last);
+                        last = words[0];
+                    }
+                }
+            });
+        });
+    }
+}

@@ -1,0 +1,23 @@
+//! The operator's desk: a running cell as its operator's consoles see it.
+//!
+//! In: requests of any number of consoles, over a socket in the session's folder. Out: presses of buttons for the MP, one at
+//! a time of each kind; answers that say in which step each was carried out or refused; pictures of the cell.
+//! [`protocol`] is what the two sides write, [`picture`] what the cell looks like, [`service`] the launcher's side and
+//! [`console`] one connection of it, [`caller`] the other side.
+
+mod caller;
+mod console;
+mod picture;
+mod protocol;
+mod service;
+
+pub(crate) use caller::Caller;
+#[cfg(feature = "view")]
+pub(crate) use caller::{Asks, Hears};
+pub(crate) use picture::Picture;
+#[cfg(all(feature = "view", test))]
+pub(crate) use picture::ProcessPicture;
+#[cfg(feature = "view")]
+pub(crate) use picture::RobotPicture;
+pub(crate) use protocol::{Heard, Reply, Request};
+pub(super) use service::Desk;

@@ -1,0 +1,182 @@
+//! A recording read back, as far as a replay needs it.
+//!
+//! In: a file, and what the cell is made of. Out: a [`Tape`], or what is wrong with the file. The file may be anything: it
+//! is read piece by piece, and no piece of it is larger than [`LARGEST`].
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use mcap::McapError;
+use mcap::records::{Metadata, Record};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::file::{END, PROFILE, VERSION};
+use super::messages::Messages;
+use crate::cell::Layout;
+use crate::replay::Tape;
+
+/// The largest record or chunk that is read \[bytes\]; those of a recording have a quarter of a megabyte.
+const LARGEST: usize = 1 << 20;
+
+/// Whether a recording that was cut off is taken as far as it goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutOff {
+    /// It is refused.
+    Refused,
+    /// It is replayed up to the last step of which everything is there.
+    Taken,
+}
+
+/// Why a file cannot be replayed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {what}\n help: {help}", file.display())]
+pub struct NotReplayable {
+    file: PathBuf,
+    what: String,
+    help: String,
+}
+
+/// What is wrong, before it is known with which file.
+pub(super) struct Wrong {
+    what: String,
+    help: &'static str,
+}
+
+impl Wrong {
+    pub fn new(what: impl Into<String>, help: &'static str) -> Wrong {
+        Wrong { what: what.into(), help }
+    }
+
+    /// What nobody could have written but a recorder of another kind.
+    pub fn foreign(what: impl Into<String>) -> Wrong {
+        Wrong::new(what, "give a file that --record has written")
+    }
+}
+
+const DAMAGED: &str =
+    "record the run again; what is there up to the damage can be looked at with an MCAP viewer";
+
+/// Reads a recording of a cell.
+///
+/// # Errors
+/// [`NotReplayable`]: it is no recording, not of this cell, or not whole.
+pub(crate) fn read(file: &Path, layout: &Layout, cut_off: CutOff) -> Result<Tape, NotReplayable> {
+    read_messages(file, layout, cut_off).map_err(|Wrong { what, help }| NotReplayable {
+        file: file.to_owned(),
+        what,
+        help: help.to_owned(),
+    })
+}
+
+fn read_messages(path: &Path, layout: &Layout, cut_off: CutOff) -> Result<Tape, Wrong> {
+    let unreadable = |error: std::io::Error| {
+        Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
+    };
+    let mut file = File::open(path).map_err(unreadable)?;
+    let options = LinearReaderOptions::default()
+        .with_record_length_limit(LARGEST)
+        .with_prevalidate_chunk_crcs(true)
+        .with_validate_data_section_crc(true);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), end: None };
+    while let Some(event) = reader.next_event() {
+        match event {
+            Ok(LinearReadEvent::ReadRequest(size)) => {
+                let read = file.read(reader.insert(size.min(LARGEST))).map_err(unreadable)?;
+                reader.notify_read(read);
+            }
+            Ok(LinearReadEvent::Record { data, opcode }) => {
+                let record = mcap::parse_record(opcode, data).map_err(damaged)?;
+                taker.take(record)?;
+            }
+            Err(McapError::UnexpectedEof) => {
+                return taker.cut_off(cut_off);
+            }
+            Err(error) => return Err(damaged(error)),
+        }
+    }
+    if taker.end.is_none() {
+        return taker.cut_off(cut_off);
+    }
+    taker.finish(cut_off)
+}
+
+fn damaged(error: McapError) -> Wrong {
+    match error {
+        McapError::BadMagic => Wrong::foreign("is no MCAP file"),
+        McapError::UnsupportedCompression(_) => Wrong::foreign("is compressed, which recordings are not"),
+        error => Wrong::new(format!("is damaged: {error}"), DAMAGED),
+    }
+}
+
+/// Takes the records of a file one after another.
+struct Taker<'a> {
+    layout: &'a Layout,
+    /// There from the metadata on.
+    messages: Option<Messages>,
+    /// The topics of channels.
+    channels: BTreeMap<u16, String>,
+    end: Option<Metadata>,
+}
+
+impl Taker<'_> {
+    fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
+        match record {
+            Record::Header(header) if header.profile != PROFILE => {
+                Err(Wrong::foreign(format!("is no recording of a cell: its profile is `{}`", header.profile)))
+            }
+            Record::Metadata(metadata) if metadata.name == PROFILE => {
+                let version = metadata.metadata.get("version").map(String::as_str);
+                if version != Some(VERSION) {
+                    let what = format!("is a recording of version {}", version.unwrap_or("unknown"));
+                    return Err(Wrong::new(what, "replay it with the version of mrroc that recorded it"));
+                }
+                self.messages = Some(Messages::of(&metadata, self.layout)?);
+                Ok(())
+            }
+            Record::Metadata(metadata) if metadata.name == END => {
+                self.end = Some(metadata);
+                Ok(())
+            }
+            Record::Channel(channel) => {
+                self.channels.insert(channel.id, channel.topic);
+                Ok(())
+            }
+            Record::Message { header, data } => {
+                let topic = self.channels.get(&header.channel_id).map_or("", String::as_str);
+                let messages = self.messages.as_mut();
+                let messages =
+                    messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
+                messages.take(topic, header.log_time, &data)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn cut_off(self, cut_off: CutOff) -> Result<Tape, Wrong> {
+        let Some(messages) = &self.messages else {
+            return Err(Wrong::foreign("ends before it says what it is a recording of"));
+        };
+        match cut_off {
+            CutOff::Taken => self.finish(cut_off),
+            CutOff::Refused => {
+                let what =
+                    format!("is cut off: it has no end, and its last step is {}", messages.last_step());
+                Err(Wrong::new(what, "replay what is there by --partial"))
+            }
+        }
+    }
+
+    fn finish(self, cut_off: CutOff) -> Result<Tape, Wrong> {
+        let dropped = self.end.and_then(|end| end.metadata.get("dropped")?.parse::<u64>().ok()).unwrap_or(0);
+        if dropped > 0 {
+            let what = format!("lacks {dropped} records, which were dropped while it was written");
+            return Err(Wrong::new(what, "record the run again, to a faster disk or in virtual time"));
+        }
+        let messages =
+            self.messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
+        messages.finish(cut_off)
+    }
+}

@@ -1,0 +1,79 @@
+//! Faults on purpose: for tests of the runtime, and of programs that run on it.
+//!
+//! A [`Sweep`] runs a cell time and again on the memory link, with one fault in one step each time: a process is killed
+//! or stalled, a link loses, doubles, swaps, delays or alters messages, the operator presses a button. Of every run it
+//! asks what SAFETY.md promises:
+//!
+//! - the drives get no NaN and nothing beyond a limit of position, velocity or acceleration;
+//! - a run that goes on to its end leaves the robots where the undisturbed one does;
+//! - one that stops reports the cause, and all robots stand within the bound of their limits and of the steps in which
+//!   a lost peer is noticed;
+//! - a robot that stands then does not move again, nor does a gripper open;
+//! - it ends.
+//!
+//! ```
+//! use mrroc::testing::{LinkFault, Press, Sweep};
+//! use mrroc::{Cell, Demand, RobotSetup, Step, Tick, generator};
+//! use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+//!
+//! const START: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+//!
+//! /// Turns the column by 0.02 rad, smoothly, in 0.2 s of path time.
+//! struct Turn { t: f64 }
+//!
+//! #[generator(mp)]
+//! fn turn(c: &mut Turn, t: Tick) -> Step<(Irp6,)> {
+//!     if c.t >= 0.2 {
+//!         return Step::Done;
+//!     }
+//!     c.t = (c.t + t.dt).min(0.2);
+//!     let u = c.t / 0.2;
+//!     let mut q = Six::from(START);
+//!     q[0] += 0.02 * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+//!     Step::Next((Demand::joints(q),))
+//! }
+//!
+//! let cell = || {
+//!     let arm = SimulatedIrp6::new(Irp6::nominal(), &Six::from(START));
+//!     Cell::new(std::time::Duration::from_millis(2))
+//!         .robot(RobotSetup::new("irp6", Irp6::nominal(), arm))
+//!         .program(|mp| {
+//!             let mut irp6 = mp.robot::<Irp6>("irp6")?;
+//!             mp.move_robots((&mut irp6,), (), Turn { t: 0.0 }).map(drop)
+//!         })
+//! };
+//! let report = Sweep::new(cell)
+//!     .every(25)
+//!     .kills()
+//!     .stalls(5)
+//!     .links(LinkFault::Drop, 1)
+//!     .presses(Press::Abort)
+//!     .run();
+//! assert!(report.is_clean(), "{report}");
+//! ```
+//!
+//! A [`FaultySensor`] and a [`FaultyDrive`] stand in for a sensor and for drives; [`Sweep::own`] runs a cell with one of
+//! them, or with any other fault of your own, that begins in one step after the other.
+//!
+//! A failure names its [`Case`] with the seed; [`Sweep::repeat`] runs that one again.
+
+mod case;
+mod channel;
+mod drive;
+mod link;
+mod random;
+mod report;
+mod sensor;
+mod stage;
+mod sweep;
+mod trial;
+mod verdict;
+mod witness;
+
+pub(crate) use witness::{Bounds, Witness};
+
+pub use case::{Case, Channel, Injected, LinkFault, Press};
+pub use drive::{DriveTrouble, FaultyDrive};
+pub use report::{Failure, SweepReport, Tally};
+pub use sensor::{FaultySensor, SensorFault};
+pub use sweep::Sweep;

@@ -1,0 +1,52 @@
+//! The engraving and the transfer on both links: the same demands to the bit on the memory link and as processes of the
+//! operating system under the virtual clock.
+//!
+//! This executable is the tests and the task programs that they start: it has a main function of its own.
+
+#[path = "../processes/launch.rs"]
+#[allow(dead_code, reason = "what tests of faults need, too")]
+mod launch;
+mod program;
+#[path = "../processes/records.rs"]
+mod records;
+
+use std::process::ExitCode;
+
+use launch::Place;
+
+fn main() -> ExitCode {
+    if std::env::var_os("MRROC_TEST_PROGRAM").is_some() {
+        return program::main();
+    }
+    let whole = std::env::var_os("MRROC_WHOLE").is_some();
+    compare(0, &["transfer"], &["rnt", "polycrank", "rnt-hand", "polycrank-hand"]);
+    compare(1, &["engraving", if whole { "nameplate" } else { "I" }], &["irp6"]);
+    ExitCode::SUCCESS
+}
+
+/// Runs a task on both links and compares every demand of every servo period.
+fn compare(test: u32, task: &[&str], robots: &[&str]) {
+    let place = Place::new(test);
+    let run = |link: &str| {
+        let mut launch = place.start(link, &[task, &[link]].concat());
+        assert!(launch.end().success(), "{task:?} on {link}: {}", launch.said());
+        launch
+    };
+    let (memory, processes) = (run("memory"), run("processes"));
+    for robot in robots {
+        let (here, apart) = (memory.record(robot), processes.record(robot));
+        // Longer than the shortest motion of both tasks takes.
+        assert!(here.len() > 1000, "{task:?}: {robot} has {} periods", here.len());
+        let same = here.iter().zip(&apart).take_while(|(a, b)| a == b).count();
+        assert!(
+            here.len() == apart.len() && same == here.len(),
+            "{task:?}: {robot}: {} and {} periods, the first {same} of them the same: {:?}, {:?}",
+            here.len(),
+            apart.len(),
+            here.get(same),
+            apart.get(same)
+        );
+        println!("{}: {robot}: {same} demands are the same to the bit", task.join(" "));
+    }
+    processes.assert_nothing_left(&[]);
+}

@@ -1,0 +1,104 @@
+//! What reads what others wrote: each target reads bytes and must refuse or accept them, whatever they are. The fuzz
+//! targets in `fuzz/` are the same functions.
+
+use engraving::drawing::{Limits, read_bytes};
+use mrroc::{BadWords, CellFile, Demand, EffectorState, Name, Pose, WORDS, Wire, Wrench};
+use mrroc_generators::teach::Taught;
+use mrroc_robots::{Irp6, Serial, simulated};
+
+/// A reader of bytes.
+pub type Target = fn(&[u8]);
+
+/// All readers, by the names of their corpora.
+pub const TARGETS: [(&str, Target); 7] = [
+    ("cell", cell),
+    ("svg", svg),
+    ("dxf", dxf),
+    ("gcode", gcode),
+    ("urdf", urdf),
+    ("trj", trj),
+    ("wire", wire),
+];
+
+/// What bad input is answered with must say something.
+fn told<T, E: std::fmt::Display>(outcome: Result<T, E>) -> Option<T> {
+    outcome.map_err(|error| assert!(!error.to_string().is_empty(), "an error without words")).ok()
+}
+
+/// `cell.toml`, and the cell that is made of it.
+pub fn cell(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    if let Some(file) = told(CellFile::parse("cell.toml", &text)) {
+        told(file.cell(&simulated()));
+    }
+}
+
+fn drawing(name: &str, bytes: &[u8]) {
+    if let Some(import) = told(read_bytes(name, bytes.to_vec(), Limits::default())) {
+        let points = import.drawing.strokes.iter().flat_map(|stroke| stroke.pieces());
+        assert!(points.into_iter().all(|piece| piece.is_sane()), "an accepted drawing is finite");
+    }
+}
+
+/// A drawing in SVG.
+pub fn svg(bytes: &[u8]) {
+    drawing("a.svg", bytes);
+}
+
+/// A drawing in DXF.
+pub fn dxf(bytes: &[u8]) {
+    drawing("a.dxf", bytes);
+}
+
+/// A G-code program.
+pub fn gcode(bytes: &[u8]) {
+    drawing("a.ngc", bytes);
+}
+
+/// A robot in URDF: of three joints, or of four.
+pub fn urdf(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    told(Serial::<3>::from_urdf(&text, "bed", "tool"));
+    told(Serial::<4>::from_urdf(&text, "base", "tool"));
+}
+
+/// Taught poses in MRROC++'s format, and in this library's.
+pub fn trj(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    for taught in [told(Taught::from_trj(&text)), told(text.parse::<Taught>())].into_iter().flatten() {
+        // What is written is read again.
+        assert!(taught.to_string().parse::<Taught>().is_ok_and(|again| again == taught));
+    }
+}
+
+/// Words of a message: what they spell comes out as it went in, to the bit.
+pub fn wire(bytes: &[u8]) {
+    let mut words = [0_u64; WORDS];
+    for (word, chunk) in words.iter_mut().zip(bytes.chunks(8)) {
+        let mut whole = [0; 8];
+        whole[..chunk.len()].copy_from_slice(chunk);
+        *word = u64::from_le_bytes(whole);
+    }
+    spells::<Demand<Irp6>>(&words);
+    spells::<EffectorState>(&words);
+    spells::<Pose>(&words);
+    spells::<Wrench>(&words);
+    spells::<Name>(&words);
+    spells::<[bool; 4]>(&words);
+    spells::<[u16; 3]>(&words);
+    // Too few words are no value, and no panic.
+    for len in 0..WORDS {
+        let _: Result<Demand<Irp6>, BadWords> = Wire::get(&words[..len]);
+        let _: Result<EffectorState, BadWords> = Wire::get(&words[..len]);
+        let _: Result<[f32; 3], BadWords> = Wire::get(&words[..len]);
+    }
+}
+
+fn spells<T: Wire>(words: &[u64; WORDS]) {
+    let Ok(value) = T::get(words) else { return };
+    let (mut once, mut twice) = ([0; WORDS], [0; WORDS]);
+    value.put(&mut once);
+    let Ok(again) = T::get(&once) else { panic!("what was written is not read") };
+    again.put(&mut twice);
+    assert_eq!(once, twice);
+}

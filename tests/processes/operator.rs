@@ -1,0 +1,355 @@
+//! The operator of a running cell, at consoles of their own: other processes, in real time.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::UnixStream;
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
+use crate::tests::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late};
+
+/// Their names, and they.
+pub const TESTS: [(&str, fn()); 8] = [
+    (
+        "a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have",
+        a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have,
+    ),
+    ("a_cell_runs_at_the_speed_that_is_asked_for", a_cell_runs_at_the_speed_that_is_asked_for),
+    (
+        "a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand",
+        a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand,
+    ),
+    (
+        "fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token",
+        fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token,
+    ),
+    (
+        "fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it",
+        fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it,
+    ),
+    (
+        "fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost_in_it",
+        fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost_in_it,
+    ),
+    (
+        "fault_38_the_console_of_another_user_is_refused_and_told_of",
+        fault_38_the_console_of_another_user_is_refused_and_told_of,
+    ),
+    ("a_cell_that_does_not_run_cannot_be_operated", a_cell_that_does_not_run_cannot_be_operated),
+];
+
+/// How often a test is tried on a machine that is late for more steps than a cell endures.
+const ATTEMPTS: usize = 5;
+
+/// Runs a cell that `operate` operates as soon as its robots move, until it is in time; gives it to `judge` at its end.
+fn operate<T>(place: &Place, operate: impl Fn(&mut Launch) -> T, judge: impl Fn(&Launch, Option<i32>, T)) {
+    for _ in 0..ATTEMPTS {
+        let mut launch = place.start("operated", REAL);
+        while launch.record("left").len() < 100 && launch.end_if_over().is_none() {
+            launch.let_run(Duration::from_millis(1));
+        }
+        let seen = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| operate(&mut launch)));
+        let status = launch.end().code();
+        if is_late(&launch.said()) {
+            continue;
+        }
+        match seen {
+            Ok(seen) => judge(&launch, status, seen),
+            Err(panic) => std::panic::resume_unwind(panic),
+        }
+        assert_robots_stand(&launch, None);
+        launch.assert_nothing_left(&[]);
+        return;
+    }
+    println!("skipped: this machine was late {ATTEMPTS} times");
+}
+
+/// One request of a console: its exit status, and what it said.
+fn ask(place: &Place, words: &[&str]) -> (Option<i32>, String) {
+    let output = place.program(words).output().expect("a console starts");
+    let said = [output.stdout, output.stderr].concat();
+    (output.status.code(), String::from_utf8(said).expect("text"))
+}
+
+/// The same of one that is carried out; in which step.
+fn done(place: &Place, words: &[&str], told: &str) -> u64 {
+    let (status, said) = ask(place, words);
+    assert!(status == Some(0) && said.contains(told), "{words:?}: {status:?}: {said}");
+    let step = said.rsplit_once("step ").map(|(_, step)| step.trim().parse());
+    step.expect("a step").expect("a number")
+}
+
+/// A console with several requests.
+struct Console {
+    child: Child,
+    asks: ChildStdin,
+    hears: BufReader<ChildStdout>,
+}
+
+impl Console {
+    fn new(place: &Place) -> Console {
+        let mut command = place.program(&["console"]);
+        let mut child =
+            command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().expect("a console starts");
+        let asks = child.stdin.take().expect("piped");
+        let hears = BufReader::new(child.stdout.take().expect("piped"));
+        Console { child, asks, hears }
+    }
+
+    fn ask(&mut self, request: &str) -> String {
+        writeln!(self.asks, "{request}").expect("asked");
+        let mut line = String::new();
+        self.hears.read_line(&mut line).expect("answered");
+        line.trim_end().to_owned()
+    }
+}
+
+impl Drop for Console {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The socket of the cell that runs.
+fn socket(place: &Place) -> PathBuf {
+    let session = place.sessions().into_iter().next().expect("a session");
+    place.base().join(session).join("operator")
+}
+
+/// Where each joint of a robot was demanded to be last.
+fn last_joints(launch: &Launch, robot: &str) -> Vec<f64> {
+    let record = launch.record(robot);
+    let bits = demanded(record.last().expect("it moved")).split(' ');
+    bits.map(|bits| f64::from_bits(u64::from_str_radix(bits, 16).expect("bits"))).collect()
+}
+
+fn assert_ends_where_it_would_have(place: &Place, launch: &Launch) {
+    let mut reference = place.start("reference", MEMORY);
+    assert!(reference.end().success(), "{}", reference.said());
+    for robot in ROBOTS {
+        let (is, should) = (last_joints(launch, robot), last_joints(&reference, robot));
+        let error = is.iter().zip(&should).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error <= 1e-9, "{robot}: {error:e} rad");
+    }
+}
+
+fn stand(launch: &Launch) -> bool {
+    ROBOTS.iter().all(|robot| periods_at_rest(&launch.record(robot)) >= 50)
+}
+
+fn a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have() {
+    let place = Place::new(20);
+    let operator = |launch: &mut Launch| {
+        let suspended = done(&place, &["suspend"], "suspended: step ");
+        wait_until(|| stand(launch));
+        let (status, said) = ask(&place, &["status"]);
+        assert!(status == Some(0) && said.starts_with("suspended: step "), "{said}");
+        assert!(said.contains("rate 0.000") && said.contains("move Ask"), "{said}");
+        for process in launch.processes() {
+            assert!(said.contains(&format!("{:>8} {} ", process.pid, process.role)), "{process:?}: {said}");
+        }
+        let resumed = done(&place, &["resume"], "resumed: step ");
+        assert!(resumed >= suspended + 50, "{suspended} to {resumed}");
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert_eq!(status, Some(0), "{}", launch.said());
+        assert_ends_where_it_would_have(&place, launch);
+    });
+}
+
+fn a_cell_runs_at_the_speed_that_is_asked_for() {
+    let place = Place::new(21);
+    let operator = |launch: &mut Launch| {
+        done(&place, &["speed", "25%"], "speed 25%: step ");
+        let at = launch.record("left").len();
+        assert!(ask(&place, &["status"]).1.contains("speed 25 %"));
+        at
+    };
+    operate(&place, operator, |launch, status, at| {
+        assert_eq!(status, Some(0), "{}", launch.said());
+        assert_ends_where_it_would_have(&place, launch);
+        // 1750 periods in all: what was left of them at the order takes four times as long, but for the way to that speed.
+        let (took, planned) = (launch.record("left").len() - at, 1750_usize.saturating_sub(at));
+        assert!(took >= 3 * planned, "{took} periods for {planned}");
+    });
+}
+
+fn a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand() {
+    let place = Place::new(22);
+    for (word, told, fault) in [
+        ("stop", "stopping: step ", "by the operator"),
+        ("abort", "aborting: step ", "aborted by the operator"),
+    ] {
+        operate(
+            &place,
+            |_| done(&place, &[word], told),
+            |launch, status, _| {
+                assert!(status == Some(1) && launch.said().contains(fault), "{status:?}: {}", launch.said());
+            },
+        );
+    }
+}
+
+fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() {
+    let place = Place::new(23);
+    let operator = |_: &mut Launch| {
+        let mut first = Console::new(&place);
+        assert!(first.ask("take").contains("holds the control token"));
+        let (status, said) = ask(&place, &["speed", "90%"]);
+        let told = format!("refused: the console of process {} holds the control token\n", first.child.id());
+        assert_eq!((status, said), (Some(1), told));
+        assert!(
+            ask(&place, &["status"])
+                .1
+                .contains(&format!("control: the console of process {}", first.child.id()))
+        );
+        first.child.kill().expect("killed");
+        // It is gone when the desk sees the end of its socket.
+        wait_until(|| ask(&place, &["status"]).1.contains("control: nobody"));
+        done(&place, &["speed", "100%"], "speed 100%: step ");
+        let mut second = Console::new(&place);
+        assert!(second.ask("release").starts_with("refused: "));
+        assert!(second.ask("take").contains("holds"));
+        assert!(second.ask("release").starts_with("nobody holds"));
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert_eq!(status, Some(0), "{}", launch.said());
+        // At full speed, as if nobody had been there.
+        assert!(launch.record("left").len() < 2000, "{}", launch.record("left").len());
+        assert_ends_where_it_would_have(&place, launch);
+    });
+}
+
+fn fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it() {
+    let place = Place::new(24);
+    let operator = |_: &mut Launch| {
+        let mut console = Console::new(&place);
+        assert!(console.ask("resume").starts_with("refused: it runs: step "));
+        assert!(console.ask("reset").starts_with("refused: it runs: step "));
+        assert!(console.ask("suspend").starts_with("suspended: step "));
+        assert!(console.ask("suspend").starts_with("suspended: step "));
+        assert!(console.ask("acknowledge").starts_with("refused: it is suspended: step "));
+        assert!(console.ask("resume").starts_with("resumed: step "));
+        assert!(console.ask("speed much").starts_with("refused: `much` is no speed"));
+        // Another console: stop is everybody's.
+        let mut other = Console::new(&place);
+        assert!(other.ask("resume").starts_with("refused: the console of process"));
+        assert!(other.ask("stop").starts_with("stopping: step "));
+        for request in ["resume", "suspend", "abort"] {
+            let answer = console.ask(request);
+            let stops = [
+                "refused: it is stopping: step ",
+                "refused: it has stopped for a fault",
+                "refused: the cell closes",
+            ];
+            assert!(stops.iter().any(|told| answer.starts_with(told)), "{request}: {answer}");
+        }
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert!(status == Some(1) && launch.said().contains("by the operator"), "{}", launch.said());
+    });
+}
+
+fn fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost_in_it() {
+    let place = Place::new(25);
+    let operator = |launch: &mut Launch| {
+        let socket = socket(&place);
+        let over = AtomicBool::new(false);
+        let flood = |request: &'static [u8]| {
+            let mut stream = UnixStream::connect(&socket).expect("connected");
+            stream.set_nonblocking(true).expect("set");
+            let (mut offered, mut heard) = (0_u64, Vec::new());
+            let mut bytes = [0; 4096];
+            while !over.load(Ordering::Acquire) {
+                // Most find the socket full: the desk takes one at a time from each console.
+                offered += 1;
+                let _ = stream.write(request);
+                if let Ok(count) = stream.read(&mut bytes) {
+                    heard.extend_from_slice(&bytes[..count]);
+                }
+            }
+            (offered, String::from_utf8_lossy(&heard).into_owned())
+        };
+        let (requests, steps) = std::thread::scope(|scope| {
+            let speed = scope.spawn(|| flood(b"speed 100%\n"));
+            let others =
+                [&b"status\n"[..], b"no such thing\n", b"\xff\n"].map(|r| scope.spawn(move || flood(r)));
+            launch.let_run(Duration::from_millis(700));
+            done(&place, &["stop"], "stopping: step ");
+            over.store(true, Ordering::Release);
+            let (offered, heard) = speed.join().expect("flooded");
+            let others: u64 = others.into_iter().map(|other| other.join().expect("flooded").0).sum();
+            let steps: Vec<u64> = heard
+                .lines()
+                .filter_map(|line| line.strip_prefix("done speed 100%: step ")?.parse().ok())
+                .collect();
+            (offered + others, steps)
+        });
+        assert!(!steps.is_empty() && steps.windows(2).all(|two| two[0] < two[1]), "{steps:?}");
+        println!(
+            "{requests} requests in the sockets, {} of one kind carried out, each in a step of its own",
+            steps.len()
+        );
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert!(status == Some(1) && launch.said().contains("by the operator"), "{}", launch.said());
+    });
+}
+
+fn fault_38_the_console_of_another_user_is_refused_and_told_of() {
+    if !rustix::process::geteuid().is_root() {
+        return println!("skipped: only root can be another user");
+    }
+    let place = Place::new(26);
+    let operator = |_: &mut Launch| {
+        let socket = socket(&place);
+        let session = socket.parent().expect("a session").to_owned();
+        let connect = || {
+            let user = rustix::process::Uid::from_raw(1234);
+            rustix::thread::set_thread_res_uid(user, user, user).expect("another user");
+            let mut stream = UnixStream::connect(&socket)?;
+            stream.write_all(b"stop\n")?;
+            let mut answer = String::new();
+            stream.read_to_string(&mut answer).map(|_| answer)
+        };
+        // As it is, nobody else gets to the socket at all ..
+        let outside = std::thread::scope(|scope| scope.spawn(connect).join().expect("no panic"));
+        assert_eq!(outside.map_err(|error| error.kind()), Err(std::io::ErrorKind::PermissionDenied));
+        // .. and where folders are open the desk asks the kernel who it is.
+        for (path, mode) in [(&place.base(), 0o711), (&session, 0o711), (&socket, 0o666)] {
+            std::fs::set_permissions(path, PermissionsExt::from_mode(mode)).expect("set");
+        }
+        let inside = std::thread::scope(|scope| scope.spawn(connect).join().expect("no panic"));
+        std::fs::set_permissions(place.base(), PermissionsExt::from_mode(0o700)).expect("set");
+        // Refused before it was read: the answer may be lost with what it had written.
+        let refused = "refused the cell belongs to another user than 1234\n";
+        assert!(inside.as_ref().map_or(true, |answer| answer == refused), "{inside:?}");
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert_eq!(status, Some(0), "{}", launch.said());
+        assert!(launch.said().contains("of user 1234 was refused"), "{}", launch.said());
+    });
+}
+
+fn a_cell_that_does_not_run_cannot_be_operated() {
+    let place = Place::new(27);
+    for words in [&["status"][..], &["stop"], &["console"], &["speed", "10%"]] {
+        let (status, said) = ask(&place, words);
+        assert!(status == Some(2) && said.contains("no processes run the cell of cell.toml"), "{said}");
+    }
+    // Another cell of the same user runs: it is not this one.
+    let other = place.base().parent().expect("a folder").join("other.toml");
+    std::fs::write(&other, include_str!("cell.toml")).expect("written");
+    operate(
+        &place,
+        |_| {
+            let (status, said) = ask(&place, &["stop", "--cell", "other.toml"]);
+            assert!(status == Some(2), "{status:?}: {said}");
+        },
+        |launch, status, ()| assert_eq!(status, Some(0), "{}", launch.said()),
+    );
+}

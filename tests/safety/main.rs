@@ -1,0 +1,6 @@
+//! What SAFETY.md promises under faults, one folder for its rows: numbers in the tests' names are the rows'.
+
+mod cells;
+mod drives;
+mod sensors;
+mod sweeps;

@@ -1,0 +1,113 @@
+//! Sweeps of small cells: every process killed and stalled, every link at fault, at every step.
+
+use mrroc::Cell;
+use mrroc::testing::{LinkFault, Press, Sweep, SweepReport};
+
+use crate::cells::{cooperating, interpolated, sensing, transparent};
+
+/// A demand that comes too late is bridged, and one that comes too late as the last of a motion leaves the robot where
+/// bridging did \[m\]: `a (n Ts)² / 2` off, for 10 m/s² and three steps.
+const BRIDGED: f64 = 5e-5;
+
+/// What is done to a cell: its processes, its links, its operator.
+pub fn everything(cell: fn() -> Cell) -> Sweep<'static> {
+    let sweep = Sweep::new(cell).end_tolerance(BRIDGED).threads(2);
+    let sweep = [1, 5, 19, 20, 21, 100].into_iter().fold(sweep.kills(), Sweep::stalls);
+    let sweep = [1, 19, 20, 21].into_iter().fold(sweep, |sweep, n| sweep.links(LinkFault::Drop, n));
+    let faults = [
+        LinkFault::Duplicate,
+        LinkFault::Reorder,
+        LinkFault::Delay(1),
+        LinkFault::Delay(3),
+        LinkFault::Corrupt,
+        LinkFault::Replay,
+        LinkFault::Forge,
+    ];
+    let sweep = faults.into_iter().fold(sweep, |sweep, fault| sweep.links(fault, 3));
+    let presses = [Press::Abort, Press::SuspendAndResume(50), Press::SuspendAndResume(5), Press::Everything];
+    presses.into_iter().fold(sweep, Sweep::presses)
+}
+
+fn clean(report: &SweepReport) {
+    println!("{report}");
+    assert!(report.is_clean(), "{report}");
+}
+
+#[test]
+fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
+    for cell in [transparent, cooperating, interpolated, sensing] {
+        clean(&everything(cell).every(29).run());
+    }
+}
+
+/// `just sweep`.
+#[test]
+#[ignore = "takes minutes"]
+fn every_fault_in_every_step_of_small_cells_breaks_no_promise() {
+    let mut all = SweepReport::default();
+    for cell in [transparent, cooperating, interpolated, sensing] {
+        all.absorb(everything(cell).run());
+    }
+    clean(&all);
+}
+
+#[test]
+fn fault_14_messages_lost_on_any_link_end_in_an_orderly_stop() {
+    for steps in [1, 19, 20, 21] {
+        for cell in [transparent, cooperating, interpolated, sensing] {
+            let sweep = Sweep::new(cell).links(LinkFault::Drop, steps).every(23).threads(2);
+            let report = sweep.end_tolerance(BRIDGED).run();
+            assert!(report.is_clean() && report.total().cases > 0, "{report}");
+        }
+    }
+}
+
+#[test]
+fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
+    for cell in [transparent, cooperating, interpolated, sensing] {
+        // Doubled ones and old ones are no messages: every run ends as the undisturbed one does, to 1e-12 m.
+        let sweep = Sweep::new(cell).links(LinkFault::Duplicate, 3).links(LinkFault::Replay, 3);
+        let report = sweep.every(11).threads(2).end_tolerance(1e-12).run();
+        let total = report.total();
+        assert!(report.is_clean() && total.cases > 100 && total.survived == total.cases, "{report}");
+        let sweep = Sweep::new(cell).links(LinkFault::Reorder, 3).every(11).threads(2);
+        clean(&sweep.end_tolerance(BRIDGED).run());
+    }
+}
+
+#[test]
+fn fault_16_a_damaged_message_is_a_lost_one() {
+    for cell in [transparent, cooperating, interpolated, sensing] {
+        let lost = Sweep::new(cell).links(LinkFault::Drop, 1).every(31).threads(2).run();
+        let damaged = Sweep::new(cell).links(LinkFault::Corrupt, 1).every(31).threads(2).run();
+        assert!(damaged.is_clean(), "{damaged}");
+        let (lost, damaged) = (lost.total(), damaged.total());
+        assert_eq!((lost.cases, lost.stopped), (damaged.cases, damaged.stopped), "{lost:?} {damaged:?}");
+    }
+}
+
+#[test]
+fn a_sender_that_is_out_of_its_mind_gets_nothing_beyond_a_limit_to_the_drives() {
+    for cell in [transparent, cooperating, interpolated, sensing] {
+        clean(&Sweep::new(cell).links(LinkFault::Forge, 1).every(3).threads(2).run());
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_cell_or_its_undisturbed_run_is_a_failure_and_no_case() {
+    let wrong = || Cell::new(mrroc_tests::MS);
+    let report = Sweep::new(wrong).kills().run();
+    assert!(!report.is_clean() && report.total().cases == 0, "{report}");
+    let fails = || transparent().program(|_| Err(mrroc::Fault::thrown("the box is empty")));
+    let report = Sweep::new(fails).kills().run();
+    assert!(report.to_string().contains("the box is empty"), "{report}");
+}
+
+#[test]
+fn a_case_that_is_repeated_comes_to_the_same() {
+    use mrroc::testing::{Case, Injected};
+    let sweep = Sweep::new(cooperating);
+    let case = Case { injected: Injected::Kill(mrroc::ProcessId::MP), at: 100, seed: 5 };
+    let (first, second) = (sweep.repeat(&case), sweep.repeat(&case));
+    assert!(first.total().stopped == 1 && first == second, "{first}");
+}

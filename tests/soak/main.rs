@@ -1,0 +1,127 @@
+//! Two arms and a virtual sensor as processes at 1 kHz, in real time, for as long as it is told: `just soak 600`.
+//!
+//! Asserted is what cannot depend on what else the machine does: the memory of no process grows, the true rate of steps
+//! is the one that was asked for, and the end is clean. Skipped steps are counted beside the wake-ups that cyclictest has
+//! late by more than a step in the same time.
+//!
+//! This executable is the test and the task program that it starts: it has a main function of its own.
+
+#[path = "../processes/launch.rs"]
+#[allow(dead_code, reason = "what tests of faults need, too")]
+mod launch;
+mod program;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::process::{Child, Command, ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+use launch::{Launch, Place};
+
+/// How long a cell may take to start, before its memory is looked at.
+const STARTING: Duration = Duration::from_secs(5);
+/// How much the memory of a process may grow \[kB\]: pages that are touched once, by chance late.
+const GROWTH: i64 = 256;
+/// How far the true rate may be from the one that was asked for.
+const RATE: f64 = 1e-4;
+/// The shortest run whose rate is looked at \[s\]: the least late of a thousand steps is known to some microseconds.
+const RATED: u32 = 10;
+/// A step \[us\].
+const STEP: u64 = 1000;
+
+fn main() -> ExitCode {
+    if std::env::var_os("MRROC_TEST_PROGRAM").is_some() { program::main() } else { soak() }
+}
+
+fn soak() -> ExitCode {
+    let seconds = program::seconds();
+    let place = Place::of(0, include_str!("cell.toml"));
+    let mut launch = place.start("records", &["--processes"]);
+    let cyclictest = cyclictest(seconds);
+    launch.let_run(STARTING);
+    let first = memory(&mut launch);
+    let mut last = first.clone();
+    let until = Instant::now() + Duration::from_secs(u64::from(seconds));
+    while launch.end_if_over().is_none() {
+        launch.let_run(Duration::from_millis(500));
+        let now = memory(&mut launch);
+        // Those that end have given their memory back.
+        if now.len() == first.len() {
+            last = now;
+        }
+        assert!(Instant::now() < until + Duration::from_secs(120), "it does not end: {}", launch.said());
+    }
+    let status = launch.end();
+    println!("{}", launch.said());
+    for (role, kilobytes) in &first {
+        println!("{role:12} {kilobytes:6} kB after {STARTING:?}, {:6} kB at the end", last[role]);
+        assert!(last[role] - kilobytes <= GROWTH, "{role} takes ever more memory");
+    }
+    match late_wake_ups(cyclictest) {
+        Some((late, all)) => {
+            println!("cyclictest: {late} of {all} wake-ups were late by more than {STEP} us")
+        }
+        None => println!("no cyclictest\n help: benches/peers/realtime soak {seconds} installs it"),
+    }
+    launch.assert_nothing_left(&[]);
+    match launch.record(program::COUNT).first().map(|line| read(line)) {
+        Some((begun, skipped, slow)) => {
+            println!("{begun} steps, {skipped} skipped; their rate is {:.6} % slow", 100.0 * slow);
+            assert!(status.success() || is_late(&launch), "{}", launch.said());
+            assert!(!status.success() || seconds < RATED || slow.abs() < RATE, "the rate is {slow:e} slow");
+        }
+        None => panic!("no step: {}", launch.said()),
+    }
+    ExitCode::SUCCESS
+}
+
+/// A machine that is late for too long is a fault of the cell, and of nobody else.
+fn is_late(launch: &Launch) -> bool {
+    let kinds = ["overrun", "the process at the other end is gone", "exceeds the limit"];
+    kinds.iter().any(|kind| launch.said().contains(kind))
+}
+
+/// Begun, skipped, and by which part of its time the clock of the steps is slow.
+fn read(line: &str) -> (u64, u64, f64) {
+    let words: Vec<_> = line.split(' ').collect();
+    let [begun, skipped, slow] = words[..] else { panic!("no count: {line}") };
+    let number = |word: &str| word.parse().expect("a number");
+    (number(begun), number(skipped), slow.parse().expect("a number"))
+}
+
+/// Memory in use by each process \[kB\].
+fn memory(launch: &mut Launch) -> BTreeMap<String, i64> {
+    let used = |pid| {
+        let status = fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+        line.trim().strip_suffix("kB")?.trim().parse().ok()
+    };
+    let launcher = used(launch.pid()).map(|used| ("launcher".to_owned(), used));
+    let processes = launch.processes();
+    let all = processes.into_iter().filter_map(|process| Some((process.role.clone(), used(process.pid)?)));
+    all.chain(launcher).collect()
+}
+
+/// cyclictest for as long, at the priority of the cell, where there is one.
+fn cyclictest(seconds: u32) -> Option<Child> {
+    let loops = format!("--loops={}", seconds * 1000);
+    let arguments =
+        ["--quiet", "--priority=50", "--interval=1000", "--threads=1", "--histogram=100000", &loops];
+    Command::new("cyclictest").args(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().ok()
+}
+
+/// Of its wake-ups, how many were late by more than a step.
+fn late_wake_ups(cyclictest: Option<Child>) -> Option<(u64, u64)> {
+    let output = cyclictest?.wait_with_output().ok()?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let lines = text.lines().filter_map(|line| {
+        let (micros, count) = line.split_once(' ')?;
+        Some((micros.parse::<u64>().ok()?, count.trim().parse::<u64>().ok()?))
+    });
+    let (mut late, mut all) = (0, 0);
+    for (micros, count) in lines {
+        all += count;
+        late += if micros > STEP { count } else { 0 };
+    }
+    (all > 0).then_some((late, all))
+}
