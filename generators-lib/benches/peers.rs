@@ -3,6 +3,8 @@
 //!
 //! The inputs are those of `benches/peers/README.md`, and so are the sums that show it.
 
+#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
+
 use std::hint::black_box;
 use std::time::Instant;
 

@@ -4,6 +4,8 @@
 //! They go through a datagram socket in the session's folder: whole messages, in the order of each process; a thread that
 //! finds it full waits, and the step does not know.
 
+#![expect(clippy::disallowed_methods, reason = "the launcher's thread, which is no part of control")]
+
 use std::io::{self, ErrorKind};
 use std::os::unix::net::UnixDatagram;
 use std::path::{Path, PathBuf};
