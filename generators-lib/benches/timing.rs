@@ -1,6 +1,8 @@
 //! Times of time-optimal planning: `cargo bench -p mrroc-generators --bench timing`. `benches/peers/timing` measures
 //! TOPPRA on the same paths and grids in the same run.
 
+#![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
+
 use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::Profile;
 use mrroc_generators::timing::{PathLimits, TimeOptimal};
