@@ -30,6 +30,7 @@ test-urdf:
 # Kinematics beside KDL, Pinocchio and rs-opw-kinematics, motions beside KDL and Ruckig, all installed into target/peers.
 bench-peers:
     benches/peers/run
+    benches/peers/timing
     benches/peers/motions
 
 # Accept changed snapshots of expansions, diagnostics and the template's files.
@@ -46,7 +47,15 @@ engrave *ARGS:
 book:
     mdbook build docs
 
-# Cells as processes of the operating system; builds iceoryx2 first.
+# Recordings and their replay; the second one reads a recording back with PyPI's mcap.
+test-recording:
+    cargo build -p mrroc-tests --features recording,processes --example recorded
+    cargo test -p mrroc-tests --features recording,processes --test recording
+
+test-recording-peer: test-recording
+    cargo test -p mrroc-tests --features recording,processes --test recording -- --ignored --nocapture
+
+# Cells as processes of the operating system.
 test-processes:
     cargo test -p mrroc-tests --features processes --test processes
 

@@ -7,3 +7,4 @@ mod sensors;
 mod summary;
 mod sweeps;
 mod tasks;
+mod wall_clock;
