@@ -162,6 +162,6 @@ mod tests {
         assert!((found.acceleration - 100.0).abs() < 1e-2, "{found:?}");
         assert!((found.jerk - 50e3).abs() < 500.0, "{found:?}");
         assert!((found.margin - (1.0 - 0.1)).abs() < 1e-5, "{found:?}");
-        assert_eq!(approach.extremes(1)[0].velocity, 0.0);
+        assert!(approach.extremes(1).iter().all(|joint| joint.velocity == 0.0), "it was not shown");
     }
 }
