@@ -16,7 +16,7 @@ fn limits(v: f64, a: f64, j: f64) -> JointLimits<Vector2<f64>> {
 fn one_leg_takes_the_closed_form_time() {
     let leg = |d: f64, v, a, j| {
         let points = [Vector2::zeros(), Vector2::new(d, 0.3 * d)];
-        JointVia::new(&points, &limits(v, a, j), &Vector2::repeat(0.1)).unwrap().duration()
+        ViaJoints::new(&points, &limits(v, a, j), &Vector2::repeat(0.1)).unwrap().duration()
     };
     // Seven phases: the table of tests/jerk_plan.rs; without a limit of jerk: (10, 2, 1) 7 s and (3, 2, 1) sqrt 12 s.
     let table = [
@@ -37,14 +37,14 @@ fn a_right_angle_is_passed_at_the_stated_deviation() {
     // |dv| = V sqrt 2 within A = 2 per joint: t = V / A = 0.5, parabola: deviation V t / 8 = 0.0625 per joint.
     let points = [Vector2::zeros(), Vector2::new(5.0, 0.0), Vector2::new(5.0, 5.0)];
     let parabolic = limits(1.0, 2.0, f64::INFINITY);
-    let wide = JointVia::new(&points, &parabolic, &Vector2::repeat(1.0)).unwrap();
+    let wide = ViaJoints::new(&points, &parabolic, &Vector2::repeat(1.0)).unwrap();
     // 10 m at 1 m/s, less nothing at the corner, and a ramp of 0.5 s at the ends.
     assert!((wide.duration() - 10.5).abs() < 1e-12, "{}", wide.duration());
     let off = wide.at(5.25) - points[1];
     assert!((off - Vector2::new(-0.0625, 0.0625)).norm() < 1e-12, "{off}");
     // Half the deviation: sqrt 2 slower.
-    let narrow = JointVia::new(&points, &parabolic, &Vector2::repeat(0.03125)).unwrap();
-    let nearest = |motion: &JointVia<Vector2<f64>>| {
+    let narrow = ViaJoints::new(&points, &parabolic, &Vector2::repeat(0.03125)).unwrap();
+    let nearest = |motion: &ViaJoints<Vector2<f64>>| {
         let times = (0..=200_000).map(|i| motion.duration() * f64::from(i) / 2e5);
         times.map(|t| (motion.at(t) - points[1]).amax()).fold(f64::INFINITY, f64::min)
     };
@@ -56,20 +56,20 @@ fn a_right_angle_is_passed_at_the_stated_deviation() {
 fn what_is_no_motion_is_refused() {
     let two = [Vector2::zeros(), Vector2::x()];
     let one = Vector2::repeat(0.1);
-    let coincident = JointVia::new(&[two[0], two[0]], &limits(1.0, 1.0, 1.0), &one);
+    let coincident = ViaJoints::new(&[two[0], two[0]], &limits(1.0, 1.0, 1.0), &one);
     assert_eq!(coincident, Err(ViaError::Coincident));
-    assert!(JointVia::<Vector2<f64>>::new(&[], &limits(1.0, 1.0, 1.0), &one).is_err());
+    assert!(ViaJoints::<Vector2<f64>>::new(&[], &limits(1.0, 1.0, 1.0), &one).is_err());
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for limits in [limits(bad, 1.0, 1.0), limits(1.0, bad, 1.0)] {
-            assert!(matches!(JointVia::new(&two, &limits, &one), Err(ViaError::Limit { .. })));
+            assert!(matches!(ViaJoints::new(&two, &limits, &one), Err(ViaError::Limit { .. })));
         }
-        assert!(JointVia::new(&two, &limits(1.0, 1.0, 1.0), &Vector2::repeat(bad)).is_err());
+        assert!(ViaJoints::new(&two, &limits(1.0, 1.0, 1.0), &Vector2::repeat(bad)).is_err());
         if bad != f64::INFINITY {
-            assert!(JointVia::new(&two, &limits(1.0, 1.0, bad), &one).is_err());
+            assert!(ViaJoints::new(&two, &limits(1.0, 1.0, bad), &one).is_err());
         }
     }
     let nan = [two[0], Vector2::repeat(f64::NAN)];
-    assert_eq!(JointVia::new(&nan, &limits(1.0, 1.0, 1.0), &one), Err(ViaError::NotFinite));
+    assert_eq!(ViaJoints::new(&nan, &limits(1.0, 1.0, 1.0), &one), Err(ViaError::NotFinite));
 }
 
 fn poses() -> impl Strategy<Value = Vec<Pose>> {
@@ -86,7 +86,7 @@ proptest! {
         deviation in prop::sample::select(vec![1e-4, 1e-2, 0.3]),
     ) {
         let points: Vec<_> = points.iter().map(|p| Vector2::new(p[0], p[1])).collect();
-        let motion = JointVia::new(&points, &limits(v, a, j), &Vector2::repeat(deviation)).unwrap();
+        let motion = ViaJoints::new(&points, &limits(v, a, j), &Vector2::repeat(deviation)).unwrap();
         let n = 4000;
         let dt = motion.duration() / f64::from(n);
         let at = |i: i32| motion.at(f64::from(i) * dt);
@@ -115,7 +115,7 @@ proptest! {
             JerkLimits { velocity: 1.0, acceleration: 3.0, jerk },
         );
         let limits = SmoothToolLimits { translation, rotation };
-        let motion = LineVia::new(&poses, limits, (0.02, 0.05)).unwrap();
+        let motion = ViaPoses::new(&poses, limits, (0.02, 0.05)).unwrap();
         let n = 4000;
         let dt = motion.duration() / f64::from(n);
         let mut nearest = vec![(f64::INFINITY, f64::INFINITY); poses.len()];

@@ -3,7 +3,7 @@
 use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
 
 use mrroc_generators::jerk::JointLimits;
-use mrroc_generators::via::JointVia as Motion;
+use mrroc_generators::via::ViaJoints;
 
 /// Leads the joints from where they are along straight legs through all points, to rest at the last one.
 ///
@@ -12,7 +12,7 @@ pub struct JointVia<R: Robot> {
     points: Vec<R::Joints>,
     limits: JointLimits<R::Joints>,
     deviation: R::Joints,
-    motion: Option<(Motion<R::Joints>, f64)>,
+    motion: Option<(ViaJoints<R::Joints>, f64)>,
 }
 
 impl<R: Robot> JointVia<R> {
@@ -41,7 +41,7 @@ impl<R: Robot> JointVia<R> {
 impl<R: Robot> JointVia<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         self.points.insert(0, e.demanded().joints);
-        let motion = Motion::new(&self.points, &self.limits, &self.deviation);
+        let motion = ViaJoints::new(&self.points, &self.limits, &self.deviation);
         self.motion = Some((motion.map_err(|error| Fault::thrown(&error.to_string()))?, 0.0));
         Ok(self.advance(t))
     }

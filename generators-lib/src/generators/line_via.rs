@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
 
 use mrroc_generators::line::SmoothToolLimits;
-use mrroc_generators::via::LineVia as Motion;
+use mrroc_generators::via::ViaPoses;
 
 /// Leads the tool from where it is straight from pose to pose, to rest at the last one, with limited jerk or, where that is
 /// infinite, with parabolic blends.
@@ -16,7 +16,7 @@ pub struct LineVia<R> {
     poses: Vec<Pose>,
     deviation: (f64, f64),
     limits: SmoothToolLimits,
-    motion: Option<(Motion, f64)>,
+    motion: Option<(ViaPoses, f64)>,
     of: PhantomData<R>,
 }
 
@@ -45,7 +45,7 @@ impl<R: Robot> LineVia<R> {
 impl<R: Robot> LineVia<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         self.poses.insert(0, e.demanded().pose);
-        let motion = Motion::new(&self.poses, self.limits, self.deviation);
+        let motion = ViaPoses::new(&self.poses, self.limits, self.deviation);
         self.motion = Some((motion.map_err(|error| Fault::thrown(&error.to_string()))?, 0.0));
         Ok(self.advance(t))
     }

@@ -10,12 +10,12 @@ use crate::profile::JerkLimits;
 
 /// Straight legs in joint space through via points, from rest to rest, over path time; immutable.
 #[derive(Clone, Debug, PartialEq)]
-pub struct JointVia<J> {
+pub struct ViaJoints<J> {
     points: Vec<J>,
     times: Times,
 }
 
-impl<J: JointVector> JointVia<J> {
+impl<J: JointVector> ViaJoints<J> {
     /// Through `points` [rad or m], which every joint passes within its `deviation` [rad or m], > 0, and within `limits`, of
     /// which jerk may be infinite. Points that coincide with the one before are left out.
     ///
@@ -42,7 +42,7 @@ impl<J: JointVector> JointVia<J> {
             turns: false,
         };
         let times = plan(&ways, &(0..J::LEN).map(group).collect::<Vec<_>>())?;
-        Ok(JointVia { points, times })
+        Ok(ViaJoints { points, times })
     }
 
     /// Duration \[s\].

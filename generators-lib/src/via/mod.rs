@@ -23,8 +23,8 @@ mod poses;
 mod times;
 
 pub use blend::Blend;
-pub use joints::JointVia;
-pub use poses::LineVia;
+pub use joints::ViaJoints;
+pub use poses::ViaPoses;
 
 use thiserror::Error;
 

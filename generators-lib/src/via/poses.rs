@@ -13,14 +13,14 @@ use crate::line::SmoothToolLimits;
 /// On each leg the origin moves straight and the orientation turns about a constant axis, the short way round. Round a
 /// via pose both change as the via point's own rotation vector does: the angular velocity is continuous.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LineVia {
+pub struct ViaPoses {
     poses: Vec<Pose>,
     /// Way of the origin in the common frame, and turn in the axes of the moving frame, of each leg.
     ways: Vec<(Vector3<f64>, Vector3<f64>)>,
     times: Times,
 }
 
-impl LineVia {
+impl ViaPoses {
     /// Through `poses` in one common frame \[m\], which the origin passes within `deviation.0` \[m\] and the orientation
     /// within `deviation.1` \[rad\], both > 0, and within `limits`, of which jerk may be infinite. The limit of angular jerk is
     /// that of the rotation vector. Poses that coincide with the one before are left out.
@@ -65,7 +65,7 @@ impl LineVia {
             })
             .collect();
         let times = plan(&coordinates, &groups)?;
-        Ok(LineVia { poses: kept, ways, times })
+        Ok(ViaPoses { poses: kept, ways, times })
     }
 
     /// Duration \[s\].
