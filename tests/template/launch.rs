@@ -112,7 +112,7 @@ fn a_dry_run_says_how_near_it_comes_to_the_limits_and_draws_nothing() {
     assert_eq!(error(&output, 0), "");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(said.starts_with("dry run: 6.0") && said.contains("within all limits\n"), "{said}");
-    let joint = said.lines().find(|line| line.starts_with("arm 1 ")).expect("a row for each joint");
+    let joint = said.lines().find(|line| line.starts_with("arm 3 ")).expect("a row for each joint");
     let share = joint.split_whitespace().nth(2).and_then(|share| share.parse::<f64>().ok());
     assert!(share.is_some_and(|share| share > 0.0 && share <= 100.0), "{said}");
     assert!(!folder.join("picture.svg").exists());
