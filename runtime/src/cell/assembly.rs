@@ -50,6 +50,7 @@ impl Cell {
 
         let mut plant = Site::new(link, self.step, self.robots.iter().any(|robot| robot.is_simulated()));
 
+        let stop_steps = self.stop_steps();
         let tap = Tap::to(self.witnesses);
         let mut mp_sensing = Sensing { ports: Vec::new(), patience, tap: tap.of(ProcessId::MP) };
         // An ECP loses patience first, so that it can say with whom.
@@ -83,16 +84,15 @@ impl Cell {
             self.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing))
         {
             let (client, server) = link.port(mp, ecp);
-            let steps = robot.stop_steps(self.step, delay.unwrap_or_default());
             ports.push(RobotPort::new(
                 *name,
                 (robot.kind(), robot.kind_name()),
                 client,
-                steps,
+                stop_steps,
                 robot.is_homed(),
             ));
             let period = self.step.as_nanos() as Nanos;
-            let pace = Pace { period, grace, stop_steps: steps };
+            let pace = Pace { period, grace, stop_steps };
             let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged, tap: tap.clone() };
             robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }

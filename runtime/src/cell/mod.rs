@@ -265,6 +265,13 @@ impl Cell {
         self.step
     }
 
+    /// Steps within which every robot must stand after a stop began.
+    pub(crate) fn stop_steps(&self) -> u64 {
+        let servos = self.robots.iter().map(|robot| robot.servo_period());
+        let delay = crate::interpolation::delay(self.step, servos).unwrap_or_default();
+        self.robots.iter().map(|robot| robot.stop_steps(self.step, delay)).max().unwrap_or(0)
+    }
+
     /// Steps in which the rate falls from the planned one to a standstill.
     pub(crate) fn rate_steps(&self) -> u64 {
         // A float becomes the nearest integer that there is.

@@ -357,6 +357,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     delay,
                     space,
                     following_error,
+                    stop_steps: place.pace.stop_steps,
                     observers,
                     tap,
                 };

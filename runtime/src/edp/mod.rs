@@ -29,7 +29,7 @@ use crate::message::Message;
 use crate::overruns::Overruns;
 use crate::pose::Pose;
 use crate::robot::Robot;
-use crate::stopping::{detection_time, stop_steps};
+use crate::stopping::detection_time;
 use crate::task_space::TaskSpace;
 use crate::together::{BrakingLaw, Screw, ScrewBraking};
 use crate::witness::Tap;
@@ -63,6 +63,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub space: InterpolationSpace,
     /// Largest difference between demanded and measured joint positions [rad or m].
     pub following_error: R::Joints,
+    /// Steps within which the robot must stand after a stop began.
+    pub stop_steps: u64,
     pub observers: Vec<Observer<R>>,
     /// Where each step is shown.
     pub tap: Tap,
@@ -210,9 +212,8 @@ impl<'w, R: Robot> Edp<'w, R> {
     fn come_to_rest(&mut self) -> Result<(), Fault> {
         self.gate = self.gate.closed();
         self.brake();
-        let delay = self.config.delay.unwrap_or_default();
         let began = self.due;
-        let last = began + stop_steps(self.config.robot.limits(), self.config.step, delay);
+        let last = began + self.config.stop_steps;
         // The demand that holds is one of the next step, and the drives are there at the end of that step.
         while !self.is_at_standstill() || self.due <= began + 2 {
             if self.due > last {

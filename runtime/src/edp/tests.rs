@@ -46,6 +46,7 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
         delay: crate::interpolation::delay(Duration::from_millis(1), [servo].into_iter()),
         space: InterpolationSpace::Joints,
         following_error: Vector1::new(1.0),
+        stop_steps: 200,
         observers: Vec::new(),
         tap: crate::witness::Tap::to(Vec::new()),
     };

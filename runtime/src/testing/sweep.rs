@@ -157,7 +157,7 @@ impl<'c> Sweep<'c> {
     fn try_one(&self, case: &Case, calm: &Trial) -> Verdict {
         let steps = calm.over / calm.step;
         // Longer than any stop, so that what would move again after it is seen.
-        let afterwards = calm.stop_steps.iter().copied().max().unwrap_or(0).max(calm.rate_steps) + 50;
+        let afterwards = calm.stop_steps.max(calm.rate_steps) + 50;
         let lasting = Lasting { afterwards, most: 3 * steps + 4 * afterwards + 5000 };
         match attempt(self.cell_of(case), Some(*case), lasting) {
             Ok(trial) => judge(case, &trial, calm, self.end_tolerance),

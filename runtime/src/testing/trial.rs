@@ -29,8 +29,8 @@ pub(super) struct Trial {
     pub over: Nanos,
     /// The cell's step \[ns\].
     pub step: Nanos,
-    /// Steps in which each robot stands after the cause of a stop, by its limits and the budget of missing demands.
-    pub stop_steps: Vec<u64>,
+    /// Steps in which all robots stand after the cause of a stop, by their limits and the budget of missing demands.
+    pub stop_steps: u64,
     /// Steps in which robots stop on their path: their rate falls.
     pub rate_steps: u64,
 }
@@ -53,16 +53,12 @@ pub(super) fn attempt(mut cell: Cell, case: Option<Case>, lasting: Lasting) -> R
         });
     }
     let mut onlookers = Vec::new();
-    let servos: Vec<_> = cell.robots_mut().map(|robot| robot.servo_period()).collect();
-    let delay = crate::interpolation::delay(step, servos.into_iter()).unwrap_or_default();
-    let mut stop_steps = Vec::new();
     for robot in cell.robots_mut() {
         let onlooker = Rc::new(RefCell::new(Onlooker::new(robot.name(), robot.bounds())));
         robot.show(Rc::clone(&onlooker));
-        stop_steps.push(robot.stop_steps(step, delay));
         onlookers.push(onlooker);
     }
-    let rate_steps = cell.rate_steps();
+    let (rate_steps, stop_steps) = (cell.rate_steps(), cell.stop_steps());
     let mut scheduler = Scheduler::new();
     let assembly = cell.put_on(&mut FaultyLink { scheduler: &mut scheduler, stage: Rc::clone(&stage) })?;
     let time = scheduler.run();

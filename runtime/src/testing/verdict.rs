@@ -79,9 +79,11 @@ fn at_the_end(case: &Case, trial: &Trial, calm: &Trial, tolerance: f64) -> Verdi
 fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
     let step = trial.step;
     // A rate that falls takes its own time, and drives lie behind their demands.
-    let on_path = matches!(case.injected, Injected::Press(_));
-    let mut worst = (0, trial.stop_steps.iter().copied().max().unwrap_or(0) + MESSAGES);
-    for (robot, &stop) in trial.robots.iter().zip(&trial.stop_steps) {
+    let is_sound = matches!(&trial.outcome, Err(CellError::Fault(fault)) if fault.leaves_demands_sound());
+    let on_path = is_sound || matches!(case.injected, Injected::Press(_));
+    let stop = trial.stop_steps;
+    let mut worst = (0, stop + MESSAGES);
+    for robot in &trial.robots {
         // One without an EDP is its drives' to brake; one whose EDP stood still brakes when it goes on.
         let from = match case.injected {
             Injected::Kill(ProcessId { role: Role::Edp, name }) if is_of(robot, name) => continue,

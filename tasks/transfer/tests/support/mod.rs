@@ -24,6 +24,9 @@ pub struct Demands {
     pub singularity: [f64; 2],
     /// Every number that any drive got, as bits, one after the other.
     pub bits: Vec<u64>,
+    /// What the drives of each robot got first, and whether any got something else.
+    first: Vec<(String, Vec<f64>)>,
+    pub is_moved: bool,
     tools: [Pose; 2],
 }
 
@@ -51,6 +54,10 @@ impl Arms {
 impl Demands {
     fn see(&mut self, arms: &Arms, robot: &Observation<'_>) {
         self.bits.extend(robot.demanded.iter().map(|x| x.to_bits()));
+        match self.first.iter().find(|(name, _)| name == robot.robot) {
+            Some((_, first)) => self.is_moved |= first != robot.demanded,
+            None => self.first.push((robot.robot.to_owned(), robot.demanded.to_vec())),
+        }
         match robot.robot {
             "rnt" => {
                 let q = Six::from_column_slice(robot.demanded);
