@@ -100,7 +100,9 @@ fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
         if steps * worst.1 > worst.0 * bound {
             worst = (steps, bound);
         }
-        let settled: Nanos = (noticed.max(case.at) + MESSAGES) * step + delay(trial);
+        // On its path a robot that has only begun its motion becomes faster before it becomes slower.
+        let settling = if on_path { bound } else { MESSAGES };
+        let settled: Nanos = (noticed.max(case.at) + settling) * step + delay(trial);
         if let Some((began, _)) =
             robot.episodes.iter().find(|(began, _)| *began > settled && *began > from * step)
         {

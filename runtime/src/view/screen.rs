@@ -83,7 +83,7 @@ fn gauge(picture: &Picture) -> Gauge<'static> {
 }
 
 fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Picture) {
-    let [left, right] = Layout::horizontal([Constraint::Length(64), Constraint::Min(30)]).areas(area);
+    let [left, right] = Layout::horizontal([Constraint::Length(76), Constraint::Min(30)]).areas(area);
     let processes = picture.processes.iter().map(|process| {
         let state = if process.runs { "runs".green() } else { "ended".red() };
         let Figures { late, worked, skipped, overruns, .. } = process.figures;
