@@ -21,6 +21,7 @@ pub(crate) enum Doing {
     Wait,
 }
 
+#[cfg(all(feature = "processes", target_os = "linux"))]
 impl Doing {
     /// All of them; one travels as its place in this list.
     pub const ALL: [Doing; 4] = [Doing::Nothing, Doing::Homing, Doing::Move, Doing::Wait];

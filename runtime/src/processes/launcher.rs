@@ -97,7 +97,9 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
                 };
                 crew.reap(Instant::now() + CLOSING);
                 // All have said what they had to say.
-                drop(relay);
+                if let Some(relay) = relay {
+                    relay.finish();
+                }
                 let figures = crew.figures();
                 if !plan.quiet && !figures.is_empty() {
                     eprint!("{}", table(&figures));

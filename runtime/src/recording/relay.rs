@@ -186,6 +186,13 @@ impl Relay {
     }
 }
 
+impl Relay {
+    /// Writes what has come, and closes the file.
+    pub fn finish(self) {
+        drop(self);
+    }
+}
+
 impl Drop for Relay {
     /// Waits for what the processes have sent before they ended, as long as the file takes it.
     fn drop(&mut self) {
