@@ -11,7 +11,7 @@ use std::time::Duration;
 use rustix::process::Signal;
 
 use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
-use crate::tests::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late};
+use crate::tests::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
 
 /// Their names, and they.
 pub const TESTS: [(&str, fn()); 9] = [
@@ -218,7 +218,7 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         wait_until(|| ask(&place, &["status"]).1.starts_with("latched: "));
         let (_, said) = ask(&place, &["status"]);
         assert!(said.contains("last fault: mp: protective stop: by the operator"), "{said}");
-        assert!(stand(launch));
+        wait_until(|| ROBOTS.iter().all(|robot| rests(launch, robot)));
         refused("reset", "refused: it has stopped for a fault, which is not acknowledged: step ");
         refused("resume", "refused: it has stopped for a fault");
         let acknowledged = done(&place, &["acknowledge"], "acknowledged: step ");

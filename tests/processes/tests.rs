@@ -152,7 +152,7 @@ pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
 }
 
 /// Whether a robot's demands rest, or its EDP has taken the power from its drives, as it does at standstill.
-fn rests(launch: &Launch, robot: &str) -> bool {
+pub fn rests(launch: &Launch, robot: &str) -> bool {
     periods_at_rest(&launch.record(robot)) >= 2
         || launch.drives(robot).last().is_some_and(|last| last.switched_off)
 }
