@@ -142,8 +142,9 @@ pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
         let record = launch.record(robot);
         assert!(
             is_killed(&format!("edp {robot}")) || record.is_empty() || rests(launch, robot),
-            "{robot}: {:?}",
-            record.last()
+            "{robot}, {killed:?}: {:?}: {}",
+            &record[record.len().saturating_sub(8)..],
+            launch.said()
         );
         let drives = launch.drives(robot);
         let stands = |last: &Period| last.stands() || last.switched_off;
@@ -151,10 +152,9 @@ pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
     }
 }
 
-/// Whether a robot's demands rest, or its EDP has taken the power from its drives, as it does at standstill.
+/// Whether a robot's demands rest, or its drives are without power: switched off by their EDP, or braked for want of demands.
 pub fn rests(launch: &Launch, robot: &str) -> bool {
-    periods_at_rest(&launch.record(robot)) >= 2
-        || launch.drives(robot).last().is_some_and(|last| last.switched_off)
+    periods_at_rest(&launch.record(robot)) >= 2 || launch.drives(robot).last().is_some_and(|last| !last.powered)
 }
 
 fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound() {

@@ -112,6 +112,8 @@ pub(crate) struct Edp<'w, R: Robot> {
     /// Steps that were late, and for how many periods the last one was.
     overruns: Overruns,
     behind: u64,
+    /// The last servo period was over before it could begin.
+    left_out: bool,
     /// Steps for which the demands have stood still.
     still: u64,
     measured: Measured<R::Joints>,
@@ -155,6 +157,7 @@ impl<'w, R: Robot> Edp<'w, R> {
             servo,
             overruns: Overruns::new(config.step),
             behind: 0,
+            left_out: false,
             measured,
             gate: Gate::default(),
             fault: None,
@@ -214,9 +217,13 @@ impl<'w, R: Robot> Edp<'w, R> {
         self.brake();
         let began = self.due;
         let last = began + self.config.stop_steps;
-        // The demand that holds is one of the next step, and the drives are there at the end of that step.
-        while !self.is_at_standstill() || self.due <= began + 2 {
+        // The demand that holds is one of the next step, and the drives are there at the end of that step. They stay where
+        // they were told to be last: that period is not one that is left out.
+        while !self.is_at_standstill() || self.due <= began + 2 || self.left_out {
             if self.due > last {
+                if self.is_at_standstill() {
+                    return Ok(());
+                }
                 let text = "the cell closed while the robot moved, and it does not come to a standstill";
                 return Err(Fault::new(FaultKind::PeerLost).in_process(self.config.process).text(text));
             }
@@ -245,7 +252,9 @@ impl<'w, R: Robot> Edp<'w, R> {
         }
         if now >= self.next_tick + self.servo {
             self.waiter.sample(Sample::Skipped(1));
+            self.left_out = true;
         } else {
+            self.left_out = false;
             self.waiter.sample(Sample::Late(now.saturating_sub(self.next_tick)));
             self.tick(self.next_tick);
         }
