@@ -126,6 +126,7 @@ mod tests {
 
     fn apart(a: &Pose, b: &Pose) -> f64 {
         let by = a.inv_mul(b);
+        assert!(by.to_homogeneous().iter().all(|x| x.is_finite()), "{by}");
         by.translation.vector.norm().max(2.0 * by.rotation.imag().norm())
     }
 
@@ -180,6 +181,12 @@ mod tests {
         // A share of 1e-6 is round-off.
         assert!(law(400.0 * (1.0 - 0.9e-6)).stops_at_once(2e-3));
         assert!(!law(400.0 * (1.0 - 1.1e-6)).stops_at_once(2e-3));
+    }
+
+    #[test]
+    fn a_screw_without_any_turn_is_a_line() {
+        let screw = Screw::between(&Pose::translation(1.0, 2.0, 3.0), &Pose::translation(1.5, 1.0, 3.0));
+        assert!(apart(&screw.part(0.5), &Pose::translation(0.25, -0.5, 0.0)) < 1e-15);
     }
 
     #[test]
