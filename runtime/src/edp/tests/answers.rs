@@ -258,3 +258,30 @@ fn drives_that_do_not_come_on_stay_latched() {
     assert_eq!((reply.header.kind, reply.fault().kind()), (Kind::Fault, FaultKind::DriveFault));
     assert!(matches!(edp.mode, Mode::Off) && told.take() == ["off"]);
 }
+
+#[test]
+fn the_task_space_comes_in_within_fifty_milliseconds_of_servo_periods() {
+    let (mut edp, _) = edp(Duration::from_micros(250));
+    edp.config.space = InterpolationSpace::Task;
+    edp.task_space.accept(true, false);
+    for (periods, u) in [(10, 0.05), (90, 0.5), (100, 1.0), (10, 1.0)] {
+        (0..periods).for_each(|period| edp.tick(period * 250_000));
+        edp.task_space.set_difference(One::new(1.0));
+        // u² (3 - 2 u) of the difference, u = t / 50 ms.
+        assert!((edp.task_space.correction()[0] - u * u * (3.0 - 2.0 * u)).abs() < 1e-12, "{u}");
+    }
+}
+
+#[test]
+fn a_servo_period_in_the_task_space_is_no_jump() {
+    // 1 m/s is 0.25 mm in 0.25 ms.
+    for (way, goes) in [(0.24e-3, true), (0.26e-3, false)] {
+        let (mut edp, _) = edp(Duration::from_micros(250));
+        edp.config.space = InterpolationSpace::Task;
+        edp.task_space.accept(true, true);
+        edp.commanded = One::new(-way);
+        edp.tick(0);
+        let kind = edp.fault.as_ref().map(Fault::kind);
+        assert_eq!(kind, (!goes).then_some(FaultKind::DemandedVelocity), "{way}");
+    }
+}
