@@ -54,14 +54,17 @@ pub(super) struct Extremal {
     /// `(a0 - a1) / J`, and `c` of the module.
     ahead: [f64; 2],
     ramps: Ramps,
-    /// Peak acceleration of the ramp at the higher base: where the first of two parts begins and ends;
+    /// Peak accelerations `x` [m/s^2] of the ramp at the higher base. Where the first of two parts begins and ends.
     early: Option<[f64; 2]>,
-    /// where the last part begins, and where its acceleration or the velocity is held;
+    /// Where the last part begins.
     from: f64,
+    /// Where on it that acceleration or the velocity is held.
     to: f64,
-    /// where the velocity is held, where the other acceleration is (none if that always is), and where the way rises.
+    /// Where the velocity is.
     cruises: f64,
+    /// Where the acceleration of the other ramp is; below 0 if it is throughout.
     bend: f64,
+    /// From where on the way rises.
     rises: f64,
     /// The first piece, and its beginning.
     first: (usize, Piece, Value),
