@@ -29,7 +29,7 @@ struct Edges {
 impl LinearLimit {
     /// The same of `x` at the start of a cell `width` wide, where it is one at a `share` of it: there `x` is
     /// `x + 2 share width u`.
-    fn from_start(self, share: f64, width: f64) -> Self {
+    fn at_start(self, share: f64, width: f64) -> Self {
         LinearLimit { a: self.a + 2.0 * share * width * self.b, ..self }
     }
 }
@@ -49,7 +49,7 @@ fn sum<const N: usize>(limits: &[LinearLimit; N], factors: [f64; N]) -> LinearLi
 /// as limits of `u` and of `x` at the start.
 pub(super) fn parabola(at: [LinearLimit; 3], width: f64) -> [LinearLimit; 3] {
     let [start, middle, end] = at;
-    let at = [start, middle.from_start(0.5, width), end.from_start(1.0, width)];
+    let at = [start, middle.at_start(0.5, width), end.at_start(1.0, width)];
     [at[0], sum(&at, [-0.5, 2.0, -0.5]), at[2]]
 }
 
@@ -58,9 +58,9 @@ pub(super) fn cubic(at: [LinearLimit; 4], width: f64) -> [LinearLimit; 4] {
     let [start, third, two_thirds, end] = at;
     let at = [
         start,
-        third.from_start(1.0 / 3.0, width),
-        two_thirds.from_start(2.0 / 3.0, width),
-        end.from_start(1.0, width),
+        third.at_start(1.0 / 3.0, width),
+        two_thirds.at_start(2.0 / 3.0, width),
+        end.at_start(1.0, width),
     ];
     let inner = [-5.0, 18.0, -9.0, 2.0].map(|k| k / 6.0);
     let [p, q, r, s] = inner;
