@@ -59,9 +59,9 @@ test-recording-peer: test-recording
 test-processes:
     cargo test -p mrroc-tests --features processes --test processes
 
-# The same, with 200 kills of each kind; takes many minutes.
-test-kills:
-    MRROC_KILLS=200 cargo test --release -p mrroc-tests --features processes --test processes -- fault_0
+# The same, with 200 kills of each process in lock-step, and as many in real time; takes hours.
+test-kills KILLS="2000":
+    MRROC_KILLS={{KILLS}} cargo test --release -p mrroc-tests --features processes --test processes -- fault_01_to fault_07
 
 # The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
 test-both-links:
