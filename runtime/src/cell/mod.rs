@@ -284,12 +284,6 @@ impl Cell {
         self.stop_time
     }
 
-    /// Length of a step \[ns\].
-    #[cfg(all(feature = "processes", target_os = "linux"))]
-    pub(crate) const fn step(&self) -> u64 {
-        self.step.as_nanos() as u64
-    }
-
     /// What its processes ask of the machine.
     pub(crate) const fn realtime(&self) -> Option<&Realtime> {
         self.realtime.as_ref()

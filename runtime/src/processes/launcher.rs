@@ -98,7 +98,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
                 crew.reap(Instant::now() + CLOSING);
                 // All have said what they had to say.
                 if let Some(relay) = relay {
-                    relay.finish();
+                    drop(relay);
                 }
                 let figures = crew.figures();
                 if !plan.quiet && !figures.is_empty() {

@@ -115,7 +115,7 @@ fn take_part(
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
-    let (realtime, step) = (cell.realtime().cloned(), cell.step());
+    let (realtime, step) = (cell.realtime().cloned(), cell.step_length().as_nanos() as Nanos);
     let mut fabric = Fabric::new(me, clock);
     let panel = Panel::default();
     let cell = if me.role == Role::Edp { cell.watch(panel.of_robot()) } else { cell };
