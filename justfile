@@ -84,8 +84,9 @@ bench-latency:
 sweep:
     cargo test -p mrroc-tests --test safety -- --ignored --nocapture every_fault_in_every_step
 
-# Each fault in every so many steps of the transfer and of the engraving task: every 997th takes minutes, every one days.
-sweep-tasks EVERY="997":
+# Each fault in every so many steps of the transfer and of the engraving task: every 7th takes ten minutes of two cores,
+# every one an hour.
+sweep-tasks EVERY="7":
     MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture both_tasks
 
 # Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
