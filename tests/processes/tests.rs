@@ -54,7 +54,7 @@ pub fn main() -> ExitCode {
         ),
         ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
     ];
-    let all = own.iter().chain(&crate::operator::TESTS);
+    let all = own.iter().chain(&crate::operator::TESTS).chain(&crate::rows::TESTS);
     let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let mut failed = false;
     for (name, test) in all.filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w))) {
@@ -66,12 +66,12 @@ pub fn main() -> ExitCode {
 }
 
 pub const REAL: &[&str] = &["--processes", "--quiet"];
-const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
+pub const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
 pub const MEMORY: &[&str] = &["--no-picture", "--quiet"];
 pub const ROBOTS: [&str; 2] = ["left", "right"];
 
 /// The processes of the cell.
-const PROCESSES: [&str; 10] = [
+pub const PROCESSES: [&str; 10] = [
     "mp",
     "ecp left",
     "ecp right",

@@ -178,20 +178,27 @@ impl Crew {
             let member = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
             crew.0.push(Rc::new(member));
         }
-        match crew.set_up(fingerprint, Seal { session: session.number(), epoch }, plan) {
+        match crew.set_up(fingerprint, (session, epoch), plan) {
             Ok(()) => Ok(crew),
             // One that died explains what another one lacks.
             Err(error) => Err(crew.first_dead().unwrap_or(error)),
         }
     }
 
-    fn set_up(&self, fingerprint: u64, seal: Seal, plan: &Plan) -> Result<(), NoStart> {
+    fn set_up(
+        &self,
+        fingerprint: u64,
+        (session, epoch): (&Session, u64),
+        plan: &Plan,
+    ) -> Result<(), NoStart> {
+        let seal = Seal { session: session.number(), epoch };
         self.tell(&Frame::Welcome { seal, clock: plan.clock, spin: plan.spin });
         for member in &self.0 {
             if member.expect()? != (Frame::Created { fingerprint }) {
                 return Err(NoStart::OtherCell(member.id));
             }
         }
+        session.keep_others_out();
         self.tell(&Frame::Connect);
         let mut lacking = Lacks::default();
         for member in &self.0 {

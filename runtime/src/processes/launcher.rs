@@ -19,6 +19,7 @@ use super::control::Frame;
 use super::crew::{Crew, Member, NoStart, Over, Plan};
 use super::desk::Desk;
 use super::figures::table;
+use super::room::{self, NoRoom};
 use super::session::{CellLock, Session, SessionError};
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::{Fault, ProcessId, Role};
@@ -47,6 +48,9 @@ pub(crate) enum LaunchError {
     /// What is wrong with the cell, or the first cause of a stop.
     #[error(transparent)]
     Cell(#[from] CellError),
+    /// The machine has no room for it.
+    #[error(transparent)]
+    Room(#[from] NoRoom),
     /// It has no session.
     #[error(transparent)]
     Session(#[from] SessionError),
@@ -75,6 +79,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell)?;
+    room::check(fabric.places().len() + fabric.ways())?;
     let signals = Signals::hear()?;
     let mut epoch = 1;
     loop {

@@ -123,12 +123,12 @@ fn take_part(
     let Some(body) = fabric.take_body() else {
         return Err(Ended::Refuses("the cell has no such process".to_owned()));
     };
-    if clock == Clock::Real {
-        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
-    }
     fabric.create(folder, &prefix(seal.session), seal).map_err(Ended::of)?;
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
+    if clock == Clock::Real {
+        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
+    }
     fabric.connect(seal).map_err(Ended::of)?;
     // Before this thread asks for a priority that the other one is not to have.
     let gauge = match clock {
