@@ -32,7 +32,7 @@ pub(crate) use desk::{Asks, Hears, RobotPicture};
 pub(crate) use desk::{Caller, Heard, Picture, Reply, Request};
 pub(crate) use doctor::examine;
 pub(crate) use figures::Figures;
-pub(crate) use launcher::{LaunchError, launch};
+pub(crate) use launcher::{LaunchError, Launched, launch};
 pub(crate) use member::{NoPart, run};
 #[cfg(all(feature = "view", test))]
 pub(crate) use {desk::ProcessPicture, figures::Spread};
