@@ -60,20 +60,17 @@ impl JointBrake {
 
     /// Displacement since the start and velocity at time `t` \[s\].
     fn at(&self, t: f64) -> (f64, f64) {
-        let (mut s, mut v, mut a, mut left) = (0.0, self.v0, self.a0, t.max(0.0));
+        let (mut s, mut v, mut left) = (0.0, self.v0, t.max(0.0));
+        // Duration, acceleration at its beginning, jerk.
         let phases = [
-            (self.ramp_in, (self.peak - self.a0).signum() * self.jerk),
-            (self.hold, 0.0),
-            (self.ramp_out, -self.peak.signum() * self.jerk),
+            (self.ramp_in, self.a0, (self.peak - self.a0).signum() * self.jerk),
+            (self.hold, self.peak, 0.0),
+            (self.ramp_out, self.peak, -self.peak.signum() * self.jerk),
         ];
-        for (i, (duration, jerk)) in phases.into_iter().enumerate() {
+        for (duration, a, jerk) in phases {
             let d = left.min(duration);
-            if i == 1 {
-                a = self.peak;
-            }
             s += d * (v + d * (0.5 * a + d * jerk / 6.0));
             v += d * (a + 0.5 * d * jerk);
-            a += d * jerk;
             left -= d;
         }
         if t >= self.duration() { (s, 0.0) } else { (s, v) }
@@ -201,6 +198,68 @@ mod tests {
             }
             let before_end = brake.at(brake.duration() - 1e-9).1;
             assert!(before_end.abs() < 1e-6, "ends with {before_end} from ({v}, {a})");
+        }
+    }
+
+    #[test]
+    fn a_joint_that_stops_before_it_brakes_with_all_it_has_takes_the_time_of_a_triangle() {
+        // From a to -p and to 0 by j, with p² = a²/2 + j v: (2 p + a) / j. The last one has just begun to brake too hard.
+        for (v, a) in [(0.4, 0.0), (0.4, 2.0), (0.12, -4.0), (0.09, -4.0)] {
+            for sign in [1.0, -1.0] {
+                let brake = JointBrake::with_jerk(sign * v, sign * a, 10.0, 100.0);
+                let peak = f64::sqrt(0.5 * a * a + 100.0 * v);
+                assert!((brake.duration() - (2.0 * peak + a) / 100.0).abs() < 1e-12, "({v}, {a})");
+                // The mean of the velocities: each ramp's displacement is v t + a t²/2 + j t³/6.
+                let (t, u) = ((peak + a) / 100.0, v + (a * a - peak * peak) / 200.0);
+                let s = v * t + 0.5 * a * t * t - 100.0 * t * t * t / 6.0;
+                let w = peak / 100.0;
+                let s = s + u * w - 0.5 * peak * w * w + 100.0 * w * w * w / 6.0;
+                let (way, end) = brake.at(brake.duration());
+                assert!((way - sign * s).abs() < 1e-12 && end == 0.0, "({v}, {a}): {way}, {s}");
+                // Halfway through the first ramp.
+                let (way, speed) = brake.at(0.5 * t);
+                let h = 0.5 * t;
+                assert!((speed - sign * (v + a * h - 50.0 * h * h)).abs() < 1e-12, "({v}, {a})");
+                assert!((way - sign * (v * h + 0.5 * a * h * h - 100.0 * h * h * h / 6.0)).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_joint_whose_acceleration_is_just_right_lets_it_go() {
+        // v = a²/2j: a/j long, a³/6j² far.
+        for sign in [1.0, -1.0] {
+            let brake = JointBrake::with_jerk(sign * 0.5, sign * -10.0, 10.0, 100.0);
+            assert!((brake.duration() - 0.1).abs() < 1e-12);
+            assert!((brake.at(0.2).0 - sign * 1000.0 / 60_000.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_robot_that_stands_brakes_where_it_is() {
+        for jerk in [None, Some(100.0)] {
+            let at = SVector::from([0.3, -0.2]);
+            let mut braking = Braking::new(at, SVector::zeros(), SVector::zeros(), &limits(jerk));
+            assert!(braking.is_over());
+            assert_eq!(braking.advance(1e-3), (at, SVector::zeros()));
+        }
+    }
+
+    #[test]
+    fn a_stopping_distance_is_that_of_ramps_and_of_constant_deceleration() {
+        let (a, j) = (10.0, 1000.0);
+        // With time for constant deceleration: v/2 (v/a + a/j).
+        let level = |v: f64| 0.5 * v * (v / a + a / j);
+        for sign in [1.0, -1.0] {
+            let distance = |v: f64, a0: f64| stopping_distance(sign * v, sign * a0, a, j, 2e-3);
+            assert!((distance(0.5, 0.0) - level(0.5)).abs() < 1e-12);
+            // What it gains until its acceleration has gone, in b/j: v b/j + b³/3j², at v + b T/2 to begin with.
+            let (b, v) = (4.0_f64, 0.5 + 0.5 * 4.0 * 2e-3);
+            let gained = v * b / j + b.powi(3) / (3.0 * j * j);
+            assert!((distance(0.5, b) - gained - level(v + b * b / (2.0 * j))).abs() < 1e-12);
+            // An acceleration that brakes already is not counted upon.
+            assert!((distance(0.5, -4.0) - level(0.5)).abs() < 1e-12);
+            assert_eq!(distance(0.0, 4.0), 0.0);
         }
     }
 }

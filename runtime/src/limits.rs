@@ -448,35 +448,34 @@ impl<R: Robot> Acceptor<R> {
                 ));
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
-            let lost = jerk_limit.map_or(faster(i), |jerk| speed_when_lost(v[i], a[i], jerk));
+            let limit = limits.acceleration[i];
+            // The velocity once its demands have been lost: an acceleration fades, or the path's is held. It may be the
+            // other way round than the velocity now, as where a joint is just about to turn.
+            let kept = jerk_limit.map_or(held[i], |jerk| v[i] + a[i] * a[i].abs() / (2.0 * jerk));
+            let lost = v[i].abs().max(kept.abs());
             let braking = match jerk_limit {
-                Some(jerk) => stopping_distance(v[i], a[i], limits.acceleration[i], jerk, duration),
+                Some(jerk) => {
+                    let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
+                    from(v[i], a[i]).max(from(kept, 0.0))
+                }
                 None => 0.5 * lost * stop_time,
             };
             let distance = braking + lost * self.reaction;
             let (lower, upper) = (limits.lower[i] - round_off, limits.upper[i] + round_off);
-            let reach = q[i] + distance.copysign(v[i]);
-            stop.position[i] = reach;
+            stop.position[i] = q[i] + distance.copysign(if kept.abs() > v[i].abs() { kept } else { v[i] });
             if lost > 0.0 {
                 stop.time = stop.time.max(distance / lost);
             }
-            if q[i] > upper || (v[i] > 0.0 && reach > upper) {
-                return Err(excess(
-                    FaultKind::DemandOutOfRange,
-                    reach.max(q[i]),
-                    limits.upper[i],
-                    self.robot.joint(i).unit(0),
-                ));
+            let highest = if v[i].max(kept) > 0.0 { q[i] + distance } else { q[i] };
+            let lowest = if v[i].min(kept) < 0.0 { q[i] - distance } else { q[i] };
+            let out_of_range =
+                |reach, limit| excess(FaultKind::DemandOutOfRange, reach, limit, self.robot.joint(i).unit(0));
+            if highest > upper {
+                return Err(out_of_range(highest, limits.upper[i]));
             }
-            if q[i] < lower || (v[i] < 0.0 && reach < lower) {
-                return Err(excess(
-                    FaultKind::DemandOutOfRange,
-                    reach.min(q[i]),
-                    limits.lower[i],
-                    self.robot.joint(i).unit(0),
-                ));
+            if lowest < lower {
+                return Err(out_of_range(lowest, limits.lower[i]));
             }
-            let limit = limits.acceleration[i];
             if a[i].abs() > slack(limit, 4.0 * round_off * per_second * per_second) {
                 return Err(excess(
                     FaultKind::DemandedAcceleration,
@@ -553,11 +552,6 @@ fn no_inverse(error: &NoInverse, pose: &Pose, frame: &str) -> Fault {
     }
 }
 
-/// The speed that a joint with a jerk limit has once its demands have been lost: its acceleration `a` fades.
-fn speed_when_lost(v: f64, a: f64, jerk: f64) -> f64 {
-    v.abs() + if a * v > 0.0 { a * a / (2.0 * jerk) } else { 0.0 }
-}
-
 /// The share of an acceleration limit that a generator may plan with: what is left keeps every motion stoppable
 /// on its path.
 pub(crate) const PATH_SHARE: f64 = 0.9;
@@ -594,3 +588,6 @@ fn valid_frame(pose: &Pose) -> Result<Pose, Fault> {
     }
     Ok(Pose::from_parts(pose.translation, UnitQuaternion::new_normalize(pose.rotation.into_inner())))
 }
+
+#[cfg(test)]
+mod tests;

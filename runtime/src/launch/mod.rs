@@ -27,11 +27,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use self::dry_run::{dry_run, dry_run_first};
-use self::options::{HELP, Options, nearest_cell, parse};
-use self::outcome::{cell_refused, stopped, tell};
+use self::options::{HELP, nearest_cell, parse};
+use self::outcome::cell_refused;
 use self::processes::{examine, operate};
 use self::replaying::replay;
-use self::running::run;
+use self::running::{run, watched};
 use self::table::Table;
 use crate::cell::{Cell, CellError};
 use crate::cell_file::CellFile;
@@ -113,15 +113,5 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
     {
         return status;
     }
-    let Options { part, processes, spin, quiet, .. } = options;
-    let arguments = std::env::args_os().skip(1).collect();
-    match (Launch { part, arguments, recording: None, clock: processes, spin, cell: Some(path), quiet })
-        .run(cell)
-    {
-        Ok(Ran::Part(status)) => status,
-        Ok(Ran::Here(_) | Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
-        Ok(Ran::Here(report) | Ran::Processes(report)) => tell(&report, None),
-        Err(CellError::Fault(fault)) => stopped(&fault),
-        Err(error) => cell_refused(&error),
-    }
+    watched(cell, recorder, path, options)
 }

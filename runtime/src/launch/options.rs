@@ -31,7 +31,7 @@ Options:
   --partial        replay a recording that was cut off as far as it goes
   --processes      run every process of the cell as one of the operating
                    system, in real time (feature `processes`, Linux); draws
-                   nothing
+                   what is simulated
   --virtual        the same in lock-step under the virtual clock
   --spin US        with --processes: time that a process looks for messages
                    before it sleeps [default: 0]; for machines with more cores
@@ -77,6 +77,7 @@ const NAMES: [&str; 12] = [
 ];
 
 /// What the command line asks for.
+#[derive(Clone)]
 pub(super) struct Options {
     pub(super) cell: Option<PathBuf>,
     pub(super) picture: Option<PathBuf>,
