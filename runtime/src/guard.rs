@@ -85,3 +85,81 @@ impl Guard {
         seen
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use core::cell::Cell;
+    use std::rc::Rc;
+
+    use super::*;
+    use crate::fault::FaultKind;
+
+    fn name(text: &str) -> Name {
+        Name::new(text).expect("a name")
+    }
+
+    /// Looks every five steps at two robots, counts how often, and stops them when the second one's joint is above 1.
+    fn guard() -> (Guard, Rc<Cell<u32>>) {
+        let looks = Rc::<Cell<u32>>::default();
+        let counted = Rc::clone(&looks);
+        let guard = Guard::new(5, move |views| {
+            counted.set(counted.get() + 1);
+            if views[1].measured.joints[0] > 1.0 {
+                return Err(Fault::new(FaultKind::ProtectiveStop));
+            }
+            Ok(())
+        });
+        (guard.over([name("a"), name("b")].into_iter()), looks)
+    }
+
+    fn at(robot: &str, joint: f64) -> RobotView {
+        let mut joints = [0.0; MAX_JOINTS];
+        joints[0] = joint;
+        let state = EffectorState { joints, velocity: [0.0; MAX_JOINTS], pose: Pose::identity() };
+        RobotView { name: name(robot), measured: state, demanded: state }
+    }
+
+    #[test]
+    fn a_guard_looks_once_in_so_many_steps_and_later_when_it_was_late() {
+        let (mut guard, _) = guard();
+        guard.see(0, at("a", 0.0));
+        guard.see(1, at("b", 0.0));
+        assert!(guard.is_due(3));
+        guard.look(3).expect("in order");
+        // Steps 5 to 9 were all late; the look of 12 counts for 10.
+        for (step, due) in [(4, false), (5, true), (9, true), (10, true), (12, true)] {
+            assert_eq!(guard.is_due(step), due, "{step}");
+        }
+        guard.look(12).expect("in order");
+        for (step, due) in [(13, false), (14, false), (15, true), (60, true)] {
+            assert_eq!(guard.is_due(step), due, "{step}");
+        }
+    }
+
+    #[test]
+    fn a_guard_looks_at_what_all_robots_report() {
+        let (mut guard, looks) = guard();
+        guard.see(0, at("a", 0.0));
+        guard.look(0).expect("nothing of `b` is known");
+        assert_eq!((looks.get(), guard.is_due(0)), (0, true));
+        guard.see(1, at("b", 2.0));
+        assert_eq!(guard.look(0).map_err(|fault| fault.kind()), Err(FaultKind::ProtectiveStop));
+        assert_eq!((looks.get(), guard.is_due(0)), (1, false));
+        // After a reset at the next chance, at reports of the time after it.
+        guard.forget();
+        assert!(guard.is_due(0));
+        guard.see(0, at("a", 0.0));
+        guard.look(0).expect("nothing of `b` is known any more");
+        assert_eq!(looks.get(), 1);
+    }
+
+    #[test]
+    fn a_guard_that_panicked_sleeps() {
+        let mut guard = Guard::new(1, |_| panic!("a bug of the watch")).over(core::iter::empty());
+        assert!(guard.is_awake());
+        let look = std::panic::AssertUnwindSafe(|| guard.look(1));
+        assert!(std::panic::catch_unwind(look).is_err());
+        assert!(!guard.is_awake());
+        guard.look(2).expect("asleep");
+    }
+}

@@ -81,4 +81,22 @@ mod tests {
         let steps = stop_steps(&limits(1.0, 10.0, None), Duration::from_millis(1), Duration::from_millis(8));
         assert!((154..=155).contains(&steps), "{steps}");
     }
+
+    #[test]
+    fn a_budget_is_twenty_milliseconds_of_steps_and_a_part_of_one_counts_whole() {
+        for (micros, budget) in [(1000, 20), (2000, 10), (8000, 3), (20_000, 1), (50_000, 1)] {
+            assert_eq!(missed_step_budget(Duration::from_micros(micros)), budget, "{micros}");
+        }
+        assert_eq!(missed_step_budget(Duration::ZERO), 20_000_000);
+    }
+
+    #[test]
+    fn a_stop_is_awaited_for_detection_braking_on_a_screw_and_the_delay_of_the_drives() {
+        // 20 ms are 5 steps of 4 ms, and one: 24 ms. (1/2 + 2.5 * 2/10) / 0.8 = 1.25 s. 10.1 ms of delay: 1284.1 ms.
+        let arm = limits(1.0, 2.0, Some(10.0));
+        let millis = Duration::from_millis;
+        assert_eq!(stop_steps(&arm, millis(4), Duration::from_micros(10_100)), 322);
+        // A delay of two steps at least: 24 + 1250 + 8 = 1282 ms.
+        assert_eq!(stop_steps(&arm, millis(4), millis(1)), 321);
+    }
 }

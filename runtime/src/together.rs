@@ -113,6 +113,8 @@ impl ScrewBraking {
 
 #[cfg(test)]
 mod tests {
+    use core::f64::consts::FRAC_PI_2;
+
     use super::*;
 
     fn poses() -> [Pose; 2] {
@@ -159,5 +161,41 @@ mod tests {
         }
         // 1 / (4 / s) in steps of 2 ms, of which the last has no speed.
         assert_eq!(steps, 124);
+    }
+
+    #[test]
+    fn what_two_robots_bear_is_the_less_of_both() {
+        let (one, two) = (BrakingLaw { fall: 4.0, bend: 90.0 }, BrakingLaw { fall: 5.0, bend: 70.0 });
+        for law in [one.and(two), two.and(one)] {
+            assert_eq!(law, BrakingLaw { fall: 4.0, bend: 70.0 });
+        }
+    }
+
+    #[test]
+    fn a_robot_whose_speed_a_step_takes_away_stops_at_once() {
+        // `fall` is 0.8 a / v: in a step of 2 ms a takes v away where v <= a T, so where `fall` T >= 0.8.
+        let law = |fall: f64| BrakingLaw { fall, bend: f64::INFINITY };
+        assert!(law(401.0).stops_at_once(2e-3) && law(400.0).stops_at_once(2e-3));
+        assert!(!law(399.0).stops_at_once(2e-3) && !law(401.0).stops_at_once(1e-3));
+        // A share of 1e-6 is round-off.
+        assert!(law(400.0 * (1.0 - 0.9e-6)).stops_at_once(2e-3));
+        assert!(!law(400.0 * (1.0 - 1.1e-6)).stops_at_once(2e-3));
+    }
+
+    #[test]
+    fn a_part_of_a_screw_turns_and_goes_on_by_that_part_of_it() {
+        // About an axis along z, by a large angle and by one below which its functions are series; 5e-11 is round-off of 2e4 m.
+        for (turn, axis) in [(FRAC_PI_2, [1.0, 2.0]), (0.9e-3, [1e4, -2e4])] {
+            let about = |turn: f64| {
+                let to = Translation3::new(axis[0], axis[1], 0.3 * turn);
+                let rotation = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, turn));
+                Pose::from_parts(to, rotation) * Pose::translation(-axis[0], -axis[1], 0.0)
+            };
+            let from = poses()[0];
+            let screw = Screw::between(&from, &(about(turn) * from));
+            for s in [0.25, 0.5, 0.75] {
+                assert!(apart(&screw.part(s), &about(s * turn)) < 5e-11, "{turn} {s}");
+            }
+        }
     }
 }

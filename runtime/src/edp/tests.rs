@@ -13,6 +13,8 @@ use crate::name::Name;
 use crate::slide::{Exact, Slide};
 use crate::wire::Wire;
 
+mod answers;
+
 struct Still;
 
 impl Waiter for Still {

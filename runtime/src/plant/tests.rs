@@ -209,11 +209,15 @@ fn fault_01_drives_bridge_l_steps_without_commands_then_brake_and_stay_without_p
     let reading = bench.period(period);
     let fault = reading.fault();
     assert_eq!((reading.header.kind, fault.kind()), (Kind::Fault, FaultKind::Overrun));
+    let excess = fault.excess().expect("steps");
+    assert_eq!((excess.actual, excess.limit), ((L + 1) as f64, L as f64));
     // 100 m/s, a third of it left after each period: 1e-3 after eleven, ln(1e5) / ln 3 = 10.5.
     while !bench.drives.rests() {
         period += 1;
+        assert_eq!(bench.drives.due(), Some((period + 1) * SERVO));
         bench.period(period);
     }
+    assert_eq!(bench.drives.due(), None);
     assert_eq!(bench.drives.rest(), Some(Rest { edp: edp(), braked_after: L + 1, stood_after: 11 }));
     // An EDP that comes back moves nothing.
     bench.told();
@@ -221,6 +225,56 @@ fn fault_01_drives_bridge_l_steps_without_commands_then_brake_and_stay_without_p
     bench.commands.write(&command(period, 5.0));
     assert_eq!(bench.period(period).header.kind, Kind::Fault);
     assert!(bench.told().iter().all(|told| *told == Told::Brake));
+}
+
+#[test]
+fn fault_01_an_old_command_is_no_sign_of_life() {
+    let mut bench = Bench::new(None);
+    for period in 0..3 {
+        bench.commands.write(&command(period, 0.1 * period as f64));
+        bench.period(period);
+    }
+    bench.told();
+    // It neither puts the brakes off nor brings them on.
+    for period in 3..3 + L {
+        bench.commands.write(&command(0, 0.0));
+        bench.period(period);
+    }
+    assert!(bench.told().iter().all(|told| *told != Told::Brake));
+    bench.period(3 + L);
+    assert_eq!(bench.told(), [Told::Brake]);
+}
+
+#[test]
+fn an_order_to_switch_that_comes_twice_is_done_once() {
+    let mut bench = Bench::new(None);
+    let mut order = Message::empty();
+    Switch { ordinal: 1, on: true }.put(&mut order);
+    bench.commands.write(&order);
+    bench.drives.serve();
+    let regulators = Regulators::default();
+    for (period, x) in [(3, 0.0), (4, 0.1)] {
+        let mut message = Message::empty();
+        Command { period, switched: 1, choice: 0, regulators, demanded: One::new(x) }.put(&mut message);
+        bench.commands.write(&message);
+        bench.period(period);
+    }
+    bench.told();
+    // The drives go on as before it.
+    bench.commands.write(&order);
+    bench.period(5);
+    near(&bench.told(), &[0.2]);
+}
+
+#[test]
+fn a_command_at_the_very_beginning_waits_for_the_end_of_its_period() {
+    let mut bench = Bench::new(None);
+    bench.commands.write(&command(0, 0.0));
+    bench.drives.serve();
+    bench.drives.advance(0);
+    assert_eq!(bench.told(), []);
+    bench.drives.advance(SERVO);
+    assert_eq!(bench.told(), [Told::Position(0.0)]);
 }
 
 #[test]
