@@ -59,7 +59,9 @@ fn main() -> ExitCode {
     };
     let launch = if options.talk == Talk::Quiet { launch.quiet() } else { launch };
     // Found out now, not after minutes of engraving.
-    if !launch.is_part()
+    let draws = launch.is_here() || options.processes.is_some();
+    if draws
+        && !launch.is_part()
         && let Err(error) = std::fs::create_dir_all(&options.out)
     {
         return refused(&unwritable(&options.out, &error));

@@ -27,8 +27,9 @@ fn main() -> ExitCode {
         Some(path) => CellFile::read(path),
         None => transfer::file(),
     };
-    if launch.is_part() || options.processes.is_some() {
-        return run_as_processes(launch, &options, file);
+    // As processes, for a recording, or as one recorded.
+    if options.processes.is_some() || !launch.is_here() {
+        return run_drawn(launch, &options, file);
     }
     let file = match file.map_err(Into::into).and_then(|file| {
         Summary::check(&file)?;
@@ -59,12 +60,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the cell of the run that is drawn as processes, or the one of them that this is.
-fn run_as_processes(
-    mut launch: Launch,
-    options: &Options,
-    file: Result<CellFile, CellFileError>,
-) -> ExitCode {
+/// Runs the cell of the run that is drawn as processes, or the one of them that this is; records it, or replays it.
+fn run_drawn(mut launch: Launch, options: &Options, file: Result<CellFile, CellFileError>) -> ExitCode {
     let variant = Variant::Bar { bases: options.bases, sensors: options.sensors };
     if let Some(clock) = options.processes {
         launch = launch.processes(clock);
@@ -78,6 +75,7 @@ fn run_as_processes(
     // The plant has the arms and the bar.
     let launch = launch.watching();
     if !launch.is_part()
+        && options.processes.is_some()
         && let Err(error) = std::fs::create_dir_all(&options.out)
     {
         return refused(&unwritable(&options.out, &error));
