@@ -112,7 +112,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 crew.reap(teller, Instant::now() + CLOSING);
                 // All have said what they had to say.
                 if let Some(relay) = relay {
-                    drop(relay);
+                    relay.finish();
                 }
                 let figures = crew.figures();
                 if !plan.quiet && !figures.is_empty() {

@@ -62,10 +62,9 @@ pub(super) fn check(processes_and_ways: usize) -> Result<(), NoRoom> {
     let count = processes_and_ways as u64;
     let needed = FILES + FILES_EACH * count;
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
-    if current.is_some_and(|current| current < needed) {
-        if setrlimit(Resource::Nofile, Rlimit { current: Some(needed), maximum }).is_err() {
-            return Err(NoRoom::Files { allowed: maximum.unwrap_or(u64::MAX), needed });
-        }
+    let is_too_low = current.is_some_and(|current| current < needed);
+    if is_too_low && setrlimit(Resource::Nofile, Rlimit { current: Some(needed), maximum }).is_err() {
+        return Err(NoRoom::Files { allowed: maximum.unwrap_or(u64::MAX), needed });
     }
     let (free, needed) = (free_shared_memory().map_err(NoRoom::Unknown)?, SHARED_EACH * count);
     if free < needed { Err(NoRoom::Shared { free, needed }) } else { Ok(()) }

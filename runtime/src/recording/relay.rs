@@ -142,7 +142,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The launcher's end. When it is dropped, what has come is written and the file closed.
+/// The launcher's end.
 pub(crate) struct Relay {
     closing: Arc<AtomicBool>,
     received: Arc<AtomicU64>,
@@ -183,6 +183,11 @@ impl Relay {
         let thread =
             std::thread::Builder::new().name("recorder".to_owned()).spawn(run).map_err(unwritable)?;
         Ok(Relay { closing, received, thread: Some(thread), file })
+    }
+
+    /// Writes what has come, and closes the file.
+    pub fn finish(self) {
+        drop(self);
     }
 }
 
