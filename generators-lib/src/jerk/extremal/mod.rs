@@ -325,11 +325,13 @@ impl Extremal {
         let Ramps { j, per_j, .. } = self.ramps;
         let (peak, cruise) = self.ramps.peak(place.held, place.z);
         let heights = self.ramps.heights(place.held, place.z);
+        let edges = [self.ends[0], -self.ends[1]];
         let ramp = |side: usize| {
             let (a, rise) = (self.accelerations[side], (peak - self.bases[side]).max(0.0));
             match heights[if self.first_is_higher { side } else { 1 - side }] {
                 Some(height) => (height, 0.0),
-                None if j * rise < a * a => ((j * rise).sqrt(), 0.0),
+                // The velocity before a target may be above the limit by rounding: the height is that of the target then.
+                None if j * rise < a * a => ((j * rise).sqrt().max(edges[side]), 0.0),
                 None => (a, (rise / a - a * per_j).max(0.0)),
             }
         };
