@@ -172,7 +172,6 @@ impl Watch {
     }
 
     /// Length of the path in the material so far \[mm\].
-    #[must_use]
     pub fn progress(&self) -> impl Fn() -> f64 + 'static {
         let execution = Rc::clone(&self.execution);
         move || execution.borrow().cut_length
