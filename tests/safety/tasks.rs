@@ -1,7 +1,5 @@
 //! Sweeps of the worked tasks: two arms that carry a bar, and an arm that engraves a text.
 
-use std::cell::Cell as Shared;
-use std::rc::Rc;
 use std::time::Duration;
 
 use engraving::drawing::hershey::Font;
@@ -12,7 +10,7 @@ use engraving::placement::{Plate, Sizing, place};
 use engraving::probe::PlateSurface;
 use engraving::sampling::Sampling;
 use mrroc::testing::{LinkFault, Press, Sweep};
-use mrroc::{Cell, RobotSetup, SensorSetup};
+use mrroc::{Cell, RobotSetup, SensorSetup, Shown};
 use mrroc_robots::SimulatedIrp6;
 
 /// The transfer's arms and hands, with nothing between them and without the guard, which has tests of its own.
@@ -42,7 +40,7 @@ pub fn engraving() -> Cell {
         feed: 10e-3,
         step: 2e-3,
         park: layout.park,
-        activity: Rc::new(Shared::new(Activity::default())),
+        activity: Shown::new(Activity::default()),
     };
     let irp6 = RobotSetup::new("irp6", layout.arm, arm).tool(layout.tool).program(move |ecp| job.run(ecp));
     Cell::new(Duration::from_millis(2))
