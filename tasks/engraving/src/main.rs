@@ -116,7 +116,7 @@ fn broken(summary: &Summary) -> ExitCode {
 
 /// What became of a run.
 enum Carried {
-    Out(Summary),
+    Out(Box<Summary>),
     /// Another process has it: this one ends with this status.
     Elsewhere(ExitCode),
 }
@@ -180,7 +180,7 @@ impl Plan {
         self.draw(options, outcome, &summary)?;
         let path = options.out.join("summary.json");
         summary.write_json(&path).map_err(|error| unwritable(&path, &error))?;
-        Ok(Carried::Out(summary))
+        Ok(Carried::Out(Box::new(summary)))
     }
 
     fn summary(&self, options: &Options, outcome: &Outcome, wall_s: f64) -> Summary {
