@@ -255,7 +255,8 @@ fn an_order_to_switch_that_comes_twice_is_done_once() {
     let regulators = Regulators::default();
     for (period, x) in [(3, 0.0), (4, 0.1)] {
         let mut message = Message::empty();
-        Command { period, switched: 1, choice: 0, regulators, demanded: One::new(x) }.put(&mut message);
+        let (demanded, tool) = (One::new(x), Pose::identity());
+        Command { period, switched: 1, choice: 0, regulators, demanded, tool }.put(&mut message);
         bench.commands.write(&message);
         bench.period(period);
     }

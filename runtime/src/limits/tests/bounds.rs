@@ -157,7 +157,9 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
                     kept += 1;
                     (acceptor.position, acceptor.demanded, acceptor.period) = (q, q, T);
                     (acceptor.velocity, acceptor.path_velocity) = (v, held);
-                    (0..20).for_each(|_| drop(acceptor.extrapolate(T)));
+                    for _ in 0..20 {
+                        let _ = acceptor.extrapolate(T);
+                    }
                     let mut braking = acceptor.braking();
                     while !braking.is_over() {
                         acceptor.brake(&mut braking, T);

@@ -38,7 +38,9 @@ fn fault_17_a_reader_that_does_not_read_blocks_no_writer_and_sees_the_newest_aft
     let ids = [ProcessId::MP, ProcessId::PLANT];
     let mut ends = ids.map(|me| {
         let mut fabric = Fabric::new(me, Clock::Virtual);
-        ids.iter().for_each(|&id| drop(fabric.place(id)));
+        for id in ids {
+            fabric.place(id);
+        }
         let (board, port) = (fabric.board(0, 1), fabric.port(0, 1));
         fabric.create(&files.0, &files.1, SEAL).expect("made");
         (fabric, board, port)
