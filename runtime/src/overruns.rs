@@ -134,7 +134,18 @@ mod tests {
         let mut overruns = Overruns::new(MS);
         assert!((0..9).all(|_| overruns.note(1).is_ok()));
         assert!(overruns.note(0).is_ok() && overruns.note(1).is_ok());
-        assert_eq!(overruns.note(1).map_err(|fault| fault.kind()), Err(FaultKind::Overrun));
+        let fault = overruns.note(1).expect_err("ten");
+        let excess = fault.excess().expect("steps");
+        assert_eq!((fault.kind(), excess.actual, excess.limit), (FaultKind::Overrun, 10.0, 9.0));
+    }
+
+    #[test]
+    fn steps_that_were_late_before_a_reset_do_not_count_after_it() {
+        let mut overruns = Overruns::new(MS);
+        assert!((0..9).all(|_| overruns.note(1).is_ok()));
+        overruns.forget();
+        assert!((0..9).all(|_| overruns.note(1).is_ok()));
+        assert!(overruns.note(1).is_err());
     }
 
     #[test]
@@ -189,5 +200,58 @@ mod tests {
         told.late.set(105);
         timed.wait(Some(told.now.get() - 100)).expect("open");
         assert_eq!(timed.own_time(), 505);
+    }
+
+    /// Keeps what it is asked.
+    #[derive(Default)]
+    struct Asked(core::cell::RefCell<Vec<String>>);
+
+    impl Asked {
+        fn note<T>(&self, asked: String, answer: T) -> T {
+            self.0.borrow_mut().push(asked);
+            answer
+        }
+    }
+
+    impl Waiter for Asked {
+        fn now(&self) -> Nanos {
+            0
+        }
+        fn wait(&self, _: Option<Nanos>) -> Result<(), Closed> {
+            self.note("wait".into(), Err(Closed))
+        }
+        fn call(&self, place: usize) -> Result<(), Closed> {
+            self.note(format!("call {place}"), Err(Closed))
+        }
+        fn wait_closing(&self, until: Nanos) -> Result<(), Closed> {
+            self.note(format!("wait closing {until}"), Err(Closed))
+        }
+        fn news(&self) -> Option<News> {
+            self.note("news".into(), Some(News::Abort))
+        }
+        fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
+            self.note(format!("pressed {kind}"), Some((5, Button::Suspend)))
+        }
+        fn show(&self, _: &MpState) {
+            self.note("show".into(), ());
+        }
+        fn sample(&self, sample: Sample) {
+            self.note(format!("{sample:?}"), ());
+        }
+    }
+
+    #[test]
+    fn what_is_no_waiting_is_asked_of_the_waiter_itself() {
+        let asked = Asked::default();
+        let timed = Timed::new(&asked);
+        assert_eq!(timed.wait(None), Err(Closed));
+        assert_eq!(timed.call(3), Err(Closed));
+        assert_eq!(timed.wait_closing(7), Err(Closed));
+        assert_eq!(timed.news(), Some(News::Abort));
+        assert_eq!(timed.pressed(2), Some((5, Button::Suspend)));
+        timed.show(&MpState::default());
+        timed.sample(Sample::Skipped(4));
+        let expected = ["wait", "call 3", "wait closing 7", "news", "pressed 2", "show", "Skipped(4)"];
+        assert_eq!(*asked.0.borrow(), expected);
     }
 }

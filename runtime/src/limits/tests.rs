@@ -258,7 +258,8 @@ fn a_redundancy_is_for_poses_and_a_number() {
     acceptor.accept(&here.with_redundancy(1e-6), T, T).expect("slow");
     near(acceptor.position()[0], 1e-6);
     let kind = |result: Result<AcceptedDemand<Turntable>, Fault>| result.map(|_| ()).map_err(|f| f.kind());
-    assert_eq!(kind(acceptor.accept(&here.with_redundancy(f64::NAN), T, T)), Err(FaultKind::DemandNotFinite));
+    let fault = acceptor.accept(&here.with_redundancy(f64::NAN), T, T).expect_err("no number");
+    assert_eq!((fault.kind(), fault.message()), (FaultKind::DemandNotFinite, "the redundancy"));
     assert_eq!(kind(acceptor.accept(&joints(0.0, 0.0).with_redundancy(0.0), T, T)), Err(FaultKind::Program));
     assert_eq!(kind(acceptor.accept(&Demand::hold().with_redundancy(0.0), T, T)), Err(FaultKind::Program));
 }

@@ -292,6 +292,21 @@ fn a_drive_that_trips_has_no_power_and_says_why() {
     }
     use Told::{Brake, Position};
     assert_eq!(bench.told(), [Position(0.0), Position(1.0), Position(2.0), Brake, Brake]);
+    // That no demands came is not what it stopped for.
+    assert_eq!(bench.drives.rest(), None);
+}
+
+#[test]
+fn drives_that_stood_when_their_commands_stayed_away_have_no_stop_to_tell_of() {
+    let mut bench = Bench::new(None);
+    for period in 0..L + 5 {
+        if period < 2 {
+            bench.commands.write(&command(period, 0.0));
+        }
+        bench.period(period);
+    }
+    assert_eq!(bench.told().last(), Some(&Told::Brake));
+    assert!(bench.drives.rests() && bench.drives.rest().is_none());
 }
 
 #[test]

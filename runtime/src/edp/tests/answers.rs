@@ -182,6 +182,13 @@ fn a_motion_ends_at_once_where_one_step_takes_its_speed_away() {
     }
     ask(&mut edp, RequestKind::Brake, 0, 0);
     assert!(matches!(edp.mode, Mode::Braking(_)));
+    // The law leaves 8e-3 m/s after 1 ms and stands after 1.8 ms.
+    edp.begin_step();
+    assert!((edp.acceptor.velocity()[0] - 8e-3).abs() < 1e-12 && matches!(edp.mode, Mode::Braking(_)));
+    edp.begin_step();
+    assert_eq!(edp.acceptor.velocity()[0], 0.0);
+    edp.begin_step();
+    assert!(matches!(edp.mode, Mode::Holding));
 }
 
 #[test]

@@ -78,6 +78,11 @@ fn fault_21_a_jerk_is_taken_up_to_the_limit_and_round_off() {
         assert_eq!(jerk(sign * (1000.0 + 7.9e-3)), Ok(()));
         assert_eq!(jerk(sign * (1000.0 + 8.1e-3)), Err(FaultKind::DemandedJerk));
     }
+    // The bound itself, in a step of which there are a power of two in a second: no division rounds it.
+    let bound = 1000.0 * (1.0 + RELATIVE) + 8.0 * ROUND_OFF * 1024.0 * 1024.0 * 1024.0;
+    let a = Two::new(bound / 1024.0, 0.0);
+    let acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
+    acceptor.check(&ZERO, &ZERO, &ZERO, &a, 1024.0_f64.recip()).expect("at the bound is within it");
 }
 
 #[test]
@@ -98,6 +103,9 @@ fn fault_20_a_position_is_taken_up_to_the_limit_and_round_off() {
         assert_eq!(at(sign * (bound - 0.0124), sign * 0.5), Err(FaultKind::DemandOutOfRange));
         // On the way back it stops anywhere.
         assert_eq!(at(sign * bound, -sign * 0.5), Ok(()));
+        // Also where its path has come to rest.
+        let (q, v) = (Two::new(sign * bound, 0.0), Two::new(-sign * 0.5, 0.0));
+        acceptor(robot()).check(&q, &v, &ZERO, &ZERO, T).expect("away from the limit");
         // Out of range is out of range, on the way back as well.
         assert_eq!(at(sign * 0.51, -sign * 0.5), Err(FaultKind::DemandOutOfRange));
     }
