@@ -192,6 +192,7 @@ impl Cell {
     }
 
     /// Lets observers look at simulated drives in the plant.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn watched_in_plant(mut self) -> Cell {
         self.watched_in_plant = true;
         self

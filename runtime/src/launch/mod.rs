@@ -56,7 +56,9 @@ pub trait Recorder {
 ///
 /// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
 /// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
-/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP.
+/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
+/// recorder watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
+/// no picture is drawn.
 ///
 /// ```no_run
 /// # use mrroc::{Cell, CellError, CellFile, Recorder};
