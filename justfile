@@ -100,3 +100,7 @@ fuzz N="10000000":
 # The same with coverage, on nightly and with cargo-fuzz: one of cell, svg, dxf, gcode, urdf, trj, wire for some seconds.
 fuzz-nightly TARGET SECONDS="60":
     cd fuzz && cargo +nightly fuzz run {{TARGET}} corpus/{{TARGET}} ../tests/parsers/corpus/{{TARGET}} -- -max_total_time={{SECONDS}}
+
+# Mutants of one file and the unit tests of the runtime, with cargo-mutants; takes minutes to hours.
+mutants FILE="runtime/src/stopping.rs":
+    CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --in-place --file {{FILE}}
