@@ -59,9 +59,9 @@ test-recording-peer: test-recording
 test-processes:
     cargo test -p mrroc-tests --features processes --test processes
 
-# The same, with 200 kills of each kind; takes many minutes.
-test-kills:
-    MRROC_KILLS=200 cargo test --release -p mrroc-tests --features processes --test processes -- fault_0
+# The same, with 200 kills of each process in lock-step, and as many in real time; takes hours.
+test-kills KILLS="2000":
+    MRROC_KILLS={{KILLS}} cargo test --release -p mrroc-tests --features processes --test processes -- fault_01_to fault_07
 
 # The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
 test-both-links:
@@ -84,8 +84,9 @@ bench-latency:
 sweep:
     cargo test -p mrroc-tests --test safety -- --ignored --nocapture every_fault_in_every_step
 
-# Each fault in every so many steps of the transfer and of the engraving task: every 997th takes minutes, every one days.
-sweep-tasks EVERY="997":
+# Each fault in every so many steps of the transfer and of the engraving task: every 7th takes ten minutes of two cores,
+# every one an hour.
+sweep-tasks EVERY="7":
     MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture both_tasks
 
 # Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.

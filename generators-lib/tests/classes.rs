@@ -50,3 +50,19 @@ fn every_class_of_the_paper_has_a_generator() {
         assert!(ROWS.iter().any(|row| is_it(&row.class)), "no generator of class {function}");
     }
 }
+
+/// The page of the book lists them by class; what needs nothing but path time is listed in part.
+#[test]
+fn the_page_of_the_book_has_every_generator_at_its_class() {
+    let page = include_str!("../../docs/src/generators.md");
+    let documented = include_str!("../classes.md");
+    for row in documented.lines().skip(2) {
+        let cells: Vec<_> = row.split(" | ").collect();
+        let generator = cells[0].trim_matches(['|', ' ', '[', ']', '`']);
+        let named = format!("`{generator}`");
+        assert!(page.contains(&named), "{generator} is missing");
+        let class = format!("| {} | {} |", cells[2], cells[3]);
+        let listed = page.lines().find(|line| line.starts_with(&class)).expect("a row of each class");
+        assert!(listed.contains(&named) || cells[3] == "`f*0(c)`", "{generator} is not listed as {class}");
+    }
+}

@@ -1,20 +1,25 @@
-//! Curves against scipy and Pinocchio.
+//! Curves against scipy, Pinocchio and KDL.
 
 mod common;
 
 use common::rows;
 use mrroc::Pose;
 use mrroc_generators::curve::*;
-use mrroc_generators::line::LinePath;
-use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
+use mrroc_generators::line::{LinePath, ToolPoint};
+use mrroc_generators::profile::ProfilePoint;
+use nalgebra::{Quaternion, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::BTreeMap;
 
 /// The rows of a case, by what they say.
 type Case = BTreeMap<String, Vec<Vec<f64>>>;
 
 fn cases(kind: &str) -> Vec<Case> {
+    cases_of("curves.csv", kind)
+}
+
+fn cases_of(file: &str, kind: &str) -> Vec<Case> {
     let mut cases: BTreeMap<String, Case> = BTreeMap::new();
-    for (label, numbers) in rows("curves.csv", 3).into_iter().filter(|(label, _)| label[0] == kind) {
+    for (label, numbers) in rows(file, 3).into_iter().filter(|(label, _)| label[0] == kind) {
         cases.entry(label[1].clone()).or_default().entry(label[2].clone()).or_default().push(numbers);
     }
     assert!(cases.len() >= 10, "{kind}");
@@ -103,12 +108,57 @@ fn lines_turn_as_scipys_slerp() {
 #[test]
 fn screws_equal_pinocchios_interpolation() {
     for case in cases("screw") {
-        let pose = |x: &[f64]| Pose::from_parts(Translation3::from(v(x)), q(&x[3..]));
         let screw = Screw::new(pose(&case["point"][0]), pose(&case["point"][1]));
         for row in &case["at"] {
             let (ours, theirs) = (screw.pose(row[0]), pose(&row[1..]));
             let off = (ours.translation.vector - theirs.translation.vector).amax();
             assert!(off < 1e-10 && same(&ours.rotation, &theirs.rotation, 1e-10), "{off} at {}", row[0]);
         }
+    }
+}
+
+fn pose(x: &[f64]) -> Pose {
+    Pose::from_parts(Translation3::from(v(x)), q(&x[3..]))
+}
+
+/// Pose, velocity and acceleration at every row of a case of KDL, to 1e-10 of what they are made of. `per` turns a length
+/// into the path's parameter.
+fn equals_kdl(case: &Case, per: f64, at: impl Fn(&ProfilePoint) -> ToolPoint) {
+    for row in &case["at"] {
+        let point = ProfilePoint { s: row[0] * per, v: row[1] * per, a: row[2] * per };
+        let ours = at(&point);
+        let theirs = pose(&row[3..]);
+        let off = (ours.pose.translation.vector - theirs.translation.vector).amax();
+        assert!(off < 1e-10 && same(&ours.pose.rotation, &theirs.rotation, 1e-10), "{off} at {row:?}");
+        let derivatives = [ours.velocity, ours.turning, ours.acceleration, ours.turning_acceleration];
+        for (k, ours) in derivatives.into_iter().enumerate() {
+            let theirs = v(&row[10 + 3 * k..]);
+            assert!(
+                (ours - theirs).amax() < 1e-10 * (1.0 + theirs.norm()),
+                "{k}: {ours} {theirs} at {row:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn circles_equal_kdls() {
+    for case in cases_of("kdl_paths.csv", "circle") {
+        let (start, end, about) = (pose(&case["start"][0]), pose(&case["end"][0]), &case["about"][0]);
+        let (on, centre) = (start.translation.vector, v(about));
+        let axis = UnitVector3::new_normalize((on - centre).cross(&(v(&about[3..]) - centre)));
+        let arc = Arc::about(on, centre, axis, about[6]).unwrap();
+        assert!((arc.length() / case["length"][0][0] - 1.0).abs() < 1e-12);
+        let circle = TurnedCurve::new(arc, start, end).unwrap();
+        equals_kdl(&case, 1.0, |point| circle.at(point));
+    }
+}
+
+#[test]
+fn lines_equal_kdls() {
+    for case in cases_of("kdl_paths.csv", "line") {
+        let line = LinePath::new(pose(&case["start"][0]), pose(&case["end"][0]));
+        assert!((line.length() / case["length"][0][0] - 1.0).abs() < 1e-12);
+        equals_kdl(&case, 1.0 / line.length(), |point| line.at(point));
     }
 }

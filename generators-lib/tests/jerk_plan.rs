@@ -210,3 +210,23 @@ fn a_target_a_rounding_away_is_reached() {
         }
     }
 }
+
+/// At the limit of velocity an acceleration back from it means a velocity above it before, here by rounding.
+#[test]
+fn a_target_at_its_limit_of_velocity_is_reached_without_a_jump_in_any_duration() {
+    let limits = AxisLimits {
+        max_velocity: 1.5695956007051513,
+        min_velocity: -1.198120458137013,
+        max_acceleration: 0.15576363974363747,
+        min_acceleration: -0.6311464394730779,
+        jerk: 24.983536625768874,
+    };
+    let start = AxisState { position: 0.01, velocity: 0.64, acceleration: -0.25 };
+    let target = AxisTarget { position: 0.968, velocity: limits.min_velocity, acceleration: 1.84e-5 };
+    let plan = AxisPlan::new(&start, &target, &limits).unwrap();
+    for share in 0..40 {
+        let duration = plan.possible_from(plan.least() * (1.0 + 0.1 * f64::from(share)));
+        let end = plan.lasting(duration).unwrap().at(duration * (1.0 - 1e-12));
+        assert!((end.position - target.position).abs() < 1e-9, "{duration}: {end:?}");
+    }
+}

@@ -7,6 +7,7 @@ use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::Profile;
 use mrroc_generators::timing::*;
 use nalgebra::{SVector, Vector2};
+use proptest::prelude::*;
 use std::collections::BTreeMap;
 
 /// The rows of a case, by their kind.
@@ -109,14 +110,37 @@ fn durations_equal_toppras_to_within_the_error_of_its_grid() {
 #[test]
 fn limits_hold_on_grid_points_and_between() {
     for case in cases() {
-        // Torques are no parabolas: they may exceed their limits between grid points by the third order of the cell.
-        for (count, torque) in [(5, 2e-4), (10, 2e-5), (50, 2e-7)] {
+        // Torques are no cubics: they may exceed their limits between grid points by the fourth order of the cell.
+        for (count, torque) in [(5, 1e-6), (10, 1e-7), (50, 1e-10)] {
             let [v, a, tau] = by_joints(
                 &case,
                 |c| shares::<2>(c, &plan::<2>(c, count)),
                 |c| shares::<6>(c, &plan::<6>(c, count)),
             );
             assert!(v < 1.0 + 1e-12 && a < 1.0 + 1e-12 && tau < 1.0 + torque, "{count}: {v} {a} {tau}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn torques_exceed_their_limits_by_the_fourth_order_of_a_cell_at_most(
+        points in prop::collection::vec([-1.5..1.5f64, -1.5..1.5f64], 2..7),
+        torque in 16.0..60.0f64,
+        acceleration in 1.0..100.0f64,
+    ) {
+        let mut case = Case::new();
+        case.insert("knots".into(), vec![(0..points.len()).map(|i| i as f64).collect()]);
+        case.insert("point".into(), points.iter().map(|p| p.to_vec()).collect());
+        case.insert("velocity".into(), vec![vec![10.0; 2]]);
+        case.insert("acceleration".into(), vec![vec![acceleration; 2]]);
+        // More than gravity takes at any place.
+        case.insert("torque".into(), vec![vec![torque; 2]]);
+        case.insert("speeds".into(), vec![vec![0.0; 2]]);
+        for count in [5_u8, 10, 20] {
+            let [_, _, tau] = shares::<2>(&case, &plan::<2>(&case, count.into()));
+            let bound = 0.2 / f64::from(count).powi(4);
+            prop_assert!(tau < 1.0 + bound, "{count}: {tau}");
         }
     }
 }

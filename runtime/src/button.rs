@@ -73,6 +73,9 @@ impl Button {
                 let percent = rest.trim().strip_suffix('%').unwrap_or_default().trim_end();
                 return match percent.parse::<f64>() {
                     Ok(percent) if (0.0..=100.0).contains(&percent) => Ok(Button::Speed(percent / 100.0)),
+                    _ if rest.trim().is_empty() => {
+                        Err(bad("speed needs a value".to_owned(), "write 0% to 100%: speed 50%"))
+                    }
                     _ => Err(bad(
                         format!("`{}` is no speed", rest.escape_default()),
                         "write 0% to 100%: speed 50%",

@@ -104,6 +104,7 @@ mod replay;
 mod robot;
 mod sensing;
 mod shape;
+mod shown;
 #[cfg(test)]
 mod slide;
 mod step;
@@ -153,6 +154,7 @@ pub use recording::{NotRecorded, Recording};
 pub use replay::compare::{Compared, Difference};
 pub use robot::{CoupledLimit, JointKind, Limits, NoInverse, Robot};
 pub use shape::Shape;
+pub use shown::Shown;
 pub use step::{Always, Step, Tick};
 pub use transparent::Transparent;
 pub use vsp::{EffectorState, ReadingOrder, VirtualSensor, VspMode};

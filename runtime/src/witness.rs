@@ -21,7 +21,17 @@ pub(crate) const IMAGE_WORDS: usize = 2 * STATE_WORDS + 7;
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum What {
     /// The MP begins a step; path time and real time of it \[s\], and what the operator wants. No words.
-    Step { step: u64, dt: f64, duration: f64, speed: f64, suspended: bool, aborting: bool, resetting: bool },
+    Step {
+        step: u64,
+        dt: f64,
+        duration: f64,
+        speed: f64,
+        suspended: bool,
+        aborting: bool,
+        /// He has asked for a protective stop since the step before.
+        stopping: bool,
+        resetting: bool,
+    },
     /// The operator aborts, after the step began. No words.
     Abort { step: u64 },
     /// What took place in the step left no time for more in it. No words.

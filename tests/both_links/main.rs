@@ -1,5 +1,5 @@
 //! The engraving and the transfer on both links: the same demands to the bit on the memory link and as processes of the
-//! operating system under the virtual clock.
+//! operating system under the virtual clock, and the same pictures and measurements of them.
 //!
 //! This executable is the tests and the task programs that they start: it has a main function of its own.
 
@@ -48,5 +48,10 @@ fn compare(test: u32, task: &[&str], robots: &[&str]) {
         );
         println!("{}: {robot}: {same} demands are the same to the bit", task.join(" "));
     }
+    let [here, apart] = [&memory, &processes].map(|launch| launch.text(program::SEEN));
+    assert!(
+        !here.is_empty() && here == apart,
+        "{task:?}: what observers see differs: {here:.2000}\n{apart:.2000}"
+    );
     processes.assert_nothing_left(&[]);
 }

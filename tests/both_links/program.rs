@@ -11,13 +11,20 @@ use engraving::layout::Layout;
 use engraving::ordering::nearest_first;
 use engraving::placement::{Plate, Sizing, place};
 use engraving::plate::Cutter;
-use engraving::run::Settings;
+use engraving::run::{Settings, Watch};
 use engraving::sampling::Sampling;
-use mrroc::{Cell, Clock, Launch, Ran};
+use mrroc::{Cell, Clock, Launch, Ran, RunReport};
+use transfer::pictures::filmed;
 use transfer::variant::{Bases, Sensors, Variant};
 
 pub use crate::records::RECORDS;
 use crate::records::record;
+
+/// The file of what the program's own observers have seen, beside the records.
+pub const SEEN: &str = "seen";
+
+/// What observers have seen, as a text, once the run is over; none where they see nothing.
+type Seen = Option<Box<dyn FnOnce(RunReport) -> String>>;
 
 /// Runs the task that the command line names: `--cell FILE transfer LINK`, `--cell FILE engraving DRAWING LINK`.
 pub fn main() -> ExitCode {
@@ -34,27 +41,41 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
     let launch = Launch::new(std::env::args_os().skip(1)).quiet();
     let words: Vec<_> =
         launch.arguments().iter().skip(2).map(|word| word.to_string_lossy().into_owned()).collect();
-    let (cell, link) = match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["transfer", link] => (carrying()?, *link == "processes"),
-        ["engraving", drawing, link] => (engraving(drawing)?, *link == "processes"),
+    let named = words.last().is_some_and(|link| link == "processes");
+    let launch = if named { launch.processes(Clock::Virtual) } else { launch }.watching();
+    let (cell, seen) = match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["transfer", _] => carrying(launch.is_here())?,
+        ["engraving", drawing, _] => engraving(drawing, launch.is_here())?,
         _ => return Err(format!("no task: {words:?}").into()),
     };
     let folder = std::env::var_os(RECORDS).ok_or("no folder for records")?;
-    let launch = if link { launch.processes(Clock::Virtual) } else { launch };
-    Ok(match launch.run(cell.watch(record(PathBuf::from(folder))))? {
-        Ran::Part(status) => status,
-        Ran::Here(_) | Ran::Processes(_) => ExitCode::SUCCESS,
+    let folder = PathBuf::from(folder);
+    // Demands are recorded where they are made, and not a second time in the plant.
+    let is_plant = launch.is_part() && launch.is_here();
+    let cell = if is_plant { cell } else { cell.watch(record(folder.clone())) };
+    Ok(match (launch.run(cell)?, seen) {
+        (Ran::Part(status), _) => status,
+        (Ran::Here(report), Some(seen)) => {
+            std::fs::write(folder.join(SEEN), seen(report))?;
+            ExitCode::SUCCESS
+        }
+        (Ran::Here(_) | Ran::Processes(_), _) => return Err("nobody has seen the robots".into()),
     })
 }
 
-/// Two arms, two hands, a bar between them, a base that is off, and the force sensors that make up for it.
-fn carrying() -> Result<Cell, Box<dyn Error>> {
+/// Two arms, two hands, a bar between them, a base that is off, and the force sensors that make up for it; its film.
+fn carrying(here: bool) -> Result<(Cell, Seen), Box<dyn Error>> {
     let file = transfer::file()?;
-    Ok(Variant::Bar { bases: Bases::Off, sensors: Sensors::Used }.ready(&file)?.cell)
+    let ready = Variant::Bar { bases: Bases::Off, sensors: Sensors::Used }.ready(&file)?;
+    if !here {
+        return Ok((ready.cell, None));
+    }
+    let (film, cell) = filmed(ready);
+    Ok((cell, Some(Box::new(move |_| film.svg()))))
 }
 
-/// An arm that finds the plate by its probe and engraves a text, or the nameplate.
-fn engraving(drawing: &str) -> Result<Cell, Box<dyn Error>> {
+/// An arm that finds the plate by its probe and engraves a text, or the nameplate; what was measured of it.
+fn engraving(drawing: &str, here: bool) -> Result<(Cell, Seen), Box<dyn Error>> {
     let import = match drawing {
         "nameplate" => read_str("nameplate.svg", NAMEPLATE, Limits::default())?,
         text => Font::open("futural")?.write(text, 10.0)?,
@@ -64,5 +85,16 @@ fn engraving(drawing: &str) -> Result<Cell, Box<dyn Error>> {
     let drawing = nearest_first(placed.drawing, Vec2::zeros());
     let layout = Layout::new(&plate)?;
     let settings = Settings { step: 0.002, feed: 20.0, depth: 0.3, cutter: Cutter::default() };
-    Ok(engraving::run::cell(&layout, &plate, &drawing, Sampling::default(), settings))
+    if !here {
+        return Ok((engraving::run::cell(&layout, &plate, &drawing, Sampling::default(), settings), None));
+    }
+    let (cell, watch) = Watch::over(&layout, &plate, &drawing, Sampling::default(), settings);
+    let measured = |report| {
+        let outcome = watch.outcome(report);
+        let (execution, height) = (&outcome.execution, outcome.height_found);
+        let [demanded, executed] = [&execution.demanded, &execution.executed].map(|path| path.report());
+        let lengths = [execution.cut_length, execution.travel_length];
+        format!("{:?} {height:?} {lengths:?} {demanded:?} {executed:?}\n", outcome.report)
+    };
+    Ok((cell, Some(Box::new(measured))))
 }

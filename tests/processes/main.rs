@@ -7,6 +7,7 @@ mod launch;
 mod operator;
 mod program;
 mod records;
+mod rows;
 mod tests;
 
 use std::process::ExitCode;

@@ -21,6 +21,9 @@ use crate::allocations::Calls;
 
 pub use crate::records::RECORDS;
 
+/// The variable under which an EDP is of another program, which has one robot more.
+pub const OTHER: &str = "MRROC_TEST_OTHER";
+
 /// Runs it under the options of the command line.
 pub fn main() -> ExitCode {
     mrroc::launch(cell, Nothing)
@@ -45,6 +48,14 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
         .ecp("left", arm)
         .ecp("right", arm)
         .program(coordinate);
+    let cell = match std::env::var_os(OTHER) {
+        Some(_) if std::env::args().any(|word| word == "edp") => {
+            let arm = Irp6::nominal();
+            let drives = SimulatedIrp6::new(arm.clone(), &Six::zeros());
+            cell.robot(RobotSetup::new("third", arm, drives))
+        }
+        _ => cell,
+    };
     if Calls::are_counted() {
         let mut steps = Calls::of("mp");
         let periods = RefCell::new(BTreeMap::new());

@@ -1,5 +1,7 @@
 //! The tests, run one after the other: they start processes, which would disturb each other's time.
 
+use std::collections::BTreeMap;
+use std::fmt;
 use std::panic::catch_unwind;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -52,7 +54,7 @@ pub fn main() -> ExitCode {
         ),
         ("an_interrupt_aborts_and_ends_the_cell", an_interrupt_aborts_and_ends_the_cell),
     ];
-    let all = own.iter().chain(&crate::operator::TESTS);
+    let all = own.iter().chain(&crate::operator::TESTS).chain(&crate::rows::TESTS);
     let words: Vec<_> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let mut failed = false;
     for (name, test) in all.filter(|(name, _)| words.is_empty() || words.iter().any(|w| name.contains(w))) {
@@ -64,12 +66,23 @@ pub fn main() -> ExitCode {
 }
 
 pub const REAL: &[&str] = &["--processes", "--quiet"];
-const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
+pub const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
 pub const MEMORY: &[&str] = &["--no-picture", "--quiet"];
 pub const ROBOTS: [&str; 2] = ["left", "right"];
 
-/// The MP, two ECPs and EDPs, the plant, four VSPs.
-const PROCESSES: usize = 10;
+/// The processes of the cell.
+pub const PROCESSES: [&str; 10] = [
+    "mp",
+    "ecp left",
+    "ecp right",
+    "edp left",
+    "edp right",
+    "plant",
+    "vsp count",
+    "vsp slow",
+    "vsp free",
+    "vsp shaft",
+];
 
 /// Steps that an EDP or the drives bridge, `L` at 2 ms.
 const L: usize = 10;
@@ -154,7 +167,8 @@ pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
 
 /// Whether a robot's demands rest, or its drives are without power: switched off by their EDP, or braked for want of demands.
 pub fn rests(launch: &Launch, robot: &str) -> bool {
-    periods_at_rest(&launch.record(robot)) >= 2 || launch.drives(robot).last().is_some_and(|last| !last.powered)
+    periods_at_rest(&launch.record(robot)) >= 2
+        || launch.drives(robot).last().is_some_and(|last| !last.powered)
 }
 
 fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the_bound() {
@@ -162,10 +176,12 @@ fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the
     let mut reference = place.start("reference", MEMORY);
     assert!(reference.end().success(), "{}", reference.said());
     let mut random = Random::new();
-    let (mut stopped, mut braked) = (0, 0);
+    let (mut stopped, mut braked, mut tally) = (0, 0, Killed::default());
     for kill in 0..kills() {
         let mut launch = place.start("killed", VIRTUAL);
-        let (killed, processes) = kill_one(&mut launch, &mut random, 1200);
+        let role = PROCESSES[kill % PROCESSES.len()];
+        let (killed, processes) = kill_one(&mut launch, role, random.below(1_200_000));
+        tally.count(killed.as_ref());
         let status = launch.end().code();
         let said = launch.said();
         assert!(matches!(status, Some(0 | 1)), "kill {kill}, {killed:?}: {status:?}: {said}");
@@ -186,7 +202,8 @@ fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the
         launch.assert_nothing_left(&processes);
     }
     println!(
-        "{} kills in lock-step, {stopped} stopped the cell, {braked} robots stood by their drives' brakes (seed {})",
+        "{} launches in lock-step, killed: {tally}; {stopped} cells stopped, {braked} robots stood by their drives' brakes \
+         (seed {})",
         kills(),
         random.seed
     );
@@ -239,26 +256,26 @@ fn fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_
 fn fault_07_a_kill_at_any_moment_ends_the_cell_cleanly() {
     let place = Place::new(3);
     let mut random = Random::new();
-    let mut tally = [0; 3];
-    let (mut killed_plants, mut missed) = (0, 0);
+    let (mut ran_on, mut stopped, mut late, mut tally) = (0, 0, 0, Killed::default());
     for kill in 0..kills() {
         let mut launch = place.start("killed", REAL);
-        // One in two dies while the cell starts, the others while robots move.
-        let starting = kill % 2 == 0;
+        // Each process dies while the cell starts in one of two launches, and while robots move in the other.
+        let starting = kill % 2 == kill / PROCESSES.len() % 2;
         while !starting && launch.record("left").is_empty() && launch.end_if_over().is_none() {
             launch.let_run(Duration::from_millis(1));
         }
-        let (killed, processes) = kill_one(&mut launch, &mut random, if starting { 300 } else { 3500 });
-        killed_plants += usize::from(killed.as_ref().is_some_and(|killed| killed.role == "plant"));
-        missed += usize::from(killed.is_none());
+        let role = PROCESSES[kill % PROCESSES.len()];
+        let within = if starting { 300_000 } else { 3_500_000 };
+        let (killed, processes) = kill_one(&mut launch, role, random.below(within));
+        tally.count(killed.as_ref());
         let status = launch.end().code();
         let said = launch.said();
         match status {
-            Some(0) => tally[0] += 1,
-            Some(1) if said.contains("killed by signal 9") => tally[1] += 1,
+            Some(0) => ran_on += 1,
+            Some(1) if said.contains("killed by signal 9") => stopped += 1,
             Some(1) => {
                 assert!(is_late(&said), "kill {kill}, {killed:?}: {said}");
-                tally[2] += 1;
+                late += 1;
             }
             _ => panic!("kill {kill}, {killed:?}: status {status:?}: {said}"),
         }
@@ -269,32 +286,56 @@ fn fault_07_a_kill_at_any_moment_ends_the_cell_cleanly() {
     let mut next = place.start("next", VIRTUAL);
     assert!(next.end().success(), "{}", next.said());
     println!(
-        "{} kills, {killed_plants} of them of the plant, {missed} before or after all processes: {} cells ran on or started \
-         again, {} stopped for the killed process, {} were late (seed {})",
+        "{} launches in real time, killed: {tally}; {ran_on} cells ran on or started again, {stopped} stopped for the killed \
+         process, {late} were late (seed {})",
         kills(),
-        tally[0],
-        tally[1],
-        tally[2],
         random.seed
     );
 }
 
-/// Kills one process after up to `millis` of running; says which, and which there were.
-fn kill_one(launch: &mut Launch, random: &mut Random, millis: u64) -> (Option<Process>, Vec<Process>) {
-    launch.let_run(Duration::from_micros(random.below(1000 * millis)));
-    let processes = launch.processes();
-    if processes.is_empty() {
-        return (None, processes);
+/// How often each process was killed.
+#[derive(Default)]
+struct Killed(BTreeMap<String, usize>);
+
+impl Killed {
+    fn count(&mut self, killed: Option<&Process>) {
+        let role = killed.map_or("none, the cell was over", |killed| &killed.role);
+        *self.0.entry(role.to_owned()).or_default() += 1;
     }
-    let killed = processes[random.below(processes.len() as u64) as usize].clone();
-    killed.kill();
-    (Some(killed), processes)
+}
+
+impl fmt::Display for Killed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut separator = "";
+        for (role, count) in &self.0 {
+            write!(f, "{separator}{role} {count}")?;
+            separator = ", ";
+        }
+        Ok(())
+    }
+}
+
+/// Kills the process of a role after so many microseconds, or as soon as it is there; says which that was, and which there
+/// were. None when the cell is over by then.
+fn kill_one(launch: &mut Launch, role: &str, micros: u64) -> (Option<Process>, Vec<Process>) {
+    launch.let_run(Duration::from_micros(micros));
+    loop {
+        let processes = launch.processes();
+        let killed = processes.iter().find(|process| process.role == role).cloned();
+        if let Some(killed) = &killed {
+            killed.kill();
+        }
+        if killed.is_some() || launch.end_if_over().is_some() {
+            return (killed, processes);
+        }
+        launch.let_run(Duration::from_millis(1));
+    }
 }
 
 fn fault_28_a_second_launch_is_refused_with_the_number_of_the_first() {
     let place = Place::new(4);
     let mut first = place.start("first", VIRTUAL);
-    while first.processes().len() < PROCESSES {
+    while first.processes().len() < PROCESSES.len() {
         first.let_run(Duration::from_millis(1));
     }
     let mut second = place.start("second", REAL);
@@ -317,7 +358,7 @@ fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
         crashed.let_run(Duration::from_millis(1));
     }
     let processes = crashed.processes();
-    assert_eq!(processes.len(), PROCESSES, "{processes:?}");
+    assert_eq!(processes.len(), PROCESSES.len(), "{processes:?}");
     crashed.signal(Signal::KILL);
     crashed.end();
     // Without their launcher all end, and the robots stand.
@@ -388,7 +429,7 @@ fn an_interrupt_aborts_and_ends_the_cell() {
 fn an_interrupt_ends_a_cell_whose_program_computes_for_ever() {
     let place = Place::new(9);
     let mut launch = place.start_for(crate::program::COMPUTES, "computes", REAL);
-    while launch.processes().len() < PROCESSES {
+    while launch.processes().len() < PROCESSES.len() {
         assert!(launch.end_if_over().is_none(), "{}", launch.said());
         launch.let_run(Duration::from_millis(1));
     }

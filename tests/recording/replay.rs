@@ -41,6 +41,26 @@ fn a_changed_program_is_found_in_the_step_and_joint_where_it_differs() {
 }
 
 #[test]
+fn a_protective_stop_of_the_operator_is_made_again_on_the_path() {
+    const AT: u64 = 900;
+    let file = recorded("stopped.mcap");
+    let stopped = arms(Change::Nothing).on_step(|step, operator| {
+        if step == AT {
+            operator.protective_stop();
+        }
+    });
+    stopped.record(Recording::to(&file)).run().expect_err("it is stopped");
+    // Nobody stops it now but the recording.
+    let again = arms(Change::Nothing).on_step(|_, _| {}).replay(&file, CutOff::Refused);
+    let compared = again.expect("a recording of this cell");
+    assert!(compared.is_identical() && compared.outside.is_none(), "{compared:?}");
+    // The arms moved: their rate took steps to fall, which are compared, too.
+    assert!(compared.steps > AT + 10, "{compared:?}");
+    let end = compared.end.flatten().expect("it ended with the stop");
+    assert!(end.contains("protective stop"), "{end}");
+}
+
+#[test]
 fn a_program_that_ends_sooner_is_told() {
     let file = recorded("sooner.mcap");
     let compared = arms(Change::NoSwing).replay(&file, CutOff::Refused).expect("a recording of this cell");

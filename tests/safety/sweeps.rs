@@ -110,6 +110,21 @@ fn what_is_wrong_with_a_cell_or_its_undisturbed_run_is_a_failure_and_no_case() {
 }
 
 #[test]
+fn copies_of_one_run_come_to_what_runs_of_their_own_come_to() {
+    for cell in [transparent, cooperating, interpolated, sensing] {
+        let sorted = |report: SweepReport| {
+            let mut rows = report.rows().to_vec();
+            rows.sort_by(|(a, _), (b, _)| a.cmp(b));
+            (rows, report)
+        };
+        let (alone, report) = sorted(everything(cell).every(61).run());
+        let (copied, copies) = sorted(everything(cell).every(61).forking(u64::MAX).run());
+        assert_eq!(alone, copied, "{report}\n{copies}");
+        assert!(report.is_clean() && copies.is_clean(), "{report}\n{copies}");
+    }
+}
+
+#[test]
 fn a_case_that_is_repeated_comes_to_the_same() {
     use mrroc::testing::{Case, Injected};
     let sweep = Sweep::new(cooperating);

@@ -13,7 +13,7 @@
 
 use super::brake::{Brake, brake};
 use super::extremal::Extremal;
-use super::profile::Phases;
+use super::profile::{End, Phases, mixed};
 use super::rest::rest_to_rest;
 use super::{AxisLimits, AxisState, AxisTarget, JerkError, JerkProfile};
 
@@ -33,6 +33,7 @@ pub struct AxisPlan {
     fastest: Phases,
     least: f64,
     blocked: [(f64, f64); BLOCKED],
+    blocked_count: usize,
 }
 
 /// The farthest motion forwards, or backwards as that of the mirrored axis.
@@ -47,15 +48,16 @@ impl Side {
         if self == Side::Forwards { 1.0 } else { -1.0 }
     }
 
-    fn extreme(self, start: &AxisState, target: &AxisTarget, limits: &AxisLimits, cut: bool) -> Extremal {
+    #[inline]
+    fn extreme(self, start: &AxisState, target: &AxisTarget, limits: &AxisLimits) -> Extremal {
         if self == Side::Forwards {
-            return Extremal::new(start, target, limits, cut);
+            return Extremal::new(start, target, limits);
         }
         let AxisState { position, velocity, acceleration } = *start;
         let mirrored = AxisState { position, velocity: -velocity, acceleration: -acceleration };
         let AxisTarget { position, velocity, acceleration } = *target;
         let arriving = AxisTarget { position, velocity: -velocity, acceleration: -acceleration };
-        Extremal::new(&mirrored, &arriving, &limits.mirrored(), cut)
+        Extremal::new(&mirrored, &arriving, &limits.mirrored())
     }
 }
 
@@ -79,6 +81,7 @@ impl AxisPlan {
             fastest: [(0.0, 0.0); 7],
             least: 0.0,
             blocked: [(0.0, 0.0); BLOCKED],
+            blocked_count: 0,
         };
         let way = target.position - start.position;
         if plan.rests() {
@@ -86,7 +89,7 @@ impl AxisPlan {
             if way != 0.0 {
                 let side = if way > 0.0 { Side::Forwards } else { Side::Backwards };
                 plan.fastest = rest_to_rest(way.abs(), side.sign(), limits).unwrap_or_else(|| {
-                    let extreme = side.extreme(start, target, limits, true);
+                    let extreme = side.extreme(start, target, limits);
                     let place =
                         extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
                     extreme.phases(&place, side.sign())
@@ -96,7 +99,7 @@ impl AxisPlan {
         } else {
             plan.plan_moving(way);
         }
-        check_end(start, target, &JerkProfile::through(start, &plan.fastest))?;
+        check_end(start, target, &End::of(start, &plan.fastest))?;
         if !plan.delay.is_finite() {
             return Err(JerkError::Precision(f64::INFINITY));
         }
@@ -112,8 +115,8 @@ impl AxisPlan {
     fn plan_moving(&mut self, way: f64) {
         let AxisPlan { start, target, limits, .. } = self;
         let sides = [Side::Forwards, Side::Backwards];
-        let forwards = Side::Forwards.extreme(start, target, limits, true);
-        let backwards = Side::Backwards.extreme(start, target, limits, true);
+        let forwards = Side::Forwards.extreme(start, target, limits);
+        let backwards = Side::Backwards.extreme(start, target, limits);
         let extremes = [&forwards, &backwards];
         let least_way = extremes[0].least_way();
         // On the fastest change of velocity: to the rounding of what it was computed from.
@@ -143,6 +146,7 @@ impl AxisPlan {
         let later = gaps().filter(|(_, (_, end))| end.duration > place.duration);
         for (slot, (_, (from, end))) in self.blocked.iter_mut().zip(later) {
             *slot = (from.max(place.duration), end.duration);
+            self.blocked_count += 1;
         }
     }
 
@@ -168,10 +172,11 @@ impl AxisPlan {
     #[must_use]
     pub fn possible_from(&self, duration: f64) -> f64 {
         let mut duration = duration.max(self.least());
-        for _ in 0..BLOCKED {
-            for (from, until) in self.blocked() {
-                if duration > from && duration < until {
-                    duration = until;
+        let blocked = &self.blocked[..self.blocked_count];
+        for _ in blocked {
+            for (from, until) in blocked {
+                if duration > self.delay + from && duration < self.delay + until {
+                    duration = self.delay + until;
                 }
             }
         }
@@ -181,7 +186,9 @@ impl AxisPlan {
     /// The fastest motion.
     #[must_use]
     pub fn fastest(&self) -> JerkProfile {
-        self.behind_brake(JerkProfile::through(&self.start, &self.fastest), self.least())
+        let mut profile = JerkProfile::default();
+        self.write(&mut profile, &self.fastest, self.least());
+        profile
     }
 
     /// A motion of exactly `duration` \[s\].
@@ -189,47 +196,64 @@ impl AxisPlan {
     /// # Errors
     /// A duration that is impossible.
     pub fn lasting(&self, duration: f64) -> Result<JerkProfile, JerkError> {
+        let mut profile = JerkProfile::default();
+        self.write_lasting(&mut profile, duration)?;
+        Ok(profile)
+    }
+
+    /// The same, into a profile that is [`JerkProfile::default`].
+    pub(super) fn write_lasting(&self, profile: &mut JerkProfile, duration: f64) -> Result<(), JerkError> {
         let next = self.possible_from(duration);
         if next != duration {
             return Err(JerkError::Duration { asked: duration, least: self.least(), next });
         }
         let (start, target, limits) = (&self.start, &self.target, &self.limits);
         if duration == self.least() {
-            return Ok(self.fastest());
+            self.write(profile, &self.fastest, duration);
+            return Ok(());
         }
         let moving = duration - self.delay;
-        let profile = if self.rests() {
-            if self.least == 0.0 {
-                return Ok(self.behind_brake(JerkProfile::resting(start.position, moving), duration));
-            }
-            JerkProfile::through(start, &self.fastest).slowed(moving / self.least)
+        let end = if self.rests() {
+            let slower = moving / self.least;
+            let phases = if self.least == 0.0 {
+                let mut resting = [(0.0, 0.0); 7];
+                resting[0].0 = moving;
+                resting
+            } else {
+                self.fastest.map(|(duration, jerk)| (duration * slower, jerk / (slower * slower * slower)))
+            };
+            self.write(profile, &phases, duration)
         } else {
             let extreme = |side: Side| {
-                let extreme = side.extreme(start, target, limits, false);
-                JerkProfile::through(start, &extreme.phases(&extreme.lasting(moving), side.sign()))
+                let extreme = side.extreme(start, target, limits);
+                extreme.phases(&extreme.lasting(moving), side.sign())
             };
             let (far, near) = (extreme(Side::Forwards), extreme(Side::Backwards));
-            let (high, low) = (far.last().point.position, near.last().point.position);
+            let position = |phases| End::of(start, phases).point.position;
+            let (high, low) = (position(&far), position(&near));
             let share = (target.position - low) / (high - low);
             // Not a number where both extremes are one motion.
             let share = if share >= 0.0 { share.min(1.0) } else { 0.0 };
-            far.mixed(&near, share)
+            let (phases, count) = mixed(&far, &near, share);
+            self.write(profile, &phases[..count], duration)
         };
-        check_end(start, target, &profile)?;
-        Ok(self.behind_brake(profile, duration))
+        check_end(start, target, &end)
     }
 
-    /// The whole motion, of `duration` \[s\], of that behind the brake.
-    fn behind_brake(&self, profile: JerkProfile, duration: f64) -> JerkProfile {
-        let whole = if self.delay > 0.0 { profile.after(&self.origin, &self.brake) } else { profile };
-        whole.ending_at(duration, &self.target)
+    /// The brake and then `phases`, of `duration` \[s\] together; returns the end of the phases as they are.
+    fn write(&self, profile: &mut JerkProfile, phases: &[(f64, f64)], duration: f64) -> End {
+        if self.delay > 0.0 {
+            profile.append(0.0, &self.origin, &self.brake);
+        }
+        let end = profile.append(self.delay, &self.start, phases);
+        profile.end_at(duration, &self.target);
+        End { time: end.time - self.delay, ..end }
     }
 }
 
 /// Double precision must be enough: never hand out a motion that jumps at its end.
-fn check_end(start: &AxisState, target: &AxisTarget, profile: &JerkProfile) -> Result<(), JerkError> {
-    let end = profile.last();
-    let size = profile.size() + start.position.abs() + target.position.abs();
+fn check_end(start: &AxisState, target: &AxisTarget, end: &End) -> Result<(), JerkError> {
+    let size = end.size() + start.position.abs() + target.position.abs();
     let miss = (end.point.position - target.position).abs();
     let enough = size.is_finite() && end.time.is_finite() && miss <= 1e-9 * size;
     if enough { Ok(()) } else { Err(JerkError::Precision(miss)) }

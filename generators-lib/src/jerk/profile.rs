@@ -45,24 +45,82 @@ impl AxisPoint {
     fn after(&self, t: f64) -> AxisPoint {
         let AxisPoint { position, velocity, acceleration, jerk } = *self;
         AxisPoint {
-            position: position + t * (velocity + t * (0.5 * acceleration + t * jerk / 6.0)),
+            position: position + t * (velocity + t * (0.5 * acceleration + t * jerk * (1.0 / 6.0))),
             velocity: velocity + t * (acceleration + t * 0.5 * jerk),
             acceleration: acceleration + t * jerk,
             jerk,
         }
     }
+}
 
-    /// `share` of one motion and the rest of another.
+impl AxisState {
     #[inline]
-    fn mixed(&self, other: &AxisPoint, share: f64) -> AxisPoint {
-        // What both agree on stays as it is.
-        let mix = |a: f64, b: f64| b + share * (a - b);
-        AxisPoint {
-            position: mix(self.position, other.position),
-            velocity: mix(self.velocity, other.velocity),
-            acceleration: mix(self.acceleration, other.acceleration),
-            jerk: mix(self.jerk, other.jerk),
+    fn point(&self) -> AxisPoint {
+        let AxisState { position, velocity, acceleration } = *self;
+        AxisPoint { position, velocity, acceleration, jerk: 0.0 }
+    }
+}
+
+/// Where phases lead.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct End {
+    pub time: f64,
+    pub point: AxisPoint,
+    /// The largest speed at the ends of phases [m/s].
+    pub fastest: f64,
+}
+
+impl End {
+    /// From `start` through phases of a duration and a jerk each.
+    #[inline]
+    pub fn of(start: &AxisState, phases: &[(f64, f64)]) -> Self {
+        let mut end = End { time: 0.0, point: start.point(), fastest: start.velocity.abs() };
+        for &(duration, jerk) in phases {
+            if duration > 0.0 {
+                end.point.jerk = jerk;
+                end.advance(duration);
+            }
         }
+        end
+    }
+
+    #[inline]
+    fn advance(&mut self, duration: f64) {
+        self.point = self.point.after(duration);
+        self.time += duration;
+        self.fastest = self.fastest.max(self.point.velocity.abs());
+    }
+
+    /// A length of the order of the ways on this motion \[m\].
+    pub fn size(&self) -> f64 {
+        self.fastest * self.time
+    }
+}
+
+/// The phases of two motions that last as long: `share` of the one and the rest of the other, which is within the limits
+/// if both are, since limits bound a convex set; and how many they are.
+pub(super) fn mixed(ours: &Phases, theirs: &Phases, share: f64) -> ([(f64, f64); 14], usize) {
+    let (mut merged, mut count) = ([(0.0, 0.0); 14], 0);
+    let (mut i, mut k) = (0, 0);
+    let (mut left, mut right) = (ours[0].0, theirs[0].0);
+    loop {
+        // What is left of each phase; at most one of them ends in a turn of the loop, but for both at once.
+        while left <= 0.0 {
+            i += 1;
+            let Some(phase) = ours.get(i) else { return (merged, count) };
+            left = phase.0;
+        }
+        while right <= 0.0 {
+            k += 1;
+            let Some(phase) = theirs.get(k) else { return (merged, count) };
+            right = phase.0;
+        }
+        let (a, b) = (ours[i].1, theirs[k].1);
+        let duration = left.min(right);
+        // What both agree on stays as it is.
+        merged[count] = (duration, b + share * (a - b));
+        count += 1;
+        (left, right) = (left - duration, right - duration);
     }
 }
 
@@ -81,107 +139,53 @@ impl Default for JerkProfile {
 }
 
 impl JerkProfile {
-    /// Rest at `position` for `duration` \[s\].
-    pub(super) fn resting(position: f64, duration: f64) -> Self {
-        let start = AxisState { position, ..AxisState::default() };
-        let mut phases = [(0.0, 0.0); 7];
-        phases[0].0 = duration;
-        JerkProfile::through(&start, &phases)
-    }
-
-    /// From `start` through phases of a duration and a jerk each; those without duration are left out.
-    pub(super) fn through(start: &AxisState, phases: &Phases) -> Self {
-        let mut profile = JerkProfile::default();
-        let AxisState { position, velocity, acceleration } = *start;
-        let (mut time, mut point) = (0.0, AxisPoint { position, velocity, acceleration, jerk: 0.0 });
+    /// Goes on, or begins, at `time` in the state `start`, through phases of a duration and a jerk each; those without
+    /// duration are left out. Returns where that leads.
+    #[inline]
+    pub(super) fn append(&mut self, time: f64, start: &AxisState, phases: &[(f64, f64)]) -> End {
+        let mut count = self.phases;
+        let mut end = End { time, point: start.point(), fastest: start.velocity.abs() };
         for &(duration, jerk) in phases {
             if duration > 0.0 {
-                point.jerk = jerk;
-                profile.knots[profile.phases] = Knot { time, point };
-                profile.phases += 1;
-                point = point.after(duration);
-                time += duration;
+                end.point.jerk = jerk;
+                self.knots[count] = Knot { time: end.time, point: end.point };
+                count += 1;
+                end.advance(duration);
             }
         }
-        point.jerk = 0.0;
-        profile.knots[profile.phases] = Knot { time, point };
-        profile
+        end.point.jerk = 0.0;
+        self.knots[count] = Knot { time: end.time, point: end.point };
+        self.phases = count;
+        end
     }
 
-    /// `share` of `self` and the rest of `other`, which lasts as long: within the limits if both are, since limits bound
-    /// a convex set.
-    pub(super) fn mixed(&self, other: &JerkProfile, share: f64) -> Self {
-        let mut merged = JerkProfile::default();
-        let (mut i, mut k) = (0, 0);
-        while i < self.phases && k < other.phases {
-            let (ours, theirs) = (&self.knots[i], &other.knots[k]);
-            let time = ours.time.max(theirs.time);
-            let point =
-                ours.point.after(time - ours.time).mixed(&theirs.point.after(time - theirs.time), share);
-            let (our_end, their_end) = (self.knots[i + 1].time, other.knots[k + 1].time);
-            if our_end.min(their_end) > time {
-                merged.knots[merged.phases] = Knot { time, point };
-                merged.phases += 1;
-            }
-            (i, k) = (i + usize::from(our_end <= their_end), k + usize::from(their_end <= our_end));
+    /// Becomes the way of `other`, `scale` times as far and from `start`.
+    #[inline]
+    pub(super) fn set_scaled(&mut self, other: &JerkProfile, start: f64, scale: f64) {
+        let origin = other.knots[0].point.position;
+        self.phases = other.phases;
+        for (knot, Knot { time, point }) in self.knots.iter_mut().zip(&other.knots[..=other.phases]) {
+            *knot = Knot {
+                time: *time,
+                point: AxisPoint {
+                    position: start + (point.position - origin) * scale,
+                    velocity: point.velocity * scale,
+                    acceleration: point.acceleration * scale,
+                    jerk: point.jerk * scale,
+                },
+            };
         }
-        merged.knots[merged.phases] =
-            Knot { time: self.duration(), point: self.last().point.mixed(&other.last().point, share) };
-        merged
     }
 
-    /// The same way from rest to rest, `k` >= 1 times slower: velocities shrink by `k`, accelerations by `k^2`.
-    pub(super) fn slowed(mut self, k: f64) -> Self {
-        for knot in &mut self.knots[..=self.phases] {
-            knot.time *= k;
-            knot.point.velocity /= k;
-            knot.point.acceleration /= k * k;
-            knot.point.jerk /= k * k * k;
-        }
-        self
-    }
-
-    /// The way from `start`, `scale` times as far.
-    pub(super) fn scaled(mut self, start: f64, scale: f64) -> Self {
-        let origin = self.knots[0].point.position;
-        for knot in &mut self.knots[..=self.phases] {
-            knot.point.position = start + (knot.point.position - origin) * scale;
-            knot.point.velocity *= scale;
-            knot.point.acceleration *= scale;
-            knot.point.jerk *= scale;
-        }
-        self
-    }
-
-    /// The same, with its end replaced by one that differs by rounding.
-    pub(super) fn ending_at(mut self, duration: f64, end: &AxisTarget) -> Self {
+    /// Replaces its end by one that differs by rounding.
+    #[inline]
+    pub(super) fn end_at(&mut self, duration: f64, end: &AxisTarget) {
         let AxisTarget { position, velocity, acceleration } = *end;
         self.knots[self.phases] =
             Knot { time: duration, point: AxisPoint { position, velocity, acceleration, jerk: 0.0 } };
-        self
     }
 
-    /// The same behind phases that lead from `start` to where it begins.
-    pub(super) fn after(&self, start: &AxisState, phases: &[(f64, f64); 2]) -> Self {
-        let mut all: Phases = Default::default();
-        all[..2].copy_from_slice(phases);
-        let mut joined = JerkProfile::through(start, &all);
-        let (first, time) = (joined.phases, joined.duration());
-        for (knot, later) in joined.knots[first..].iter_mut().zip(&self.knots[..=self.phases]) {
-            *knot = Knot { time: time + later.time, point: later.point };
-        }
-        joined.phases = first + self.phases;
-        joined
-    }
-
-    /// A length of the order of the ways on this motion \[m\].
-    pub(super) fn size(&self) -> f64 {
-        let fastest =
-            self.knots[..=self.phases].iter().map(|knot| knot.point.velocity.abs()).fold(0.0, f64::max);
-        fastest * self.duration()
-    }
-
-    pub(super) fn last(&self) -> &Knot {
+    fn last(&self) -> &Knot {
         &self.knots[self.phases]
     }
 

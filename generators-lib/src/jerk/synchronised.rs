@@ -176,20 +176,21 @@ impl<J: JointVector> SynchronisedMove<J> {
         let mut motion =
             SynchronisedMove { axes: [JerkProfile::default(); MAX_JOINTS], end: *target, duration };
         let Some(lead) = plans().nth(slowest) else { return Ok(motion) };
-        let lead = lead.lasting(duration)?;
-        let peaks = lead.peaks();
+        lead.write_lasting(&mut motion.axes[slowest], duration)?;
+        let peaks = motion.axes[slowest].peaks();
         let straight = (0..J::LEN).try_fold([0.0; MAX_JOINTS], |mut ratios, i| {
             ratios[i] = ratio(start, target, i, slowest)?;
             within(&peaks, ratios[i], &limits(i)).then_some(ratios)
         });
-        for (i, plan) in plans().enumerate() {
-            motion.axes[i] = match straight {
-                _ if i == slowest => lead,
-                Some(ratios) => {
-                    lead.scaled(start.position[i], ratios[i]).ending_at(duration, &target.axis(i))
-                }
-                None => plan.lasting(duration)?,
-            };
+        let lead = straight.map(|_| motion.axes[slowest]);
+        for (i, plan) in plans().enumerate().filter(|(i, _)| *i != slowest) {
+            let axis = &mut motion.axes[i];
+            if let (Some(ratios), Some(lead)) = (straight, &lead) {
+                axis.set_scaled(lead, start.position[i], ratios[i]);
+                axis.end_at(duration, &target.axis(i));
+            } else {
+                plan.write_lasting(axis, duration)?;
+            }
         }
         Ok(motion)
     }

@@ -26,20 +26,45 @@ struct Edges {
     most: f64,
 }
 
-/// The limits at the start, at the control point and at the end of a cell `width` wide, of one that holds at its start,
-/// middle and end, as limits of `u` and of `x` at the start: at a share `r` of the cell there is `x + 2 r width u`.
-pub(super) fn hull(at: [LinearLimit; 3], width: f64) -> [LinearLimit; 3] {
+impl LinearLimit {
+    /// The same of `x` at the start of a cell `width` wide, where it is one at a `share` of it: there `x` is
+    /// `x + 2 share width u`.
+    fn at_start(self, share: f64, width: f64) -> Self {
+        LinearLimit { a: self.a + 2.0 * share * width * self.b, ..self }
+    }
+}
+
+/// Limits, each times its factor.
+fn sum<const N: usize>(limits: &[LinearLimit; N], factors: [f64; N]) -> LinearLimit {
+    let sum = |f: fn(&LinearLimit) -> f64| limits.iter().zip(factors).map(|(limit, k)| k * f(limit)).sum();
+    LinearLimit {
+        a: sum(|limit| limit.a),
+        b: sum(|limit| limit.b),
+        low: sum(|limit| limit.low),
+        high: sum(|limit| limit.high),
+    }
+}
+
+/// The limits at the control points of a parabola on a cell `width` wide, of one that holds at its start, middle and end,
+/// as limits of `u` and of `x` at the start.
+pub(super) fn parabola(at: [LinearLimit; 3], width: f64) -> [LinearLimit; 3] {
     let [start, middle, end] = at;
-    let middle = LinearLimit { a: middle.a + width * middle.b, ..middle };
-    let end = LinearLimit { a: end.a + 2.0 * width * end.b, ..end };
-    let control = |f: fn(&LinearLimit) -> f64| 2.0 * f(&middle) - 0.5 * (f(&start) + f(&end));
-    let control = LinearLimit {
-        a: control(|limit| limit.a),
-        b: control(|limit| limit.b),
-        low: control(|limit| limit.low),
-        high: control(|limit| limit.high),
-    };
-    [start, control, end]
+    let at = [start, middle.at_start(0.5, width), end.at_start(1.0, width)];
+    [at[0], sum(&at, [-0.5, 2.0, -0.5]), at[2]]
+}
+
+/// The same of a cubic, of a limit that holds at the start, a third, two thirds and the end of the cell.
+pub(super) fn cubic(at: [LinearLimit; 4], width: f64) -> [LinearLimit; 4] {
+    let [start, third, two_thirds, end] = at;
+    let at = [
+        start,
+        third.at_start(1.0 / 3.0, width),
+        two_thirds.at_start(2.0 / 3.0, width),
+        end.at_start(1.0, width),
+    ];
+    let inner = [-5.0, 18.0, -9.0, 2.0].map(|k| k / 6.0);
+    let [p, q, r, s] = inner;
+    [at[0], sum(&at, inner), sum(&at, [s, r, q, p]), at[3]]
 }
 
 impl Cell {

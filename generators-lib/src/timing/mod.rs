@@ -9,12 +9,13 @@
 //! u_i = the largest that leads from x_i into K_i+1                                     forwards
 //! ```
 //!
-//! On a cell of the grid `u` is constant and `x` linear in `s`. A limited quantity is then a function of `s` on the cell,
-//! a parabola where the path is cubic; it is kept within its limits at both ends and at the control point between them,
-//! whose hull it does not leave: **limits hold between grid points as well**, exactly on cubic splines whose knots are on
-//! the grid ([`grid`]), to the third order of the cell on other paths and for torques (with 5, 10, 50 cells from knot to knot,
-//! torques of two links exceed their limits by less than 2e-4, 2e-5, 2e-7 of them). That costs time of the second order of
-//! the cell: less than 3 / n^2 of TOPPRA's duration on the same n cells per knot span.
+//! On a cell of the grid `u` is constant and `x` linear in `s`. A limited quantity is then a function of `s` on the cell, an
+//! acceleration a parabola where the path is cubic; it is kept within its limits at its control points, whose hull it does
+//! not leave: **limits hold between grid points as well**, exactly on cubic splines whose knots are on the grid ([`grid`]), to
+//! the third order of the cell on other paths. Further limits, such as torques, are kept as those of cubics, to the fourth
+//! order: with 5, 10, 20 cells from knot to knot of random paths, torques of two links exceed their limits by less than
+//! 1e-4, 1e-5, 1e-6 of them. That costs time of the second order of the cell: less than 3 / n^2 of TOPPRA's duration on the
+//! same n cells per knot span.
 //! The set `K_i` is an interval, its ends the solutions of linear programmes in `(u, x)`, found by Newton's iteration along
 //! the edges of the feasible set, which ends in finitely many steps. Where a joint reverses (`q_s = 0`, "zero inertia"),
 //! the limits at both ends of the cell keep `u` from chattering; where all joints do, speed is limited by the cell's other end.

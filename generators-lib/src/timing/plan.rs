@@ -2,7 +2,7 @@
 
 use mrroc::JointVector;
 
-use super::cell::{Cell, hull};
+use super::cell::{Cell, cubic, parabola};
 use super::{LinearLimit, PathLimits, TimingError, speeds};
 use crate::curve::{Parametric, SplinePoint};
 use crate::profile::{Profile, ProfileError, ProfilePoint, check_stretch};
@@ -30,9 +30,12 @@ struct Problem {
     grid: Vec<f64>,
     /// Square of the speed that velocity limits allow at each point of the grid.
     most: Vec<f64>,
-    /// Linear limits at the start, in the middle and at the end of each cell.
-    linear: Vec<LinearLimit>,
-    rows: usize,
+    /// Limits of the joints' accelerations at the start, in the middle and at the end of each cell.
+    joints: Vec<[LinearLimit; 3]>,
+    /// Further ones at the start, a third, two thirds and the end of each cell, all of one place behind each other.
+    more: Vec<LinearLimit>,
+    /// How many of both there are at one place.
+    rows: [usize; 2],
 }
 
 impl TimeOptimal {
@@ -96,27 +99,42 @@ impl Problem {
         if let Some(i) = most.iter().position(|most| !(*most > 0.0 && most.is_finite())) {
             return Err(TimingError::NotFinite(grid[i]));
         }
-        let mut linear = Vec::new();
-        let mut rows = 0;
-        for (k, point) in cells.iter().flatten().enumerate() {
-            let before = linear.len();
-            linear.extend((0..P::Value::LEN).map(|j| {
-                let high = limits.acceleration[j];
-                LinearLimit { a: point.first[j], b: point.second[j], low: -high, high }
-            }));
-            more(point, &mut linear);
-            let (at, actual) = (grid[k / 3], linear.len() - before);
-            rows = if k == 0 { actual } else { rows };
-            if actual != rows {
-                return Err(TimingError::Rows { at, actual, expected: rows });
-            }
-            let finite =
-                |limit: &LinearLimit| (limit.a + limit.b).is_finite() && (limit.low + limit.high).is_finite();
-            if !(point.value.is_finite() && linear[before..].iter().all(finite)) {
-                return Err(TimingError::NotFinite(at));
+        let finite =
+            |limit: &LinearLimit| (limit.a + limit.b).is_finite() && (limit.low + limit.high).is_finite();
+        let acceleration = |point: &SplinePoint<P::Value>, j: usize| {
+            let high = limits.acceleration[j];
+            LinearLimit { a: point.first[j], b: point.second[j], low: -high, high }
+        };
+        let mut joints = Vec::with_capacity(cells.len() * P::Value::LEN);
+        for (cell, at) in cells.iter().zip(grid) {
+            joints.extend((0..P::Value::LEN).map(|j| [0, 1, 2].map(|k| acceleration(&cell[k], j))));
+            let rows = &joints[joints.len() - P::Value::LEN..];
+            let values = cell.iter().all(|point| point.value.is_finite());
+            if !(values && rows.iter().flatten().all(finite)) {
+                return Err(TimingError::NotFinite(*at));
             }
         }
-        Ok(Problem { grid: grid.to_vec(), most, linear, rows })
+        let (mut further, mut expected) = (Vec::new(), 0);
+        for (i, (cell, ends)) in cells.iter().zip(grid.windows(2)).enumerate() {
+            let at = |share: f64| path.at(ends[0] + share * (ends[1] - ends[0]));
+            for k in 0..4 {
+                let before = further.len();
+                match k {
+                    0 => more(&cell[0], &mut further),
+                    3 => more(&cell[2], &mut further),
+                    _ => more(&at(f64::from(k) / 3.0), &mut further),
+                }
+                let actual = further.len() - before;
+                expected = if i == 0 && k == 0 { actual } else { expected };
+                if actual != expected {
+                    return Err(TimingError::Rows { at: ends[0], actual, expected });
+                }
+                if !further[before..].iter().all(finite) {
+                    return Err(TimingError::NotFinite(ends[0]));
+                }
+            }
+        }
+        Ok(Problem { grid: grid.to_vec(), most, joints, more: further, rows: [P::Value::LEN, expected] })
     }
 
     fn width(&self, i: usize) -> f64 {
@@ -126,10 +144,13 @@ impl Problem {
     /// The limits of cell `i`, which is to end within `next`.
     fn cell(&self, i: usize, next: (f64, f64), cell: &mut Cell) {
         cell.clear(self.most[i]);
-        let (width, first) = (self.width(i), 3 * i * self.rows);
-        for k in first..first + self.rows {
-            let at = [self.linear[k], self.linear[k + self.rows], self.linear[k + 2 * self.rows]];
-            hull(at, width).into_iter().for_each(|limit| cell.push(limit));
+        let (width, [joints, more]) = (self.width(i), self.rows);
+        for at in &self.joints[i * joints..(i + 1) * joints] {
+            parabola(*at, width).into_iter().for_each(|limit| cell.push(limit));
+        }
+        for k in 4 * i * more..(4 * i + 1) * more {
+            let at = [0, 1, 2, 3].map(|place| self.more[k + place * more]);
+            cubic(at, width).into_iter().for_each(|limit| cell.push(limit));
         }
         cell.push(LinearLimit { a: 2.0 * width, b: 1.0, low: next.0, high: next.1 });
     }

@@ -48,7 +48,8 @@ impl Cell {
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
 
-        let mut plant = Site::new(link, self.step, self.robots.iter().any(|robot| robot.is_simulated()));
+        let anything = self.robots.iter().any(|robot| robot.is_simulated());
+        let mut plant = Site::new(link, self.step, anything, self.watched_in_plant);
 
         let stop_steps = self.stop_steps();
         let tap = Tap::to(self.witnesses);

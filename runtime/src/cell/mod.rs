@@ -91,6 +91,8 @@ pub struct Cell {
     recording: Option<Recording>,
     /// Whether a dry run comes before one in real time.
     dry_run: bool,
+    /// Whether observers look at simulated drives where those are, and not in their EDPs.
+    watched_in_plant: bool,
     /// What it replays.
     tape: Option<Rc<Tape>>,
     /// What was found wrong while the cell was put together.
@@ -118,6 +120,7 @@ impl Cell {
             witnesses: Vec::new(),
             recording: None,
             dry_run: false,
+            watched_in_plant: false,
             tape: None,
             errors: Vec::new(),
         }
@@ -179,6 +182,19 @@ impl Cell {
         for robot in &mut self.robots {
             robot.watch(Rc::clone(&observer));
         }
+        self
+    }
+
+    /// The same without the observers that it has.
+    pub(crate) fn unobserved(mut self) -> Cell {
+        self.robots.iter_mut().for_each(|robot| robot.unwatch());
+        self
+    }
+
+    /// Lets observers look at simulated drives in the plant.
+    #[cfg(all(feature = "processes", target_os = "linux"))]
+    pub(crate) const fn watched_in_plant(mut self) -> Cell {
+        self.watched_in_plant = true;
         self
     }
 
@@ -282,12 +298,6 @@ impl Cell {
     #[cfg(all(feature = "processes", target_os = "linux"))]
     pub(crate) const fn stop_limit(&self) -> Duration {
         self.stop_time
-    }
-
-    /// Length of a step \[ns\].
-    #[cfg(all(feature = "processes", target_os = "linux"))]
-    pub(crate) const fn step(&self) -> u64 {
-        self.step.as_nanos() as u64
     }
 
     /// What its processes ask of the machine.

@@ -26,8 +26,10 @@ use crate::replay::RobotTape;
 use crate::replay::drives::recorded;
 use crate::robot::{JointKind, NoInverse, Robot};
 use crate::sensing::Sensing;
+use crate::shown::{AnyShown, Shown};
 use crate::stopping::stop_steps;
 use crate::testing::{Bounds, Onlooker};
+use crate::wire::Wire;
 use crate::witness::{Tap, What};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
@@ -42,6 +44,8 @@ pub struct RobotSetup<R: Robot> {
     following_error: R::Joints,
     program: Option<EcpProgram<R>>,
     observers: Vec<Observer<R>>,
+    /// What its program shows to observers.
+    shown: Vec<Box<dyn AnyShown>>,
 }
 
 impl<R: Robot> RobotSetup<R> {
@@ -74,6 +78,7 @@ impl<R: Robot> RobotSetup<R> {
             following_error,
             program: None,
             observers: Vec::new(),
+            shown: Vec::new(),
             robot,
         }
     }
@@ -120,6 +125,13 @@ impl<R: Robot> RobotSetup<R> {
     #[must_use]
     pub fn observe(mut self, observer: impl FnMut(&ServoRecord<R>) + 'static) -> Self {
         self.observers.push(Box::new(observer));
+        self
+    }
+
+    /// Lets observers see what the robot's program shows, in whichever process they look on.
+    #[must_use]
+    pub fn shows<T: Wire>(mut self, shown: &Shown<T>) -> Self {
+        self.shown.push(Box::new(shown.clone()));
         self
     }
 }
@@ -173,6 +185,7 @@ pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 pub(crate) trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
+    fn unwatch(&mut self);
     /// Its drives read from a recording.
     #[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "for recordings"))]
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
@@ -223,6 +236,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             };
             (observer.borrow_mut())(&observation);
         }));
+    }
+
+    fn unwatch(&mut self) {
+        self.observers.clear();
     }
 
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration) {
@@ -327,15 +344,18 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
         let (client, server) = link.port(place.ecp, edp);
-        let (robot, observers) = (self.robot, self.observers);
+        let (robot, mut observers) = (self.robot, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.
         let drives = match self.drives {
-            Drives::Homed(driver) => Ok(plant.take(link, (process, edp), driver)),
+            Drives::Homed(driver) => Ok(plant.take(link, (process, edp), driver, &mut observers)),
             Drives::Unhomed(homing) => Err(homing),
         };
+        for shown in self.shown {
+            plant.board(link, place.ecp).into_iter().for_each(|board| shown.pass_on(board));
+        }
         let run = move |waiter: &dyn Waiter| {
             let tap = place.tap.of(process);
             let homed = match drives {

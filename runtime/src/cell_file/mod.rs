@@ -38,6 +38,8 @@
 mod entry;
 mod error;
 mod kinds;
+#[cfg(test)]
+mod page;
 mod reader;
 
 use core::time::Duration;

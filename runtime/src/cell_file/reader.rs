@@ -22,16 +22,16 @@ use crate::suggestion::suggestion;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 
-const CELL_KEYS: [&str; 8] =
+pub(super) const CELL_KEYS: [&str; 8] =
     ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime", "dry_run", "recording"];
-const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
-const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
-const POSE_KEYS: [&str; 2] = ["position", "zyz"];
-const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
+pub(super) const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
+pub(super) const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
+pub(super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
+pub(super) const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
 /// What to write where a line is no TOML.
 const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0], tables as [robots.arm]; a bracket or a quote may be \
                     missing in the line above";
-const REALTIME_KEYS: [&str; 4] = ["priority", "lock_memory", "cores", "permission"];
+pub(super) const REALTIME_KEYS: [&str; 4] = ["priority", "lock_memory", "cores", "permission"];
 const PERMISSIONS: [&str; 2] = ["required", "best effort"];
 const AFTER_FAULT: [&str; 2] = ["end", "await reset"];
 const MODES: [&str; 3] = ["interactive", "with delay", "free running"];

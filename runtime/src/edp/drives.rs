@@ -10,6 +10,7 @@ use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::link::{Board, Client, Nanos, Waiter};
 use crate::message::{Kind, Message};
 use crate::plant::command::{Command, Reading, RegulatorSets, Switch};
+use crate::pose::Pose;
 use crate::robot::Robot;
 
 /// The drives of a robot.
@@ -82,11 +83,13 @@ impl<R: Robot> Drive<R> {
         }
     }
 
-    /// The servo period that begins at `now`.
+    /// The servo period that begins at `now`, with this tool in force.
+    #[allow(non_snake_case)]
     pub(super) fn tick(
         &mut self,
         now: Nanos,
         demanded: &R::Joints,
+        X_FE: &Pose,
         waiter: &dyn Waiter,
     ) -> Result<Followed<R::Joints>, Fault> {
         match self {
@@ -94,7 +97,7 @@ impl<R: Robot> Drive<R> {
                 let measured = driver.tick(demanded).map_err(|trip| Fault::of_drive(&trip))?;
                 Ok(Followed { measured, demanded: *demanded })
             }
-            Drive::Plant(drive) => drive.tick(now, demanded, waiter),
+            Drive::Plant(drive) => drive.tick(now, demanded, X_FE, waiter),
         }
     }
 }
@@ -144,16 +147,18 @@ impl<R: Robot> PlantDrive<R> {
         }
     }
 
+    #[allow(non_snake_case)]
     fn tick(
         &mut self,
         now: Nanos,
         demanded: &R::Joints,
+        X_FE: &Pose,
         waiter: &dyn Waiter,
     ) -> Result<Followed<R::Joints>, Fault> {
         let servo = (self.period.as_nanos() as Nanos).max(1);
         let (choice, regulators) = self.chosen;
         let (period, switched) = (now / servo, self.switched);
-        let command = Command { period, switched, choice, regulators, demanded: *demanded };
+        let command = Command { period, switched, choice, regulators, demanded: *demanded, tool: *X_FE };
         command.put(&mut self.message);
         self.tell(waiter)?;
         if !core::mem::replace(&mut self.began, true) {

@@ -62,13 +62,15 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     /// One servo period.
+    #[allow(non_snake_case)]
     pub(super) fn tick(&mut self, now: Nanos) {
         if matches!(self.mode, Mode::Off) {
             return;
         }
         let demanded = self.position_at(now + self.servo);
         self.commanded = demanded;
-        let fault = match guarded(|| self.config.drive.tick(now, &demanded, self.waiter)) {
+        let X_FE = *self.acceptor.tool();
+        let fault = match guarded(|| self.config.drive.tick(now, &demanded, &X_FE, self.waiter)) {
             Ok(Ok(followed)) => {
                 self.measured = followed.measured;
                 self.check_following(&followed.demanded, FaultKind::FollowingError).err()

@@ -27,11 +27,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use self::dry_run::{dry_run, dry_run_first};
-use self::options::{HELP, Options, nearest_cell, parse};
-use self::outcome::{cell_refused, stopped, tell};
+use self::options::{HELP, nearest_cell, parse};
+use self::outcome::cell_refused;
 use self::processes::{examine, operate};
 use self::replaying::replay;
-use self::running::run;
+use self::running::{run, watched};
 use self::table::Table;
 use crate::cell::{Cell, CellError};
 use crate::cell_file::CellFile;
@@ -56,7 +56,9 @@ pub trait Recorder {
 ///
 /// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
 /// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
-/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP.
+/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
+/// recorder watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
+/// no picture is drawn.
 ///
 /// ```no_run
 /// # use mrroc::{Cell, CellError, CellFile, Recorder};
@@ -113,15 +115,5 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
     {
         return status;
     }
-    let Options { part, processes, spin, quiet, .. } = options;
-    let arguments = std::env::args_os().skip(1).collect();
-    match (Launch { part, arguments, recording: None, clock: processes, spin, cell: Some(path), quiet })
-        .run(cell)
-    {
-        Ok(Ran::Part(status)) => status,
-        Ok(Ran::Here(_) | Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
-        Ok(Ran::Here(report) | Ran::Processes(report)) => tell(&report, None),
-        Err(CellError::Fault(fault)) => stopped(&fault),
-        Err(error) => cell_refused(&error),
-    }
+    watched(cell, recorder, path, options)
 }

@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use super::Launch;
 use super::options::{Clock, Operating};
-use crate::cell::{Cell, CellError, RunReport};
+use super::program::Ran;
+use crate::cell::{Cell, CellError};
 use crate::console::refused;
 use crate::fault::ProcessId;
 
@@ -22,10 +23,10 @@ pub(super) fn operate(_: &Path, _: Operating) -> ExitCode {
     refused(&NO_PROCESSES)
 }
 
-pub(super) fn take_part(_: Cell, process: ProcessId, _: &Path, _: bool) -> ExitCode {
-    refused(&format!("{process}: {NO_PROCESSES}"))
+pub(super) fn take_part(_: Cell, process: ProcessId, _: &Path, _: &Launch) -> Result<Ran, CellError> {
+    Ok(Ran::Part(refused(&format!("{process}: {NO_PROCESSES}"))))
 }
 
-pub(super) fn launch_processes(_: Cell, _: Clock, _: Launch) -> Result<RunReport, CellError> {
+pub(super) fn launch_processes(_: Cell, _: Clock, _: Launch) -> Result<Ran, CellError> {
     Err(CellError::Processes(NO_PROCESSES.to_owned()))
 }

@@ -31,7 +31,7 @@ Options:
   --partial        replay a recording that was cut off as far as it goes
   --processes      run every process of the cell as one of the operating
                    system, in real time (feature `processes`, Linux); draws
-                   nothing
+                   what is simulated
   --virtual        the same in lock-step under the virtual clock
   --spin US        with --processes: time that a process looks for messages
                    before it sleeps [default: 0]; for machines with more cores
@@ -77,6 +77,7 @@ const NAMES: [&str; 12] = [
 ];
 
 /// What the command line asks for.
+#[derive(Clone)]
 pub(super) struct Options {
     pub(super) cell: Option<PathBuf>,
     pub(super) picture: Option<PathBuf>,
@@ -176,8 +177,10 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
             }
             Value(value) if role.len() < 2 && is_role(&role, &value) => role.push(value),
             Value(value) => {
-                let what = format!("`{}` is not asked for", value.to_string_lossy());
-                return Err(bad(what, "see --help"));
+                let word = value.to_string_lossy();
+                let words: Vec<_> = ["replay", "doctor"].into_iter().chain(words()).collect();
+                let help = suggestion(&word, &words, "words are");
+                return Err(bad(format!("`{word}` is not asked for"), &help));
             }
         }
     }
@@ -191,8 +194,12 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
 
 /// Whether a word is for a cell that runs already.
 pub(super) fn operates(word: &OsStr) -> bool {
-    let words = ["status", "console", "view"].iter().chain(&Button::WORDS);
-    words.into_iter().any(|known| word == OsStr::new(known))
+    words().any(|known| word == OsStr::new(known))
+}
+
+/// All such words.
+fn words() -> impl Iterator<Item = &'static str> {
+    ["status", "console", "view"].into_iter().chain(Button::WORDS)
 }
 
 /// Reads it, with the speed that may come after it: `50%` or `50 %`.
@@ -312,6 +319,7 @@ mod tests {
             (&["--pictur", "x"][..], "did you mean `--picture`?"),
             (&["--cell"], "give a file"),
             (&["run"], "`run` is not asked for"),
+            (&["sttus"], "did you mean `status`?"),
             (&["ecp", "left"], "`ecp left` is not asked for"),
             (&["mp", "left", "--session", "x"], "`left` is not asked for"),
             (&["--processes", "--spin"], "--spin is no number of microseconds"),

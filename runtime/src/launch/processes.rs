@@ -10,18 +10,30 @@ use super::Launch;
 pub(super) use super::operating::operate;
 use super::options::Clock;
 use super::patience::Patience;
-use crate::cell::{Cell, CellError, RunReport};
+use super::program::Ran;
+use crate::cell::{Cell, CellError};
 use crate::console::{refused, say};
 use crate::fault::ProcessId;
 use crate::link::iceoryx::Clock as LinkClock;
-use crate::processes::{LaunchError, NoPart, Plan, launch};
+use crate::processes::{LaunchError, Launched, NoPart, Plan, launch};
 use crate::realtime::Permission;
 use crate::recording::Recorder;
 use crate::recording::relay::join;
 
 /// Runs one process of a cell for its launcher.
-pub(super) fn take_part(mut cell: Cell, process: ProcessId, session: &Path, quiet: bool) -> ExitCode {
-    if !quiet {
+///
+/// # Errors
+/// In a plant that is watched: the first cause of a stop.
+pub(super) fn take_part(
+    mut cell: Cell,
+    process: ProcessId,
+    session: &Path,
+    how: &Launch,
+) -> Result<Ran, CellError> {
+    if how.is_watched_plant() {
+        cell = cell.watched_in_plant();
+    }
+    if !how.quiet {
         cell = cell.also_on_step(Patience::new().notes());
     }
     let recorder = join(&cell, process, session);
@@ -29,20 +41,22 @@ pub(super) fn take_part(mut cell: Cell, process: ProcessId, session: &Path, quie
         let witness: Rc<Recorder> = Rc::clone(recorder);
         cell = cell.witnessed_by(witness);
     }
-    let ran = crate::processes::run(cell, process, session);
+    let ran = crate::processes::run(cell, process, session, how.watching);
     // What the launcher's thread has not got yet.
     recorder.iter().for_each(|recorder| recorder.finish());
-    match ran {
-        Ok(()) => ExitCode::SUCCESS,
+    Ok(Ran::Part(match ran {
+        Ok(Some(Ok(report))) => return Ok(Ran::Here(report)),
+        Ok(Some(Err(fault))) => return Err(fault.into()),
+        Ok(None) => ExitCode::SUCCESS,
         Err(NoPart::NoLauncher(_)) if session.is_dir() => ExitCode::FAILURE,
         Err(error @ NoPart::NoLauncher(_)) => refused(&error),
         // The launcher says it.
         Err(NoPart::Told(_)) => ExitCode::FAILURE,
-    }
+    }))
 }
 
 /// Runs all processes of a cell.
-pub(super) fn launch_processes(cell: Cell, clock: Clock, how: Launch) -> Result<RunReport, CellError> {
+pub(super) fn launch_processes(cell: Cell, clock: Clock, how: Launch) -> Result<Ran, CellError> {
     let refused = |error: &dyn core::fmt::Display| CellError::Processes(error.to_string());
     let clock = match clock {
         Clock::Real => LinkClock::Real,
@@ -50,12 +64,14 @@ pub(super) fn launch_processes(cell: Cell, clock: Clock, how: Launch) -> Result<
     };
     let file = how.cell.map_or_else(std::env::current_exe, Ok).map_err(|error| refused(&error))?;
     let permission = cell.realtime().map_or(Permission::BestEffort, |realtime| realtime.permission);
-    let Launch { arguments, spin, quiet, .. } = how;
-    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet };
-    launch(cell, &plan).map_err(|error| match error {
-        LaunchError::Cell(error) => error,
-        error => refused(&error),
-    })
+    let Launch { arguments, spin, quiet, watching: watched, .. } = how;
+    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet, watched };
+    match launch(cell, &plan) {
+        Ok(Launched::Ran(report)) => Ok(Ran::Processes(report)),
+        Ok(Launched::Told(status)) => Ok(Ran::Part(ExitCode::from(status))),
+        Err(LaunchError::Cell(error)) => Err(error),
+        Err(error) => Err(refused(&error)),
+    }
 }
 
 /// Says what this machine can do for processes.

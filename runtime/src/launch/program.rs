@@ -57,18 +57,21 @@ pub struct Launch {
     pub(super) spin: u64,
     pub(super) cell: Option<PathBuf>,
     pub(super) quiet: bool,
+    /// Whether the program watches robots and keeps something of the run.
+    pub(super) watching: bool,
 }
 
 /// What became of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
 pub enum Ran {
-    /// It ran on the memory link, in this process.
+    /// It ran on the memory link, in this process; or as processes, and this is the one that has seen the robots
+    /// ([`Launch::watching`]).
     Here(RunReport),
-    /// It ran as processes.
+    /// It ran as processes, and this is their launcher.
     Processes(RunReport),
     /// This was one of the processes, or a replay; it is over, and ends with this status. What there is to say has been said,
-    /// or the launcher says it.
+    /// or another process says it.
     Part(ExitCode),
 }
 
@@ -78,7 +81,7 @@ impl Launch {
     pub fn new(arguments: impl IntoIterator<Item = OsString>) -> Launch {
         let (part, arguments) = split_part(arguments.into_iter().collect());
         let (recording, arguments) = split_recording(arguments);
-        Launch { part, arguments, recording, clock: None, spin: 0, cell: None, quiet: false }
+        Launch { part, arguments, recording, clock: None, spin: 0, cell: None, quiet: false, watching: false }
     }
 
     /// The arguments that are the program's own: without `replay FILE` before them, and `--record FILE` among them.
@@ -117,6 +120,19 @@ impl Launch {
         self
     }
 
+    /// The program watches simulated robots and keeps something of the run, such as a picture. As processes, the plant has
+    /// what observers see ([`Cell::watch`](crate::Cell::watch), [`RobotSetup::observe`](crate::RobotSetup::observe)): there
+    /// they are called, in the order of the memory link, and there [`is_here`](Launch::is_here) says that they see
+    /// everything. When the cell has ended, [`run`](Launch::run) returns in the plant as on the memory link, and in the
+    /// launcher, once the plant has ended, [`Ran::Part`] with its status. Where nothing is simulated, or the plant was lost,
+    /// the launcher gets the report. Drives that search for their marks stay in their EDPs and are not seen; what the program
+    /// of a robot would show to observers goes by [`Shown`](crate::Shown).
+    #[must_use]
+    pub fn watching(mut self) -> Launch {
+        self.watching = true;
+        self
+    }
+
     /// Does what the arguments ask of a cell that runs already in another terminal, such as `status` or `stop`, or of the
     /// machine, `doctor`; `None`: they begin with no such word. The cell is the one of [`cell_file`](Launch::cell_file).
     #[must_use]
@@ -139,11 +155,16 @@ impl Launch {
         })
     }
 
-    /// Whether the cell runs in this process, all of it, and nothing else than the program's own work is asked for: what watches
-    /// it from here sees everything.
+    /// Whether what watches the robots from here sees everything: the cell runs in this process, all of it, and nothing else
+    /// than the program's own work is asked for, or this is the plant of a program that is [`watching`](Launch::watching).
     #[must_use]
-    pub const fn is_here(&self) -> bool {
-        self.part.is_none() && self.clock.is_none() && self.recording.is_none()
+    pub fn is_here(&self) -> bool {
+        self.is_watched_plant() || self.part.is_none() && self.clock.is_none() && self.recording.is_none()
+    }
+
+    /// Whether this is the plant of a program that watches.
+    pub(super) fn is_watched_plant(&self) -> bool {
+        self.watching && matches!(self.part, Some((ProcessId::PLANT, _)))
     }
 
     /// Whether this is a process that a launcher has started.
@@ -160,7 +181,7 @@ impl Launch {
     pub fn run(self, mut cell: Cell) -> Result<Ran, CellError> {
         if let Some((process, session)) = &self.part {
             cell.check()?;
-            return Ok(Ran::Part(take_part(cell, *process, session, self.quiet)));
+            return take_part(cell, *process, session, &self);
         }
         match &self.recording {
             Some(AskedRecording::Replay(file)) => {
@@ -172,7 +193,7 @@ impl Launch {
         }
         match self.clock {
             None => cell.run().map(Ran::Here),
-            Some(clock) => launch_processes(cell, clock, self).map(Ran::Processes),
+            Some(clock) => launch_processes(cell, clock, self),
         }
     }
 }

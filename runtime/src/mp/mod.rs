@@ -53,6 +53,8 @@ pub struct Mp<'w> {
     guard: Option<Guard>,
     /// What a guard, the operator or a sensor stops the cell for, on the way to a standstill.
     protective: Option<Fault>,
+    /// Whether the operator has asked for one since the step before.
+    stopping: bool,
     clock: StepClock,
     /// Ordinal of the instruction opened last.
     ordinal: u32,
@@ -100,6 +102,7 @@ impl<'w> Mp<'w> {
             epoch: 0,
             gone: None,
             protective,
+            stopping: false,
             clock,
             ordinal,
             latched,

@@ -91,6 +91,7 @@ impl Mp<'_> {
             }
         }
         if self.latched.is_none() && self.operator.take_protective_stop() {
+            self.stopping = true;
             self.protect(Fault::of_operator());
         }
     }

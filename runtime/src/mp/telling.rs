@@ -36,6 +36,7 @@ impl Mp<'_> {
     pub(super) fn tell_step(&mut self) -> Result<(), Fault> {
         let step = self.clock.step();
         self.aborts = self.operator.is_aborting();
+        let stopping = core::mem::take(&mut self.stopping);
         if !self.tap.is_watched() {
             return Ok(());
         }
@@ -46,7 +47,7 @@ impl Mp<'_> {
         let (speed, suspended) = (self.operator.speed(), self.clock.is_suspended());
         let (dt, duration) = (self.clock.dt(), self.clock.duration());
         let (aborting, resetting) = (self.aborts, self.operator.latch() == Latch::Resetting);
-        let what = What::Step { step, dt, duration, speed, suspended, aborting, resetting };
+        let what = What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting };
         self.tap.show(self.waiter.now(), &what, &[]);
         Ok(())
     }

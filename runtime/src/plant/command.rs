@@ -3,7 +3,8 @@
 use crate::driver::{Driver, Measured, Regulators};
 use crate::joints::{JointVector, MAX_JOINTS};
 use crate::message::{Kind, Message};
-use crate::wire::{BadWords, WORDS};
+use crate::pose::Pose;
+use crate::wire::{BadWords, WORDS, Wire};
 
 /// What drives are to do in a servo period.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,8 @@ pub(crate) struct Command<J> {
     pub regulators: Regulators,
     /// The position for the period's end [rad or m].
     pub demanded: J,
+    /// The tool in force, `X_FE`: for those who look on.
+    pub tool: Pose,
 }
 
 /// Power for drives that have none, or none for drives that stand.
@@ -38,7 +41,8 @@ pub(crate) struct Reading<J> {
     pub demanded: J,
 }
 
-const COMMAND_WORDS: usize = 3 + MAX_JOINTS;
+const TOOL: usize = 3 + MAX_JOINTS;
+const COMMAND_WORDS: usize = TOOL + Pose::LEN;
 const READING_WORDS: usize = 3 * MAX_JOINTS;
 const SWITCH_WORDS: usize = 1;
 const _: () = assert!(COMMAND_WORDS <= WORDS && READING_WORDS <= WORDS);
@@ -58,7 +62,8 @@ impl<J: JointVector> Command<J> {
         message.header.kind = Kind::Command;
         (message.header.step, message.header.len) = (self.period, COMMAND_WORDS as u32);
         message.body[..3].copy_from_slice(&[self.switched, self.choice, self.regulators.to_word()]);
-        put(&self.demanded, &mut message.body[3..COMMAND_WORDS]);
+        put(&self.demanded, &mut message.body[3..TOOL]);
+        self.tool.put(&mut message.body[TOOL..COMMAND_WORDS]);
     }
 
     /// # Errors
@@ -73,7 +78,8 @@ impl<J: JointVector> Command<J> {
             switched: words[0],
             choice: words[1],
             regulators: Regulators::from_word(words[2]),
-            demanded: get(&words[3..]),
+            demanded: get(&words[3..TOOL]),
+            tool: Pose::get(&words[TOOL..])?,
         })
     }
 }

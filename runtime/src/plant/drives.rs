@@ -14,7 +14,7 @@ use std::rc::Rc;
 use super::command::{Command, Reading, Switch};
 use super::{Part, Rest, stands};
 use crate::driver::{Driver, Measured};
-use crate::edp::guarded;
+use crate::edp::{Observer, ServoRecord, guarded};
 use crate::fault::{Fault, FaultKind, ProcessId};
 use crate::joints::JointVector;
 use crate::link::{Board, Nanos, Server};
@@ -49,6 +49,8 @@ pub(super) struct Drives<R: Robot> {
     /// How often their power was switched.
     switched: u64,
     measured: Measured<R::Joints>,
+    /// Who looks at each period, while the cell's time passes.
+    observers: Vec<Observer<R>>,
     /// Why they have no power.
     off: Option<Off>,
     message: Message,
@@ -68,6 +70,7 @@ impl<R: Robot> Drives<R> {
         driver: Box<dyn Driver<R>>,
         commands: Commands,
         (step, patience): (Nanos, Nanos),
+        observers: Vec<Observer<R>>,
     ) -> Self {
         let (measured, servo) = (driver.measured(), driver.period().as_nanos() as Nanos);
         Drives {
@@ -84,6 +87,7 @@ impl<R: Robot> Drives<R> {
             choice: 0,
             switched: 0,
             measured,
+            observers,
             off: None,
             message: Message::empty(),
         }
@@ -138,7 +142,22 @@ impl<R: Robot> Drives<R> {
     fn happen(&mut self, last: u64) {
         while self.next <= last {
             self.period();
+            self.observe();
             self.next += 1;
+        }
+    }
+
+    /// Shows the period to the observers, as an EDP with drives of its own does. One that panics ends them all.
+    fn observe(&mut self) {
+        let Some(Command { tool, .. }) = self.newest.filter(|_| !self.observers.is_empty()) else { return };
+        // An EDP's period begins half a period after a multiple of it.
+        let end = (self.next + 1) * self.servo + self.servo / 2;
+        let record =
+            ServoRecord { time: end as f64 * 1e-9, demanded: self.at, measured: self.measured, tool };
+        let observers = &mut self.observers;
+        if let Err(panic) = guarded(|| observers.iter_mut().for_each(|observer| observer(&record))) {
+            self.observers.clear();
+            self.trip(panic);
         }
     }
 
@@ -246,6 +265,10 @@ impl<R: Robot> Part for Drives<R> {
             (_, Some(_)) => self.off.is_none() || !self.rests(),
         };
         waits.then(|| (self.next + 1) * self.servo)
+    }
+
+    fn blindfold(&mut self) {
+        self.observers.clear();
     }
 
     fn rests(&self) -> bool {

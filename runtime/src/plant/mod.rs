@@ -8,6 +8,8 @@
 //! robot searches nothing is commanded that could be bridged or run out, and a search that is called no more comes to rest
 //! by itself. A robot of a shared world is therefore one that knows where it is.
 //!
+//! A program that asks for it has its observers here, beside the drives ([`Launch::watching`](crate::Launch::watching)).
+//!
 //! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro;
 //! [`sensors`] are virtual sensors that sense this world.
 
@@ -22,10 +24,10 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::driver::{Driver, Measured};
-use crate::edp::{Drive, PlantDrive, PlantEnd};
+use crate::edp::{Drive, Observer, PlantDrive, PlantEnd};
 use crate::fault::ProcessId;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Nanos, Sample, Simulation, Waiter};
+use crate::link::{Board, Closed, Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
 use crate::stopping::missed_step_budget;
 use crate::vsp::{Aggregator, RawSensors, VirtualSensor};
@@ -55,6 +57,8 @@ trait Part {
     fn advance(&mut self, now: Nanos);
     /// When the next one is due; `None` when nothing moves by itself.
     fn due(&self) -> Option<Nanos>;
+    /// Shows nothing more to observers: the cell's time stands still, and that of the drives goes on.
+    fn blindfold(&mut self) {}
     /// Whether nothing moves any more, whatever comes.
     fn rests(&self) -> bool;
     /// How it came to that.
@@ -66,25 +70,29 @@ pub(crate) struct Site {
     simulation: Simulation,
     place: Option<usize>,
     step: Duration,
+    /// Whether observers look at the drives here, and not in their EDPs.
+    watched: bool,
     parts: Vec<Box<dyn Part>>,
 }
 
 impl Site {
-    /// The plant of a cell with this step; with a place of its own if the link has one for it and anything is simulated.
-    pub fn new(link: &mut dyn Link, step: Duration, anything: bool) -> Site {
+    /// The plant of a cell with this step; with a place of its own if the link has one for it and anything is simulated;
+    /// `watched`: observers look at it.
+    pub fn new(link: &mut dyn Link, step: Duration, anything: bool, watched: bool) -> Site {
         let simulation = link.simulation();
         let apart = anything && simulation != Simulation::InEdps;
         let place = apart.then(|| link.place(ProcessId::PLANT));
-        Site { simulation, place, step, parts: Vec::new() }
+        Site { simulation, place, step, watched, parts: Vec::new() }
     }
 
     /// Takes the drives of the EDP `process` at `edp`, if they are simulated and the plant has a place; returns what the
-    /// EDP has of them.
+    /// EDP has of them. Who looks at them here is taken out of `observers`.
     pub fn take<R: Robot>(
         &mut self,
         link: &mut dyn Link,
         (process, edp): (ProcessId, usize),
         driver: Box<dyn Driver<R>>,
+        observers: &mut Vec<Observer<R>>,
     ) -> Drive<R> {
         let Some(plant) = self.place.filter(|_| driver.is_simulated()) else { return Drive::Here(driver) };
         let patience = self.patience();
@@ -101,7 +109,8 @@ impl Site {
             }
         };
         let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, end, patience)));
-        self.parts.push(Box::new(Drives::new(process, driver, commands, (step, patience))));
+        let observers = if self.watched { core::mem::take(observers) } else { Vec::new() };
+        self.parts.push(Box::new(Drives::new(process, driver, commands, (step, patience), observers)));
         drive
     }
 
@@ -119,6 +128,11 @@ impl Site {
         let (port, server) = link.port(vsp, plant);
         self.parts.push(Box::new(Sensor::new(aggregator, server)));
         RawSensors::Plant(PlantSensor { port, plant, patience: self.patience() })
+    }
+
+    /// A board that the process at `writer` writes and the plant reads, if that has a place.
+    pub fn board(&self, link: &mut dyn Link, writer: usize) -> Option<Rc<dyn Board>> {
+        self.place.map(|plant| link.board(writer, plant))
     }
 
     /// For how long the plant may be silent \[ns\].
@@ -159,7 +173,13 @@ fn run(mut parts: Vec<Box<dyn Part>>, waiter: &dyn Waiter, rests: &Rests) {
     while parts.iter().any(|part| !part.rests()) {
         let Some(due) = due(&parts) else { break };
         // Where time stands still then, that of the drives goes on.
-        let now = waiter.wait_closing(due).map_or(due, |()| waiter.now());
+        let now = match waiter.wait_closing(due) {
+            Ok(()) => waiter.now(),
+            Err(Closed) => {
+                parts.iter_mut().for_each(|part| part.blindfold());
+                due
+            }
+        };
         attend(&mut parts, now);
     }
     rests.borrow_mut().extend(parts.iter().filter_map(|part| part.rest()));

@@ -12,6 +12,7 @@ use crate::fault::{FaultKind, ProcessId, Role};
 use crate::link::{Board, Nanos, Server};
 use crate::message::{Kind, Message};
 use crate::name::Name;
+use crate::pose::Pose;
 use crate::slide::{One, Slide};
 
 /// Servo period and step: 1 ms, so `L` is 20.
@@ -91,8 +92,9 @@ fn edp() -> ProcessId {
 
 fn command(period: u64, demanded: f64) -> Message {
     let mut message = Message::empty();
-    let regulators = Regulators::default();
-    Command { period, switched: 0, choice: 0, regulators, demanded: One::new(demanded) }.put(&mut message);
+    let (regulators, tool) = (Regulators::default(), Pose::identity());
+    Command { period, switched: 0, choice: 0, regulators, demanded: One::new(demanded), tool }
+        .put(&mut message);
     message
 }
 
@@ -129,7 +131,7 @@ fn drives(commands: Commands, trips_at: Option<f64>) -> (Drives<Slide>, Rc<RefCe
     let told = Rc::<RefCell<Vec<Told>>>::default();
     let measured = Measured { position: One::zeros(), velocity: One::zeros() };
     let driver = Exact { told: Rc::clone(&told), measured, trips_at };
-    (Drives::new(edp(), Box::new(driver), commands, (SERVO, (L + 1) * SERVO)), told)
+    (Drives::new(edp(), Box::new(driver), commands, (SERVO, (L + 1) * SERVO), Vec::new()), told)
 }
 
 fn near(told: &[Told], expected: &[f64]) {
@@ -253,7 +255,8 @@ fn an_order_to_switch_that_comes_twice_is_done_once() {
     let regulators = Regulators::default();
     for (period, x) in [(3, 0.0), (4, 0.1)] {
         let mut message = Message::empty();
-        Command { period, switched: 1, choice: 0, regulators, demanded: One::new(x) }.put(&mut message);
+        let (demanded, tool) = (One::new(x), Pose::identity());
+        Command { period, switched: 1, choice: 0, regulators, demanded, tool }.put(&mut message);
         bench.commands.write(&message);
         bench.period(period);
     }
@@ -321,8 +324,9 @@ fn drives_that_are_switched_on_go_on_although_the_plant_saw_nothing_but_the_next
     let told = bench.readings.0.borrow().expect("told at once");
     assert_eq!((told.header.kind, told.header.instruction), (Kind::Reply, 1));
     // The order to switch on is overwritten by the first demand after it.
-    let regulators = Regulators::default();
-    Command { period: 9, switched: 2, choice: 0, regulators, demanded: One::new(1.0) }.put(&mut message);
+    let (regulators, tool) = (Regulators::default(), Pose::identity());
+    Command { period: 9, switched: 2, choice: 0, regulators, demanded: One::new(1.0), tool }
+        .put(&mut message);
     bench.commands.write(&message);
     let reading = bench.period(9);
     assert_eq!((reading.header.kind, reading.header.instruction), (Kind::Reply, 2));
@@ -352,8 +356,8 @@ fn a_choice_of_regulators_is_made_once_and_before_the_period_that_it_is_for() {
     let mut bench = Bench::new(None);
     for (period, choice) in [(0, 0), (1, 1), (2, 1), (3, 2)] {
         let mut message = Message::empty();
-        let regulators = Regulators::uniform(choice as u8 + 6);
-        Command { period, switched: 0, choice, regulators, demanded: One::zeros() }.put(&mut message);
+        let (regulators, tool) = (Regulators::uniform(choice as u8 + 6), Pose::identity());
+        Command { period, switched: 0, choice, regulators, demanded: One::zeros(), tool }.put(&mut message);
         bench.commands.write(&message);
         bench.period(period);
     }
@@ -371,7 +375,7 @@ fn what_is_no_command_and_no_reading_is_refused() {
         other.header.kind = kind;
         assert!(Command::<One>::get(&other).is_err(), "{kind:?}");
     }
-    for len in [0, 10, 12, 56, u32::MAX] {
+    for len in [0, 10, 12, 17, 19, 56, u32::MAX] {
         let mut other = good;
         other.header.len = len;
         assert!(Command::<One>::get(&other).is_err(), "{len}");

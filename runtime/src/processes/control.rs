@@ -57,7 +57,8 @@ pub(super) enum Frame {
     Figures(Figures),
     /// It cannot take part.
     Refuses(String),
-    /// It has ended: steps begun, the time, and how its program ended, if it had one.
+    /// It has ended: steps begun, the time, and how its program ended, if it had one. To a plant that is watched: so has the
+    /// cell.
     Over { steps: u64, time: Nanos, outcome: Option<Result<(), Fault>> },
 }
 

@@ -15,9 +15,10 @@ use super::control::{Control, Frame};
 use super::figures::Figures;
 use super::scheduling::Lacks;
 use super::session::Session;
-use crate::fault::{Fault, FaultKind, ProcessId};
+use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::link::Nanos;
 use crate::link::iceoryx::{Clock, Seal};
+use crate::plant::Rest;
 use crate::realtime::Permission;
 
 /// How long a process may take to set itself up: a loaded machine is no reason to give up.
@@ -38,6 +39,8 @@ pub(crate) struct Plan {
     pub permission: Permission,
     /// Whether processes say nothing but errors.
     pub quiet: bool,
+    /// Whether the plant has the program's observers, and tells of the run.
+    pub watched: bool,
 }
 
 /// A process could not be set up; all others are ended, and nothing has moved.
@@ -83,6 +86,8 @@ pub(super) struct Member {
     pub over: RefCell<Option<Over>>,
     /// Its newest figures, in real time.
     pub figures: Cell<Option<Figures>>,
+    /// How robots in it came to a standstill whose commands had stopped.
+    pub rests: RefCell<Vec<Rest>>,
     /// It has been waited for.
     pub gone: Cell<bool>,
 }
@@ -101,8 +106,8 @@ impl Member {
         let child = command.stdin(Stdio::from(OwnedFd::from(theirs))).process_group(0).spawn()?;
         ours.set_read_timeout(Some(SETTING_UP))?;
         let (child, over) = (RefCell::new(child), RefCell::new(None));
-        let (figures, gone) = (Cell::new(None), Cell::new(false));
-        Ok(Member { id, control: Control::new(ours), child, over, figures, gone })
+        let (figures, rests, gone) = (Cell::new(None), RefCell::default(), Cell::new(false));
+        Ok(Member { id, control: Control::new(ours), child, over, figures, rests, gone })
     }
 
     /// Its number.
@@ -119,11 +124,24 @@ impl Member {
         }
     }
 
+    /// Whether its part is over, and it is still there.
+    pub fn is_over(&self) -> bool {
+        !self.gone.get() && self.over.borrow().is_some()
+    }
+
     /// Ends it at once.
     pub fn kill(&self) {
         // It may have ended just now.
         drop(self.child.borrow_mut().kill());
         self.reap();
+    }
+
+    /// Tells it how the cell has ended, and waits for what it makes of that; its exit status, unless it died of it.
+    pub fn conclude(&self, steps: u64, time: Nanos, outcome: Result<(), Fault>) -> Option<u8> {
+        let told = self.control.send(&Frame::Over { steps, time, outcome: Some(outcome) });
+        self.gone.set(true);
+        let status = self.child.borrow_mut().wait().ok()?;
+        told.ok().and(status.code()).and_then(|code| u8::try_from(code).ok())
     }
 
     /// The fault that its death is.
@@ -178,20 +196,27 @@ impl Crew {
             let member = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
             crew.0.push(Rc::new(member));
         }
-        match crew.set_up(fingerprint, Seal { session: session.number(), epoch }, plan) {
+        match crew.set_up(fingerprint, (session, epoch), plan) {
             Ok(()) => Ok(crew),
             // One that died explains what another one lacks.
             Err(error) => Err(crew.first_dead().unwrap_or(error)),
         }
     }
 
-    fn set_up(&self, fingerprint: u64, seal: Seal, plan: &Plan) -> Result<(), NoStart> {
+    fn set_up(
+        &self,
+        fingerprint: u64,
+        (session, epoch): (&Session, u64),
+        plan: &Plan,
+    ) -> Result<(), NoStart> {
+        let seal = Seal { session: session.number(), epoch };
         self.tell(&Frame::Welcome { seal, clock: plan.clock, spin: plan.spin });
         for member in &self.0 {
             if member.expect()? != (Frame::Created { fingerprint }) {
                 return Err(NoStart::OtherCell(member.id));
             }
         }
+        session.keep_others_out();
         self.tell(&Frame::Connect);
         let mut lacking = Lacks::default();
         for member in &self.0 {
@@ -238,9 +263,15 @@ impl Crew {
         }
     }
 
-    /// Waits for all to end, at most until a time; ends those that have not.
-    pub fn reap(&self, until: Instant) {
-        for member in self.0.iter().filter(|member| !member.gone.get()) {
+    /// The plant, if it has ended well and waits for what there is to tell of the run.
+    pub fn plant_over(&self) -> Option<&Rc<Member>> {
+        self.0.iter().find(|member| member.id.role == Role::Plant && member.is_over())
+    }
+
+    /// Waits for all, but for one that goes on, to end, at most until a time; ends those that have not.
+    pub fn reap(&self, goes_on: Option<&Rc<Member>>, until: Instant) {
+        let goes_on = goes_on.map(|member| member.id);
+        for member in self.0.iter().filter(|member| !member.gone.get() && Some(member.id) != goes_on) {
             loop {
                 let ended = member.child.borrow_mut().try_wait();
                 if !matches!(ended, Ok(None)) {

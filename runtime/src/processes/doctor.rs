@@ -5,14 +5,14 @@ use std::fs;
 use std::process::Command;
 use std::time::Duration;
 
-use rustix::fs::statvfs;
 use rustix::mm::{MlockAllFlags, mlockall, munlockall};
 use rustix::system::uname;
 use rustix::thread::{ClockId, clock_nanosleep_absolute, sched_getaffinity};
 use rustix::time::Timespec;
 
+use super::room::free_shared_memory;
 use super::scheduling::set_priority;
-use super::session::base;
+use super::session::{SHARED_MEMORY, base};
 use crate::link::iceoryx::monotonic;
 
 /// For how long wake-ups are measured, half of it at each priority.
@@ -25,7 +25,7 @@ const PERIOD: u64 = 1_000_000;
 const PRIORITY: u8 = 50;
 
 /// Shared memory that a cell of eight processes takes, with room to spare \[bytes\].
-const SHARED_MEMORY: u64 = 64 << 20;
+const ENOUGH: u64 = 64 << 20;
 
 /// What was found: one line each, and what to change.
 pub(crate) fn examine() -> String {
@@ -53,9 +53,9 @@ pub(crate) fn examine() -> String {
         Ok(folder) => line("sessions", folder.display().to_string()),
         Err(error) => line("sessions", format!("none possible: {error}")),
     }
-    let free = statvfs("/dev/shm").map_or(0, |shm| shm.f_bavail * shm.f_frsize);
-    line("shared memory", format!("{} MB free in /dev/shm", free >> 20));
-    if free < SHARED_MEMORY {
+    let free = free_shared_memory().unwrap_or(0);
+    line("shared memory", format!("{} MB free in {SHARED_MEMORY}", free >> 20));
+    if free < ENOUGH {
         changes.push("mount /dev/shm with at least 64 MB; in a container: --shm-size=64m");
     }
     // For this moment alone: memory that comes later is not locked.

@@ -19,6 +19,7 @@ use super::control::Frame;
 use super::crew::{Crew, Member, NoStart, Over, Plan};
 use super::desk::Desk;
 use super::figures::table;
+use super::room::{self, NoRoom};
 use super::session::{CellLock, Session, SessionError};
 use crate::cell::{Cell, CellError, RunReport, first_cause};
 use crate::fault::{Fault, ProcessId, Role};
@@ -47,6 +48,9 @@ pub(crate) enum LaunchError {
     /// What is wrong with the cell, or the first cause of a stop.
     #[error(transparent)]
     Cell(#[from] CellError),
+    /// The machine has no room for it.
+    #[error(transparent)]
+    Room(#[from] NoRoom),
     /// It has no session.
     #[error(transparent)]
     Session(#[from] SessionError),
@@ -64,17 +68,26 @@ pub(crate) enum LaunchError {
     Signals(#[from] std::io::Error),
 }
 
+/// What became of a launch.
+pub(crate) enum Launched {
+    /// The run ended well.
+    Ran(RunReport),
+    /// The plant has told of the run, well or not, and has ended with this status.
+    Told(u8),
+}
+
 /// Runs every process of a cell as one of the operating system.
 ///
 /// # Errors
 /// [`LaunchError`]: what was refused, before anything moves; or the first cause of a stop.
-pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> {
+pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let stop = cell.stop_limit();
     let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
     // The launcher's own look at the cell: it runs no part of it.
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell)?;
+    room::check(fabric.places().len() + fabric.ways())?;
     let signals = Signals::hear()?;
     let mut epoch = 1;
     loop {
@@ -91,11 +104,12 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
             Ok(crew) => {
                 let run = match board {
                     Some(board) => {
-                        supervise(&crew, &signals, &open_desk(&session, board, &crew)?, (stop, plan.quiet))
+                        supervise(&crew, &signals, &open_desk(&session, board, &crew)?, (stop, plan.watched))
                     }
-                    None => pace(&crew, &signals, stop, plan.quiet)?,
+                    None => pace(&crew, &signals, stop)?,
                 };
-                crew.reap(Instant::now() + CLOSING);
+                let teller = if plan.watched { crew.plant_over() } else { None };
+                crew.reap(teller, Instant::now() + CLOSING);
                 // All have said what they had to say.
                 if let Some(relay) = relay {
                     relay.finish();
@@ -104,7 +118,18 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<RunReport, LaunchError> 
                 if !plan.quiet && !figures.is_empty() {
                     eprint!("{}", table(&figures));
                 }
-                return run.report().map_err(|fault| LaunchError::Cell(fault.into()));
+                let (steps, time) = (run.steps, run.time);
+                let outcome = run.outcome();
+                if outcome.is_err() && !plan.quiet {
+                    crew.0.iter().for_each(|member| member.rests.borrow().iter().for_each(tell_rest));
+                }
+                let told =
+                    teller.and_then(|plant| plant.conclude(steps, time.as_nanos() as Nanos, outcome.clone()));
+                if let Some(status) = told {
+                    return Ok(Launched::Told(status));
+                }
+                outcome.map_err(|fault| LaunchError::Cell(fault.into()))?;
+                return Ok(Launched::Ran(RunReport { steps, time }));
             }
             Err(NoStart::Died(..)) if epoch < ATTEMPTS && !signals.came() => epoch += 1,
             Err(error) => return Err(error.into()),
@@ -149,10 +174,10 @@ impl Run {
         }
     }
 
-    fn report(self) -> Result<RunReport, Fault> {
+    fn outcome(self) -> Result<(), Fault> {
         match self.death {
             Some(death) => Err(death),
-            None => first_cause(&self.outcomes).map(|()| RunReport { steps: self.steps, time: self.time }),
+            None => first_cause(&self.outcomes),
         }
     }
 }
@@ -184,7 +209,7 @@ impl Signals {
 }
 
 /// Runs a cell in real time: hears who is gone and who has ended, until all have.
-fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Duration, bool)) -> Run {
+fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, watched): (Duration, bool)) -> Run {
     crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
     let (mut aborting, mut closing): (Option<Instant>, Option<Instant>) = (None, None);
@@ -195,7 +220,8 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Durati
         });
     };
     loop {
-        let left: Vec<_> = crew.0.iter().filter(|member| !member.gone.get()).collect();
+        let waits = |member: &Member| watched && member.id.role == Role::Plant && member.is_over();
+        let left: Vec<_> = crew.0.iter().filter(|member| !member.gone.get() && !waits(member)).collect();
         if left.is_empty() {
             return Run::of(crew, death, None);
         }
@@ -228,7 +254,7 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, quiet): (Durati
                         close(&mut closing);
                     }
                 }
-                Ok(Frame::Rested(rest)) => tell_rest(&rest, quiet),
+                Ok(Frame::Rested(rest)) => member.rests.borrow_mut().push(rest),
                 Ok(Frame::Figures(figures)) => {
                     member.figures.set(Some(figures));
                     desk.measured(member.id, figures);
@@ -289,19 +315,17 @@ fn note(member: &Member, how: &str) {
 }
 
 /// Says how a robot came to a standstill that was demanded nothing any more.
-fn tell_rest(rest: &Rest, quiet: bool) {
-    if !quiet {
-        let Rest { edp, braked_after, stood_after } = rest;
-        eprintln!(
-            "note: {edp}: its drives applied their brakes {braked_after} steps after the last demand; the robot stood \
-             {stood_after} steps later"
-        );
-    }
+fn tell_rest(rest: &Rest) {
+    let Rest { edp, braked_after, stood_after } = rest;
+    eprintln!(
+        "note: {edp}: its drives applied their brakes {braked_after} steps after the last demand; the robot stood \
+         {stood_after} steps later"
+    );
 }
 
 /// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes the processes instead of
 /// coroutines, one at a time and in the same order, so that they do the same.
-fn pace(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Result<Run, CellError> {
+fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
     crew.tell(&Frame::Go { origin: 0 });
     let mut scheduler = Scheduler::new();
     let places: Vec<_> = crew.0.iter().map(|member| scheduler.place(member.id)).collect();
@@ -316,7 +340,6 @@ fn pace(crew: &Crew, signals: &Signals, stop: Duration, quiet: bool) -> Result<R
             stop: stop.as_nanos() as Nanos,
             all: crew.0.clone(),
             place,
-            quiet,
         };
         scheduler.body(place, Box::new(move |waiter| proxy.run(waiter)))?;
     }
@@ -337,7 +360,6 @@ struct Proxy {
     /// All processes by their places, and this one's.
     all: Vec<Rc<Member>>,
     place: usize,
-    quiet: bool,
 }
 
 impl Proxy {
@@ -349,7 +371,7 @@ impl Proxy {
         loop {
             let mut answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
             while let Ok(Frame::Rested(rest)) = answered {
-                tell_rest(&rest, self.quiet);
+                self.member.rests.borrow_mut().push(rest);
                 answered = self.member.control.receive();
             }
             match answered {

@@ -15,10 +15,10 @@ use super::board::StateBoard;
 use super::control::{Control, Frame};
 use super::figures::Gauge;
 use super::panel;
-use super::scheduling::{Lacks, ask};
+use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, prefix};
-use crate::cell::{Cell, Observation};
-use crate::fault::{ProcessId, Role};
+use crate::cell::{Cell, Observation, RunReport};
+use crate::fault::{Fault, ProcessId, Role};
 use crate::link::iceoryx::{Bell, Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show};
 use crate::link::{Nanos, News, Waiter};
 use crate::mp::MpState;
@@ -66,11 +66,20 @@ pub(crate) enum NoPart {
     Told(String),
 }
 
-/// Runs the process `me` of a cell in the session in `folder`, until the cell closes.
+/// How the run of a cell has ended.
+pub(crate) type Concluded = Result<RunReport, Fault>;
+
+/// Runs the process `me` of a cell in the session in `folder`, until the cell closes; a plant that is `watched` hears from
+/// its launcher how the run has ended.
 ///
 /// # Errors
 /// [`NoPart`] when it cannot take part; then nothing has moved.
-pub(crate) fn run(cell: Cell, me: ProcessId, folder: &Path) -> Result<(), NoPart> {
+pub(crate) fn run(
+    cell: Cell,
+    me: ProcessId,
+    folder: &Path,
+    watched: bool,
+) -> Result<Option<Concluded>, NoPart> {
     let stdin = io::stdin().as_fd().try_clone_to_owned();
     let control = Control::new(UnixStream::from(stdin.map_err(|_| NoPart::NoLauncher(me))?));
     // A robot outlives its launcher for as long as it brakes; what has no robot goes at once, whatever it does.
@@ -82,14 +91,37 @@ pub(crate) fn run(cell: Cell, me: ProcessId, folder: &Path) -> Result<(), NoPart
         return Err(NoPart::NoLauncher(me));
     };
     match take_part(cell, me, folder, &control, (seal, clock, spin)) {
-        Ok(over) => control.send(&over).map_err(gone),
-        Err(Ended::Closed) => Ok(()),
+        Ok((over, ear)) => {
+            control.send(&over).map_err(gone)?;
+            if !watched || me.role != Role::Plant {
+                return Ok(None);
+            }
+            give_back_priority();
+            // In real time the ear has it; a launcher that is gone says nothing more.
+            let last = ear.map_or_else(|| control.receive().ok(), |ear| ear.recv().ok());
+            Ok(last.and_then(concluded))
+        }
+        Err(Ended::Closed) => Ok(None),
         Err(Ended::Refuses(text)) => {
             drop(control.send(&Frame::Refuses(text.clone())));
             Err(NoPart::Told(text))
         }
     }
 }
+
+/// How the run has ended, as the launcher tells it.
+fn concluded(frame: Frame) -> Option<Concluded> {
+    match frame {
+        Frame::Over { steps, time, outcome } => {
+            let report = RunReport { steps, time: Duration::from_nanos(time) };
+            outcome.map(|outcome| outcome.map(|()| report))
+        }
+        _ => None,
+    }
+}
+
+/// What a process says at its end, and, in real time, what its ear hears after it.
+type LastWords = (Frame, Option<Receiver<Frame>>);
 
 /// Why a process ended before it ran.
 enum Ended {
@@ -110,12 +142,12 @@ fn take_part(
     folder: &Path,
     control: &Control,
     (seal, clock, spin): (Seal, Clock, Nanos),
-) -> Result<Frame, Ended> {
+) -> Result<LastWords, Ended> {
     let membership = Membership::join(folder).map_err(Ended::of)?;
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
-    let (realtime, step) = (cell.realtime().cloned(), cell.step());
+    let (realtime, step) = (cell.realtime().cloned(), cell.step_length().as_nanos() as Nanos);
     let mut fabric = Fabric::new(me, clock);
     let panel = Panel::default();
     let cell = if me.role == Role::Edp { cell.watch(panel.of_robot()) } else { cell };
@@ -123,12 +155,12 @@ fn take_part(
     let Some(body) = fabric.take_body() else {
         return Err(Ended::Refuses("the cell has no such process".to_owned()));
     };
-    if clock == Clock::Real {
-        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
-    }
     fabric.create(folder, &prefix(seal.session), seal).map_err(Ended::of)?;
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
+    if clock == Clock::Real {
+        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
+    }
     fabric.connect(seal).map_err(Ended::of)?;
     // Before this thread asks for a priority that the other one is not to have.
     let gauge = match clock {
@@ -144,25 +176,26 @@ fn take_part(
     };
     say(control, &Frame::Ready { lacks })?;
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
-    let time = match (gauge, fabric.bell()) {
+    let (time, ear) = match (gauge, fabric.bell()) {
         (Some(gauge), Some(bell)) => {
-            let heard = listen(control, bell, has_robot(me)).map_err(Ended::of)?;
+            let (heard, ear) = listen(control, bell, has_robot(me)).map_err(Ended::of)?;
             let waiter = RealTime::new(bell, heard, (origin, spin), gauge.samples()).showing(panel.of(me));
             body(&waiter);
             gauge.end();
-            waiter.now()
+            (waiter.now(), Some(ear))
         }
         _ => {
             let waiter = LockStep::new(control, fabric.woken());
             body(&waiter);
-            waiter.now()
+            (waiter.now(), None)
         }
     };
     for rest in assembly.rests.borrow().iter() {
         say(control, &Frame::Rested(*rest))?;
     }
     let outcome = assembly.outcomes.borrow().iter().find(|(process, _)| *process == me).cloned();
-    Ok(Frame::Over { steps: assembly.steps.get(), time, outcome: outcome.map(|(_, outcome)| outcome) })
+    let outcome = outcome.map(|(_, outcome)| outcome);
+    Ok((Frame::Over { steps: assembly.steps.get(), time, outcome }, ear))
 }
 
 /// Whether a robot brakes by what this process does.
@@ -212,14 +245,22 @@ fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {
 }
 
 /// Listens to the launcher in a thread of its own, which rings the process's bell: so a step waits in one place. A process
-/// with a robot brakes it when the launcher is gone, and ends; one whose drives do not return is ended.
-fn listen(control: &Control, bell: Bell, has_robot: bool) -> io::Result<Receiver<Heard>> {
+/// with a robot brakes it when the launcher is gone, and ends; one whose drives do not return is ended. What is said of the
+/// run when it is over comes apart.
+fn listen(control: &Control, bell: Bell, has_robot: bool) -> io::Result<(Receiver<Heard>, Receiver<Frame>)> {
     let control = control.try_clone()?;
     control.wait_for_ever()?;
     let (tells, hears) = channel();
+    let (concludes, concluded) = channel();
     std::thread::Builder::new().name("ear".to_owned()).stack_size(EAR_STACK).spawn(move || {
         loop {
-            let frame = control.receive();
+            let frame = match control.receive() {
+                Ok(over @ Frame::Over { .. }) => {
+                    let _ = concludes.send(over);
+                    continue;
+                }
+                frame => frame,
+            };
             let gone = frame.is_err();
             // A process that does not listen any more is about to end.
             let _ = tells.send(heard(frame));
@@ -228,10 +269,11 @@ fn listen(control: &Control, bell: Bell, has_robot: bool) -> io::Result<Receiver
                 break;
             }
         }
+        drop(concludes);
         if has_robot {
             std::thread::sleep(LAST_BRAKING);
             std::process::exit(1);
         }
     })?;
-    Ok(hears)
+    Ok((hears, concluded))
 }

@@ -71,6 +71,16 @@ pub(super) fn ask(realtime: &Realtime, me: ProcessId, ecps: &[ProcessId]) -> Lac
     lacks
 }
 
+/// Gives back the priority: what is left to do has no deadline.
+pub(super) fn give_back_priority() {
+    // SAFETY: all bytes zero are a `sched_param`: it holds numbers alone.
+    #[allow(unsafe_code)]
+    let parameters: libc::sched_param = unsafe { core::mem::zeroed() };
+    // SAFETY: 0 is the calling thread, and the parameters are read before the call returns.
+    #[allow(unsafe_code)]
+    let _ = unsafe { libc::sched_setscheduler(0, libc::SCHED_OTHER, &raw const parameters) };
+}
+
 /// First in, first out, at a priority from 1 to 99; whether it is permitted.
 pub(super) fn set_priority(priority: u8) -> bool {
     // SAFETY: all bytes zero are a `sched_param`: it holds numbers alone.

@@ -5,10 +5,10 @@
 //! Every process of a session holds its lock, shared: a session whose lock is free is over or crashed, and whoever
 //! starts the next one removes what it has left.
 
-use std::fs::{self, DirBuilder, File, OpenOptions, TryLockError};
+use std::fs::{self, DirBuilder, DirEntry, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, Read, Seek, Write};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -171,6 +171,14 @@ impl Session {
     pub const fn number(&self) -> u64 {
         self.number
     }
+
+    /// Makes the shared memory of the session its user's alone: iceoryx2 lets everybody read and write what its nodes share.
+    pub fn keep_others_out(&self) {
+        for segment in segments(self.number) {
+            // What is gone by now needs no keeping.
+            drop(fs::set_permissions(segment, PermissionsExt::from_mode(0o600)));
+        }
+    }
 }
 
 impl Drop for Session {
@@ -234,14 +242,20 @@ fn read_name(name: &str) -> Option<(u32, u64)> {
     Some((u32::from_str_radix(cell, 16).ok()?, u64::from_str_radix(number, 16).ok()?)).filter(|_| right)
 }
 
+/// The shared memory of a session.
+fn segments(number: u64) -> impl Iterator<Item = PathBuf> {
+    let prefix = prefix(number);
+    let names = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+    let is_its =
+        move |entry: &DirEntry| entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix));
+    names.filter(is_its).map(|entry| entry.path())
+}
+
 /// Removes a session's files, and only those.
 fn remove(folder: &Path, number: u64) {
-    let prefix = prefix(number);
-    for entry in fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten() {
-        if entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix)) {
-            // What cannot be removed now is the next launch's to remove.
-            drop(fs::remove_file(entry.path()));
-        }
+    for segment in segments(number) {
+        // What cannot be removed now is the next launch's to remove.
+        drop(fs::remove_file(segment));
     }
     drop(fs::remove_dir_all(folder));
 }

@@ -115,6 +115,7 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
                 ("speed", number),
                 ("suspended", truth.clone()),
                 ("aborting", truth.clone()),
+                ("stopping", truth.clone()),
                 ("resetting", truth),
             ]);
             ("/steps".to_owned(), "mrroc.Step".to_owned(), step)
@@ -162,9 +163,9 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
     let words = record.words();
     // Writing to a text cannot fail.
     let _ = match record.what {
-        What::Step { step, dt, duration, speed, suspended, aborting, resetting } => write!(
+        What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting } => write!(
             out,
-            "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting},\"resetting\":{resetting}}}"
+            "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting},\"stopping\":{stopping},\"resetting\":{resetting}}}"
         ),
         What::Image { step, mode } => return write_image(out, step, mode, words, joints),
         What::Order { step, instruction, kind, shape, .. } => {

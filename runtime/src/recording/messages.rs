@@ -114,6 +114,7 @@ impl Messages {
             speed: json["speed"].as_f64().filter(|speed| (0.0..=1.0).contains(speed))?,
             suspended: json["suspended"].as_bool()?,
             aborting: json["aborting"].as_bool()?,
+            stopping: json["stopping"].as_bool()?,
             resetting: json["resetting"].as_bool()?,
             aborts: false,
             late: false,

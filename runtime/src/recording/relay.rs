@@ -184,9 +184,7 @@ impl Relay {
             std::thread::Builder::new().name("recorder".to_owned()).spawn(run).map_err(unwritable)?;
         Ok(Relay { closing, received, thread: Some(thread), file })
     }
-}
 
-impl Relay {
     /// Writes what has come, and closes the file.
     pub fn finish(self) {
         drop(self);

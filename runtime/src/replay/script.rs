@@ -13,6 +13,8 @@ pub(crate) struct ScriptedStep {
     /// Whether he aborted, when the step began or in it.
     pub aborting: bool,
     pub aborts: bool,
+    /// Whether he asked for a protective stop before it.
+    pub stopping: bool,
     /// Whether he had reset the latched cell.
     pub resetting: bool,
     /// Whether what took place in it left no time for more.
@@ -53,6 +55,9 @@ impl Script {
         if scripted.aborting {
             operator.abort();
         }
+        if scripted.stopping {
+            operator.protective_stop();
+        }
         if scripted.resetting && operator.latch() != Latch::Resetting {
             // What is refused here was refused there, or the demands will tell.
             let _ = operator.acknowledge().and_then(|()| operator.reset());
@@ -83,6 +88,7 @@ mod tests {
             suspended: false,
             aborting: false,
             aborts: false,
+            stopping: false,
             resetting: false,
             late: false,
         }
@@ -100,6 +106,7 @@ mod tests {
         let script = Script(vec![
             ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
             ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
+            ScriptedStep { stopping: true, ..step(3) },
         ]);
         let operator = Operator::new();
         operator.begin();
@@ -108,6 +115,8 @@ mod tests {
         script.begin(2, &operator);
         assert!(!operator.is_suspended() && !operator.is_aborting());
         script.go_on(2, &operator);
-        assert!(operator.is_aborting());
+        assert!(operator.is_aborting() && !operator.take_protective_stop());
+        script.begin(3, &operator);
+        assert!(operator.take_protective_stop() && !operator.take_protective_stop());
     }
 }

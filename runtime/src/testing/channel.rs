@@ -8,10 +8,9 @@ use core::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use super::case::{Case, Channel, Injected, LinkFault};
+use super::case::{Channel, LinkFault};
 use super::random::Random;
 use super::stage::Stage;
-use crate::fault::ProcessId;
 use crate::link::envelope::{Envelope, Seal};
 use crate::link::{Board, Client, Nanos, Server};
 use crate::message::Message;
@@ -26,10 +25,8 @@ const EARLIER: Seal = Seal { epoch: 1, ..SEAL };
 /// One direction of a port, or a board.
 pub(super) struct Direction {
     stage: Rc<Stage>,
-    from: ProcessId,
+    channel: Channel,
     to: usize,
-    /// What is done here, if anything ever is.
-    fault: Option<LinkFault>,
     /// Envelopes on their way, and when each is there \[ns\].
     flight: RefCell<Vec<(Nanos, Envelope)>>,
     past: RefCell<VecDeque<Message>>,
@@ -37,20 +34,17 @@ pub(super) struct Direction {
 
 impl Direction {
     pub fn new(stage: &Rc<Stage>, channel: Channel, to: usize) -> Direction {
-        let fault = match stage.case {
-            Some(Case { injected: Injected::Link(at, fault, _), .. }) if at == channel => Some(fault),
-            _ => None,
-        };
         stage.channels.borrow_mut().push(channel);
         let (flight, past) = Default::default();
-        Direction { stage: Rc::clone(stage), from: channel.from, to, fault, flight, past }
+        Direction { stage: Rc::clone(stage), channel, to, flight, past }
     }
 
     /// Sends a message under a number.
     fn send(&self, message: &Message, sequence: u64) {
         let now = self.stage.now.get();
         let envelope = Envelope::seal(message, SEAL, sequence);
-        let Some(fault) = self.fault.filter(|_| self.is_struck(message)) else {
+        let fault = self.stage.fault_of(self.channel);
+        let Some(fault) = fault.filter(|_| self.is_struck(message)) else {
             self.remember(message);
             return self.put(now, envelope);
         };
@@ -106,13 +100,13 @@ impl Direction {
     }
 
     fn is_struck(&self, message: &Message) -> bool {
-        let struck = self.stage.case.is_some_and(|case| case.is_at_work(message.header.step));
+        let struck = self.stage.case.get().is_some_and(|case| case.is_at_work(message.header.step));
         self.stage.hits.set(self.stage.hits.get() + u64::from(struck));
         struck
     }
 
     fn remember(&self, message: &Message) {
-        if self.fault == Some(LinkFault::Replay) {
+        if self.stage.remembers(self.channel) {
             let mut past = self.past.borrow_mut();
             past.push_back(*message);
             if past.len() > REMEMBERED {
@@ -154,7 +148,7 @@ pub(super) struct FaultyClient {
 
 impl Client for FaultyClient {
     fn send(&self, request: &Message) {
-        if self.requests.stage.speaks(self.requests.from) {
+        if self.requests.stage.speaks(self.requests.channel.from) {
             let number = self.sent.get().0 + 1;
             self.sent.set((number, false));
             self.requests.send(request, number);
@@ -191,7 +185,7 @@ impl Server for FaultyServer {
     }
 
     fn reply(&self, reply: &Message) {
-        if self.replies.stage.speaks(self.replies.from) {
+        if self.replies.stage.speaks(self.replies.channel.from) {
             self.replies.send(reply, self.taken.get());
             self.inner.reply(reply);
         }
@@ -207,7 +201,7 @@ pub(super) struct FaultyBoard {
 
 impl Board for FaultyBoard {
     fn write(&self, message: &Message) {
-        if self.channel.stage.speaks(self.channel.from) {
+        if self.channel.stage.speaks(self.channel.channel.from) {
             self.sent.set(self.sent.get() + 1);
             self.channel.send(message, self.sent.get());
         }

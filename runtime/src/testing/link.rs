@@ -59,6 +59,7 @@ impl Link for FaultyLink<'_> {
         let close = self.scheduler.closer();
         let run = move |inner: &dyn Waiter| {
             let waiter = FaultyWaiter { inner, stage: &stage, place, process, close: &*close };
+            stage.fork();
             match catch_unwind(AssertUnwindSafe(|| body(&waiter))) {
                 Err(panic) if !panic.is::<Killed>() => resume_unwind(panic),
                 Err(_) => {}
@@ -100,7 +101,7 @@ impl FaultyWaiter<'_> {
 
     /// Sleeps for what the trial goes on for after the MP's end, then closes the cell.
     fn linger(&self) {
-        let until = self.look_at_clock() + self.stage.lasting.afterwards * self.stage.step;
+        let until = self.look_at_clock() + self.stage.lasting.get().afterwards * self.stage.step;
         while self.inner.now() < until && self.inner.wait(Some(until)).is_ok() {}
         (self.close)();
     }
@@ -142,8 +143,13 @@ impl Waiter for FaultyWaiter<'_> {
         let waited = self.inner.wait((deadline < NEVER).then_some(deadline));
         let now = self.look_at_clock();
         waited?;
-        if now > self.stage.lasting.most.saturating_mul(self.stage.step) {
-            self.stage.given_up.set(true);
+        self.stage.fork();
+        let lasting = self.stage.lasting.get();
+        let is_over = |steps: u64| now > steps.saturating_mul(self.stage.step);
+        let (given_up, cut) = (is_over(lasting.most), is_over(lasting.watched));
+        if given_up || cut {
+            self.stage.given_up.set(given_up);
+            self.stage.cut.set(!given_up);
             (self.close)();
             return Err(Closed);
         }

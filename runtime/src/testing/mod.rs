@@ -55,11 +55,14 @@
 //! A [`FaultySensor`] and a [`FaultyDrive`] stand in for a sensor and for drives; [`Sweep::own`] runs a cell with one of
 //! them, or with any other fault of your own, that begins in one step after the other.
 //!
+//! [`Sweep::forking`] does faults to copies of one run: that reaches every step of long programs.
+//!
 //! A failure names its [`Case`] with the seed; [`Sweep::repeat`] runs that one again.
 
 mod case;
 mod channel;
 mod drive;
+mod forks;
 mod link;
 mod onlooker;
 mod random;

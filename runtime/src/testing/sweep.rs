@@ -1,13 +1,15 @@
 //! A sweep: one fault after the other, in one step of a cell's program after the other.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::case::{Case, Injected, LinkFault, Press};
+use super::forks::{Forks, end_copy};
 use super::report::SweepReport;
 use super::stage::Lasting;
-use super::trial::{Trial, attempt};
+use super::trial::{Part, Trial, attempt};
 use super::verdict::{Verdict, judge};
-use crate::cell::Cell;
+use crate::cell::{Cell, CellError};
 
 /// What a sweep does to every process, to every link, or by the operator.
 enum Deed<'c> {
@@ -17,6 +19,9 @@ enum Deed<'c> {
     Press(Press),
     Own(&'static str, Box<dyn Fn(u64) -> Cell + Sync + 'c>),
 }
+
+/// How long a run without a fault goes on: to its end.
+const UNDISTURBED: Lasting = Lasting { afterwards: 0, most: u64::MAX, watched: u64::MAX };
 
 /// Runs a cell once for every fault in every step, and asks of each run what SAFETY.md promises.
 ///
@@ -28,6 +33,7 @@ pub struct Sweep<'c> {
     seed: u64,
     threads: usize,
     end_tolerance: f64,
+    watched: Option<u64>,
 }
 
 impl<'c> Sweep<'c> {
@@ -35,7 +41,7 @@ impl<'c> Sweep<'c> {
     #[must_use]
     pub fn new(cell: impl Fn() -> Cell + Sync + 'c) -> Sweep<'c> {
         let cell = Box::new(cell);
-        Sweep { cell, deeds: Vec::new(), every: 1, seed: 1, threads: 1, end_tolerance: 1e-6 }
+        Sweep { cell, deeds: Vec::new(), every: 1, seed: 1, threads: 1, end_tolerance: 1e-6, watched: None }
     }
 
     /// Does each fault in every `every`-th step only. Different faults begin in different steps, so that together they
@@ -57,6 +63,16 @@ impl<'c> Sweep<'c> {
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = threads.max(1);
+        self
+    }
+
+    /// Goes through the program once and copies the run where each fault begins, for which the process is forked: a case
+    /// then costs the steps after its fault alone. What goes on after a fault is watched for `watched` steps, and at least
+    /// for as long as stops take; where it would end is not asked. As many copies run at a time as the sweep has
+    /// [threads](Self::threads). Cells of [`own`](Self::own) faults are run whole. On Unix only: elsewhere each case fails.
+    #[must_use]
+    pub fn forking(mut self, watched: u64) -> Self {
+        self.watched = Some(watched);
         self
     }
 
@@ -108,8 +124,7 @@ impl<'c> Sweep<'c> {
     #[must_use]
     pub fn run(self) -> SweepReport {
         let mut report = SweepReport::new(self.seed);
-        let lasting = Lasting { afterwards: 0, most: u64::MAX };
-        let calm = match attempt((self.cell)(), None, lasting) {
+        let calm = match attempt((self.cell)(), Part::Calm, UNDISTURBED) {
             Ok(calm) if calm.outcome.is_ok() => calm,
             Ok(Trial { outcome: Err(error), .. }) | Err(error) => {
                 report.undisturbed(format!("the undisturbed run ends with `{error}`"));
@@ -120,19 +135,23 @@ impl<'c> Sweep<'c> {
         if let Some(wrong) = calm.robots.iter().find_map(|robot| robot.wrong.clone()) {
             report.undisturbed(format!("undisturbed: {wrong}"));
         }
-        let cases = self.cases(&calm);
+        let mut cases = self.cases(&calm);
+        if let Some(watched) = self.watched {
+            let copied = cases.extract_if(.., |case| !matches!(case.injected, Injected::Own(_))).collect();
+            self.try_copies(copied, watched, &calm, &mut report);
+        }
         let next = AtomicUsize::new(0);
         let work = || {
             // Each thread has its own undisturbed run to compare with: cells do not cross threads.
             let mut report = SweepReport::new(self.seed);
-            let Ok(calm) = attempt((self.cell)(), None, lasting) else { return report };
+            let Ok(calm) = attempt((self.cell)(), Part::Calm, UNDISTURBED) else { return report };
             while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
                 report.add(case, self.try_one(case, &calm));
             }
             report
         };
         std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();
+            let workers: Vec<_> = (0..self.threads.min(cases.len())).map(|_| scope.spawn(work)).collect();
             for worker in workers {
                 match worker.join() {
                     Ok(part) => report.absorb(part),
@@ -143,11 +162,39 @@ impl<'c> Sweep<'c> {
         report
     }
 
+    /// Does each case to a copy of one run.
+    fn try_copies(&self, cases: Vec<Case>, watched: u64, calm: &Trial, report: &mut SweepReport) {
+        let lasting = self.lasting(calm);
+        let watched = watched.max(2 * lasting.afterwards);
+        let forks = Forks::new(cases, Lasting { watched, ..lasting }, self.threads);
+        let run = std::process::id();
+        let tried = catch_unwind(AssertUnwindSafe(|| {
+            let trial = attempt((self.cell)(), Part::Copied(forks), UNDISTURBED)?;
+            let verdict = trial.case.map(|case| judge(&case, &trial, calm, self.end_tolerance));
+            Ok::<_, CellError>((trial, verdict))
+        }));
+        if let Ok(Ok((trial, Some(verdict)))) = tried {
+            trial.forks.tell(&verdict);
+        } else if std::process::id() != run {
+            end_copy();
+        } else {
+            match tried {
+                Ok(Ok((trial, _))) => {
+                    for (case, verdict) in trial.forks.verdicts() {
+                        report.add(&case, verdict);
+                    }
+                }
+                Ok(Err(error)) => report.undisturbed(error.to_string()),
+                Err(_) => report.undisturbed("the run panicked".to_owned()),
+            }
+        }
+    }
+
     /// Runs one case again, as a report named it, and says what it came to.
     #[must_use]
     pub fn repeat(&self, case: &Case) -> SweepReport {
         let mut report = SweepReport::new(self.seed);
-        match attempt((self.cell)(), None, Lasting { afterwards: 0, most: u64::MAX }) {
+        match attempt((self.cell)(), Part::Calm, UNDISTURBED) {
             Ok(calm) => report.add(case, self.try_one(case, &calm)),
             Err(error) => report.undisturbed(error.to_string()),
         }
@@ -155,14 +202,17 @@ impl<'c> Sweep<'c> {
     }
 
     fn try_one(&self, case: &Case, calm: &Trial) -> Verdict {
-        let steps = calm.over / calm.step;
-        // Longer than any stop, so that what would move again after it is seen.
-        let afterwards = calm.stop_steps.max(calm.rate_steps) + 50;
-        let lasting = Lasting { afterwards, most: 3 * steps + 4 * afterwards + 5000 };
-        match attempt(self.cell_of(case), Some(*case), lasting) {
+        match attempt(self.cell_of(case), Part::One(*case), self.lasting(calm)) {
             Ok(trial) => judge(case, &trial, calm, self.end_tolerance),
             Err(error) => Verdict::Broken(error.to_string()),
         }
+    }
+
+    fn lasting(&self, calm: &Trial) -> Lasting {
+        let steps = calm.over / calm.step;
+        // Longer than any stop, so that what would move again after it is seen.
+        let afterwards = calm.stop_steps.max(calm.rate_steps) + 50;
+        Lasting { afterwards, most: 3 * steps + 4 * afterwards + 5000, watched: u64::MAX }
     }
 
     /// The cell of a case.

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::case::{Case, Channel, Injected, Press};
+use super::forks::Forks;
 use super::link::FaultyLink;
 use super::onlooker::Onlooker;
 use super::stage::{Lasting, Stage};
@@ -25,6 +26,11 @@ pub(super) struct Trial {
     pub hit: bool,
     /// Whether it had to be given up: it would not have ended.
     pub endless: bool,
+    /// Whether it was watched for long enough and not to its end.
+    pub cut: bool,
+    /// What was done to it, and its copies.
+    pub case: Option<Case>,
+    pub forks: Forks,
     /// When the MP's program was over, or gone \[ns\].
     pub over: Nanos,
     /// The cell's step \[ns\].
@@ -35,18 +41,38 @@ pub(super) struct Trial {
     pub rate_steps: u64,
 }
 
-/// Runs a cell with a fault, or without one.
+/// What is done to the cell of a trial.
+pub(super) enum Part {
+    /// Nothing.
+    Calm,
+    One(Case),
+    /// Nothing, but for what is done to its copies.
+    Copied(Forks),
+}
+
+/// Runs a cell with a fault, or without one. A copy of the run returns from here too.
 ///
 /// # Errors
 /// What is wrong with the cell's set-up.
-pub(super) fn attempt(mut cell: Cell, case: Option<Case>, lasting: Lasting) -> Result<Trial, CellError> {
+pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Trial, CellError> {
     cell.check()?;
     let step = cell.step_length();
     let nanos = step.as_nanos() as Nanos;
+    let is_press = |case: Case| matches!(case.injected, Injected::Press(_));
+    let (case, forks) = match part {
+        Part::Calm => (None, None),
+        Part::One(case) => (Some(case), None),
+        Part::Copied(forks) => (None, Some(forks)),
+    };
+    let presses = forks.is_some() || case.is_some_and(is_press);
     let stage = Rc::new(Stage::new(case, nanos, lasting));
-    if let Some(Case { injected: Injected::Press(press), at, .. }) = case {
+    if let Some(forks) = forks {
+        *stage.forks.borrow_mut() = forks;
+    }
+    if presses {
         let stage = Rc::clone(&stage);
         cell = cell.also_on_step(move |step, operator| {
+            let Some(Case { injected: Injected::Press(press), at, .. }) = stage.case.get() else { return };
             if play(press, at, step, operator) {
                 stage.hits.set(1);
             }
@@ -77,8 +103,11 @@ pub(super) fn attempt(mut cell: Cell, case: Option<Case>, lasting: Lasting) -> R
         robots,
         processes: stage.processes.take(),
         channels: stage.channels.take(),
+        case: stage.case.get(),
+        forks: stage.forks.take(),
         hit: stage.hits.get() > 0 || matches!(case, Some(Case { injected: Injected::Own(_), .. })),
         endless: stage.given_up.get(),
+        cut: stage.cut.get(),
         over: stage.over.get().unwrap_or(stage.now.get()),
         step: nanos,
         stop_steps,

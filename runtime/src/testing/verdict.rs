@@ -23,6 +23,33 @@ pub(super) enum Verdict {
     Broken(String),
 }
 
+impl Verdict {
+    /// As a copy of a run tells it.
+    pub fn to_line(&self) -> String {
+        match self {
+            Verdict::Void => "void".to_owned(),
+            Verdict::Survived => "survived".to_owned(),
+            Verdict::Stopped { steps, bound } => format!("stopped {steps} {bound}"),
+            Verdict::Broken(what) => format!("broken {what}"),
+        }
+    }
+
+    /// What a copy told, if it was whole.
+    pub fn from_line(line: &str) -> Option<Verdict> {
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        match word {
+            "void" => Some(Verdict::Void),
+            "survived" => Some(Verdict::Survived),
+            "stopped" => {
+                let (steps, bound) = rest.split_once(' ')?;
+                Some(Verdict::Stopped { steps: steps.parse().ok()?, bound: bound.parse().ok()? })
+            }
+            "broken" => Some(Verdict::Broken(rest.to_owned())),
+            _ => None,
+        }
+    }
+}
+
 /// Steps between what a process does and the next one's reading of it, and until drives are told.
 const MESSAGES: u64 = 4;
 
@@ -32,6 +59,9 @@ pub(super) fn judge(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64
     }
     if trial.endless {
         return Verdict::Broken("the cell does not end".to_owned());
+    }
+    if trial.cut {
+        return if trial.hit { Verdict::Survived } else { Verdict::Void };
     }
     let fault = match &trial.outcome {
         Err(CellError::Fault(fault)) => Some(fault),

@@ -13,7 +13,7 @@ use std::time::Duration;
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{Event, KeyEventKind, poll, read};
 
-use crate::processes::{Asks, Caller, Heard, Hears, Reply, Request};
+use crate::processes::{Asks, Caller, Heard, Hears, Request};
 use keys::{Pressed, meaning};
 use screen::{Screen, draw};
 
@@ -62,7 +62,7 @@ fn show(
                 Ok(Ok(Heard::Picture(picture))) => screen.picture = Some(picture),
                 Ok(Ok(Heard::Reply(reply))) => screen.reply = Some(reply),
                 // The last picture stays until the operator has seen it.
-                Ok(Err(error)) => screen.reply = Some(Reply::Refused(error.to_string())),
+                Ok(Err(error)) => screen.over = Some(error.to_string()),
                 Err(TryRecvError::Empty | TryRecvError::Disconnected) => break,
             }
         }
@@ -77,9 +77,11 @@ fn show(
         let speed = screen.picture.as_ref().map_or(1.0, |picture| picture.speed);
         match meaning(key, speed) {
             Pressed::Quit => return Ok(()),
+            // Nobody hears it any more.
+            Pressed::Ask(_) if screen.over.is_some() => {}
             Pressed::Ask(request) => {
-                if let Err(error) = asks.ask(&request) {
-                    screen.reply = Some(Reply::Refused(format!("the cell has ended: {error}")));
+                if asks.ask(&request).is_err() {
+                    screen.over = Some("the cell has ended".to_owned());
                 }
             }
             Pressed::Nothing => {}

@@ -11,6 +11,7 @@ use ratatui::widgets::{Block, Gauge, Paragraph, Row, Table, Wrap};
 
 use super::keys::KEYS;
 use crate::button::CellState;
+use crate::joints::MAX_JOINTS;
 use crate::mp::Doing;
 use crate::processes::{Figures, Picture, Reply, RobotPicture};
 
@@ -21,28 +22,37 @@ pub(super) struct Screen {
     pub picture: Option<Picture>,
     /// The newest answer.
     pub reply: Option<Reply>,
+    /// Why no more of either comes.
+    pub over: Option<String>,
 }
+
+/// Columns of the processes beside robots, and of these below their frame.
+const PROCESSES: u16 = 76;
+const ROBOTS: u16 = (LABEL + 9 * MAX_JOINTS + 2) as u16;
+/// Columns of a robot's name.
+const LABEL: usize = 15;
 
 /// Draws all of it.
 pub(super) fn draw(frame: &mut Frame<'_>, screen: &Screen) {
+    let width = usize::from(frame.area().width).max(1);
     let rows = Layout::vertical([
-        Constraint::Length(3),
+        Constraint::Length(2),
         Constraint::Length(1),
         Constraint::Min(6),
-        Constraint::Length(4),
-        Constraint::Length(1),
+        Constraint::Length(3),
+        Constraint::Length(if KEYS.chars().count() > width { 2 } else { 1 }),
     ]);
     let [top, speed, middle, bottom, keys] = rows.areas(frame.area());
     match &screen.picture {
         Some(picture) => {
-            frame.render_widget(head(picture), top);
+            frame.render_widget(head(picture, screen.over.is_some()), top);
             frame.render_widget(gauge(picture), speed);
             draw_processes_and_robots(frame, middle, picture);
         }
         None => frame.render_widget(Paragraph::new("waiting for the first picture ..").dim(), top),
     }
     frame.render_widget(messages(screen), bottom);
-    frame.render_widget(Paragraph::new(KEYS).dim(), keys);
+    frame.render_widget(Paragraph::new(KEYS).wrap(Wrap { trim: true }).dim(), keys);
 }
 
 fn colour(state: CellState) -> Color {
@@ -55,10 +65,13 @@ fn colour(state: CellState) -> Color {
 }
 
 /// The state, the step, the instruction, and how late steps begin.
-fn head(picture: &Picture) -> Paragraph<'static> {
+fn head(picture: &Picture, over: bool) -> Paragraph<'static> {
     let millis = |nanos: u64| nanos as f64 * 1e-6;
-    let badge = Style::new().fg(Color::Black).bg(colour(picture.state)).add_modifier(Modifier::BOLD);
+    let (state, colour) =
+        if over { ("ended", Color::Gray) } else { (picture.state.word(), colour(picture.state)) };
+    let badge = Style::new().fg(Color::Black).bg(colour).add_modifier(Modifier::BOLD);
     let instruction = match picture.doing {
+        Doing::Nothing if over => format!("instruction {}: over", picture.instructions),
         Doing::Nothing => format!("instruction {}: over, the program computes", picture.instructions),
         doing => format!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by),
     };
@@ -68,7 +81,7 @@ fn head(picture: &Picture) -> Paragraph<'static> {
     };
     Paragraph::new(vec![
         Line::from(vec![
-            Span::styled(format!(" {} ", picture.state.word()), badge),
+            Span::styled(format!(" {state} "), badge),
             Span::raw(format!("  step {} of {} ms   {holder}", picture.step, millis(picture.period))),
         ]),
         Line::from(instruction),
@@ -83,7 +96,22 @@ fn gauge(picture: &Picture) -> Gauge<'static> {
 }
 
 fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Picture) {
-    let [left, right] = Layout::horizontal([Constraint::Length(76), Constraint::Min(30)]).areas(area);
+    // Side by side, or one below the other where a line is too short for both.
+    let lines = 2 * picture.robots.len() as u16 + 2;
+    let (left, right) = if area.width >= PROCESSES + ROBOTS {
+        let columns = Layout::horizontal([Constraint::Length(PROCESSES), Constraint::Min(ROBOTS)]);
+        let [left, right] = columns.areas(area);
+        (left, right)
+    } else {
+        let robots = lines.min(area.height / 2);
+        let [left, right] = Layout::vertical([Constraint::Min(3), Constraint::Length(robots)]).areas(area);
+        (left, right)
+    };
+    // What finds no room is told of.
+    let fits = |area: Rect, frame: u16, each: u16| usize::from(area.height.saturating_sub(frame) / each);
+    let title = |what: &str, all: usize, fits: usize| {
+        if all > fits { format!("{what}: {fits} of {all}, more in a larger window") } else { what.to_owned() }
+    };
     let processes = picture.processes.iter().map(|process| {
         let state = if process.runs { "runs".green() } else { "ended".red() };
         let Figures { late, worked, skipped, overruns, .. } = process.figures;
@@ -98,24 +126,30 @@ fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Pictur
     let names = ["process", "number", "  steps", "skipped", "overrun", "p99 us", " max us", ""];
     let header = Row::new(names).dim();
     frame.render_widget(
-        Table::new(processes, widths).header(header).block(Block::bordered().title("processes")),
+        Table::new(processes, widths).header(header).block(Block::bordered().title(title(
+            "processes",
+            picture.processes.len(),
+            fits(left, 3, 1),
+        ))),
         left,
     );
-    let lines: Vec<_> = picture.robots.iter().flat_map(robot).collect();
-    frame.render_widget(Paragraph::new(lines).block(Block::bordered().title("robots")), right);
+    let whole = fits(right, 2, 2);
+    let lines: Vec<_> = picture.robots.iter().take(whole).flat_map(robot).collect();
+    let what = "robots: demanded, and error [rad or m]";
+    let block = Block::bordered().title(title(what, picture.robots.len(), whole));
+    frame.render_widget(Paragraph::new(lines).block(block), right);
 }
 
 /// What was demanded of a robot's joints, and how far they are from it.
-fn robot(robot: &RobotPicture) -> [Line<'static>; 3] {
-    let row = |name: &'static str, numbers: &mut dyn Iterator<Item = f64>| {
-        let numbers: String = numbers.map(|q| format!(" {q:9.4}")).collect();
-        Line::from(vec![name.dim(), Span::raw(numbers)])
-    };
+fn robot(robot: &RobotPicture) -> [Line<'static>; 2] {
+    let row =
+        |numbers: &mut dyn Iterator<Item = f64>| numbers.map(|q| format!(" {q:8.4}")).collect::<String>();
     let errors = robot.demanded.iter().zip(&robot.measured).map(|(demanded, measured)| measured - demanded);
+    let short: String = robot.name.chars().take(LABEL).collect();
+    let (name, time) = (format!("{short:LABEL$}"), format!("{:LABEL$}", format!(" {:.3} s", robot.time)));
     [
-        Line::from(vec![robot.name.clone().bold(), Span::raw(format!(" at {:.3} s [rad or m]", robot.time))]),
-        row(" demanded", &mut robot.demanded.iter().copied()),
-        row(" error   ", &mut { errors }),
+        Line::from(vec![name.bold(), Span::raw(row(&mut robot.demanded.iter().copied()))]),
+        Line::from(vec![time.dim(), Span::raw(row(&mut { errors }))]),
     ]
 }
 
@@ -127,6 +161,10 @@ fn messages(screen: &Screen) -> Paragraph<'static> {
         None => Line::from("last fault: none").dim(),
     };
     let reply = match &screen.reply {
+        _ if screen.over.is_some() => {
+            let why = screen.over.clone().unwrap_or_default();
+            Line::from(format!("{why}: this is the last that was seen of it; q quits")).bold()
+        }
         Some(Reply::Done(text)) => Line::from(text.clone()).green(),
         Some(Reply::Refused(text)) => Line::from(format!("refused: {text}")).yellow(),
         Some(Reply::Pending(text)) => Line::from(format!("pending: {text}")).yellow(),
@@ -186,12 +224,12 @@ mod tests {
     #[test]
     fn everything_of_a_picture_is_on_the_screen() {
         let reply = Some(Reply::Refused("it is suspended: step 1203".to_owned()));
-        let lines = drawn(&Screen { picture: Some(picture()), reply }, (120, 24));
+        let lines = drawn(&Screen { picture: Some(picture()), reply, over: None }, (200, 24));
         for told in [
             "suspended   step 1203 of 2 ms   control: the console of process 4711",
             "instruction 4: move Swing",
             "rate 25 % of speed 50 %",
-            "left at 2.406 s",
+            "2.406 s",
             "last fault: mp: aborted by the operator at step 77",
             "refused: it is suspended: step 1203",
             "space stop",
@@ -203,8 +241,37 @@ mod tests {
         let mp: Vec<_> = line("mp ").split_whitespace().take(9).collect();
         assert_eq!(mp[..8], ["│mp", "100", "1200", "3", "2", "61", "480", "runs"], "{lines:#?}");
         assert!(line("vsp count").contains("101") && line("vsp count").contains("ended"));
-        assert!(line("demanded").contains("0.5000   -1.5700"));
-        assert!(line("error").contains("0.0010   -0.0020"));
+        assert!(line("left ").contains("0.5000  -1.5700"));
+        assert!(line("2.406 s").contains("0.0010  -0.0020"));
+    }
+
+    #[test]
+    fn a_small_terminal_shows_names_numbers_and_keys_whole_and_tells_what_finds_no_room() {
+        let mut crowded = picture();
+        crowded.robots[0].demanded = vec![-1.5; MAX_JOINTS - 1];
+        crowded.robots[0].measured = vec![-1.5; MAX_JOINTS - 1];
+        crowded.processes = vec![crowded.processes[0].clone(); 12];
+        crowded.processes[0].name = "ecp polycrank-hand".to_owned();
+        let lines = drawn(&Screen { picture: Some(crowded), ..Screen::default() }, (80, 24));
+        let line = |told: &str| {
+            lines.iter().find(|line| line.contains(told)).unwrap_or_else(|| panic!("{lines:#?}"))
+        };
+        assert!(line("ecp polycrank-hand ").contains(" runs"));
+        assert_eq!(line("left ").matches("-1.5000").count(), MAX_JOINTS - 1);
+        assert!(line("of 12").contains("a larger window"));
+        assert!(
+            line("q quit").contains("acknowledge") || lines.iter().any(|line| line.contains("acknowledge"))
+        );
+    }
+
+    #[test]
+    fn a_cell_that_has_ended_is_shown_as_one_whatever_it_did_last() {
+        let over = Some("the cell has ended".to_owned());
+        let reply = Some(Reply::Done("resumed: step 3".to_owned()));
+        let lines = drawn(&Screen { picture: Some(picture()), reply, over }, (80, 24));
+        assert!(lines[0].starts_with(" ended "), "{lines:#?}");
+        assert!(lines.iter().any(|line| line.starts_with("the cell has ended: ")), "{lines:#?}");
+        assert!(!lines.iter().any(|line| line.contains("resumed")), "{lines:#?}");
     }
 
     #[test]
@@ -219,7 +286,7 @@ mod tests {
         crowded.rate = f64::NAN;
         crowded.robots = vec![crowded.robots[0].clone(); 64];
         crowded.processes = vec![crowded.processes[0].clone(); 64];
-        let screen = Screen { picture: Some(crowded), reply: None };
+        let screen = Screen { picture: Some(crowded), ..Screen::default() };
         for size in [(1, 1), (3, 2), (20, 5), (40, 10), (300, 100)] {
             drawn(&screen, size);
         }

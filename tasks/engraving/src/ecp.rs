@@ -1,9 +1,6 @@
 //! The arm's program: finds the plate, engraves stroke by stroke, parks.
 
-use std::cell::Cell;
-use std::rc::Rc;
-
-use mrroc::{Ecp, Fault, Pose};
+use mrroc::{Ecp, Fault, Payload, Pose, Shown};
 use mrroc_generators::bspline::{Junction, Method, SplinePoint, SplineSettings};
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};
@@ -18,12 +15,27 @@ use crate::probe::{Open, Touch, TouchProbe};
 use crate::sampling::{Mark, Sample, Sampling};
 
 /// What the arm is doing, for those who look on.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Payload)]
 pub struct Activity {
-    /// The stroke that is being engraved.
-    pub stroke: Option<usize>,
+    /// Ordinal of the stroke that is being engraved, from 1; 0: none.
+    ordinal: u64,
+    /// Whether the plate has been found, and at which height [m, world].
+    found: bool,
+    height: f64,
+}
+
+impl Activity {
+    /// The stroke that is being engraved, from 0.
+    #[must_use]
+    pub fn stroke(&self) -> Option<usize> {
+        usize::try_from(self.ordinal.checked_sub(1)?).ok()
+    }
+
     /// Height at which the plate was found [m, world].
-    pub plate_height: Option<f64>,
+    #[must_use]
+    pub fn plate_height(&self) -> Option<f64> {
+        self.found.then_some(self.height)
+    }
 }
 
 /// Everything that the arm must know.
@@ -47,7 +59,7 @@ pub struct Job {
     /// Where the arm parks \[rad\].
     pub park: Six,
     /// What the arm is doing.
-    pub activity: Rc<Cell<Activity>>,
+    pub activity: Shown<Activity>,
 }
 
 /// Height above the plate at which the tool travels \[m\].
@@ -106,7 +118,7 @@ impl Job {
         let height =
             touch.ok_or_else(|| Fault::thrown("the probe lost the plate while it touched it"))?.height;
         self.plate.translation.z = height;
-        self.activity.set(Activity { plate_height: Some(height), ..self.activity.get() });
+        self.activity.set(Activity { found: true, height, ..self.activity.get() });
         Ok(())
     }
 
@@ -134,9 +146,9 @@ impl Job {
                 self.sampling.stroke(stroke, index).iter().map(|sample| self.point(sample)).collect();
             let track = SplineTrack::through(points, spline, feed, self.plate, self.orientation);
             let track = track.map_err(|error| Fault::thrown(&error.to_string()))?;
-            self.activity.set(Activity { stroke: Some(index), ..self.activity.get() });
+            self.activity.set(Activity { ordinal: index as u64 + 1, ..self.activity.get() });
             ecp.move_robot((), track)?;
-            self.activity.set(Activity { stroke: None, ..self.activity.get() });
+            self.activity.set(Activity { ordinal: 0, ..self.activity.get() });
             ecp.move_robot(
                 (),
                 StraightLine::to(self.over(stroke.end(), TRAVEL_HEIGHT), straight(0.02, 0.2)),

@@ -1,9 +1,9 @@
 //! What came of it: looks at every servo period of the arm and measures, carves and records.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Limits, Pose, Robot, ServoRecord};
+use mrroc::{Limits, Pose, Robot, ServoRecord, Shown};
 use mrroc_robots::{Irp6, Shaft, Six};
 
 use crate::deviation::Deviation;
@@ -42,7 +42,7 @@ pub struct Execution {
     pub travel_length: f64,
     arm: Irp6,
     shaft: Shaft,
-    activity: Rc<Cell<Activity>>,
+    activity: Shown<Activity>,
     /// `X_PW`: the world in the frame of the plate's true surface.
     world: Pose,
     /// Depth of the engraving \[mm\], and the height of its bottom over the plate's true surface \[mm\].
@@ -62,7 +62,7 @@ impl Execution {
     pub fn new(
         arm: Irp6,
         shaft: Shaft,
-        activity: Rc<Cell<Activity>>,
+        activity: Shown<Activity>,
         X_WP: &Pose,
         depth: f64,
         instruments: Instruments,
@@ -100,10 +100,11 @@ impl Execution {
         // In the plate's frame, in millimetres.
         let tip = |q: &Six| (self.world * self.arm.forward(q) * record.tool).translation.vector * 1e3;
         let executed = tip(&self.shaft.state().position);
-        let stroke = self.activity.get().stroke;
+        let activity = self.activity.get();
+        let stroke = activity.stroke();
         if let Some(index) = stroke {
             if self.stroke != stroke {
-                let found = self.activity.get().plate_height.unwrap_or(0.0);
+                let found = activity.plate_height().unwrap_or(0.0);
                 self.bottom = (found + self.world.translation.z) * 1e3 - self.depth;
                 self.demanded.begin_stroke(index);
                 self.executed.begin_stroke(index);

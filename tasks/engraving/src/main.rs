@@ -17,7 +17,7 @@ use engraving::paths_svg::PathsSvg;
 use engraving::picture::{Material, render};
 use engraving::placement::{Placement, place};
 use engraving::progress::{Display, Progress};
-use engraving::run::{Outcome, Settings, cell, check_reach, engrave};
+use engraving::run::{Outcome, Settings, Watch, cell, check_reach};
 use engraving::sampling::Sampling;
 use engraving::summary::{JointPeaks, PathDeviation, PlateHeight, Summary};
 use engraving::{NAMEPLATE, error::DrawingError};
@@ -49,23 +49,28 @@ fn main() -> ExitCode {
         Request::Engrave(options) => options,
     };
     let launch = match options.processes {
-        Some(clock) => launch.processes(clock),
-        None => launch,
+        Some(clock) => launch.processes(clock).watching(),
+        None => launch.watching(),
     };
     let talk = if launch.is_part() { Talk::Quiet } else { options.talk };
     let plan = match Plan::new(&options, talk) {
         Ok(plan) => plan,
         Err(error) => return refused(&*error),
     };
-    if !launch.is_here() {
-        return run_as_processes(launch, plan.cell(&options), options.talk);
-    }
+    let launch = if options.talk == Talk::Quiet { launch.quiet() } else { launch };
     // Found out now, not after minutes of engraving.
-    if let Err(error) = std::fs::create_dir_all(&options.out) {
+    let draws = launch.is_here() || options.processes.is_some();
+    if draws
+        && !launch.is_part()
+        && let Err(error) = std::fs::create_dir_all(&options.out)
+    {
         return refused(&unwritable(&options.out, &error));
     }
-    match plan.carry_out(&options) {
-        Ok(summary) => {
+    if !launch.is_here() {
+        return run_elsewhere(launch, plan.cell(&options), options.talk);
+    }
+    match plan.carry_out(launch, &options) {
+        Ok(Carried::Out(summary)) => {
             let said = match options.talk {
                 Talk::Normal => say(&format!(
                     "{}  see {1}/plate.png, {1}/paths.svg, {1}/summary.json\n",
@@ -76,6 +81,7 @@ fn main() -> ExitCode {
             };
             if summary.passed { said } else { broken(&summary) }
         }
+        Ok(Carried::Elsewhere(status)) => status,
         Err(error) => {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE
@@ -83,9 +89,9 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the cell as processes, or the one of them that this is.
-fn run_as_processes(launch: Launch, cell: Cell, talk: Talk) -> ExitCode {
-    let launch = if talk == Talk::Quiet { launch.quiet() } else { launch };
+/// Runs the cell as processes, or the one of them that this is: the plant, which has the arm, tells what came of it. Or runs
+/// it for a recording.
+fn run_elsewhere(launch: Launch, cell: Cell, talk: Talk) -> ExitCode {
     match (launch.run(cell), talk) {
         (Ok(Ran::Part(status)), _) => status,
         (Ok(Ran::Here(_) | Ran::Processes(_)), Talk::Quiet) => ExitCode::SUCCESS,
@@ -106,6 +112,13 @@ fn broken(summary: &Summary) -> ExitCode {
         complain(&format!("bound missed: {broken}"));
     }
     ExitCode::FAILURE
+}
+
+/// What became of a run.
+enum Carried {
+    Out(Box<Summary>),
+    /// Another process has it: this one ends with this status.
+    Elsewhere(ExitCode),
 }
 
 /// Everything that is known before anything moves.
@@ -143,17 +156,22 @@ impl Plan {
         cell(&self.layout, &options.plate, drawing, self.sampling, Plan::settings(options))
     }
 
-    fn carry_out(&self, options: &Options) -> Result<Summary, Box<dyn Error>> {
-        let display = if options.talk == Talk::Quiet { Display::Silent } else { Display::for_stderr() };
+    fn carry_out(&self, launch: Launch, options: &Options) -> Result<Carried, Box<dyn Error>> {
+        // As processes, the steps are another one's.
+        let silent = options.talk == Talk::Quiet || launch.is_part();
+        let display = if silent { Display::Silent } else { Display::for_stderr() };
         let drawing = &self.placement.drawing;
         let progress = Rc::new(RefCell::new(Progress::new(display, drawing.length())));
         let shown = Rc::clone(&progress);
         let settings = Plan::settings(options);
         let began = Instant::now();
-        let outcome =
-            engrave(&self.layout, &options.plate, drawing, self.sampling, settings, move |step, path| {
-                shown.borrow_mut().at(step, path);
-            })?;
+        let (cell, watch) = Watch::over(&self.layout, &options.plate, drawing, self.sampling, settings);
+        let path = watch.progress();
+        let report = match launch.run(cell.on_step(move |step, _| shown.borrow_mut().at(step, path())))? {
+            Ran::Here(report) | Ran::Processes(report) => report,
+            Ran::Part(status) => return Ok(Carried::Elsewhere(status)),
+        };
+        let outcome = watch.outcome(report);
         let wall_s = began.elapsed().as_secs_f64();
         if let Some(progress) = Rc::into_inner(progress) {
             progress.into_inner().finish(outcome.report.steps);
@@ -162,7 +180,7 @@ impl Plan {
         self.draw(options, outcome, &summary)?;
         let path = options.out.join("summary.json");
         summary.write_json(&path).map_err(|error| unwritable(&path, &error))?;
-        Ok(summary)
+        Ok(Carried::Out(Box::new(summary)))
     }
 
     fn summary(&self, options: &Options, outcome: &Outcome, wall_s: f64) -> Summary {

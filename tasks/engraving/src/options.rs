@@ -123,7 +123,7 @@ Plate and tool:
 
 Processes:
   --processes         run every process of the cell as one of the operating
-                      system, in real time (Linux); measures and draws nothing
+                      system, in real time (Linux)
   --virtual           the same in lock-step under the virtual clock
   status, suspend, resume, speed 50%, abort, stop, console
                       from another terminal, to the arm that engraves by

@@ -1,10 +1,10 @@
 //! The cell: arm, touch probe, programs; and a run of it under the virtual clock.
 
-use std::cell::{Cell as Shared, RefCell};
+use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, CellError, Pose, RobotSetup, RunReport, SensorSetup};
+use mrroc::{Cell, CellError, Pose, RobotSetup, RunReport, SensorSetup, Shown};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6};
 use nalgebra::Translation3;
 
@@ -76,7 +76,7 @@ struct Parts {
     probe: PlateSurface,
     /// What the arm truly does, and what it is at: for those who look on.
     shaft: Shaft,
-    activity: Rc<Shared<Activity>>,
+    activity: Shown<Activity>,
     /// `X_WP` of the plate's true surface.
     surface: Pose,
 }
@@ -93,7 +93,7 @@ impl Parts {
             Pose::from_parts(Translation3::new(0.0, 0.0, HEIGHT_ERROR), Default::default()) * layout.plate;
         let drives = SimulatedIrp6::new(layout.arm.clone(), &layout.park);
         let shaft = drives.shaft();
-        let activity = Rc::new(Shared::new(Activity::default()));
+        let activity = Shown::new(Activity::default());
         let mut job = Job {
             drawing: drawing.clone(),
             sampling,
@@ -104,11 +104,12 @@ impl Parts {
             feed: settings.feed * 1e-3,
             step: settings.step,
             park: layout.park,
-            activity: Rc::clone(&activity),
+            activity: activity.clone(),
         };
         let probe = PlateSurface::new(layout.arm.clone(), layout.tool, shaft.clone(), surface.translation.z);
         let arm = RobotSetup::new("irp6", layout.arm.clone(), drives)
             .tool(layout.tool)
+            .shows(&activity)
             .program(move |ecp| job.run(ecp));
         Parts { arm, probe, shaft, activity, surface }
     }
@@ -122,7 +123,7 @@ impl Parts {
     }
 }
 
-/// The cell without instruments: they look into the memory of one process, and so not into a cell of many.
+/// The cell without instruments.
 #[must_use]
 pub fn cell(
     layout: &Layout,
@@ -134,8 +135,64 @@ pub fn cell(
     Parts::new(layout, plate, drawing, sampling, settings).cell(settings.step)
 }
 
-/// Engraves the drawing. `on_step` is called at the start of every step with its index and the length of the path in
-/// the material so far \[mm\].
+/// What looks at a run: it sees the arm where its simulated drives are, on the memory link or in the plant.
+pub struct Watch {
+    execution: Rc<RefCell<Execution>>,
+    activity: Shown<Activity>,
+    /// Height that the plate was promised to have [m, world].
+    promised: f64,
+}
+
+impl Watch {
+    /// The cell with instruments.
+    #[must_use]
+    pub fn over(
+        layout: &Layout,
+        plate: &Plate,
+        drawing: &Drawing,
+        sampling: Sampling,
+        settings: Settings,
+    ) -> (Cell, Watch) {
+        let mut parts = Parts::new(layout, plate, drawing, sampling, settings);
+        let activity = parts.activity.clone();
+        let execution = Rc::new(RefCell::new(Execution::new(
+            layout.arm.clone(),
+            parts.shaft.clone(),
+            activity.clone(),
+            &parts.surface,
+            settings.depth,
+            Instruments {
+                deviation: Deviation::new(drawing, &sampling, Corners::Counted),
+                surface: HeightMap::new(plate, CELL, settings.cutter),
+                trace: Trace::new(TRACE_TOLERANCE),
+            },
+        )));
+        parts.arm = parts.arm.observe(Execution::observer(&execution));
+        (parts.cell(settings.step), Watch { execution, activity, promised: layout.plate.translation.z })
+    }
+
+    /// Length of the path in the material so far \[mm\].
+    pub fn progress(&self) -> impl Fn() -> f64 + 'static {
+        let execution = Rc::clone(&self.execution);
+        move || execution.borrow().cut_length
+    }
+
+    /// What came of a run that took so long. The cell is gone.
+    ///
+    /// # Panics
+    /// When the cell, or what tells the [`progress`](Watch::progress) of it, is still there.
+    #[must_use]
+    pub fn outcome(self, report: RunReport) -> Outcome {
+        let height_found = self.activity.get().plate_height().map(|height| height - self.promised);
+        let execution = Rc::into_inner(self.execution).map(RefCell::into_inner);
+        let mut execution = execution.expect("the cell has dropped its observer");
+        execution.surface.finish();
+        Outcome { report, execution, height_found }
+    }
+}
+
+/// Engraves the drawing on the memory link. `on_step` is called at the start of every step with its index and the length of
+/// the path in the material so far \[mm\].
 ///
 /// # Errors
 /// The first cause when the run ends with a fault.
@@ -147,28 +204,8 @@ pub fn engrave(
     settings: Settings,
     mut on_step: impl FnMut(u64, f64) + 'static,
 ) -> Result<Outcome, CellError> {
-    let mut parts = Parts::new(layout, plate, drawing, sampling, settings);
-    let activity = Rc::clone(&parts.activity);
-    let execution = Rc::new(RefCell::new(Execution::new(
-        layout.arm.clone(),
-        parts.shaft.clone(),
-        Rc::clone(&activity),
-        &parts.surface,
-        settings.depth,
-        Instruments {
-            deviation: Deviation::new(drawing, &sampling, Corners::Counted),
-            surface: HeightMap::new(plate, CELL, settings.cutter),
-            trace: Trace::new(TRACE_TOLERANCE),
-        },
-    )));
-    parts.arm = parts.arm.observe(Execution::observer(&execution));
-    let watched = Rc::clone(&execution);
-    let report =
-        parts.cell(settings.step).on_step(move |step, _| on_step(step, watched.borrow().cut_length)).run()?;
-    let height_found = activity.get().plate_height.map(|height| height - layout.plate.translation.z);
-    // The cell is gone, and with it the observer: this is the only owner left.
-    let execution = Rc::into_inner(execution).map(RefCell::into_inner);
-    let mut execution = execution.expect("the cell has dropped its observer");
-    execution.surface.finish();
-    Ok(Outcome { report, execution, height_found })
+    let (cell, watch) = Watch::over(layout, plate, drawing, sampling, settings);
+    let progress = watch.progress();
+    let report = cell.on_step(move |step, _| on_step(step, progress())).run()?;
+    Ok(watch.outcome(report))
 }

@@ -6,9 +6,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc::console::{complain, refused, say};
-use mrroc::{CellError, CellFile, CellFileError, Launch, Ran, Recorder};
+use mrroc::{CellError, CellFile, CellFileError, Launch, Ran, Recorder, RunReport};
+use mrroc_pictures::Film;
 use transfer::options::{HELP, Options, Talk, parse};
-use transfer::pictures::{film, plot};
+use transfer::pictures::{film, filmed, plot};
 use transfer::summary::Summary;
 use transfer::variant::Variant;
 
@@ -26,8 +27,9 @@ fn main() -> ExitCode {
         Some(path) => CellFile::read(path),
         None => transfer::file(),
     };
-    if launch.is_part() || options.processes.is_some() {
-        return run_as_processes(launch, &options, file);
+    // As processes, for a recording, or as one recorded.
+    if options.processes.is_some() || !launch.is_here() {
+        return run_drawn(launch, &options, file);
     }
     let file = match file.map_err(Into::into).and_then(|file| {
         Summary::check(&file)?;
@@ -58,12 +60,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the cell of the run that is drawn as processes, or the one of them that this is.
-fn run_as_processes(
-    mut launch: Launch,
-    options: &Options,
-    file: Result<CellFile, CellFileError>,
-) -> ExitCode {
+/// Runs the cell of the run that is drawn as processes, or the one of them that this is; records it, or replays it.
+fn run_drawn(mut launch: Launch, options: &Options, file: Result<CellFile, CellFileError>) -> ExitCode {
     let variant = Variant::Bar { bases: options.bases, sensors: options.sensors };
     if let Some(clock) = options.processes {
         launch = launch.processes(clock);
@@ -74,20 +72,46 @@ fn run_as_processes(
     if options.talk == Talk::Quiet {
         launch = launch.quiet();
     }
-    let ran = file.map_err(CellError::from).and_then(|file| launch.run(variant.ready(&file)?.cell));
-    match (ran, options.talk) {
-        (Ok(Ran::Part(status)), _) => status,
-        (Ok(Ran::Here(_) | Ran::Processes(_)), Talk::Quiet) => ExitCode::SUCCESS,
-        (Ok(Ran::Here(report) | Ran::Processes(report)), Talk::Normal) => {
-            let seconds = report.time.as_secs_f64();
-            say(&format!("carried the bar for {seconds:.1} s in {} steps\n", report.steps))
+    // The plant has the arms and the bar.
+    let launch = launch.watching();
+    if !launch.is_part()
+        && options.processes.is_some()
+        && let Err(error) = std::fs::create_dir_all(&options.out)
+    {
+        return refused(&unwritable(&options.out, &error));
+    }
+    let ready = file.map_err(CellError::from).and_then(|file| variant.ready(&file));
+    let ran = ready.and_then(|ready| {
+        if launch.is_here() {
+            let (film, cell) = filmed(ready);
+            return launch.run(cell).map(|ran| (ran, Some(film)));
         }
-        (Err(error), _) if is_refusal(&error) => refused(&error),
-        (Err(error), _) => {
+        launch.run(ready.cell).map(|ran| (ran, None))
+    });
+    match ran {
+        Ok((Ran::Part(status), _)) => status,
+        Ok((Ran::Here(report) | Ran::Processes(report), film)) => carried(&report, film, options),
+        Err(error) if is_refusal(&error) => refused(&error),
+        Err(error) => {
             complain(&format!("error: {error}"));
             ExitCode::FAILURE
         }
     }
+}
+
+/// Draws the film, if this is where the arms are, and says how long it took.
+fn carried(report: &RunReport, film: Option<Film>, options: &Options) -> ExitCode {
+    let path = options.out.join("arms.svg");
+    if let Some(Err(error)) = film.as_ref().map(|film| std::fs::write(&path, film.svg())) {
+        complain(&format!("error: {}", unwritable(&path, &error)));
+        return ExitCode::FAILURE;
+    }
+    if options.talk == Talk::Quiet {
+        return ExitCode::SUCCESS;
+    }
+    let see = film.map_or_else(String::new, |_| format!(": see {}", path.display()));
+    let seconds = report.time.as_secs_f64();
+    say(&format!("carried the bar for {seconds:.1} s in {} steps{see}\n", report.steps))
 }
 
 /// Whether a cell did not begin to run. What is wrong with one variant's set-up is so with the first one's, too.

@@ -18,8 +18,8 @@ Options:
   --no-error             draw the run with bases where they are believed to be
   --cell FILE            the cell [default: the task's own cell.toml]
   --processes            run every process of the cell as one of the operating
-                         system, in real time (Linux); measures and draws
-                         nothing
+                         system, in real time (Linux); draws arms.svg alone, and
+                         measures nothing
   --virtual              the same in lock-step under the virtual clock
   status, suspend, resume, speed 50%, abort, stop, console
                          from another terminal, to the arms that carry the bar

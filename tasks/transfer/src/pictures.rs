@@ -1,11 +1,11 @@
 //! Pictures of the runs: the arms with the bar, moving; and what the bar bears, over time.
 
-use mrroc::{CellError, CellFile, Recorder};
+use mrroc::{Cell, CellError, CellFile, Recorder};
 use mrroc_pictures::{Film, Line, Plot};
 
 use crate::places::{EDGES, TABLE_EDGES, table};
 use crate::summary::Summary;
-use crate::variant::{Bases, Sensors, Variant};
+use crate::variant::{Bases, Ready, Sensors, Variant};
 use crate::witness::{Sample, Seen};
 
 /// A film of a run.
@@ -13,14 +13,21 @@ use crate::witness::{Sample, Seen};
 /// # Errors
 /// The first cause when the run ends with a fault.
 pub fn film(variant: Variant, file: &CellFile) -> Result<Film, CellError> {
-    let ready = variant.ready(file)?;
+    let (film, cell) = filmed(variant.ready(file)?);
+    cell.run()?;
+    Ok(film)
+}
+
+/// A film, and the cell that it watches.
+#[must_use]
+pub fn filmed(ready: Ready) -> (Film, Cell) {
     // The hands are on the arms, which show them.
     let mut film = Film::new().without(&["rnt-hand", "polycrank-hand"]);
     if let Some(plant) = ready.plant {
         film = film.with_block(TABLE_EDGES, table).with_block(EDGES, move || plant.world.body().pose);
     }
-    film.watch(ready.cell).run()?;
-    Ok(film)
+    let cell = film.watch(ready.cell);
+    (film, cell)
 }
 
 /// What is drawn of a sample.

@@ -4,13 +4,14 @@ use super::Value;
 
 /// `t = (v - b) / A + A / J` for each ramp; `D` is the sum of `(b + v) t / 2`.
 #[inline]
-pub(super) fn value(v: f64, bases: [f64; 2], held: [f64; 2], j: f64) -> Value {
+pub(super) fn value(v: f64, bases: [f64; 2], held: [f64; 2], per_j: f64) -> Value {
     let mut sum = Value::default();
     for (base, a) in bases.into_iter().zip(held) {
-        let t = (v - base) / a + a / j;
+        let per_a = 1.0 / a;
+        let t = (v - base) * per_a + a * per_j;
         sum.time += t;
         sum.way += 0.5 * (v + base) * t;
-        sum.way_slope += 0.5 * (t + (v + base) / a);
+        sum.way_slope += 0.5 * (t + (v + base) * per_a);
     }
     sum
 }

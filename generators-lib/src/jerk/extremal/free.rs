@@ -8,10 +8,17 @@ pub(super) fn smaller(w: f64, k: f64) -> f64 {
     if w > 0.0 { 0.5 * (w - k / w) } else { 0.0 }
 }
 
+/// The sum of `x` and the `y` that belongs to it.
+#[inline]
+pub(super) fn sum(x: f64, k: f64) -> f64 {
+    let y = (x * x + k).sqrt();
+    if x < 0.0 { k / (y - x) } else { x + y }
+}
+
 /// `T = 2 w / J`; `D = ((b + v) x + (v + o) y) / J = ((b + v) w - k y / J) / J`; `dD/dw = (b + v + x w / J) / J`.
 #[inline]
-pub(super) fn value(w: f64, base: f64, k: f64, j: f64) -> Value {
-    let i = 1.0 / j;
+pub(super) fn value(w: f64, base: f64, k: f64, per_j: f64) -> Value {
+    let i = per_j;
     let x = smaller(w, k);
     let sum = 2.0 * base + x * x * i;
     Value { time: 2.0 * w * i, way: (sum * w - k * i * (w - x)) * i, way_slope: (sum + x * w * i) * i }

@@ -1,8 +1,8 @@
 //! A piece of the curve, whichever of its kinds it is.
 
-use super::{both_held, cruising, free, one_held};
+use super::{both_held, free, one_held};
 
-/// Duration and way of the ramps, as the module's `T + a0 / J` and `D + c`, and their slopes by the piece's variable.
+/// Duration and way of the ramps, as the module's `T + a0 / J` and `D + c`, and the way's slope by the piece's variable.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Value {
     pub time: f64,
@@ -10,113 +10,132 @@ pub(super) struct Value {
     pub way_slope: f64,
 }
 
-/// What is held on a piece, and its variable `z`.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Kind {
-    /// Nothing; `z` is the sum of both peak accelerations [m/s^2]; `k` >= 0 is `J` times how
-    /// much higher `base` is than the other.
-    Free { base: f64, k: f64 },
-    /// The acceleration of the ramp at `other`; `z` is the peak acceleration of that at `base` [m/s^2].
-    OneHeld { base: f64, other: f64, held: f64, base_is_higher: bool },
+/// What is held on a piece, and by that its variable `z`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Held {
+    /// Nothing; `z` is the sum of both peak accelerations [m/s^2].
+    Nothing,
+    /// The acceleration of the ramp at the lower base; `z` is the peak acceleration of the other [m/s^2].
+    Lower,
+    /// The acceleration of the ramp at the higher base; `z` is the peak acceleration of the other [m/s^2].
+    Higher,
     /// Both; `z` is the peak velocity [m/s].
-    BothHeld { bases: [f64; 2], held: [f64; 2] },
+    Both,
     /// The velocity; `z` is how long \[s\].
-    Cruising { velocity: f64, before: Value },
+    Velocity,
 }
 
 /// A piece from one value of its variable to another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
-    kind: Kind,
+    pub held: Held,
     pub from: f64,
     pub to: f64,
-    pub from_value: Value,
-    pub to_value: Value,
 }
 
-impl Default for Piece {
-    fn default() -> Self {
-        let kind = Kind::Cruising { velocity: 0.0, before: Value::default() };
-        Piece { kind, from: 0.0, to: 0.0, from_value: Value::default(), to_value: Value::default() }
-    }
+/// The two ramps, that at the higher base and that at the lower.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ramps {
+    /// Where they begin and end [m/s].
+    pub higher: f64,
+    pub lower: f64,
+    /// `J` times how much higher the one is than the other [m^2/s^4].
+    pub k: f64,
+    /// Their accelerations where these are held [m/s^2], > 0.
+    pub held_higher: f64,
+    pub held_lower: f64,
+    /// The velocity that is held [m/s], > 0.
+    pub fastest: f64,
+    /// Jerk [m/s^3], and what it is divided by.
+    pub j: f64,
+    pub per_j: f64,
 }
 
-impl Piece {
-    /// Behind `before`, where there is a piece before this one.
-    pub fn new(kind: Kind, from: f64, to: f64, j: f64, before: Option<&Value>) -> Self {
-        let mut piece = Piece { kind, from, to, ..Piece::default() };
-        piece.from_value = before.copied().unwrap_or_else(|| piece.value(from, j));
-        piece.to_value = piece.value(to, j);
-        piece
-    }
-
+impl Ramps {
+    /// Not of the cruise, which goes on from what is before it.
     #[inline]
-    pub fn value(&self, z: f64, j: f64) -> Value {
-        match self.kind {
-            Kind::Free { base, k } => free::value(z, base, k, j),
-            Kind::OneHeld { base, other, held, .. } => one_held::value(z, base, other, held, j),
-            Kind::BothHeld { bases, held } => both_held::value(z, bases, held, j),
-            Kind::Cruising { velocity, ref before } => cruising::value(z, velocity, before),
+    pub fn value(&self, held: Held, z: f64) -> Value {
+        let Ramps { higher, lower, k, held_higher, held_lower, fastest, per_j, .. } = *self;
+        match held {
+            Held::Nothing => free::value(z, higher, k, per_j),
+            Held::Lower => one_held::value(z, higher, lower, held_lower, per_j),
+            Held::Higher => one_held::value(z, lower, higher, held_higher, per_j),
+            Held::Both => both_held::value(z, [higher, lower], [held_higher, held_lower], per_j),
+            Held::Velocity => Value { time: z, way: fastest * z, way_slope: fastest },
         }
     }
 
-    /// Where the duration is `time`.
-    pub fn at_time(&self, time: f64, j: f64) -> f64 {
-        let z = match self.kind {
-            Kind::Free { .. } => free::at_time(time, j),
-            Kind::OneHeld { base, other, held, .. } => one_held::at_time(time, base, other, held, j),
-            Kind::BothHeld { bases, held } => both_held::at_time(time, bases, held, j),
-            Kind::Cruising { ref before, .. } => time - before.time,
+    /// The duration alone; not of the cruise.
+    #[inline]
+    pub fn time(&self, held: Held, z: f64) -> f64 {
+        self.value(held, z).time
+    }
+
+    /// Where the duration is `time`; not of the cruise.
+    #[inline]
+    pub fn at_time(&self, piece: &Piece, time: f64) -> f64 {
+        let Ramps { higher, lower, held_higher, held_lower, j, .. } = *self;
+        let z = match piece.held {
+            Held::Nothing => free::at_time(time, j),
+            Held::Lower => one_held::at_time(time, higher, lower, held_lower, j),
+            Held::Higher => one_held::at_time(time, lower, higher, held_higher, j),
+            Held::Both => both_held::at_time(time, [higher, lower], [held_higher, held_lower], j),
+            Held::Velocity => time,
         };
-        z.max(self.from).min(self.to)
+        z.max(piece.from).min(piece.to)
     }
 
     /// Peak velocity [m/s], and how long it is held \[s\].
-    pub fn peak(&self, z: f64, j: f64) -> (f64, f64) {
-        match self.kind {
-            Kind::Free { base, k } => (base + free::smaller(z, k).powi(2) / j, 0.0),
-            Kind::OneHeld { base, .. } => (base + z * z / j, 0.0),
-            Kind::BothHeld { .. } => (z, 0.0),
-            Kind::Cruising { velocity, .. } => (velocity, z),
+    #[inline]
+    pub fn peak(&self, held: Held, z: f64) -> (f64, f64) {
+        match held {
+            Held::Nothing => (self.higher + free::smaller(z, self.k).powi(2) * self.per_j, 0.0),
+            Held::Lower => (self.higher + z * z * self.per_j, 0.0),
+            Held::Higher => (self.lower + z * z * self.per_j, 0.0),
+            Held::Both => (z, 0.0),
+            Held::Velocity => (self.fastest, z),
         }
     }
 
     /// Peak accelerations of the ramps at the higher and at the lower base, where the variable says them.
-    pub fn heights(&self, z: f64) -> [Option<f64>; 2] {
-        match self.kind {
-            Kind::Free { k, .. } => {
-                let x = free::smaller(z, k);
+    #[inline]
+    pub fn heights(&self, held: Held, z: f64) -> [Option<f64>; 2] {
+        match held {
+            Held::Nothing => {
+                let x = free::smaller(z, self.k);
                 [Some(x), Some(z - x)]
             }
-            Kind::OneHeld { base_is_higher: true, .. } => [Some(z), None],
-            Kind::OneHeld { base_is_higher: false, .. } => [None, Some(z)],
-            Kind::BothHeld { .. } | Kind::Cruising { .. } => [None, None],
+            Held::Lower => [Some(z), None],
+            Held::Higher => [None, Some(z)],
+            Held::Both | Held::Velocity => [None, None],
         }
     }
 
     /// Where the way may turn, in order; places outside the piece do not count.
-    pub fn turns(kind: &Kind, j: f64) -> [f64; 2] {
-        match *kind {
-            Kind::Free { base, k } => free::turns(base, k, j),
-            Kind::OneHeld { base, held, .. } => one_held::turns(base, held, j),
-            Kind::BothHeld { held, .. } => both_held::turns(held, j),
-            Kind::Cruising { .. } => [f64::NAN; 2],
+    pub fn turns(&self, held: Held) -> [f64; 2] {
+        let Ramps { higher, lower, k, held_higher, held_lower, j, .. } = *self;
+        match held {
+            Held::Nothing => free::turns(higher, k, j),
+            Held::Lower => one_held::turns(higher, held_lower, j),
+            Held::Higher => one_held::turns(lower, held_higher, j),
+            Held::Both => both_held::turns([held_higher, held_lower], j),
+            Held::Velocity => [f64::NAN; 2],
         }
     }
 
-    /// Where the way, which rises or falls throughout, passes `target`: Newton's iteration, kept in a bracket.
-    pub fn crossing(&self, target: f64, j: f64) -> f64 {
-        if let Kind::Cruising { velocity, ref before } = self.kind {
-            return ((target - before.way) / velocity).max(0.0);
-        }
-        let rising = self.to_value.way >= self.from_value.way;
-        let (mut low, mut high) = (self.from, self.to);
-        let range = self.to_value.way - self.from_value.way;
-        let share = ((target - self.from_value.way) / range).clamp(0.0, 1.0);
+    /// Where the way, which rises or falls throughout from one value to the other, passes `target`: Newton's iteration, kept
+    /// in a bracket.
+    #[inline]
+    pub fn crossing(&self, piece: &Piece, ends: [&Value; 2], target: f64) -> f64 {
+        let [first, last] = ends.map(|value| value.way);
+        let rising = last >= first;
+        let (mut low, mut high) = (piece.from, piece.to);
+        let range = last - first;
+        let share = ((target - first) / range).clamp(0.0, 1.0);
         // The way grows with a power between 1 and 3 of the variable.
         let mut z = if range == 0.0 { low } else { low + (high - low) * share.sqrt() };
         for _ in 0..100 {
-            let value = self.value(z, j);
+            let value = self.value(piece.held, z);
             let residual = value.way - target;
             if residual == 0.0 {
                 return z;

@@ -166,7 +166,7 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
                     (acceptor.position, acceptor.demanded, acceptor.period) = (q, q, T);
                     (acceptor.velocity, acceptor.path_velocity) = (v, held);
                     for _ in 0..20 {
-                        acceptor.extrapolate(T);
+                        let _ = acceptor.extrapolate(T);
                     }
                     let mut braking = acceptor.braking();
                     while !braking.is_over() {

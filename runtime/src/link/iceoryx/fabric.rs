@@ -85,6 +85,11 @@ impl Fabric {
         Rc::clone(&self.woken)
     }
 
+    /// How many ports and boards connect the processes.
+    pub const fn ways(&self) -> usize {
+        self.planned.len()
+    }
+
     /// A hash of the processes and of what connects them: processes that disagree about it are of different programs.
     pub fn fingerprint(&self) -> u64 {
         let names = self.places.iter().fold(LAYOUT, |hash, place| layout_hash(hash, &place.to_string()));

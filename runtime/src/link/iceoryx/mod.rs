@@ -9,6 +9,8 @@ mod bell;
 mod fabric;
 mod ports;
 mod samples;
+#[cfg(test)]
+mod tests;
 mod waiter;
 
 pub(crate) use super::envelope::Seal;

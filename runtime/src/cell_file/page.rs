@@ -1,0 +1,45 @@
+//! The page of the book about `cell.toml`, beside what the reader knows.
+
+use super::CellFile;
+use super::reader::{CELL_KEYS, POSE_KEYS, REALTIME_KEYS, RECORDING_KEYS, ROBOT_KEYS, SENSOR_KEYS};
+
+const PAGE: &str = include_str!("../../../docs/src/cell.md");
+
+/// The keys of each table, in the order of the page, and what the page calls it.
+const TABLES: [(&str, &[&str]); 6] = [
+    ("## The cell", &CELL_KEYS),
+    ("## A robot", &ROBOT_KEYS),
+    ("A pose is", &POSE_KEYS),
+    ("## A virtual sensor", &SENSOR_KEYS),
+    ("## `[realtime]`", &REALTIME_KEYS),
+    ("## `[recording]`", &RECORDING_KEYS),
+];
+
+#[test]
+fn every_key_that_the_reader_knows_and_no_other_is_in_the_page_about_the_cell_file() {
+    let mut rest = PAGE;
+    for (i, (title, keys)) in TABLES.iter().enumerate() {
+        let (_, after) = rest.split_once(title).unwrap_or_else(|| panic!("no part {title}"));
+        let end = TABLES.get(i + 1).map_or(after.len(), |(next, _)| after.find(next).unwrap_or(0));
+        let told = after[..end].lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+        let mut told: Vec<_> = told.collect();
+        let mut known = keys.to_vec();
+        told.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(told, known, "{title}");
+        rest = after;
+    }
+}
+
+#[test]
+fn the_example_of_the_page_is_a_cell_file_that_has_every_key() {
+    let example =
+        PAGE.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+    CellFile::parse("cell.md", example).expect("nothing is wrong with it");
+    for (_, keys) in TABLES {
+        for key in keys {
+            let is_there = [format!("{key} = "), format!("[{key}")].iter().any(|form| example.contains(form));
+            assert!(is_there, "{key}");
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! What a launch refuses before anything moves, and what another user of the machine can do to a cell that runs.
+
+use std::fs::{File, OpenOptions};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::launch::{Place, segments};
+use crate::program::OTHER;
+use crate::tests::{MEMORY, PROCESSES, REAL, ROBOTS, VIRTUAL};
+
+pub const TESTS: [(&str, fn()); 5] = [
+    (
+        "fault_29_a_second_edp_of_a_robot_takes_no_part_and_disturbs_nothing",
+        fault_29_a_second_edp_of_a_robot_takes_no_part_and_disturbs_nothing,
+    ),
+    (
+        "fault_31_a_process_of_another_program_is_refused_before_anything_moves",
+        fault_31_a_process_of_another_program_is_refused_before_anything_moves,
+    ),
+    (
+        "fault_35_too_few_open_files_are_refused_with_what_to_change",
+        fault_35_too_few_open_files_are_refused_with_what_to_change,
+    ),
+    (
+        "fault_35_shared_memory_that_is_full_is_refused_with_what_to_change",
+        fault_35_shared_memory_that_is_full_is_refused_with_what_to_change,
+    ),
+    (
+        "fault_38_another_user_can_neither_read_nor_write_nor_remove_what_the_cell_shares",
+        fault_38_another_user_can_neither_read_nor_write_nor_remove_what_the_cell_shares,
+    ),
+];
+
+fn fault_29_a_second_edp_of_a_robot_takes_no_part_and_disturbs_nothing() {
+    let place = Place::new(30);
+    let mut launch = place.start("first", VIRTUAL);
+    while launch.processes().len() < PROCESSES.len() {
+        launch.let_run(Duration::from_millis(1));
+    }
+    let session = place.sessions().into_iter().next().expect("a session");
+    let session = place.base().join(session);
+    let second = place.program(&["edp", "left", "--session"]).arg(session).stdin(Stdio::null()).status();
+    assert!(!second.expect("it starts").success());
+    assert!(launch.end().success(), "{}", launch.said());
+    let mut alone = place.start("alone", MEMORY);
+    assert!(alone.end().success());
+    for robot in ROBOTS {
+        assert_eq!(launch.record(robot), alone.record(robot), "{robot}");
+    }
+}
+
+fn fault_31_a_process_of_another_program_is_refused_before_anything_moves() {
+    let place = Place::new(31);
+    let mut launch = place.start_for(OTHER, "other", REAL);
+    assert_eq!(launch.end().code(), Some(2));
+    let said = launch.said();
+    assert!(said.contains("edp left sees another cell than its launcher\n help: "), "{said}");
+    assert!(ROBOTS.iter().all(|robot| launch.record(robot).is_empty()));
+    launch.assert_nothing_left(&[]);
+}
+
+/// Runs the cell after something was done by a shell; how it ended, and what it said.
+fn after(place: &Place, shell: &str) -> (Option<i32>, String) {
+    let program = place.program(REAL);
+    let mut command = Command::new("unshare");
+    command.args(["--mount", "sh", "-c", &format!("{shell} && exec \"$@\""), "sh"]);
+    command.arg(program.get_program()).args(program.get_args());
+    command.current_dir(program.get_current_dir().expect("a place"));
+    command.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    let output = command.output().expect("it starts");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Whether this user may have mounts of its own.
+fn may_mount() -> bool {
+    Command::new("unshare").args(["--mount", "true"]).status().is_ok_and(|status| status.success())
+}
+
+fn fault_35_too_few_open_files_are_refused_with_what_to_change() {
+    if !may_mount() {
+        return println!("skipped: needs unshare");
+    }
+    let place = Place::new(32);
+    let (status, said) = after(&place, "ulimit -n 24");
+    assert!(
+        status == Some(2) && said.contains("error: a process may open 24 files, one of this cell needs "),
+        "{said}"
+    );
+    assert!(said.contains("\n help: ulimit -n "), "{said}");
+    // What it may raise it raises itself.
+    let (status, said) = after(&place, "ulimit -S -n 24");
+    assert!(status == Some(0) || crate::tests::is_late(&said), "{status:?}: {said}");
+}
+
+fn fault_35_shared_memory_that_is_full_is_refused_with_what_to_change() {
+    if !may_mount() {
+        return println!("skipped: only root can have shared memory of its own");
+    }
+    let place = Place::new(33);
+    let (status, said) = after(&place, "mount -t tmpfs -o size=256k tmpfs /dev/shm");
+    assert!(
+        status == Some(2) && said.contains("error: /dev/shm has 256 kB free, the cell needs "),
+        "{status:?}: {said}"
+    );
+    assert!(said.contains("\n help: "), "{said}");
+    assert!(place.sessions().is_empty());
+}
+
+fn fault_38_another_user_can_neither_read_nor_write_nor_remove_what_the_cell_shares() {
+    if !rustix::process::geteuid().is_root() {
+        return println!("skipped: only root can be another user");
+    }
+    let place = Place::new(34);
+    let mut launch = place.start("shared", VIRTUAL);
+    while launch.record("left").len() < 10 && launch.end_if_over().is_none() {
+        launch.let_run(Duration::from_millis(1));
+    }
+    let session = place.sessions().into_iter().next().expect("a session");
+    let shared = segments(&session);
+    // A folder of the session's files, which nobody else can list or enter.
+    let folder = place.base().join(&session);
+    let tried = std::thread::scope(|scope| {
+        let tries = || {
+            let user = rustix::process::Uid::from_raw(1234);
+            rustix::thread::set_thread_res_uid(user, user, user).expect("another user");
+            let mut opened = Vec::new();
+            for path in shared.iter().map(|name| Path::new("/dev/shm").join(name)) {
+                let done = [
+                    ("read", File::open(&path).is_ok()),
+                    ("written", OpenOptions::new().write(true).open(&path).is_ok()),
+                    ("removed", std::fs::remove_file(&path).is_ok()),
+                ];
+                opened.extend(done.into_iter().filter(|(_, is)| *is).map(|(what, _)| (what, path.clone())));
+            }
+            opened.extend(std::fs::read_dir(&folder).is_ok().then(|| ("listed", folder.clone())));
+            opened
+        };
+        scope.spawn(tries).join().expect("no panic")
+    });
+    assert!(launch.end().success(), "{}", launch.said());
+    assert!(!shared.is_empty() && tried.is_empty(), "{} segments: {tried:?}", shared.len());
+    println!("{} segments of shared memory tried as user 1234", shared.len());
+}
