@@ -381,6 +381,54 @@ fn a_guard_that_still_sees_what_it_forbids_lets_no_reset_pass() {
 }
 
 #[test]
+fn fault_40_a_guard_that_panicked_forbids_every_reset_and_says_so() {
+    let ((robot, trace), (other, _)) = (gantry("g"), gantry("other"));
+    let (told, runs) = (Rc::new(RefCell::new(Vec::new())), Rc::new(Shared::new(0)));
+    let (keep, count) = (Rc::clone(&told), Rc::clone(&runs));
+    let mut steps = 0;
+    let fault = fault(
+        Cell::new(MS)
+            .robot(robot)
+            .robot(other)
+            .guard(1, |robots| {
+                assert!(robots[0].demanded.joints[0] < 0.1, "no place for this robot");
+                Ok(())
+            })
+            .after_fault(AfterFault::AwaitReset)
+            .on_step(move |_, operator| {
+                if !matches!(operator.latch(), Latch::Latched | Latch::Acknowledged) {
+                    return;
+                }
+                steps += 1;
+                // What forbids a reset is known from the first step on in which the cell is latched.
+                if steps == 2 {
+                    operator.acknowledge().expect("latched");
+                }
+                if steps > 1 {
+                    let persisting = operator.persisting().map(|fault| fault.kind());
+                    keep.borrow_mut().push((persisting, operator.reset()));
+                }
+                if steps >= 4 {
+                    operator.give_up();
+                }
+            })
+            .program(move |mp| {
+                count.set(count.get() + 1);
+                let (mut g, mut other) = (mp.robot("g")?, mp.robot("other")?);
+                mp.move_robots((&mut g, &mut other), (), Mirror::to(0.4, None)).map(drop)
+            })
+            .run(),
+    );
+    assert_eq!(fault.kind(), FaultKind::GeneratorPanicked, "{fault}");
+    let refused = (Some(FaultKind::GeneratorPanicked), Err(LatchRefusal::CausePersists));
+    assert_eq!(*told.borrow(), [refused, refused, refused]);
+    assert_eq!(runs.get(), 1);
+    let trace = trace.borrow();
+    let stopped = trace.iter().position(|q| *q == trace[trace.len() - 1]).expect("it stands");
+    assert!(stands(&trace, stopped, trace.len()));
+}
+
+#[test]
 fn fault_36_a_protective_stop_of_the_operator_in_any_step_stops_both_robots_on_their_path_and_latches() {
     for at in (1..1005).step_by(37) {
         let seen = run(AfterFault::End, u64::MAX, move |step, operator| {
