@@ -93,25 +93,12 @@ impl<T: Wire> AnyShown for Shown<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use core::cell::RefCell;
-
-    /// A board that is a cell.
-    #[derive(Default)]
-    struct Slate(RefCell<Option<Message>>);
-
-    impl Board for Slate {
-        fn write(&self, message: &Message) {
-            *self.0.borrow_mut() = Some(*message);
-        }
-        fn read(&self, message: &mut Message) -> bool {
-            self.0.borrow().as_ref().map(|shown| message.copy_from(shown)).is_some()
-        }
-    }
+    use crate::link::memory::MemoryBoard;
 
     #[test]
     fn what_one_process_sets_another_one_reads_and_what_is_no_value_is_no_news() {
         let (sets, reads) = (Shown::new((0.5_f64).to_bits()), Shown::new(7_u64));
-        let slate = Rc::<Slate>::default();
+        let slate = Rc::<MemoryBoard>::default();
         sets.pass_on(Rc::clone(&slate) as Rc<dyn Board>);
         reads.pass_on(Rc::clone(&slate) as Rc<dyn Board>);
         assert_eq!(reads.get(), 7);

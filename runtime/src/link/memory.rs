@@ -193,7 +193,7 @@ impl Link for Scheduler {
     }
 
     fn board(&mut self, _: usize, _: usize) -> Rc<dyn Board> {
-        Rc::new(MemoryBoard(RefCell::new(None)))
+        Rc::new(MemoryBoard::default())
     }
 
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
@@ -294,7 +294,9 @@ impl Server for MemoryServer {
     }
 }
 
-struct MemoryBoard(RefCell<Option<Message>>);
+/// A board that is a cell.
+#[derive(Default)]
+pub struct MemoryBoard(pub RefCell<Option<Message>>);
 
 impl Board for MemoryBoard {
     fn write(&self, message: &Message) {

@@ -9,6 +9,7 @@ use super::drives::{Commands, Drives};
 use super::{Part, Rest};
 use crate::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::fault::{FaultKind, ProcessId, Role};
+use crate::link::memory::MemoryBoard;
 use crate::link::{Board, Nanos, Server};
 use crate::message::{Kind, Message};
 use crate::name::Name;
@@ -60,19 +61,6 @@ impl Driver<Slide> for Exact {
     }
 }
 
-/// A board that is a cell.
-#[derive(Default)]
-struct Slate(RefCell<Option<Message>>);
-
-impl Board for Slate {
-    fn write(&self, message: &Message) {
-        *self.0.borrow_mut() = Some(*message);
-    }
-    fn read(&self, message: &mut Message) -> bool {
-        self.0.borrow().as_ref().map(|shown| message.copy_from(shown)).is_some()
-    }
-}
-
 /// A port whose requests and replies are lists.
 #[derive(Clone, Default)]
 struct Lists(Rc<RefCell<(Vec<Message>, Vec<Message>)>>);
@@ -101,14 +89,14 @@ fn command(period: u64, demanded: f64) -> Message {
 /// Drives in real time: their commands, their readings, and what the drive was told.
 struct Bench {
     drives: Drives<Slide>,
-    commands: Rc<Slate>,
-    readings: Rc<Slate>,
+    commands: Rc<MemoryBoard>,
+    readings: Rc<MemoryBoard>,
     told: Rc<RefCell<Vec<Told>>>,
 }
 
 impl Bench {
     fn new(trips_at: Option<f64>) -> Bench {
-        let (commands, readings) = (Rc::<Slate>::default(), Rc::<Slate>::default());
+        let (commands, readings) = (Rc::<MemoryBoard>::default(), Rc::<MemoryBoard>::default());
         let free =
             Commands::Free(Rc::clone(&commands) as Rc<dyn Board>, Rc::clone(&readings) as Rc<dyn Board>);
         let (drives, told) = drives(free, trips_at);
