@@ -17,6 +17,8 @@ use crate::pose::Pose;
 use crate::robot::{CoupledLimit, Limits, NoInverse, Robot};
 use crate::together::{self, BrakingLaw, Screw};
 
+use catching_up::{CatchingUp, Late};
+
 /// Deviation of a quaternion's norm from 1 below which a rotation is taken, normalised.
 const FRAME_TOLERANCE: f64 = 1e-6;
 /// Relative excess over a limit that is round-off.
@@ -49,6 +51,33 @@ struct Standstill<J> {
     position: J,
     /// A time for the way there in which no joint is faster than at its beginning \[s\].
     time: f64,
+}
+
+/// The path as its demands tell it.
+#[derive(Clone, Copy, Debug)]
+struct Path<J> {
+    /// Demanded last.
+    position: J,
+    /// The mean velocity up to there, and of which time it is the mean \[s\].
+    velocity: J,
+    span: f64,
+    /// For how long demands have been missing since \[s\], and whether that was bridged on a screw.
+    missing: f64,
+    on_screw: bool,
+}
+
+impl<J> Path<J> {
+    const fn after(position: J, velocity: J, span: f64) -> Self {
+        Path { position, velocity, span, missing: 0.0, on_screw: false }
+    }
+}
+
+/// A state for the end of a step.
+struct Next<J> {
+    position: J,
+    velocity: J,
+    path: Path<J>,
+    off_path: Option<CatchingUp<J>>,
 }
 
 /// How fast the rate may change without breaking a limit.
@@ -85,11 +114,9 @@ pub(crate) struct Acceptor<R: Robot> {
     position: R::Joints,
     velocity: R::Joints,
     acceleration: R::Joints,
-    /// Joint positions demanded last, the path's mean velocity up to there, and for how long demands have been
-    /// missing since \[s\].
-    demanded: R::Joints,
-    path_velocity: R::Joints,
-    missing: f64,
+    path: Path<R::Joints>,
+    /// What is known of the path while the robot is not on it: late demands leave it so.
+    off_path: Option<CatchingUp<R::Joints>>,
     /// Joint positions at the start of the motion, and the flange's pose there once a displacement asks for it.
     origin: R::Joints,
     start: Option<Pose>,
@@ -115,9 +142,8 @@ impl<R: Robot> Acceptor<R> {
             position,
             velocity: zeros,
             acceleration: zeros,
-            demanded: position,
-            path_velocity: zeros,
-            missing: 0.0,
+            path: Path::after(position, zeros, 0.0),
+            off_path: None,
             origin: position,
             start: None,
             starting: false,
@@ -129,12 +155,16 @@ impl<R: Robot> Acceptor<R> {
         }
     }
 
-    pub const fn position(&self) -> &R::Joints {
-        &self.position
+    /// The state demanded last: where the path is, for a robot that is still on its way back to it.
+    pub fn demanded(&self) -> (R::Joints, R::Joints) {
+        match &self.off_path {
+            Some(path) => (self.path.position + path.velocity * self.path.missing, path.velocity),
+            None => (self.position, self.velocity),
+        }
     }
 
-    pub const fn velocity(&self) -> &R::Joints {
-        &self.velocity
+    pub const fn is_on_path(&self) -> bool {
+        self.off_path.is_none()
     }
 
     pub const fn tool(&self) -> &Pose {
@@ -152,30 +182,38 @@ impl<R: Robot> Acceptor<R> {
         self.velocity.as_slice().iter().all(|v| v.abs() <= 1e-9)
     }
 
-    /// Whether the robot may simply stay at the state demanded last: a motion that ends at rest leaves the
+    /// Whether the path may simply stay at the state demanded last: a motion that ends at rest leaves the
     /// velocity of its last step, which one step takes away within the limits.
     pub fn can_hold(&self, duration: f64) -> bool {
         let zeros = R::Joints::zeros();
-        let acceleration = (zeros - self.velocity) * duration.recip();
-        self.check(&self.position, &zeros, &zeros, &acceleration, duration).is_ok()
+        let (position, velocity) = self.demanded();
+        let acceleration = (zeros - velocity) * duration.recip();
+        self.check(&position, &zeros, &zeros, &acceleration, duration).is_ok()
     }
 
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
-        (self.origin, self.start, self.starting) = (self.position, None, true);
+        (self.origin, self.start, self.starting) = (self.demanded().0, None, true);
         if self.is_at_rest() {
             self.path_speed = R::Joints::zeros();
         }
     }
 
     /// Stay: the state demanded last is demanded again. The path's speed is kept: a robot whose ECP transmits orders is
-    /// held so in a suspension.
-    pub fn hold(&mut self, duration: f64) -> AcceptedDemand<R> {
+    /// held so in a suspension. One that is off its path comes back to it.
+    ///
+    /// # Errors
+    /// The limit that the way back would break; nothing is changed then.
+    pub fn hold(&mut self, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
+        if !self.is_on_path() {
+            let next = self.next(&self.path.position, duration)?;
+            return Ok(self.take(next, duration));
+        }
         let zeros = R::Joints::zeros();
         self.acceleration = (zeros - self.velocity) * duration.recip();
         self.velocity = zeros;
-        (self.demanded, self.path_velocity, self.missing) = (self.position, zeros, 0.0);
-        AcceptedDemand::new(self.position)
+        self.path = Path::after(self.position, zeros, duration);
+        Ok(AcceptedDemand::new(self.position))
     }
 
     /// A demand was lost: the path's velocity is held, an acceleration fades as fast as the jerk limit allows.
@@ -185,11 +223,13 @@ impl<R: Robot> Acceptor<R> {
                 let a = self.acceleration[i];
                 a - a.signum() * a.abs().min(jerk[i] * duration)
             }),
+            // On its way back to the path, a robot is not as fast as that.
+            None if !self.is_on_path() => R::Joints::zeros(),
             // The robot's own velocity, after earlier losses, is that of catching up: held, it would swing to
             // and fro. Back to the path's takes (n - 1) / n of the acceleration that catching up took in n steps.
-            None => (self.path_velocity - self.velocity) * duration.recip(),
+            None => (self.path.velocity - self.velocity) * duration.recip(),
         };
-        self.missing += duration;
+        self.path.missing += duration;
         self.velocity = self.velocity + self.acceleration * duration;
         self.position = self.position + self.velocity * duration;
         self.period = duration;
@@ -209,7 +249,7 @@ impl<R: Robot> Acceptor<R> {
         let (position, velocity) = braking.advance(duration);
         self.acceleration = (velocity - self.velocity) * duration.recip();
         (self.position, self.velocity) = (position, velocity);
-        (self.demanded, self.path_velocity, self.missing) = (position, velocity, 0.0);
+        (self.path, self.off_path) = (Path::after(position, velocity, duration), None);
         AcceptedDemand::new(position)
     }
 
@@ -228,7 +268,7 @@ impl<R: Robot> Acceptor<R> {
                 let text = "a redundancy is chosen for a pose or a displacement, not for joint positions";
                 return Err(Fault::thrown(text));
             }
-            Coordinates::Hold => self.position,
+            Coordinates::Hold => self.demanded().0,
             Coordinates::Joints(joints) => *joints,
             Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool, redundancy)?,
             Coordinates::Displacement(displacement) => {
@@ -240,27 +280,88 @@ impl<R: Robot> Acceptor<R> {
         if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
             return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
         }
-        let per_second = duration.recip();
-        let velocity = (position - self.position) * per_second;
-        let acceleration = (velocity - self.velocity) * per_second;
-        let path_velocity = (position - self.demanded) * (self.missing + duration).recip();
-        let checked = self.check(&position, &velocity, &path_velocity, &acceleration, duration);
-        let stop = checked.map_err(|fault| match self.disagreement(demand, &position, &tool) {
-            Some(disagreement) => disagreement,
-            None => self.beside_singularity(demand, fault),
+        let next = self.next(&position, duration).map_err(|fault| {
+            let disagreement = self.disagreement(demand, &position, &tool);
+            disagreement.unwrap_or_else(|| self.beside_singularity(demand, fault))
         })?;
-        self.check_coupled(&position, &stop, duration)
-            .map_err(|fault| self.beside_singularity(demand, fault))?;
         (self.rate, self.period, self.starting) = (dt / duration, duration, false);
-        self.bridged = self.missing / duration;
+        self.bridged = self.path.missing / duration;
+        self.tool = tool;
+        let accepted = self.take(next, duration);
         // Near rate 0 the quotient is round-off.
         if self.rate > 1e-3 {
+            let (_, velocity) = self.demanded();
             self.path_speed = R::Joints::from_joints(|i| velocity[i].abs() / self.rate);
         }
-        (self.position, self.velocity, self.acceleration, self.tool) =
-            (position, velocity, acceleration, tool);
-        (self.demanded, self.path_velocity, self.missing) = (position, path_velocity, 0.0);
-        Ok(AcceptedDemand::new(position))
+        Ok(accepted)
+    }
+
+    /// The state at the end of a step in which the path goes to `demand`: there, or, where demands were late and the limits
+    /// do not allow that, on the way back to the path.
+    fn next(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
+        let was_late = !self.is_on_path() || self.path.missing > 0.0 && !self.path.on_screw;
+        match self.there(demand, duration) {
+            Ok(next) if self.is_on_path() => Ok(next),
+            there if was_late && self.robot.limits().jerk.is_none() => {
+                self.back(demand, duration)?.map_or(there, Ok)
+            }
+            there => there,
+        }
+    }
+
+    /// The state at a demand.
+    fn there(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
+        let velocity = (*demand - self.position) * duration.recip();
+        let path = self.path_to(demand, duration);
+        let next = Next { position: *demand, velocity, path, off_path: None };
+        self.check_next(&next, &path.velocity, duration)?;
+        Ok(next)
+    }
+
+    /// A state on the way back to the path; none where that is too far.
+    fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<Next<R::Joints>>, Fault> {
+        let path = self.path_to(demand, duration);
+        // Both velocities are those of the middles of their times.
+        let acceleration = (path.velocity - self.path.velocity) * (0.5 * (path.span + self.path.span)).recip();
+        self.check(demand, &path.velocity, &path.velocity, &acceleration, duration)?;
+        let late = Late {
+            position: &self.position,
+            velocity: &self.velocity,
+            demand,
+            before: &self.path.position,
+            path_velocity: &path.velocity,
+            path_acceleration: &acceleration,
+            time: path.span,
+            duration,
+        };
+        let Some((position, off_path)) = CatchingUp::next(self.off_path.as_ref(), &late, self.robot.limits()) else {
+            return Ok(None);
+        };
+        let velocity = (position - self.position) * duration.recip();
+        let next = Next { position, velocity, path, off_path };
+        self.check_next(&next, &velocity, duration)?;
+        Ok(Some(next))
+    }
+
+    /// The path once it has come to `demand`.
+    fn path_to(&self, demand: &R::Joints, duration: f64) -> Path<R::Joints> {
+        let span = self.path.missing + duration;
+        Path::after(*demand, (*demand - self.path.position) * span.recip(), span)
+    }
+
+    /// The limits of a state; `held` is the velocity that is held when the demands after it are lost.
+    fn check_next(&self, next: &Next<R::Joints>, held: &R::Joints, duration: f64) -> Result<(), Fault> {
+        let acceleration = (next.velocity - self.velocity) * duration.recip();
+        let stop = self.check(&next.position, &next.velocity, held, &acceleration, duration)?;
+        self.check_coupled(&next.position, &stop, duration)
+    }
+
+    /// A state that has been checked is the present one.
+    fn take(&mut self, next: Next<R::Joints>, duration: f64) -> AcceptedDemand<R> {
+        self.acceleration = (next.velocity - self.velocity) * duration.recip();
+        (self.position, self.velocity) = (next.position, next.velocity);
+        (self.path, self.off_path) = (next.path, next.off_path);
+        AcceptedDemand::new(next.position)
     }
 
     /// Limits that joints share, on the way to a position and from there to the standstill.
@@ -283,7 +384,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// The displacement of the last step in the world, as the path's mean velocity makes it.
     pub fn screw(&self, duration: f64) -> Screw {
-        let before = self.position - self.path_velocity * duration;
+        let before = self.position - self.path.velocity * duration;
         Screw::between(&self.robot.forward(&before), &self.robot.forward(&self.position))
     }
 
@@ -295,7 +396,7 @@ impl<R: Robot> Acceptor<R> {
     pub fn go_on(&mut self, D: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
         let (position, velocity) = self.displaced(D, duration)?;
         self.acceleration = (velocity - self.velocity) * duration.recip();
-        self.missing += duration;
+        (self.path.missing, self.path.on_screw) = (self.path.missing + duration, true);
         (self.position, self.velocity, self.period) = (position, velocity, duration);
         Ok(AcceptedDemand::new(position))
     }
@@ -307,7 +408,7 @@ impl<R: Robot> Acceptor<R> {
     #[allow(non_snake_case)]
     pub fn slow_down(&mut self, D: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
         let accepted = self.go_on(D, duration)?;
-        (self.demanded, self.path_velocity, self.missing) = (self.position, self.velocity, 0.0);
+        (self.path, self.off_path) = (Path::after(self.position, self.velocity, duration), None);
         Ok(accepted)
     }
 
@@ -588,6 +689,8 @@ fn valid_frame(pose: &Pose) -> Result<Pose, Fault> {
     }
     Ok(Pose::from_parts(pose.translation, UnitQuaternion::new_normalize(pose.rotation.into_inner())))
 }
+
+mod catching_up;
 
 #[cfg(test)]
 mod tests;

@@ -112,14 +112,14 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     /// The demand of the step that begins: the one that came, or what replaces it.
-    fn next_demand(&mut self) -> AcceptedDemand<R> {
+    pub(super) fn next_demand(&mut self) -> AcceptedDemand<R> {
         // A demand accepted before a stop is still the state that the stop begins at.
         if let Some(next) = self.next.take() {
             return next;
         }
         let step = self.config.step.as_secs_f64();
         match &mut self.mode {
-            Mode::Holding | Mode::Off => self.acceptor.hold(step),
+            Mode::Holding | Mode::Off => self.hold(step),
             Mode::Moving { missed } => {
                 *missed = missed.saturating_add(1);
                 let missed = *missed;
@@ -132,15 +132,9 @@ impl<R: Robot> Edp<'_, R> {
             }
             Mode::OnScrew(braking) => match braking.advance(step) {
                 Some(displacement) => self.slow_down(&displacement, step),
-                None => {
-                    self.mode = Mode::Holding;
-                    self.acceptor.hold(step)
-                }
+                None => self.hold(step),
             },
-            Mode::Braking(braking) if braking.is_over() => {
-                self.mode = Mode::Holding;
-                self.acceptor.hold(step)
-            }
+            Mode::Braking(braking) if braking.is_over() => self.hold(step),
             Mode::Braking(braking) => self.acceptor.brake(braking, step),
         }
     }

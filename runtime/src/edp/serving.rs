@@ -153,7 +153,7 @@ impl<R: Robot> Edp<'_, R> {
             if self.request.is(flag::WANT_STATE) {
                 reply.header.flags |= flag::STATE;
                 reply.header.len = RobotImage::<R>::LEN as u32;
-                let (q, v) = (*self.acceptor.position(), *self.acceptor.velocity());
+                let (q, v) = self.acceptor.demanded();
                 let demanded = RobotState { joints: q, velocity: v, pose: self.acceptor.tool_pose(&q) };
                 let q = self.measured.position;
                 let measured = RobotState {

@@ -40,13 +40,24 @@ impl<R: Robot> Edp<'_, R> {
         accepted
     }
 
+    /// The robot stays where it was demanded last, and comes there first where it is not.
+    pub(super) fn hold(&mut self, step: f64) -> AcceptedDemand<R> {
+        let held = self.acceptor.hold(step);
+        self.mode = match held {
+            Ok(_) => Mode::Holding,
+            Err(_) => Mode::Braking(self.acceptor.braking()),
+        };
+        held.unwrap_or_else(|_| self.next_demand())
+    }
+
     /// A motion ends, or its path time stands still: a robot that may hold does, so that it is where the path is.
     pub(super) fn come_to_hold(&mut self) {
-        let moves = matches!(self.mode, Mode::Moving { .. });
-        if moves && self.acceptor.can_hold(self.config.step.as_secs_f64()) {
-            self.mode = Mode::Holding;
-        } else {
-            self.brake();
+        match self.mode {
+            Mode::Moving { .. } if self.acceptor.can_hold(self.config.step.as_secs_f64()) => {
+                self.mode = Mode::Holding;
+            }
+            Mode::Moving { .. } => self.brake(),
+            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
         }
     }
 
@@ -59,7 +70,7 @@ impl<R: Robot> Edp<'_, R> {
         {
             return Mode::OnScrew(ScrewBraking::new(screw, law));
         }
-        if self.acceptor.can_hold(step) {
+        if self.acceptor.is_on_path() && self.acceptor.can_hold(step) {
             return Mode::Holding;
         }
         Mode::Braking(self.acceptor.braking())

@@ -184,9 +184,9 @@ fn a_motion_ends_at_once_where_one_step_takes_its_speed_away() {
     assert!(matches!(edp.mode, Mode::Braking(_)));
     // The law leaves 8e-3 m/s after 1 ms and stands after 1.8 ms.
     edp.begin_step();
-    assert!((edp.acceptor.velocity()[0] - 8e-3).abs() < 1e-12 && matches!(edp.mode, Mode::Braking(_)));
+    assert!((edp.acceptor.demanded().1[0] - 8e-3).abs() < 1e-12 && matches!(edp.mode, Mode::Braking(_)));
     edp.begin_step();
-    assert_eq!(edp.acceptor.velocity()[0], 0.0);
+    assert_eq!(edp.acceptor.demanded().1[0], 0.0);
     edp.begin_step();
     assert!(matches!(edp.mode, Mode::Holding));
 }
@@ -214,7 +214,7 @@ fn a_stopped_robot_with_brakes_has_no_power_and_begins_where_it_sagged_to() {
     assert_eq!((reply.header.kind, told.take()), (Kind::Reply, vec!["off", "on", "usual"]));
     assert!(matches!(edp.mode, Mode::Holding) && edp.fault.is_none());
     assert_eq!(
-        (edp.acceptor.position()[0], edp.commanded[0], edp.interpolation.goal()[0]),
+        (edp.acceptor.demanded().0[0], edp.commanded[0], edp.interpolation.goal()[0]),
         (0.25, 0.25, 0.25)
     );
     assert!(edp.is_at_standstill());
@@ -245,7 +245,7 @@ fn drives_that_held_all_the_time_go_on_holding_what_they_were_told_unless_they_d
         ask(&mut edp, RequestKind::Stop, 0, 0);
         assert!(matches!(edp.mode, Mode::Holding));
         assert_eq!(ask(&mut edp, RequestKind::Reset, 0, 1).header.kind, Kind::Reply);
-        assert_eq!((edp.acceptor.position()[0], edp.commanded[0]), (begins, begins));
+        assert_eq!((edp.acceptor.demanded().0[0], edp.commanded[0]), (begins, begins));
     }
 }
 

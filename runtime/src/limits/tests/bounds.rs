@@ -163,8 +163,8 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
                         continue;
                     }
                     kept += 1;
-                    (acceptor.position, acceptor.demanded, acceptor.period) = (q, q, T);
-                    (acceptor.velocity, acceptor.path_velocity) = (v, held);
+                    (acceptor.position, acceptor.path.position, acceptor.period) = (q, q, T);
+                    (acceptor.velocity, acceptor.path.velocity) = (v, held);
                     for _ in 0..20 {
                         let _ = acceptor.extrapolate(T);
                     }
@@ -172,7 +172,7 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
                     while !braking.is_over() {
                         acceptor.brake(&mut braking, T);
                     }
-                    let end = acceptor.position()[0];
+                    let end = acceptor.position[0];
                     assert!(end.abs() <= 1.0 + 1e-9, "{end} from {q} by {v}, {held}, {a} of {jerk:?}");
                 }
             }
@@ -185,7 +185,7 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
 fn limits_that_joints_share_are_checked_at_the_demand_and_where_the_robot_would_stand() {
     let mut acceptor = acceptor(Turntable { sum: 0.5, ..Turntable::new() });
     (acceptor.position, acceptor.velocity) = (Two::new(0.2, 0.28), Two::new(0.5, 0.0));
-    acceptor.demanded = acceptor.position;
+    acceptor.path.position = acceptor.position;
     let fault = acceptor.accept(&joints(0.2005, 0.28), T, T).expect_err("0.5 m/s takes 23 mm");
     // v²/2a = 12.5 mm, and 21 ms.
     let excess = fault.excess().expect("a sum");
@@ -193,7 +193,7 @@ fn limits_that_joints_share_are_checked_at_the_demand_and_where_the_robot_would_
     assert_eq!((fault.kind(), fault.message(), excess.limit), (FaultKind::DemandOutOfRange, "sum", 0.5));
     // One that stands needs no way to stop, and is checked all the same.
     let mut acceptor = self::acceptor(Turntable { sum: 0.5, ..Turntable::new() });
-    (acceptor.position, acceptor.demanded) = (Two::new(0.25, 0.25), Two::new(0.25, 0.25));
+    (acceptor.position, acceptor.path.position) = (Two::new(0.25, 0.25), Two::new(0.25, 0.25));
     acceptor.accept(&joints(0.25, 0.25), T, T).expect("at the limit");
     acceptor.robot.sum = 0.4;
     acceptor.accept(&joints(0.25, 0.25), T, T).expect_err("beyond it");

@@ -1,0 +1,212 @@
+//! Demands after some that were missing: a robot goes on and comes back onto its path.
+
+use super::*;
+use crate::limits::catching_up::{FARTHEST, velocity_back};
+
+/// A path of the first joint that begins and ends at rest, with trapezoidal velocity; the second one turns by half of it.
+struct Trapezoid {
+    /// Velocity [m/s], acceleration [m/s2] and the time in which the velocity is constant \[s\].
+    v: f64,
+    a: f64,
+    cruise: f64,
+}
+
+impl Trapezoid {
+    fn duration(&self) -> f64 {
+        2.0 * self.v / self.a + self.cruise
+    }
+
+    fn at(&self, t: f64) -> Two {
+        let (ramp, t) = (self.v / self.a, t.clamp(0.0, self.duration()));
+        let whole = self.v * (ramp + self.cruise);
+        let rest = self.duration() - t;
+        let x = match t {
+            t if t < ramp => 0.5 * self.a * t * t,
+            t if t < ramp + self.cruise => 0.5 * self.v * ramp + self.v * (t - ramp),
+            _ => whole - 0.5 * self.a * rest * rest,
+        };
+        Two::new(x, 0.5 * x)
+    }
+}
+
+/// What a robot did that missed `n` demands after step `k`.
+struct Went {
+    end: Two,
+    /// The largest offset from the path [m], and for how many steps there was one after the late demand.
+    off: f64,
+    steps: usize,
+}
+
+/// Follows the path, without the demands of steps `k + 1` to `k + n`, and then holds where it ends.
+fn go(path: &Trapezoid, k: usize, n: usize) -> Result<Went, FaultKind> {
+    let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
+    acceptor.robot.limits.upper[0] = 9.0;
+    let last = (path.duration() / T).ceil() as usize + 1;
+    let mut went = Went { end: Two::zeros(), off: 0.0, steps: 0 };
+    let mut before = (Two::zeros(), Two::zeros());
+    for step in 1..last + 2000 {
+        let at = path.at(step as f64 * T);
+        let is_late = (k + 1..=k + n).contains(&step);
+        let accepted = if is_late {
+            acceptor.extrapolate(T)
+        } else if step <= last.max(k + n + 1) {
+            let dt = if step == k + n + 1 { (n + 1) as f64 * T } else { T };
+            acceptor.accept(&Demand::joints(at), dt, T).map_err(|fault| fault.kind())?
+        } else if acceptor.is_on_path() {
+            break;
+        } else {
+            acceptor.hold(T).map_err(|fault| fault.kind())?
+        };
+        let q = *accepted.joints();
+        let velocity = (q - before.0) / T;
+        let acceleration = (velocity - before.1) / T;
+        for (i, limit) in [10.0, 20.0].into_iter().enumerate() {
+            assert!(velocity[i].abs() <= 1.0 + 1e-9, "{velocity} in step {step} of {k}, {n}");
+            assert!(acceleration[i].abs() <= limit + 1e-4, "{acceleration} in step {step} of {k}, {n}");
+        }
+        before = (q, velocity);
+        if step > k + n {
+            went.off = went.off.max((q - at).amax());
+            went.steps += usize::from(!acceptor.is_on_path());
+            if acceptor.is_on_path() {
+                assert!(n > 0 && step == k + n + 1 || q == at, "{q}, not {at}, in step {step} of {k}, {n}");
+            } else {
+                // Generators are shown the path that they made.
+                assert_eq!(acceptor.demanded().0, at, "step {step} of {k}, {n}");
+            }
+        }
+    }
+    went.end = before.0;
+    Ok(went)
+}
+
+#[test]
+fn fault_06_a_path_of_nine_tenths_goes_on_after_any_demands_that_were_missing() {
+    let path = Trapezoid { v: 0.9, a: 9.0, cruise: 0.05 };
+    let (mut farthest, mut longest) = (0.0_f64, 0);
+    for n in [1, 2, 5, 10, 20] {
+        // Seen by the limits, `(0.9²/(2 (1 - 0.9)) + 0.9/2) a t²`, and one step of each more.
+        let t = (n + 1) as f64 * T;
+        let bound = (0.81 / 0.2 + 0.45) * 10.0 * t * t + 0.9 * 10.0 * t * T;
+        for k in 0..250 {
+            let went = go(&path, k, n).unwrap_or_else(|fault| panic!("{fault:?} of {k}, {n}"));
+            assert_eq!(went.end, path.at(1.0), "{k}, {n}");
+            assert!(went.off <= bound, "{} m off, not {bound}, {k}, {n}", went.off);
+            farthest = farthest.max(went.off / bound);
+            longest = longest.max(went.steps);
+        }
+    }
+    // The equation is no idle one.
+    assert!(farthest > 0.5, "{farthest} {longest}");
+}
+
+#[test]
+fn a_path_that_leaves_nothing_of_the_limit_goes_on_or_is_given_up_before_the_robot_is_far_off() {
+    let path = Trapezoid { v: 1.0, a: 10.0, cruise: 0.05 };
+    let (mut went_on, mut given_up) = (0, 0);
+    for (k, n) in (0..250).flat_map(|k| [1, 10, 20].map(|n| (k, n))) {
+        match go(&path, k, n) {
+            Ok(went) => {
+                let t = (n + 1) as f64 * T;
+                assert!(went.end == path.at(1.0) && went.off <= FARTHEST * 10.0 * t * t, "{k}, {n}");
+                went_on += 1;
+            }
+            Err(kind) => {
+                let kinds = [FaultKind::DemandedAcceleration, FaultKind::DemandedVelocity];
+                assert!(kinds.contains(&kind), "{kind:?} of {k}, {n}");
+                given_up += 1;
+            }
+        }
+    }
+    assert!(went_on > 300 && given_up > 10, "{went_on} {given_up}");
+}
+
+#[test]
+fn fault_21_what_no_path_within_the_limits_comes_to_is_refused_however_late_it_is() {
+    for n in 1..=20_usize {
+        // At v for n + 1 steps, the furthest that 10 m/s² come to is off by (n + 1)(n + 2)/2 of 1e-5 m.
+        let most = 1e-5 * ((n + 1) * (n + 2) / 2) as f64;
+        for (part, taken) in [(0.999, true), (-0.999, true), (1.001, false), (-1.001, false)] {
+            let mut acceptor = acceptor(Turntable::new());
+            (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (0.3, 0.3, T);
+            for _ in 0..n {
+                acceptor.extrapolate(T);
+            }
+            let held = 0.3 * (n + 1) as f64 * T;
+            let outcome = acceptor.accept(&joints(held + part * most, 0.0), (n + 1) as f64 * T, T);
+            assert_eq!(outcome.is_ok(), taken, "{n}, {part}: {outcome:?}");
+            if let Err(fault) = outcome {
+                assert_eq!(fault.kind(), FaultKind::DemandedAcceleration);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_jump_is_refused_while_a_robot_is_off_its_path() {
+    let mut acceptor = acceptor(Turntable::new());
+    let path = |t: f64| joints(0.3 * t - 4.5 * t * t, 0.0);
+    (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (0.3, 0.3, T);
+    for _ in 0..5 {
+        acceptor.extrapolate(T);
+    }
+    acceptor.accept(&path(6.0 * T), 6.0 * T, T).expect("within the limits");
+    assert!(!acceptor.is_on_path() && !acceptor.is_at_rest());
+    acceptor.accept(&path(7.0 * T), T, T).expect("within the limits");
+    let before = (acceptor.position, acceptor.demanded());
+    // 2e-5 m more than the path: 20 m/s².
+    let Coordinates::Joints(next) = path(8.0 * T).coordinates else { panic!("joints") };
+    let fault = acceptor.accept(&joints(next[0] + 2e-5, 0.0), T, T).expect_err("a jump");
+    assert_eq!(fault.kind(), FaultKind::DemandedAcceleration);
+    assert_eq!((acceptor.position, acceptor.demanded()), before);
+    acceptor.accept(&path(8.0 * T), T, T).expect("within the limits");
+}
+
+#[test]
+fn demands_that_are_lost_on_the_way_back_are_bridged_at_the_robots_own_velocity() {
+    let mut acceptor = acceptor(Turntable::new());
+    let path = |t: f64| 0.3 * t - 4.5 * t * t;
+    // The mean of the path's last step.
+    let v = 0.3 + 4.5 * T;
+    (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (v, v, T);
+    for _ in 0..5 {
+        acceptor.extrapolate(T);
+    }
+    let t = 6.0 * T;
+    acceptor.accept(&joints(path(t), 0.0), t, T).expect("within the limits");
+    // 10 m/s² in one step.
+    near(acceptor.velocity[0], v - 0.01);
+    let at = acceptor.position[0];
+    acceptor.extrapolate(T);
+    near(acceptor.velocity[0], v - 0.01);
+    near(acceptor.position[0], at + (v - 0.01) * T);
+    // What is shown of the path goes on at its own velocity, the mean of its last step.
+    let (shown, velocity) = acceptor.demanded();
+    near(velocity[0], (path(t) - path(t - T)) / T);
+    near(shown[0], path(t) + velocity[0] * T);
+}
+
+#[test]
+fn an_offset_ends_in_the_fewest_steps_that_the_acceleration_allows() {
+    let a = 5.0;
+    for offset in [1e-9_f64, 4.9e-6, 5e-6, 5.1e-6, 1e-5, 1.5e-5, 3.3e-4, 2e-2] {
+        for offset in [offset, -offset] {
+            let (mut x, mut before, mut steps) = (offset, None::<f64>, 0);
+            while x.abs() > 1e-15 {
+                let v = velocity_back(x, a, T);
+                if let Some(before) = before {
+                    let change = v - before;
+                    assert!(change.abs() <= a * T * (1.0 + 1e-9), "{change} of {offset} at {x}");
+                }
+                (x, before, steps) = (x + v * T, Some(v), steps + 1);
+                assert!(x * offset >= -1e-18, "{offset} is passed: {x}");
+            }
+            let last = before.unwrap_or_default();
+            assert!(last.abs() <= a * T * (1.0 + 1e-9), "{last} m/s are left of {offset}");
+            // m steps with velocities that fall by a T to at most a T cover at most m (m + 1)/2 a T².
+            let covered = |m: f64| 0.5 * m * (m + 1.0) * a * T * T;
+            let fewest = (1..).find(|&m| covered(f64::from(m)) >= offset.abs() * (1.0 - 1e-9)).unwrap();
+            assert_eq!(steps, fewest, "{offset}");
+        }
+    }
+}
