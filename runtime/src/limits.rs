@@ -185,10 +185,12 @@ impl<R: Robot> Acceptor<R> {
     /// Whether the path may simply stay at the state demanded last: a motion that ends at rest leaves the
     /// velocity of its last step, which one step takes away within the limits.
     pub fn can_hold(&self, duration: f64) -> bool {
+        if !self.is_on_path() {
+            return self.next(&self.path.position, duration).is_ok();
+        }
         let zeros = R::Joints::zeros();
-        let (position, velocity) = self.demanded();
-        let acceleration = (zeros - velocity) * duration.recip();
-        self.check(&position, &zeros, &zeros, &acceleration, duration).is_ok()
+        let acceleration = (zeros - self.velocity) * duration.recip();
+        self.check(&self.position, &zeros, &zeros, &acceleration, duration).is_ok()
     }
 
     /// A new motion begins: displacements count from here.
