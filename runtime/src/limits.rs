@@ -18,6 +18,7 @@ use crate::robot::{CoupledLimit, Limits, NoInverse, Robot};
 use crate::together::{self, BrakingLaw, Screw};
 
 use catching_up::{CatchingUp, Late};
+use rejoining::Rejoining;
 
 /// Deviation of a quaternion's norm from 1 below which a rotation is taken, normalised.
 const FRAME_TOLERANCE: f64 = 1e-6;
@@ -77,7 +78,16 @@ struct Next<J> {
     position: J,
     velocity: J,
     path: Path<J>,
-    off_path: Option<CatchingUp<J>>,
+    off_path: Option<OffPath<J>>,
+}
+
+/// What is known of the path while a robot is not on it: late demands leave it so.
+#[derive(Clone, Copy, Debug)]
+enum OffPath<J> {
+    /// It comes back by its joints.
+    Joints(CatchingUp<J>),
+    /// It comes back with all robots that it moves together with.
+    Together(Rejoining),
 }
 
 /// How fast the rate may change without breaking a limit.
@@ -115,8 +125,7 @@ pub(crate) struct Acceptor<R: Robot> {
     velocity: R::Joints,
     acceleration: R::Joints,
     path: Path<R::Joints>,
-    /// What is known of the path while the robot is not on it: late demands leave it so.
-    off_path: Option<CatchingUp<R::Joints>>,
+    off_path: Option<OffPath<R::Joints>>,
     /// Joint positions at the start of the motion, and the flange's pose there once a displacement asks for it.
     origin: R::Joints,
     start: Option<Pose>,
@@ -157,10 +166,12 @@ impl<R: Robot> Acceptor<R> {
 
     /// The state demanded last: where the path is, for a robot that is still on its way back to it.
     pub fn demanded(&self) -> (R::Joints, R::Joints) {
-        match &self.off_path {
-            Some(path) => (self.path.position + path.velocity * self.path.missing, path.velocity),
-            None => (self.position, self.velocity),
-        }
+        let velocity = match &self.off_path {
+            Some(OffPath::Joints(path)) => path.velocity,
+            Some(OffPath::Together(_)) => self.path.velocity,
+            None => return (self.position, self.velocity),
+        };
+        (self.path.position + velocity * self.path.missing, velocity)
     }
 
     pub const fn is_on_path(&self) -> bool {
@@ -186,7 +197,7 @@ impl<R: Robot> Acceptor<R> {
     /// velocity of its last step, which one step takes away within the limits.
     pub fn can_hold(&self, duration: f64) -> bool {
         if !self.is_on_path() {
-            return self.next(&self.path.position, duration).is_ok();
+            return self.next(&self.path.position, duration, false).is_ok();
         }
         let zeros = R::Joints::zeros();
         let acceleration = (zeros - self.velocity) * duration.recip();
@@ -208,7 +219,7 @@ impl<R: Robot> Acceptor<R> {
     /// The limit that the way back would break; nothing is changed then.
     pub fn hold(&mut self, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
         if !self.is_on_path() {
-            let next = self.next(&self.path.position, duration)?;
+            let next = self.next(&self.path.position, duration, false)?;
             return Ok(self.take(next, duration));
         }
         let zeros = R::Joints::zeros();
@@ -260,6 +271,24 @@ impl<R: Robot> Acceptor<R> {
     /// # Errors
     /// The first limit that it breaks; nothing is changed then.
     pub fn accept(&mut self, demand: &Demand<R>, dt: f64, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
+        self.accept_after(demand, dt, duration, false)
+    }
+
+    /// The same after steps in which all robots that this one moves together with had no demand, either.
+    ///
+    /// # Errors
+    /// As of [`accept`](Acceptor::accept).
+    pub fn rejoin(&mut self, demand: &Demand<R>, dt: f64, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
+        self.accept_after(demand, dt, duration, true)
+    }
+
+    fn accept_after(
+        &mut self,
+        demand: &Demand<R>,
+        dt: f64,
+        duration: f64,
+        all_missed: bool,
+    ) -> Result<AcceptedDemand<R>, Fault> {
         let tool = match &demand.tool {
             Some(tool) => valid_frame(tool)?,
             None => self.tool,
@@ -282,7 +311,7 @@ impl<R: Robot> Acceptor<R> {
         if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
             return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
         }
-        let next = self.next(&position, duration).map_err(|fault| {
+        let next = self.next(&position, duration, all_missed).map_err(|fault| {
             let disagreement = self.disagreement(demand, &position, &tool);
             disagreement.unwrap_or_else(|| self.beside_singularity(demand, fault))
         })?;
@@ -300,15 +329,51 @@ impl<R: Robot> Acceptor<R> {
 
     /// The state at the end of a step in which the path goes to `demand`: there, or, where demands were late and the limits
     /// do not allow that, on the way back to the path.
-    fn next(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
+    fn next(
+        &self,
+        demand: &R::Joints,
+        duration: f64,
+        all_missed: bool,
+    ) -> Result<Next<R::Joints>, Fault> {
+        let missed = (self.path.missing / duration).round();
+        let way = match &self.off_path {
+            Some(OffPath::Together(way)) if missed == 0.0 || self.path.on_screw => Some(way),
+            Some(_) | None => None,
+        };
+        let rejoining = if all_missed && self.path.on_screw {
+            let over = Screw::between(&self.robot.forward(&self.path.position), &self.robot.forward(demand));
+            Some(Rejoining::after(way, self.path_screw(duration), over, missed))
+        } else {
+            way.and_then(|way| way.advanced(missed + 1.0))
+        };
+        if let Some(rejoining) = rejoining {
+            return self.beside(demand, rejoining, duration);
+        }
         let was_late = !self.is_on_path() || self.path.missing > 0.0 && !self.path.on_screw;
         match self.there(demand, duration) {
-            Ok(next) if self.is_on_path() => Ok(next),
+            Ok(next) if self.is_on_path() || way.is_some() => Ok(next),
             there if was_late && self.robot.limits().jerk.is_none() => {
                 self.back(demand, duration)?.map_or(there, Ok)
             }
             there => there,
         }
+    }
+
+    /// The state beside a demand, where all robots that this one moves together with are beside theirs.
+    #[allow(non_snake_case)]
+    fn beside(
+        &self,
+        demand: &R::Joints,
+        rejoining: Rejoining,
+        duration: f64,
+    ) -> Result<Next<R::Joints>, Fault> {
+        let X_WF = rejoining.displacement() * self.robot.forward(demand);
+        let position = self.flange_joints(&X_WF, demand)?;
+        let velocity = (position - self.position) * duration.recip();
+        let off_path = Some(OffPath::Together(rejoining));
+        let next = Next { position, velocity, path: self.path_to(demand, duration), off_path };
+        self.check_next(&next, &velocity, duration)?;
+        Ok(next)
     }
 
     /// The state at a demand.
@@ -336,9 +401,14 @@ impl<R: Robot> Acceptor<R> {
             time: path.span,
             duration,
         };
-        let Some((position, off_path)) = CatchingUp::next(self.off_path.as_ref(), &late, self.robot.limits()) else {
+        let known = match &self.off_path {
+            Some(OffPath::Joints(known)) => Some(known),
+            Some(OffPath::Together(_)) | None => None,
+        };
+        let Some((position, off_path)) = CatchingUp::next(known, &late, self.robot.limits()) else {
             return Ok(None);
         };
+        let off_path = off_path.map(OffPath::Joints);
         let velocity = (position - self.position) * duration.recip();
         let next = Next { position, velocity, path, off_path };
         self.check_next(&next, &velocity, duration)?;
@@ -384,10 +454,22 @@ impl<R: Robot> Acceptor<R> {
         Ok(())
     }
 
-    /// The displacement of the last step in the world, as the path's mean velocity makes it.
+    /// The displacement of the last step in the world: the path's, and that of the way back to it.
     pub fn screw(&self, duration: f64) -> Screw {
-        let before = self.position - self.path.velocity * duration;
-        Screw::between(&self.robot.forward(&before), &self.robot.forward(&self.position))
+        match &self.off_path {
+            Some(OffPath::Together(way)) => self.path_screw(duration) + way.change(),
+            Some(OffPath::Joints(_)) | None => self.path_screw(duration),
+        }
+    }
+
+    /// The displacement of the path's last step in the world, as its mean velocity makes it.
+    fn path_screw(&self, duration: f64) -> Screw {
+        let before = self.path.position - self.path.velocity * duration;
+        let of_joints = || Screw::between(&self.robot.forward(&before), &self.robot.forward(&self.path.position));
+        match &self.off_path {
+            Some(OffPath::Together(way)) => way.path_screw().unwrap_or_else(of_joints),
+            Some(OffPath::Joints(_)) | None => of_joints(),
+        }
     }
 
     /// A demand was lost: the flange is displaced by `D` in the world, where that keeps all limits.
@@ -693,6 +775,7 @@ fn valid_frame(pose: &Pose) -> Result<Pose, Fault> {
 }
 
 mod catching_up;
+mod rejoining;
 
 #[cfg(test)]
 mod tests;

@@ -11,6 +11,8 @@
 //! does not depend on where an arm holds it: each of them knows the body's motion by its own. So arms that go on by `D^s`
 //! with one sequence of `s` keep their relative pose, whoever else of the cell is gone.
 
+use core::ops::{Add, Mul, Sub};
+
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::feed::Feed;
@@ -85,6 +87,31 @@ impl Screw {
         let cross = turn.cross(&way);
         let t = way + cross * second + turn.cross(&cross) * third;
         Pose::from_parts(Translation3::from(t), UnitQuaternion::from_scaled_axis(turn))
+    }
+}
+
+/// Of screws whose turns are small: the displacements of steps, which differ little.
+impl Add for Screw {
+    type Output = Screw;
+
+    fn add(self, other: Screw) -> Screw {
+        Screw { turn: self.turn + other.turn, way: self.way + other.way }
+    }
+}
+
+impl Sub for Screw {
+    type Output = Screw;
+
+    fn sub(self, other: Screw) -> Screw {
+        Screw { turn: self.turn - other.turn, way: self.way - other.way }
+    }
+}
+
+impl Mul<f64> for Screw {
+    type Output = Screw;
+
+    fn mul(self, factor: f64) -> Screw {
+        Screw { turn: self.turn * factor, way: self.way * factor }
     }
 }
 

@@ -103,7 +103,13 @@ impl<R: Robot> Edp<'_, R> {
         }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let duration = self.config.step.as_secs_f64();
-        let accepted = self.acceptor.accept(&demand, header.dt / header.duration * duration, duration);
+        let dt = header.dt / header.duration * duration;
+        // Periods that the MP left out all robots have missed.
+        let all_missed = self.request.is(flag::TOGETHER) && header.duration > 1.5 * duration;
+        let accepted = match all_missed {
+            true => self.acceptor.rejoin(&demand, dt, duration),
+            false => self.acceptor.accept(&demand, dt, duration),
+        };
         let first = self.request.is(flag::FIRST) && !matches!(self.mode, Mode::Moving { .. });
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         let stands = self.config.space == InterpolationSpace::Task && self.interpolation.stands();
