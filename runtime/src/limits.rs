@@ -340,19 +340,22 @@ impl<R: Robot> Acceptor<R> {
             Some(OffPath::Together(way)) if missed == 0.0 || self.path.on_screw => Some(way),
             Some(_) | None => None,
         };
-        let rejoining = if all_missed && self.path.on_screw {
+        let rejoin = || {
             let over = Screw::between(&self.robot.forward(&self.path.position), &self.robot.forward(demand));
-            Some(Rejoining::after(way, self.path_screw(duration), over, missed))
-        } else {
-            way.and_then(|way| way.advanced(missed + 1.0))
+            let way = Rejoining::after(way, self.path_screw(duration), over, missed);
+            self.beside(demand, way, duration)
         };
-        if let Some(rejoining) = rejoining {
-            return self.beside(demand, rejoining, duration);
+        if all_missed && self.path.on_screw {
+            return rejoin();
         }
-        let was_late = !self.is_on_path() || self.path.missing > 0.0 && !self.path.on_screw;
+        if let Some(way) = way.and_then(|way| way.advanced(missed + 1.0)) {
+            return self.beside(demand, way, duration);
+        }
         match self.there(demand, duration) {
             Ok(next) if self.is_on_path() || way.is_some() => Ok(next),
-            there if was_late && self.robot.limits().jerk.is_none() => {
+            // Whether the others missed a demand, too, is not known: at worst this one is beside them for a while.
+            Err(_) if self.path.on_screw => rejoin(),
+            there if self.robot.limits().jerk.is_none() && (!self.is_on_path() || self.path.missing > 0.0) => {
                 self.back(demand, duration)?.map_or(there, Ok)
             }
             there => there,
@@ -557,9 +560,11 @@ impl<R: Robot> Acceptor<R> {
 
     fn joints_at(&self, pose: &Pose, tool: &Pose, redundancy: Option<f64>) -> Result<R::Joints, Fault> {
         let flange = pose * tool.inverse();
+        // Beside the path: a redundant robot that is off it must not bend the path that it comes back to.
+        let (near, _) = self.demanded();
         let joints = match redundancy {
-            None => self.robot.inverse(&flange, &self.position),
-            Some(value) if value.is_finite() => self.robot.inverse_at(&flange, value, &self.position),
+            None => self.robot.inverse(&flange, &near),
+            Some(value) if value.is_finite() => self.robot.inverse_at(&flange, value, &near),
             Some(_) => return Err(Fault::new(FaultKind::DemandNotFinite).text("the redundancy")),
         };
         joints.map_err(|error| no_inverse(&error, pose, "tool"))

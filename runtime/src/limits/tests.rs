@@ -269,7 +269,7 @@ fn a_redundancy_is_for_poses_and_a_number() {
 fn a_screw_is_that_of_the_last_step_in_the_world_and_is_gone_on_along() {
     let mut acceptor = acceptor(Turntable::new());
     (acceptor.position, acceptor.velocity) = (Two::new(0.2, 0.1), Two::new(0.3, 0.4));
-    acceptor.path.velocity = Two::new(0.2, 0.5);
+    (acceptor.path.position, acceptor.path.velocity) = (acceptor.position, Two::new(0.2, 0.5));
     let before = Pose::new(Vector3::new(0.2 - 0.2e-3, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1 - 0.5e-3));
     let after = Pose::new(Vector3::new(0.2, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1));
     let off = acceptor.screw(T).part(1.0).inv_mul(&(after * before.inverse()));
