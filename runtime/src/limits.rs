@@ -164,6 +164,11 @@ impl<R: Robot> Acceptor<R> {
         }
     }
 
+    /// What the drives are told.
+    pub const fn accepted(&self) -> (R::Joints, R::Joints) {
+        (self.position, self.velocity)
+    }
+
     /// The state demanded last: where the path is, for a robot that is still on its way back to it.
     pub fn demanded(&self) -> (R::Joints, R::Joints) {
         let velocity = match &self.off_path {
@@ -348,13 +353,15 @@ impl<R: Robot> Acceptor<R> {
         if all_missed && self.path.on_screw {
             return rejoin();
         }
-        if let Some(way) = way.and_then(|way| way.advanced(missed + 1.0)) {
-            return self.beside(demand, way, duration);
-        }
-        match self.there(demand, duration) {
+        let there = match way.and_then(|way| way.advanced(missed + 1.0)) {
+            Some(way) => self.beside(demand, way, duration),
+            None => self.there(demand, duration),
+        };
+        match there {
             Ok(next) if self.is_on_path() || way.is_some() => Ok(next),
             // Whether the others missed a demand, too, is not known: at worst this one is beside them for a while.
             Err(_) if self.path.on_screw => rejoin(),
+            Err(fault) if way.is_some() => Err(fault),
             there if self.robot.limits().jerk.is_none() && (!self.is_on_path() || self.path.missing > 0.0) => {
                 self.back(demand, duration)?.map_or(there, Ok)
             }

@@ -74,6 +74,11 @@ impl Screw {
         Screw { turn, way: t - cross * 0.5 + turn.cross(&cross) * third }
     }
 
+    /// How large the displacement is, in all: its turn \[rad\] about the origin of the world, and its way \[m\].
+    pub fn size(&self) -> f64 {
+        self.turn.norm() + self.way.norm()
+    }
+
     /// `D^s`.
     pub fn part(&self, s: f64) -> Pose {
         let (turn, way) = (self.turn * s, self.way * s);

@@ -37,7 +37,8 @@ impl<R: Robot> Edp<'_, R> {
 
     fn image_words(&self) -> [u64; IMAGE_WORDS] {
         let mut words = [0; IMAGE_WORDS];
-        let (q, v) = self.acceptor.demanded();
+        // What its drives are told, which is not where the path is after late demands.
+        let (q, v) = self.acceptor.accepted();
         let demanded = RobotState::<R> { joints: q, velocity: v, pose: self.acceptor.tool_pose(&q) };
         let (q, v) = (self.measured.position, self.measured.velocity);
         let measured = RobotState::<R> { joints: q, velocity: v, pose: self.acceptor.tool_pose(&q) };

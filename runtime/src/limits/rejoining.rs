@@ -7,9 +7,9 @@
 use crate::pose::Pose;
 use crate::together::Screw;
 
-/// Steps of the way back for each step from demand to demand. With two of them, the first acceleration on the way back is
-/// `(6 + 4 n)/n²` of the path's with `n` = 50: 0.08, which a path of nine tenths of a limit leaves.
-const STEPS: f64 = 25.0;
+/// Steps of the way back for each step's acceleration of the path that the robots are too fast by. The first acceleration on
+/// the way back is `4/50` of the path's, and a little for the displacement itself: a path of nine tenths of a limit leaves it.
+const STEPS: f64 = 50.0;
 
 /// A way back: a cubic of the displacement, from what bridging left to rest at none.
 #[derive(Clone, Copy, Debug)]
@@ -17,8 +17,10 @@ pub(super) struct Rejoining {
     /// The displacement at the last bridged step, and its change in that step.
     from: Screw,
     change: Screw,
-    /// The path's screw in the step of the late demand.
+    /// The path's screw in the step of the late demand, and the largest change of such a screw in a step since the robots
+    /// left the path.
     path: Screw,
+    bend: f64,
     /// Steps since, and in all.
     step: f64,
     steps: f64,
@@ -30,16 +32,16 @@ impl Rejoining {
     pub fn after(known: Option<&Rejoining>, last: Screw, over: Screw, missed: f64) -> Rejoining {
         // Both are screws of the middles of their times: the path's changes by this in each step.
         let bend = (over * (1.0 + missed).recip() - last) * (0.5 * (missed + 2.0)).recip();
-        let (from, change) = (bend * (-0.5 * missed * (missed + 1.0)), bend * -missed);
+        let (mut from, mut change) = (bend * (-0.5 * missed * (missed + 1.0)), bend * -missed);
         let path = last + bend * (missed + 1.0);
-        let steps = STEPS * (missed + 1.0);
-        match known {
-            Some(known) => {
-                let (offset, moved) = (known.offset(known.step), known.change());
-                Rejoining { from: offset + moved * missed + from, change: moved + change, path, step: 1.0, steps }
-            }
-            None => Rejoining { from, change, path, step: 1.0, steps },
+        let mut bend = bend.size();
+        if let Some(known) = known {
+            (from, change) = (from + known.offset(known.step) + known.change() * missed, change + known.change());
+            bend = bend.max(known.bend);
         }
+        // One that does not bend comes to no offset.
+        let steps = if bend > 0.0 { STEPS * (change.size() / bend).max(1.0) } else { 1.0 };
+        Rejoining { from, change, path, bend, step: 1.0, steps }
     }
 
     /// So many steps later, unless it is over.
