@@ -87,7 +87,7 @@ sweep:
 # Each fault in every so many steps of the transfer and of the engraving task: every 7th takes ten minutes of two cores,
 # every one an hour.
 sweep-tasks EVERY="7":
-    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture both_tasks
+    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture --test-threads 1 steps_of_the
 
 # Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
