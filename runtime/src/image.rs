@@ -46,7 +46,8 @@ impl<R: Robot> RobotImage<R> {
         &self.measured
     }
 
-    /// The state demanded last: where the next motion starts from.
+    /// The state demanded last: where the next motion starts from. A robot that is on its way back to its path, after late
+    /// demands, is told to be beside it.
     #[must_use]
     pub const fn demanded(&self) -> &RobotState<R> {
         &self.demanded

@@ -257,7 +257,7 @@ fn fault_03_arms_whose_mp_dies_begin_to_brake_two_steps_after_its_last_order() {
 }
 
 #[test]
-fn arms_whose_mp_is_late_keep_their_relative_pose_and_come_back_onto_their_path() {
+fn fault_06_arms_whose_mp_is_late_keep_their_relative_pose_and_come_back_onto_their_path() {
     // The path takes up to 5.43 m/s² and 11.1 rad/s² of them: nine tenths.
     let limits = slides_and_turns(6.04, 12.34);
     let calm = run_within(limits, Upset::Dies(u64::MAX));

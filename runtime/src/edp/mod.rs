@@ -302,9 +302,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Whether the robot stands, and its drives have come to the last demand.
     fn is_at_standstill(&self) -> bool {
         match self.mode {
-            Mode::Holding => {
-                self.acceptor.is_on_path() && self.still >= self.interpolation.settling_steps()
-            }
+            Mode::Holding => self.acceptor.is_on_path() && self.still >= self.interpolation.settling_steps(),
             Mode::Off => true,
             Mode::Moving { .. } | Mode::Braking(_) | Mode::OnScrew(_) => false,
         }

@@ -36,7 +36,8 @@ impl Rejoining {
         let path = last + bend * (missed + 1.0);
         let mut bend = bend.size();
         if let Some(known) = known {
-            (from, change) = (from + known.offset(known.step) + known.change() * missed, change + known.change());
+            (from, change) =
+                (from + known.offset(known.step) + known.change() * missed, change + known.change());
             bend = bend.max(known.bend);
         }
         // One that does not bend comes to no offset.

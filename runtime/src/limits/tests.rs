@@ -2,6 +2,8 @@
 
 use nalgebra::{SVector, Vector3};
 
+use crate::robot::{CoupledLimit, Limits, NoInverse};
+
 use super::*;
 
 mod bounds;

@@ -1,6 +1,9 @@
 //! The very bounds: the last value that is taken and the first one that is refused.
 
+use nalgebra::{Translation3, UnitQuaternion};
+
 use super::*;
+use crate::braking::stopping_distance;
 
 /// The check of a state whose velocity and acceleration are as they are given.
 fn check(acceptor: &Acceptor<Turntable>, q: Two, v: Two, a: Two) -> Result<(), FaultKind> {

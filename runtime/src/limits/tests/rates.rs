@@ -1,6 +1,7 @@
 //! How fast the rate may change, and how fast robots slow down on their screw.
 
 use super::*;
+use crate::together::BrakingLaw;
 
 /// At 0.3 m/s and -0.2 rad/s.
 fn moving(robot: Turntable) -> Acceptor<Turntable> {

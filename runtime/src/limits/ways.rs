@@ -1,0 +1,151 @@
+//! Where a robot is at the end of a step: at its demand, or on its way back to the path.
+//!
+//! In: the joints of a demand, or a displacement in place of one. Out: a state whose limits have been checked.
+
+use crate::fault::{Fault, FaultKind};
+use crate::joints::JointVector;
+use crate::pose::Pose;
+use crate::robot::Robot;
+use crate::together::Screw;
+
+use super::catching_up::{CatchingUp, Late};
+use super::rejoining::Rejoining;
+use super::{Acceptor, Next, OffPath, Path};
+
+impl<R: Robot> Acceptor<R> {
+    /// The state at the end of a step in which the path goes to `demand`: there, or, where demands were late and the limits
+    /// do not allow that, on the way back to the path.
+    pub(super) fn next(
+        &self,
+        demand: &R::Joints,
+        duration: f64,
+        all_missed: bool,
+    ) -> Result<Next<R::Joints>, Fault> {
+        let missed = (self.path.missing / duration).round();
+        let way = match &self.off_path {
+            Some(OffPath::Together(way)) if missed == 0.0 || self.path.on_screw => Some(way),
+            Some(_) | None => None,
+        };
+        let rejoin = || {
+            let over = Screw::between(&self.robot.forward(&self.path.position), &self.robot.forward(demand));
+            let way = Rejoining::after(way, self.path_screw(duration), over, missed);
+            self.beside(demand, way, duration)
+        };
+        if all_missed && self.path.on_screw {
+            return rejoin();
+        }
+        let there = match way.and_then(|way| way.advanced(missed + 1.0)) {
+            Some(way) => self.beside(demand, way, duration),
+            None => self.there(demand, duration),
+        };
+        match there {
+            Ok(next) if self.is_on_path() || way.is_some() => Ok(next),
+            // Whether the others missed a demand, too, is not known: at worst this one is beside them for a while.
+            Err(_) if self.path.on_screw => rejoin(),
+            Err(fault) if way.is_some() => Err(fault),
+            there
+                if self.robot.limits().jerk.is_none() && (!self.is_on_path() || self.path.missing > 0.0) =>
+            {
+                self.back(demand, duration)?.map_or(there, Ok)
+            }
+            there => there,
+        }
+    }
+
+    /// The state beside a demand, where all robots that this one moves together with are beside theirs.
+    #[allow(non_snake_case)]
+    pub(super) fn beside(
+        &self,
+        demand: &R::Joints,
+        rejoining: Rejoining,
+        duration: f64,
+    ) -> Result<Next<R::Joints>, Fault> {
+        let X_WF = rejoining.displacement() * self.robot.forward(demand);
+        let position = self.flange_joints(&X_WF, demand)?;
+        let velocity = (position - self.position) * duration.recip();
+        let off_path = Some(OffPath::Together(rejoining));
+        let next = Next { position, velocity, path: self.path_to(demand, duration), off_path };
+        self.check_next(&next, &velocity, duration)?;
+        Ok(next)
+    }
+
+    /// The state at a demand.
+    pub(super) fn there(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
+        let velocity = (*demand - self.position) * duration.recip();
+        let path = self.path_to(demand, duration);
+        let next = Next { position: *demand, velocity, path, off_path: None };
+        self.check_next(&next, &path.velocity, duration)?;
+        Ok(next)
+    }
+
+    /// A state on the way back to the path; none where that is too far.
+    pub(super) fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<Next<R::Joints>>, Fault> {
+        let path = self.path_to(demand, duration);
+        // Both velocities are those of the middles of their times.
+        let acceleration =
+            (path.velocity - self.path.velocity) * (0.5 * (path.span + self.path.span)).recip();
+        self.check(demand, &path.velocity, &path.velocity, &acceleration, duration)?;
+        let late = Late {
+            position: &self.position,
+            velocity: &self.velocity,
+            demand,
+            before: &self.path.position,
+            path_velocity: &path.velocity,
+            path_acceleration: &acceleration,
+            time: path.span,
+            duration,
+        };
+        let known = match &self.off_path {
+            Some(OffPath::Joints(known)) => Some(known),
+            Some(OffPath::Together(_)) | None => None,
+        };
+        let Some((position, off_path)) = CatchingUp::next(known, &late, self.robot.limits()) else {
+            return Ok(None);
+        };
+        let off_path = off_path.map(OffPath::Joints);
+        let velocity = (position - self.position) * duration.recip();
+        let next = Next { position, velocity, path, off_path };
+        self.check_next(&next, &velocity, duration)?;
+        Ok(Some(next))
+    }
+
+    /// The path once it has come to `demand`.
+    pub(super) fn path_to(&self, demand: &R::Joints, duration: f64) -> Path<R::Joints> {
+        let span = self.path.missing + duration;
+        Path::after(*demand, (*demand - self.path.position) * span.recip(), span)
+    }
+
+    /// The displacement of the last step in the world: the path's, and that of the way back to it.
+    pub fn screw(&self, duration: f64) -> Screw {
+        match &self.off_path {
+            Some(OffPath::Together(way)) => self.path_screw(duration) + way.change(),
+            Some(OffPath::Joints(_)) | None => self.path_screw(duration),
+        }
+    }
+
+    /// The displacement of the path's last step in the world, as its mean velocity makes it.
+    pub(super) fn path_screw(&self, duration: f64) -> Screw {
+        let before = self.path.position - self.path.velocity * duration;
+        let of_joints =
+            || Screw::between(&self.robot.forward(&before), &self.robot.forward(&self.path.position));
+        match &self.off_path {
+            Some(OffPath::Together(way)) => way.path_screw().unwrap_or_else(of_joints),
+            Some(OffPath::Joints(_)) | None => of_joints(),
+        }
+    }
+
+    /// The joints, and their velocity, that displace the flange by `D` in the world.
+    #[allow(non_snake_case)]
+    pub(super) fn displaced(&self, D: &Pose, duration: f64) -> Result<(R::Joints, R::Joints), Fault> {
+        let X_WF = D * self.robot.forward(&self.position);
+        let position = self.flange_joints(&X_WF, &self.position)?;
+        if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
+            return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
+        }
+        let velocity = (position - self.position) * duration.recip();
+        let acceleration = (velocity - self.velocity) * duration.recip();
+        let stop = self.check(&position, &velocity, &velocity, &acceleration, duration)?;
+        self.check_coupled(&position, &stop, duration)?;
+        Ok((position, velocity))
+    }
+}
