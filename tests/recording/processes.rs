@@ -43,3 +43,34 @@ fn a_process_that_is_killed_leaves_a_file_that_is_whole() {
     let told = said(&run(&folder, &["replay", "b.mcap"]), 0);
     assert!(told.contains(": identical, up to what came from outside"), "{told}");
 }
+
+/// A demand that was late was bridged, and is bridged again: all that was demanded comes again, to the bit, up to the fault
+/// of a machine that is late for too long.
+#[test]
+fn demands_that_were_late_in_real_time_are_late_again() {
+    let folder = folder("late", "");
+    for pauses in [0, 4] {
+        let mut launcher = Command::new(program());
+        launcher.current_dir(&folder).args(["--processes", "--record", "c.mcap", "--quiet"]);
+        let launcher = launcher.spawn().expect("the program starts");
+        let signal = |name: &str, pid: &str| {
+            let _ = Command::new("kill").args([name, pid]).status();
+        };
+        for pause in 0..pauses {
+            std::thread::sleep(Duration::from_millis(300));
+            let role = ["ecp left", "ecp right"][pause % 2];
+            if let Some(ecp) = child(&launcher, role) {
+                signal("-STOP", &ecp);
+                std::thread::sleep(Duration::from_millis(6));
+                signal("-CONT", &ecp);
+            }
+        }
+        let ended = launcher.wait_with_output().expect("it ends");
+        assert!(matches!(ended.status.code(), Some(0 | 1)), "{ended:?}");
+        let replayed = run(&folder, &["replay", "c.mcap"]);
+        let told = said(&replayed, replayed.status.code().unwrap_or(-1));
+        // A machine may be late before anything ran.
+        assert!(told.contains(" steps: identical") || told.contains("nothing ran"), "{told}");
+        println!("{pauses} pauses: {told}");
+    }
+}

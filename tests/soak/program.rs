@@ -146,7 +146,7 @@ fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     // After a reset the program begins anew; its time does not.
     static BEGAN: OnceLock<Instant> = OnceLock::new();
     let passed = BEGAN.get_or_init(Instant::now).elapsed().as_secs_f64();
-    let swing = Swing { t: 0.0, end: (f64::from(seconds()) - passed).max(0.0) };
+    let swing = Swing { t: 0.0, end: (f64::from(seconds()) - passed).max(1.0) };
     mp.move_robots((&mut left, &mut right), (&mut column,), swing)?;
     Ok(())
 }

@@ -46,6 +46,8 @@ pub struct RobotSetup<R: Robot> {
     observers: Vec<Observer<R>>,
     /// What its program shows to observers.
     shown: Vec<Box<dyn AnyShown>>,
+    /// What it replays.
+    replayed: Option<Rc<RobotTape>>,
 }
 
 impl<R: Robot> RobotSetup<R> {
@@ -79,6 +81,7 @@ impl<R: Robot> RobotSetup<R> {
             program: None,
             observers: Vec::new(),
             shown: Vec::new(),
+            replayed: None,
             robot,
         }
     }
@@ -245,7 +248,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     fn replay(&mut self, tape: Rc<RobotTape>, step: Duration) {
         // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
         self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
-        self.drives = recorded(&self.drives, tape, step);
+        self.drives = recorded(&self.drives, Rc::clone(&tape), step);
+        self.replayed = Some(tape);
     }
 
     fn show(&mut self, onlooker: Rc<RefCell<Onlooker>>) {
@@ -346,6 +350,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let (client, server) = link.port(place.ecp, edp);
         let (robot, mut observers) = (self.robot, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
+        let replayed = self.replayed;
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.
@@ -380,6 +385,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     stop_steps: place.pace.stop_steps,
                     observers,
                     tap,
+                    replayed,
                 };
                 if let Err(fault) = Edp::new(config, waiter, server).behind(gate).run() {
                     ended.borrow_mut().push((process, Err(fault)));

@@ -16,6 +16,7 @@ mod telling;
 mod tests;
 
 use core::time::Duration;
+use std::rc::Rc;
 
 use crate::braking::Braking;
 use crate::driver::{Measured, Regulators};
@@ -28,6 +29,7 @@ use crate::link::{Closed, Nanos, Sample, Server, Waiter};
 use crate::message::Message;
 use crate::overruns::Overruns;
 use crate::pose::Pose;
+use crate::replay::RobotTape;
 use crate::robot::Robot;
 use crate::stopping::detection_time;
 use crate::task_space::TaskSpace;
@@ -68,6 +70,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub observers: Vec<Observer<R>>,
     /// Where each step is shown.
     pub tap: Tap,
+    /// What it replays.
+    pub replayed: Option<Rc<RobotTape>>,
 }
 
 #[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]

@@ -101,6 +101,10 @@ impl<R: Robot> Edp<'_, R> {
         if header.step < self.due {
             return self.acceptor.choose_tool(&demand);
         }
+        if self.has_missed(header.step) {
+            self.next = Some(self.next_demand());
+            return self.acceptor.choose_tool(&demand);
+        }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let duration = self.config.step.as_secs_f64();
         let dt = header.dt / header.duration * duration;
@@ -127,6 +131,12 @@ impl<R: Robot> Edp<'_, R> {
         }
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
+    }
+
+    /// Whether a demand that is in time here was too late in the run that is replayed.
+    fn has_missed(&self, step: u64) -> bool {
+        let missed = self.config.replayed.as_ref().is_some_and(|tape| tape.has_missed(step));
+        missed && matches!(self.mode, Mode::Moving { .. })
     }
 
     fn check_regulators(&self, sets: &Regulators) -> Result<(), Fault> {

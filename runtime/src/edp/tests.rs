@@ -51,6 +51,7 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
         stop_steps: 200,
         observers: Vec::new(),
         tap: crate::witness::Tap::to(Vec::new()),
+        replayed: None,
     };
     let replies = Rc::default();
     (Edp::new(config, &Still, Box::new(Replies(Rc::clone(&replies)))), replies)

@@ -260,9 +260,10 @@ impl<R: Robot> Part for Drives<R> {
 
     fn due(&self) -> Option<Nanos> {
         let waits = match (&self.commands, &self.newest) {
+            // Nobody wakes it for what is shown to it, such as power after a reset.
+            (Commands::Free(..), _) => true,
             (Commands::Asked(_), None) => false,
-            (Commands::Free(..), None) => true,
-            (_, Some(_)) => self.off.is_none() || !self.rests(),
+            (Commands::Asked(_), Some(_)) => self.off.is_none() || !self.rests(),
         };
         waits.then(|| (self.next + 1) * self.servo)
     }

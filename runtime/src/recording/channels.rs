@@ -243,9 +243,9 @@ fn fault_text(words: &[u64]) -> String {
 
 /// Whether a fault is not the programs' doing: a replay, which has no robots, cannot come to it.
 fn comes_from_outside(words: &[u64]) -> bool {
-    use FaultKind::{DriveFault, FollowingError, PeerLost, StartPoseMismatch};
+    use FaultKind::{DriveFault, FollowingError, Overrun, PeerLost, StartPoseMismatch};
     let kind = FaultWords::get(words).map(|fault| Fault::from(fault).kind());
-    matches!(kind, Ok(PeerLost | StartPoseMismatch | FollowingError | DriveFault))
+    matches!(kind, Ok(PeerLost | Overrun | StartPoseMismatch | FollowingError | DriveFault))
 }
 
 const fn order_kind(kind: OrderKind) -> &'static str {

@@ -29,7 +29,7 @@ pub(super) struct Messages {
     sensors: Vec<(Name, &'static Shape)>,
     readings: Vec<ReadingTape>,
     steps: Vec<ScriptedStep>,
-    /// Whether demands may have come too late: what an EDP did then, a replay does not do again.
+    /// Whether demands may have come too late for another reason than in a replay.
     real_time: bool,
     late: BTreeSet<u64>,
     aborts: BTreeSet<u64>,
@@ -71,7 +71,7 @@ impl Messages {
                 return Err(Wrong::new(what, OTHER_CELL));
             }
             let name = of_cell(&robot.name)?;
-            robots.push(RobotTape { name, joints, found: None, first: 0, images: Vec::new() });
+            robots.push(RobotTape { name, joints, found: None, first: 0, images: Vec::new(), missed: Vec::new() });
         }
         let mut sensors = Vec::new();
         let recorded = list("sensors");
@@ -171,7 +171,7 @@ impl Messages {
         let follows = step == robot.first + robot.images.len() as u64;
         robot.images.extend(follows.then_some(image));
         if self.real_time && json["mode"] == "bridging" {
-            self.end_before(step, format!("no demand for {name} came in time for step {step}"));
+            robot.missed.push(step);
         }
         follows.then_some(())
     }

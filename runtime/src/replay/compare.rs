@@ -83,7 +83,9 @@ impl Comparison {
     pub fn outcome(&self) -> Compared {
         let difference = *self.first.borrow();
         let steps = self.tape.script.0.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
-        let is_short = difference.is_none() && self.begun.get() < self.last;
+        // The MP may have left out the last steps.
+        let due = self.tape.script.last_until(self.last);
+        let is_short = difference.is_none() && self.begun.get() < due;
         Compared {
             steps: steps as u64,
             images: self.compared.get(),

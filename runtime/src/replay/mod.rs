@@ -1,7 +1,7 @@
 //! A replay: a recording is fed back on the memory link, and the demands are compared with the recorded ones.
 //!
 //! In: a [`Tape`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, the
-//! operator's wishes and the steps in which the MP began. Out: the same programs, which see the same; and the first step,
+//! operator's wishes, the steps in which the MP began and those whose demands came too late. Out: the same programs, which see the same; and the first step,
 //! robot and joint whose demand differs, if any does ([`compare`]).
 
 pub(crate) mod compare;
@@ -39,6 +39,8 @@ pub(crate) struct RobotTape {
     /// The step of the first image.
     pub first: u64,
     pub images: Vec<RecordedImage>,
+    /// Steps whose demand did not come in time, in their order.
+    pub missed: Vec<u64>,
 }
 
 impl RobotTape {
@@ -51,6 +53,11 @@ impl RobotTape {
     pub fn nearest(&self, step: u64) -> Option<&RecordedImage> {
         let last = (self.first + self.images.len() as u64).checked_sub(1)?;
         self.image(step.clamp(self.first, last))
+    }
+
+    /// Whether the demand of a step came too late for it.
+    pub fn has_missed(&self, step: u64) -> bool {
+        self.missed.binary_search(&step).is_ok()
     }
 
     /// The last step that is recorded.

@@ -37,6 +37,12 @@ impl Script {
         self.0.get(place).map_or(step + 1, |scripted| scripted.step)
     }
 
+    /// The last step that the MP began of those up to one; 0 where there is none.
+    pub fn last_until(&self, step: u64) -> u64 {
+        let count = self.0.partition_point(|scripted| scripted.step <= step);
+        count.checked_sub(1).and_then(|last| self.0.get(last)).map_or(0, |scripted| scripted.step)
+    }
+
     /// The last step that is recorded.
     pub fn last(&self) -> u64 {
         self.0.last().map_or(0, |scripted| scripted.step)
@@ -98,6 +104,7 @@ mod tests {
     fn steps_that_were_skipped_are_skipped_again() {
         let script = Script(vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }]);
         assert_eq!([0, 1, 2, 3, 5, 6].map(|after| script.after(after)), [1, 2, 5, 5, 6, 7]);
+        assert_eq!([0, 2, 4, 5, 9].map(|step| script.last_until(step)), [0, 2, 2, 5, 6]);
         assert_eq!((script.last(), script.was_late(5), script.was_late(6)), (6, false, true));
     }
 
