@@ -34,7 +34,8 @@ pub(crate) enum What {
     },
     /// The operator aborts, after the step began. No words.
     Abort { step: u64 },
-    /// What took place in the step left no time for more in it. No words.
+    /// What took place in the step left no time for more in the MP's; to an EDP, its demand came too late; an ECP had none for its
+    /// first demand. No words.
     Late { step: u64 },
     /// The MP orders; the words of the order, if it has one.
     Order {

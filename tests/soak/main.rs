@@ -27,6 +27,8 @@ const GROWTH: i64 = 256;
 const RATE: f64 = 1e-4;
 /// The shortest run whose rate is looked at \[s\]: the least late of a thousand steps is known to some microseconds.
 const RATED: u32 = 10;
+/// How often a reset may be refused in a row, once in half a second: a robot may still move.
+const PATIENCE: u32 = 20;
 /// A step \[us\].
 const STEP: u64 = 1000;
 
@@ -42,11 +44,18 @@ fn soak() -> ExitCode {
     launch.let_run(STARTING);
     let first = memory(&mut launch);
     let mut last = first.clone();
-    let mut resets = 0;
+    let (mut resets, mut refused) = (0, 0);
     let until = Instant::now() + Duration::from_secs(u64::from(seconds));
     while launch.end_if_over().is_none() {
         launch.let_run(Duration::from_millis(500));
-        resets += u32::from(is_reset(&place));
+        match reset_if_latched(&place) {
+            Some(Ok(())) => (resets, refused) = (resets + 1, 0),
+            Some(Err(why)) => {
+                refused += 1;
+                assert!(refused < PATIENCE, "no reset: {why}");
+            }
+            None => {}
+        }
         let now = memory(&mut launch);
         // Those that end have given their memory back.
         if now.len() == first.len() {
@@ -79,21 +88,22 @@ fn soak() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Whether a cell that a late machine has stopped goes on now; one that anything else has stopped does not.
-fn is_reset(place: &Place) -> bool {
+/// Lets a cell that a late machine has stopped go on, or tells why it does not; one that anything else has stopped must not.
+fn reset_if_latched(place: &Place) -> Option<Result<(), String>> {
     let ask = |word| {
         let output = place.program(&[word]).output().expect("a console starts");
-        (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned())
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.success(), String::from_utf8_lossy(&said).into_owned())
     };
     let (_, said) = ask("status");
     if !said.starts_with("latched: ") {
-        return false;
+        return None;
     }
     let kinds = ["too many steps were missed", "the process at the other end is gone", "exceeds the limit"];
     assert!(kinds.iter().any(|kind| said.contains(kind)), "{said}");
     ask("acknowledge");
-    // Where a robot still moves it is refused, and asked again in half a second.
-    ask("reset").0
+    let (is_reset, why) = ask("reset");
+    Some(if is_reset { Ok(()) } else { Err(format!("{said}{why}")) })
 }
 
 /// Begun, skipped, and by which part of its time the clock of the steps is slow.

@@ -350,7 +350,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let (client, server) = link.port(place.ecp, edp);
         let (robot, mut observers) = (self.robot, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
-        let replayed = self.replayed;
+        let (replayed, tap) = (self.replayed.clone(), place.tap.of(ProcessId::new(Role::Ecp, name)));
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.
@@ -395,12 +395,12 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         link.body(edp, Box::new(run))?;
         let (mut program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
-        let pace = place.pace;
+        let (pace, tape) = (place.pace, self.replayed);
         link.body(
             place.ecp,
             Box::new(move |waiter| {
                 let timed = Timed::new(waiter);
-                let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace);
+                let mut ecp = Ecp::<'_, R>::new(process, &timed, mp, client, sensing, pace, (tap, tape));
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
                         Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

@@ -11,6 +11,7 @@ mod orders;
 mod waiting;
 
 use core::time::Duration;
+use std::rc::Rc;
 
 use crate::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::image::{RobotImage, Sensor};
@@ -19,8 +20,10 @@ use crate::list::{PayloadType, SensorHandle};
 use crate::message::{OrderKind, RequestKind, flag};
 use crate::overruns::Overruns;
 use crate::payload::{Nudge, Order, Payload};
+use crate::replay::RobotTape;
 use crate::robot::Robot;
 use crate::sensing::Sensing;
+use crate::witness::{Tap, What};
 
 use driver::DriverPort;
 use orders::{Duty, Orders, Phase};
@@ -37,6 +40,9 @@ pub struct Ecp<'w, R: Robot> {
     refusals: u32,
     /// What the MP has been told, or will be, to stop the robot for on its path.
     trouble: Trouble,
+    /// Where late steps are shown, and those of a run that is replayed.
+    tap: Tap,
+    replayed: Option<Rc<RobotTape>>,
 }
 
 /// What is wrong while demands are sound.
@@ -71,6 +77,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         edp: Box<dyn Client>,
         sensing: Sensing,
         pace: Pace,
+        (tap, replayed): (Tap, Option<Rc<RobotTape>>),
     ) -> Self {
         Ecp {
             process,
@@ -82,6 +89,8 @@ impl<'w, R: Robot> Ecp<'w, R> {
             pace,
             refusals: 0,
             trouble: Trouble::None,
+            tap,
+            replayed,
         }
     }
 
@@ -337,9 +346,15 @@ impl<'w, R: Robot> Ecp<'w, R> {
         if self.orders.hands_over() { Ok(()) } else { self.settle() }
     }
 
-    /// Whether a demand of the open order's step would miss the EDP's ticks.
-    fn is_late(&self) -> bool {
-        self.waiter.now() >= self.orders.header().step * self.pace.period + self.pace.grace
+    /// Whether a demand of the open order's step would miss the EDP's ticks, after what took place since `began`.
+    fn is_late_since(&self, began: Nanos) -> bool {
+        let (now, step) = (self.waiter.now(), self.orders.header().step);
+        let was_late = self.replayed.as_ref().is_some_and(|tape| tape.put_off.contains(&step));
+        let is_late = was_late || now > began && now >= step * self.pace.period + self.pace.grace;
+        if is_late {
+            self.tap.show(now, &What::Late { step }, &[]);
+        }
+        is_late
     }
 
     /// The open order's value for a step function that reads it; for one that does not, a value of zeros.

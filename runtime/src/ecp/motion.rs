@@ -153,7 +153,7 @@ impl<R: Robot> Ecp<'_, R> {
                 let began = self.waiter.now();
                 self.refresh(sensors, v, first_uses.robots)?;
                 refreshed = true;
-                if self.waiter.now() > began && self.is_late() {
+                if self.is_late_since(began) {
                     self.reply_with_state();
                     continue;
                 }

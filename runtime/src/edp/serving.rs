@@ -14,6 +14,7 @@ use crate::latch::{Admission, Asked};
 use crate::message::{Kind, RequestKind, flag};
 use crate::robot::Robot;
 use crate::wire::Wire;
+use crate::witness::What;
 
 use super::{Edp, Mode, guarded};
 
@@ -56,15 +57,24 @@ impl<R: Robot> Edp<'_, R> {
             RequestKind::Query => self.check_standing_start(),
             RequestKind::Demand => self.demand(),
             RequestKind::Brake => {
+                self.go_on_until(self.request.header.step);
                 self.come_to_hold();
                 Ok(())
             }
             RequestKind::Stop => {
+                self.go_on_until(self.request.header.step);
                 self.brake();
                 self.switch_off();
                 Ok(())
             }
             RequestKind::Reset => self.reset(),
+        }
+    }
+
+    /// A motion whose end comes too late for its step has gone on.
+    fn go_on_until(&mut self, step: u64) {
+        if matches!(self.mode, Mode::Moving { .. }) {
+            self.is_late(step);
         }
     }
 
@@ -98,11 +108,7 @@ impl<R: Robot> Edp<'_, R> {
         }
         // What was to be done in a step that is over has been bridged, and is never made up for; what was chosen with
         // it stays in force.
-        if header.step < self.due {
-            return self.acceptor.choose_tool(&demand);
-        }
-        if self.has_missed(header.step) {
-            self.next = Some(self.next_demand());
+        if self.is_late(header.step) {
             return self.acceptor.choose_tool(&demand);
         }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
@@ -133,10 +139,18 @@ impl<R: Robot> Edp<'_, R> {
         Ok(())
     }
 
-    /// Whether a demand that is in time here was too late in the run that is replayed.
-    fn has_missed(&self, step: u64) -> bool {
-        let missed = self.config.replayed.as_ref().is_some_and(|tape| tape.has_missed(step));
-        missed && matches!(self.mode, Mode::Moving { .. })
+    /// Whether a request came too late for its step, or did so in the run that is replayed: then what replaces its demand
+    /// is found now.
+    fn is_late(&mut self, step: u64) -> bool {
+        let was_late = self.config.replayed.as_ref().is_some_and(|tape| tape.has_missed(step));
+        if was_late && step >= self.due {
+            self.next = Some(self.next_demand());
+        }
+        let is_late = was_late || step < self.due;
+        if is_late {
+            self.config.tap.show(self.waiter.now(), &What::Late { step }, &[]);
+        }
+        is_late
     }
 
     fn check_regulators(&self, sets: &Regulators) -> Result<(), Fault> {

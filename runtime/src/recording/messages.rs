@@ -71,7 +71,15 @@ impl Messages {
                 return Err(Wrong::new(what, OTHER_CELL));
             }
             let name = of_cell(&robot.name)?;
-            robots.push(RobotTape { name, joints, found: None, first: 0, images: Vec::new(), missed: Vec::new() });
+            robots.push(RobotTape {
+                name,
+                joints,
+                found: None,
+                first: 0,
+                images: Vec::new(),
+                missed: Vec::new(),
+                put_off: Vec::new(),
+            });
         }
         let mut sensors = Vec::new();
         let recorded = list("sensors");
@@ -129,7 +137,13 @@ impl Messages {
         let by = process(json["process"].as_str()?)?;
         match json["what"].as_str()? {
             "fault from outside" => self.end_before(step, text.to_owned()),
-            "late" => drop(self.late.insert(step)),
+            "late" => match self.robots.iter_mut().find(|robot| Some(robot.name) == by.name) {
+                Some(robot) if self.real_time && by.role == Role::Edp => robot.missed.push(step),
+                Some(robot) if self.real_time => robot.put_off.push(step),
+                // Under the virtual clock it is late by itself.
+                Some(_) => {}
+                None => drop(self.late.insert(step)),
+            },
             "abort" => drop(self.aborts.insert(step)),
             "end" => self.end = Some((!text.is_empty()).then(|| text.to_owned())),
             "found" => {
@@ -170,9 +184,6 @@ impl Messages {
         }
         let follows = step == robot.first + robot.images.len() as u64;
         robot.images.extend(follows.then_some(image));
-        if self.real_time && json["mode"] == "bridging" {
-            robot.missed.push(step);
-        }
         follows.then_some(())
     }
 

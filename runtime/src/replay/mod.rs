@@ -39,8 +39,10 @@ pub(crate) struct RobotTape {
     /// The step of the first image.
     pub first: u64,
     pub images: Vec<RecordedImage>,
-    /// Steps whose demand did not come in time, in their order.
+    /// Steps whose demand did not come in time.
     pub missed: Vec<u64>,
+    /// Steps in which its ECP found no time to begin a motion.
+    pub put_off: Vec<u64>,
 }
 
 impl RobotTape {
@@ -57,7 +59,7 @@ impl RobotTape {
 
     /// Whether the demand of a step came too late for it.
     pub fn has_missed(&self, step: u64) -> bool {
-        self.missed.binary_search(&step).is_ok()
+        self.missed.contains(&step)
     }
 
     /// The last step that is recorded.
