@@ -10,7 +10,7 @@
 //! | `/robots/NAME/orders` | orders of the MP without a payload: queries, starts, ends | `mrroc.Order` |
 //! | `/robots/NAME/orders/PAYLOAD` | orders with one, its fields by their names | `mrroc.Order.PAYLOAD` |
 //! | `/sensors/NAME` | each reading that a process collected, its fields by their names | `mrroc.Reading.NAME` |
-//! | `/events` | faults, aborts, the end | `mrroc.Event` |
+//! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
 //!
 //! The file's metadata `mrroc` says what the cell is made of, `mrroc.end` how many messages there are and how many were
 //! dropped. A step copies what it shows into a ring ([`ring`]); a thread makes messages of it ([`channels`], [`json`]) and
