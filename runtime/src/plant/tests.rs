@@ -205,7 +205,6 @@ fn fault_01_drives_bridge_l_steps_without_commands_then_brake_and_stay_without_p
         assert_eq!(bench.drives.due(), Some((period + 1) * SERVO));
         bench.period(period);
     }
-    assert_eq!(bench.drives.due(), None);
     assert_eq!(bench.drives.rest(), Some(Rest { edp: edp(), braked_after: L + 1, stood_after: 11 }));
     // An EDP that comes back moves nothing.
     bench.told();
@@ -213,6 +212,34 @@ fn fault_01_drives_bridge_l_steps_without_commands_then_brake_and_stay_without_p
     bench.commands.write(&command(period, 5.0));
     assert_eq!(bench.period(period).header.kind, Kind::Fault);
     assert!(bench.told().iter().all(|told| *told == Told::Brake));
+}
+
+#[test]
+fn drives_that_have_braked_look_every_period_for_an_order_to_have_power_again() {
+    let mut bench = Bench::new(None);
+    for period in 0..3 {
+        bench.commands.write(&command(period, 1e-6 * period as f64));
+        bench.period(period);
+    }
+    let mut period = 3;
+    while !bench.drives.rests() {
+        bench.period(period);
+        period += 1;
+    }
+    // Nobody wakes the plant for what is shown to it.
+    assert_eq!(bench.drives.due(), Some((period + 1) * SERVO));
+    let mut order = Message::empty();
+    Switch { ordinal: 1, on: true }.put(&mut order);
+    bench.commands.write(&order);
+    assert_eq!(bench.period(period).header.kind, Kind::Reply);
+    bench.told();
+    let mut message = Message::empty();
+    let (regulators, tool) = (Regulators::default(), Pose::identity());
+    let demanded = One::new(3e-6);
+    Command { period: period + 1, switched: 1, choice: 0, regulators, demanded, tool }.put(&mut message);
+    bench.commands.write(&message);
+    assert_eq!(bench.period(period + 1).header.kind, Kind::Reply);
+    near(&bench.told(), &[3e-6]);
 }
 
 #[test]
