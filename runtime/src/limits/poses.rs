@@ -80,7 +80,7 @@ impl<R: Robot> Acceptor<R> {
 }
 
 /// The fault that a pose without joint positions is; `frame` is what was to go there.
-pub(super) fn no_inverse(error: &NoInverse, pose: &Pose, frame: &str) -> Fault {
+fn no_inverse(error: &NoInverse, pose: &Pose, frame: &str) -> Fault {
     let fault = Fault::new(FaultKind::NoInverseKinematics);
     let Translation3 { vector: p } = pose.translation;
     let at = format!("{frame} demanded at ({:.4}, {:.4}, {:.4}) m", p.x, p.y, p.z);

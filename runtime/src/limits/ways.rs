@@ -26,12 +26,14 @@ impl<R: Robot> Acceptor<R> {
             Some(OffPath::Together(way)) if missed == 0.0 || self.path.on_screw => Some(way),
             Some(_) | None => None,
         };
+        // One that is off its path by its joints does not come back with the others.
+        let with_others = self.path.on_screw && !matches!(self.off_path, Some(OffPath::Joints(_)));
         let rejoin = || {
             let over = Screw::between(&self.robot.forward(&self.path.position), &self.robot.forward(demand));
             let way = Rejoining::after(way, self.path_screw(duration), over, missed);
             self.beside(demand, way, duration)
         };
-        if all_missed && self.path.on_screw {
+        if all_missed && with_others {
             return rejoin();
         }
         let there = match way.and_then(|way| way.advanced(missed + 1.0)) {
@@ -41,7 +43,7 @@ impl<R: Robot> Acceptor<R> {
         match there {
             Ok(next) if self.is_on_path() || way.is_some() => Ok(next),
             // Whether the others missed a demand, too, is not known: at worst this one is beside them for a while.
-            Err(_) if self.path.on_screw => rejoin(),
+            Err(_) if with_others => rejoin(),
             Err(fault) if way.is_some() => Err(fault),
             there
                 if self.robot.limits().jerk.is_none() && (!self.is_on_path() || self.path.missing > 0.0) =>
@@ -54,7 +56,7 @@ impl<R: Robot> Acceptor<R> {
 
     /// The state beside a demand, where all robots that this one moves together with are beside theirs.
     #[allow(non_snake_case)]
-    pub(super) fn beside(
+    fn beside(
         &self,
         demand: &R::Joints,
         rejoining: Rejoining,
@@ -70,7 +72,7 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// The state at a demand.
-    pub(super) fn there(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
+    fn there(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
         let velocity = (*demand - self.position) * duration.recip();
         let path = self.path_to(demand, duration);
         let next = Next { position: *demand, velocity, path, off_path: None };
@@ -79,7 +81,7 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// A state on the way back to the path; none where that is too far.
-    pub(super) fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<Next<R::Joints>>, Fault> {
+    fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<Next<R::Joints>>, Fault> {
         let path = self.path_to(demand, duration);
         // Both velocities are those of the middles of their times.
         let acceleration =
@@ -110,7 +112,7 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// The path once it has come to `demand`.
-    pub(super) fn path_to(&self, demand: &R::Joints, duration: f64) -> Path<R::Joints> {
+    fn path_to(&self, demand: &R::Joints, duration: f64) -> Path<R::Joints> {
         let span = self.path.missing + duration;
         Path::after(*demand, (*demand - self.path.position) * span.recip(), span)
     }
@@ -124,7 +126,7 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// The displacement of the path's last step in the world, as its mean velocity makes it.
-    pub(super) fn path_screw(&self, duration: f64) -> Screw {
+    fn path_screw(&self, duration: f64) -> Screw {
         let before = self.path.position - self.path.velocity * duration;
         let of_joints =
             || Screw::between(&self.robot.forward(&before), &self.robot.forward(&self.path.position));
