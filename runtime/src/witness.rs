@@ -34,8 +34,8 @@ pub(crate) enum What {
     },
     /// The operator aborts, after the step began. No words.
     Abort { step: u64 },
-    /// What took place in the step left no time for more in the MP's; to an EDP, its demand came too late; an ECP had none for its
-    /// first demand. No words.
+    /// What took place in the step left no time for more: an MP or ECP had none to begin a motion, a demand came too late
+    /// to its EDP. No words.
     Late { step: u64 },
     /// The MP orders; the words of the order, if it has one.
     Order {

@@ -142,7 +142,7 @@ impl<R: Robot> Edp<'_, R> {
     /// Whether a request came too late for its step, or did so in the run that is replayed: then what replaces its demand
     /// is found now.
     fn is_late(&mut self, step: u64) -> bool {
-        let was_late = self.config.replayed.as_ref().is_some_and(|tape| tape.has_missed(step));
+        let was_late = self.config.replayed.as_ref().is_some_and(|tape| tape.missed.contains(&step));
         if was_late && step >= self.due {
             self.next = Some(self.next_demand());
         }

@@ -7,7 +7,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::joints::JointVector;
 use crate::robot::{CoupledLimit, Limits, Robot};
 
-use super::{Acceptor, Next, RELATIVE, ROUND_OFF};
+use super::{Acceptor, RELATIVE, ROUND_OFF};
 
 /// Where a robot would stand if its demands were lost now.
 #[derive(Clone, Copy, Debug)]
@@ -18,20 +18,27 @@ pub(super) struct Standstill<J> {
 }
 
 impl<R: Robot> Acceptor<R> {
-    /// The limits of a state; `held` is the velocity that is held when the demands after it are lost.
-    pub(super) fn check_next(
+    /// The velocity of a step to a position, within all limits; `held` is the velocity that is held when the demands after it
+    /// are lost, the step's own where there is none.
+    pub(super) fn velocity_to(
         &self,
-        next: &Next<R::Joints>,
-        held: &R::Joints,
+        position: &R::Joints,
+        held: Option<&R::Joints>,
         duration: f64,
-    ) -> Result<(), Fault> {
-        let acceleration = (next.velocity - self.velocity) * duration.recip();
-        let stop = self.check(&next.position, &next.velocity, held, &acceleration, duration)?;
-        self.check_coupled(&next.position, &stop, duration)
+    ) -> Result<R::Joints, Fault> {
+        // The joints may be those of a robot's own `inverse`.
+        if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
+            return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
+        }
+        let velocity = (*position - self.position) * duration.recip();
+        let acceleration = (velocity - self.velocity) * duration.recip();
+        let stop = self.check(position, &velocity, held.unwrap_or(&velocity), &acceleration, duration)?;
+        self.check_coupled(position, &stop, duration)?;
+        Ok(velocity)
     }
 
     /// Limits that joints share, on the way to a position and from there to the standstill.
-    pub(super) fn check_coupled(
+    fn check_coupled(
         &self,
         position: &R::Joints,
         stop: &Standstill<R::Joints>,

@@ -2,8 +2,7 @@
 //!
 //! In: the joints of a demand, or a displacement in place of one. Out: a state whose limits have been checked.
 
-use crate::fault::{Fault, FaultKind};
-use crate::joints::JointVector;
+use crate::fault::Fault;
 use crate::pose::Pose;
 use crate::robot::Robot;
 use crate::together::Screw;
@@ -64,20 +63,16 @@ impl<R: Robot> Acceptor<R> {
     ) -> Result<Next<R::Joints>, Fault> {
         let X_WF = rejoining.displacement() * self.robot.forward(demand);
         let position = self.flange_joints(&X_WF, demand)?;
-        let velocity = (position - self.position) * duration.recip();
+        let velocity = self.velocity_to(&position, None, duration)?;
         let off_path = Some(OffPath::Together(rejoining));
-        let next = Next { position, velocity, path: self.path_to(demand, duration), off_path };
-        self.check_next(&next, &velocity, duration)?;
-        Ok(next)
+        Ok(Next { position, velocity, path: self.path_to(demand, duration), off_path })
     }
 
     /// The state at a demand.
     fn there(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
-        let velocity = (*demand - self.position) * duration.recip();
         let path = self.path_to(demand, duration);
-        let next = Next { position: *demand, velocity, path, off_path: None };
-        self.check_next(&next, &path.velocity, duration)?;
-        Ok(next)
+        let velocity = self.velocity_to(demand, Some(&path.velocity), duration)?;
+        Ok(Next { position: *demand, velocity, path, off_path: None })
     }
 
     /// A state on the way back to the path; none where that is too far.
@@ -104,11 +99,8 @@ impl<R: Robot> Acceptor<R> {
         let Some((position, off_path)) = CatchingUp::next(known, &late, self.robot.limits()) else {
             return Ok(None);
         };
-        let off_path = off_path.map(OffPath::Joints);
-        let velocity = (position - self.position) * duration.recip();
-        let next = Next { position, velocity, path, off_path };
-        self.check_next(&next, &velocity, duration)?;
-        Ok(Some(next))
+        let velocity = self.velocity_to(&position, None, duration)?;
+        Ok(Some(Next { position, velocity, path, off_path: off_path.map(OffPath::Joints) }))
     }
 
     /// The path once it has come to `demand`.
@@ -141,13 +133,6 @@ impl<R: Robot> Acceptor<R> {
     pub(super) fn displaced(&self, D: &Pose, duration: f64) -> Result<(R::Joints, R::Joints), Fault> {
         let X_WF = D * self.robot.forward(&self.position);
         let position = self.flange_joints(&X_WF, &self.position)?;
-        if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
-            return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
-        }
-        let velocity = (position - self.position) * duration.recip();
-        let acceleration = (velocity - self.velocity) * duration.recip();
-        let stop = self.check(&position, &velocity, &velocity, &acceleration, duration)?;
-        self.check_coupled(&position, &stop, duration)?;
-        Ok((position, velocity))
+        Ok((position, self.velocity_to(&position, None, duration)?))
     }
 }

@@ -77,8 +77,8 @@ impl Messages {
                 found: None,
                 first: 0,
                 images: Vec::new(),
-                missed: Vec::new(),
-                put_off: Vec::new(),
+                missed: BTreeSet::new(),
+                put_off: BTreeSet::new(),
             });
         }
         let mut sensors = Vec::new();
@@ -138,8 +138,8 @@ impl Messages {
         match json["what"].as_str()? {
             "fault from outside" => self.end_before(step, text.to_owned()),
             "late" => match self.robots.iter_mut().find(|robot| Some(robot.name) == by.name) {
-                Some(robot) if self.real_time && by.role == Role::Edp => robot.missed.push(step),
-                Some(robot) if self.real_time => robot.put_off.push(step),
+                Some(robot) if self.real_time && by.role == Role::Edp => drop(robot.missed.insert(step)),
+                Some(robot) if self.real_time => drop(robot.put_off.insert(step)),
                 // Under the virtual clock it is late by itself.
                 Some(_) => {}
                 None => drop(self.late.insert(step)),

@@ -1,14 +1,15 @@
 //! A replay: a recording is fed back on the memory link, and the demands are compared with the recorded ones.
 //!
 //! In: a [`Tape`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, the
-//! operator's wishes, the steps in which the MP began and those whose demands came too late. Out: the same programs, which see the same; and the first step,
-//! robot and joint whose demand differs, if any does ([`compare`]).
+//! operator's wishes, the steps in which the MP began and those whose demands came too late. Out: the same programs, which
+//! see the same; and the first step, robot and joint whose demand differs, if any does ([`compare`]).
 
 pub(crate) mod compare;
 pub(crate) mod drives;
 pub(crate) mod readings;
 pub(crate) mod script;
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use crate::fault::ProcessId;
@@ -40,9 +41,9 @@ pub(crate) struct RobotTape {
     pub first: u64,
     pub images: Vec<RecordedImage>,
     /// Steps whose demand did not come in time.
-    pub missed: Vec<u64>,
+    pub missed: BTreeSet<u64>,
     /// Steps in which its ECP found no time to begin a motion.
-    pub put_off: Vec<u64>,
+    pub put_off: BTreeSet<u64>,
 }
 
 impl RobotTape {
@@ -55,11 +56,6 @@ impl RobotTape {
     pub fn nearest(&self, step: u64) -> Option<&RecordedImage> {
         let last = (self.first + self.images.len() as u64).checked_sub(1)?;
         self.image(step.clamp(self.first, last))
-    }
-
-    /// Whether the demand of a step came too late for it.
-    pub fn has_missed(&self, step: u64) -> bool {
-        self.missed.contains(&step)
     }
 
     /// The last step that is recorded.

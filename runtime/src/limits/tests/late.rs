@@ -187,6 +187,17 @@ fn demands_that_are_lost_on_the_way_back_are_bridged_at_the_robots_own_velocity(
 }
 
 #[test]
+fn fault_18_joints_of_an_inverse_that_are_no_numbers_are_refused_on_the_common_way_back() {
+    let mut acceptor = acceptor(Turntable::new());
+    (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (0.3, 0.3, T);
+    acceptor.go_on(&Pose::translation(0.3 * T, 0.0, 0.0), T).expect("on the screw");
+    acceptor.robot.off = f64::NAN;
+    let before = acceptor.position;
+    let fault = acceptor.rejoin(&joints(0.6 * T, 0.0), 2.0 * T, T).expect_err("no joints");
+    assert_eq!((fault.kind(), acceptor.position), (FaultKind::DemandNotFinite, before));
+}
+
+#[test]
 fn an_offset_ends_in_the_fewest_steps_that_the_acceleration_allows() {
     let a = 5.0;
     for offset in [1e-9_f64, 4.9e-6, 5e-6, 5.1e-6, 1e-5, 1.5e-5, 3.3e-4, 2e-2] {
