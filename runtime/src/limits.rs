@@ -62,11 +62,13 @@ struct Path<J> {
     /// For how long demands have been missing since \[s\], and whether that was bridged on a screw.
     missing: f64,
     on_screw: bool,
+    /// Where the path went meanwhile, as a demand says that came too late to be followed.
+    late: Option<J>,
 }
 
 impl<J> Path<J> {
     const fn after(position: J, velocity: J, span: f64) -> Self {
-        Path { position, velocity, span, missing: 0.0, on_screw: false }
+        Path { position, velocity, span, missing: 0.0, on_screw: false, late: None }
     }
 }
 
@@ -171,30 +173,37 @@ impl<R: Robot> Acceptor<R> {
     /// Whether the path may simply stay at the state demanded last: a motion that ends at rest leaves the
     /// velocity of its last step, which one step takes away within the limits.
     pub fn can_hold(&self, duration: f64) -> bool {
-        if !self.is_on_path() {
-            return self.next(&self.path.position, duration, false).is_ok();
+        if let Some(end) = self.end_of_path() {
+            return self.next(&end, duration, false).is_ok();
         }
         let zeros = R::Joints::zeros();
         let acceleration = (zeros - self.velocity) * duration.recip();
         self.check(&self.position, &zeros, &zeros, &acceleration, duration).is_ok()
     }
 
+    /// Where the path has come to, for a robot that is elsewhere.
+    fn end_of_path(&self) -> Option<R::Joints> {
+        self.path.late.or_else(|| (!self.is_on_path()).then_some(self.path.position))
+    }
+
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
         (self.origin, self.start, self.starting) = (self.demanded().0, None, true);
+        self.path.late = None;
         if self.is_at_rest() {
             self.path_speed = R::Joints::zeros();
         }
     }
 
     /// Stay: the state demanded last is demanded again. The path's speed is kept: a robot whose ECP transmits orders is
-    /// held so in a suspension. One that is off its path comes back to it.
+    /// held so in a suspension. One that is off its path comes back to it, and to where it ends: the last demand of a motion
+    /// may have been late.
     ///
     /// # Errors
     /// The limit that the way back would break; nothing is changed then.
     pub fn hold(&mut self, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
-        if !self.is_on_path() {
-            let next = self.next(&self.path.position, duration, false)?;
+        if let Some(end) = self.end_of_path() {
+            let next = self.next(&end, duration, false)?;
             return Ok(self.take(next, duration));
         }
         let zeros = R::Joints::zeros();
@@ -264,28 +273,7 @@ impl<R: Robot> Acceptor<R> {
         duration: f64,
         all_missed: bool,
     ) -> Result<AcceptedDemand<R>, Fault> {
-        let tool = match &demand.tool {
-            Some(tool) => valid_frame(tool)?,
-            None => self.tool,
-        };
-        let redundancy = demand.redundancy;
-        let position = match &demand.coordinates {
-            Coordinates::Hold | Coordinates::Joints(_) if redundancy.is_some() => {
-                let text = "a redundancy is chosen for a pose or a displacement, not for joint positions";
-                return Err(Fault::thrown(text));
-            }
-            Coordinates::Hold => self.demanded().0,
-            Coordinates::Joints(joints) => *joints,
-            Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool, redundancy)?,
-            Coordinates::Displacement(displacement) => {
-                let displacement = valid_frame(displacement)?;
-                let start = *self.start.get_or_insert_with(|| self.robot.forward(&self.origin));
-                self.joints_at(&(start * tool * displacement), &tool, redundancy)?
-            }
-        };
-        if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
-            return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
-        }
+        let (tool, position) = self.target(demand)?;
         let next = self.next(&position, duration, all_missed).map_err(|fault| {
             let disagreement = self.disagreement(demand, &position, &tool);
             disagreement.unwrap_or_else(|| self.beside_singularity(demand, fault))
@@ -300,6 +288,33 @@ impl<R: Robot> Acceptor<R> {
             self.path_speed = R::Joints::from_joints(|i| velocity[i].abs() / self.rate);
         }
         Ok(accepted)
+    }
+
+    /// The tool of a demand, and the joint positions that it asks for.
+    fn target(&mut self, demand: &Demand<R>) -> Result<(Pose, R::Joints), Fault> {
+        let tool = match &demand.tool {
+            Some(tool) => valid_frame(tool)?,
+            None => self.tool,
+        };
+        let redundancy = demand.redundancy;
+        let position = match &demand.coordinates {
+            Coordinates::Hold | Coordinates::Joints(_) if redundancy.is_some() => {
+                let text = "a redundancy is chosen for a pose or a displacement, not for joint positions";
+                return Err(Fault::thrown(text));
+            }
+            Coordinates::Hold => self.path.late.unwrap_or_else(|| self.demanded().0),
+            Coordinates::Joints(joints) => *joints,
+            Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool, redundancy)?,
+            Coordinates::Displacement(displacement) => {
+                let displacement = valid_frame(displacement)?;
+                let start = *self.start.get_or_insert_with(|| self.robot.forward(&self.origin));
+                self.joints_at(&(start * tool * displacement), &tool, redundancy)?
+            }
+        };
+        match position.as_slice().iter().position(|q| !q.is_finite()) {
+            Some(joint) => Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint)),
+            None => Ok((tool, position)),
+        }
     }
 
     /// A state that has been checked is the present one.
@@ -334,10 +349,16 @@ impl<R: Robot> Acceptor<R> {
         Ok(accepted)
     }
 
-    /// The tool of a demand that came too late to be followed is in force from now on.
-    pub fn choose_tool(&mut self, demand: &Demand<R>) -> Result<(), Fault> {
-        if let Some(tool) = &demand.tool {
-            self.tool = valid_frame(tool)?;
+    /// A demand that came too late to be followed: its tool is in force from now on, and a path that goes no farther ends
+    /// where it says. Robots with a jerk limit do not come back to their path.
+    ///
+    /// # Errors
+    /// What is wrong with the demand itself; nothing is changed then.
+    pub fn note_late(&mut self, demand: &Demand<R>) -> Result<(), Fault> {
+        let (tool, position) = self.target(demand)?;
+        self.tool = tool;
+        if self.path.missing > 0.0 && self.robot.limits().jerk.is_none() {
+            self.path.late = Some(position);
         }
         Ok(())
     }

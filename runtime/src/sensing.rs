@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use crate::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::image::{Reading, Sensor, SensorImage};
+use crate::link::patience::{Patience, Waiting};
 use crate::link::{Client, Nanos, Waiter};
 use crate::list::{SensorHandle, SensorList, SensorsOf};
 use crate::message::{Kind, Message};
@@ -82,11 +83,13 @@ impl SensorPort {
         match &self.source {
             Source::Interactive(client) => client.send(&self.order),
             Source::WithDelay(client) => {
-                // A sensor with delay that is still at work is not disturbed.
+                // A sensor with delay that is still at work is not disturbed: it has taken the order.
                 if self.awaiting && client.receive(&mut self.reply) {
                     (self.awaiting, self.read) = (false, true);
                 }
-                if !self.awaiting {
+                if self.awaiting {
+                    client.send_again();
+                } else {
                     if self.asked.is_none_or(|asked| step > asked + 1) {
                         self.since = step;
                     }
@@ -120,13 +123,13 @@ impl SensorPort {
     }
 
     /// Collects the reading ordered, or with delay the latest that is there.
-    fn collect(&mut self, waiter: &dyn Waiter, deadline: Nanos) -> Result<(), Fault> {
+    fn collect(&mut self, waiter: &dyn Waiter, mut waiting: Waiting) -> Result<(), Fault> {
         match &self.source {
             Source::Interactive(client) => {
                 // An answer to an order that was given up is none to this one.
                 while !(client.receive(&mut self.reply) && self.reply.header.step == self.order.header.step) {
-                    waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
-                    if waiter.now() >= deadline {
+                    let goes_on = waiting.goes_on(&**client, waiter);
+                    if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
                         return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
                     }
                 }
@@ -178,8 +181,8 @@ impl SensorPort {
 /// All virtual sensors of a process.
 pub(crate) struct Sensing {
     pub ports: Vec<SensorPort>,
-    /// Time that a reading may take \[ns\].
-    pub patience: Nanos,
+    /// Of readings, and of other answers.
+    pub patience: Patience,
     /// Where what was collected is shown.
     pub tap: Tap,
 }
@@ -250,10 +253,10 @@ impl Sensing {
         if V::LEN == 0 {
             return Ok(());
         }
-        let deadline = waiter.now() + self.patience;
+        let waiting = self.patience.begin(waiter);
         for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
             let port = &mut self.ports[index];
-            let collected = port.collect(waiter, deadline);
+            let collected = port.collect(waiter, waiting);
             port.show(&collected, step, &self.tap, waiter.now());
             collected?;
             let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);

@@ -11,7 +11,7 @@ const BRIDGED: f64 = 5e-5;
 
 /// What is done to a cell: its processes, its links, its operator.
 pub fn everything(cell: fn() -> Cell) -> Sweep<'static> {
-    let sweep = Sweep::new(cell).end_tolerance(BRIDGED).threads(2);
+    let sweep = Sweep::new(cell).threads(2);
     let sweep = [1, 5, 19, 20, 21, 100].into_iter().fold(sweep.kills(), Sweep::stalls);
     let sweep = [1, 19, 20, 21].into_iter().fold(sweep, |sweep, n| sweep.links(LinkFault::Drop, n));
     let faults = [

@@ -7,6 +7,7 @@ use super::sensor::Requesters;
 use super::{Cell, CellError, Outcomes};
 use crate::ecp::Pace;
 use crate::fault::{ProcessId, Role};
+use crate::link::patience::Patience;
 use crate::link::{Link, Nanos};
 use crate::mp::{Mp, RobotPort};
 use crate::name::Name;
@@ -43,7 +44,8 @@ impl Cell {
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
     pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
         let nudged = self.program.is_none();
-        let patience = (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos;
+        let step = self.step.as_nanos() as Nanos;
+        let patience = Patience { most: step * (u64::from(missed_step_budget(self.step)) + 1), again: step };
         let outcomes = Outcomes::default();
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
@@ -54,8 +56,8 @@ impl Cell {
         let stop_steps = self.stop_steps();
         let tap = Tap::to(self.witnesses);
         let mut mp_sensing = Sensing { ports: Vec::new(), patience, tap: tap.of(ProcessId::MP) };
-        // An ECP loses patience first, so that it can say with whom.
-        let shorter = patience - self.step.as_nanos() as Nanos;
+        // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
+        let shorter = Patience { most: patience.most - step / 2, ..patience };
         let of_ecp = |name: &Name| {
             let tap = tap.of(ProcessId::new(Role::Ecp, *name));
             Sensing { ports: Vec::new(), patience: shorter, tap }

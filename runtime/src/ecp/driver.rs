@@ -5,7 +5,8 @@
 use crate::demand::Demand;
 use crate::fault::{Fault, FaultKind};
 use crate::image::RobotImage;
-use crate::link::{Client, Nanos, Waiter};
+use crate::link::patience::Patience;
+use crate::link::{Client, Waiter};
 use crate::message::{Header, Kind, Message, RequestKind, flag};
 use crate::robot::Robot;
 use crate::vsp::EffectorState;
@@ -20,12 +21,11 @@ pub(super) struct DriverPort<R: Robot> {
     pub image: RobotImage<R>,
     /// Whether the last demand may have left the robot moving: then somebody has to brake it.
     pub moving: bool,
-    /// Time that an answer may take \[ns\].
-    patience: Nanos,
+    patience: Patience,
 }
 
 impl<R: Robot> DriverPort<R> {
-    pub fn new(port: Box<dyn Client>, patience: Nanos) -> Self {
+    pub fn new(port: Box<dyn Client>, patience: Patience) -> Self {
         DriverPort {
             port,
             request: Message::empty(),
@@ -75,12 +75,12 @@ impl<R: Robot> DriverPort<R> {
         header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER);
         header.len = if kind == RequestKind::Demand { <Demand<R> as Wire>::LEN as u32 } else { 0 };
         self.port.send(&self.request);
-        let deadline = waiter.now() + self.patience;
+        let mut waiting = self.patience.begin(waiter);
         // An answer to a request that was given up is none to this one.
         let to = |header: &Header| (header.epoch, header.step);
         while !(self.port.receive(&mut self.reply) && to(&self.reply.header) == to(&self.request.header)) {
-            waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
-            if waiter.now() >= deadline {
+            let goes_on = waiting.goes_on(&*self.port, waiter);
+            if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
                 return Err(Fault::new(FaultKind::PeerLost).text("no answer from the EDP"));
             }
         }

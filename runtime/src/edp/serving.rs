@@ -107,9 +107,9 @@ impl<R: Robot> Edp<'_, R> {
             self.regulators = Some(*sets);
         }
         // What was to be done in a step that is over has been bridged, and is never made up for; what was chosen with
-        // it stays in force.
+        // it stays in force, and a path that ends with it ends there.
         if self.is_late(header.step) {
-            return self.acceptor.choose_tool(&demand);
+            return self.acceptor.note_late(&demand);
         }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let duration = self.config.step.as_secs_f64();

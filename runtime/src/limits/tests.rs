@@ -248,7 +248,7 @@ fn poses_are_of_the_tool_and_displacements_from_where_the_tool_was_in_its_own_ax
     both(&acceptor.position, [0.7, 0.0]);
     // A tool stays in force, from a demand that came too late as well.
     let longer = Pose::translation(0.2, 0.0, 0.0);
-    acceptor.choose_tool(&Demand::hold().with_tool(longer)).expect("a frame");
+    acceptor.note_late(&Demand::hold().with_tool(longer)).expect("a frame");
     assert_eq!(*acceptor.tool(), longer);
     acceptor.accept(&Demand::pose(Pose::translation(1.0, 0.0, 0.0)), T, T).expect("fast");
     both(&acceptor.position, [0.8, 0.0]);

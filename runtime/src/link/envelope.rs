@@ -10,7 +10,7 @@ use crate::together::BrakingLaw;
 use crate::wire::{BadWords, WORDS};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
-pub(crate) const LAYOUT: u64 = 2;
+pub(crate) const LAYOUT: u64 = 3;
 
 /// Words of a message's head.
 const HEAD: usize = 14;
@@ -59,6 +59,8 @@ pub(crate) struct Envelope {
     epoch: u64,
     /// Ordinal of the request that it is or answers, counted from 1; of a board's message, how many were shown before.
     pub sequence: u64,
+    /// How often a request has been sent, this time included; 1 of what is none.
+    pub attempt: u64,
     /// The sum over all other words that count.
     check: u64,
     head: [u64; HEAD],
@@ -76,6 +78,7 @@ impl Envelope {
         session: 0,
         epoch: 0,
         sequence: 0,
+        attempt: 0,
         check: 0,
         head: [0; HEAD],
         body: [0; WORDS],
@@ -108,6 +111,7 @@ impl Envelope {
             session: seal.session,
             epoch: seal.epoch,
             sequence,
+            attempt: 1,
             check: 0,
             head,
             body: [0; WORDS],
@@ -121,7 +125,7 @@ impl Envelope {
     /// A sum over the words that count. Each of its steps is a bijection of what it had, so that no change of one word
     /// leaves it as it was, and one of several words does with a probability of 2⁻⁶⁴.
     fn sum(&self, len: usize) -> u64 {
-        let fixed = [self.layout, self.session, self.epoch, self.sequence];
+        let fixed = [self.layout, self.session, self.epoch, self.sequence, self.attempt];
         let body = self.body.get(..len).unwrap_or(&self.body);
         let words = fixed.iter().chain(&self.head).chain(body);
         words.fold(0, |sum: u64, word| (sum ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29))
@@ -130,6 +134,19 @@ impl Envelope {
     /// Whether it is of this run and layout.
     pub fn is_under(&self, seal: Seal) -> bool {
         (self.layout, self.session, self.epoch) == (LAYOUT, seal.session, seal.epoch)
+    }
+
+    /// The same request, sent so often.
+    pub fn in_attempt(mut self, attempt: u64) -> Envelope {
+        self.attempt = attempt;
+        self.check = self.sum((self.head[LEN_WORD] as usize).min(WORDS));
+        self
+    }
+
+    /// Whether nothing in it is damaged.
+    pub fn is_whole(&self) -> bool {
+        let len = usize::try_from(self.head[LEN_WORD]).unwrap_or(usize::MAX);
+        len <= WORDS && self.check == self.sum(len)
     }
 
     /// The message in it.
@@ -156,7 +173,7 @@ impl Envelope {
         let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
         let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
         let len = narrow(len)?;
-        if len as usize > WORDS || self.check != self.sum(len as usize) {
+        if !self.is_whole() {
             return Err(BadWords);
         }
         message.header = Header {
@@ -183,14 +200,15 @@ impl Envelope {
     /// The same with bits of one of its words turned round, counted from the seal's.
     pub(crate) fn damaged(mut self, word: u64, bits: u64) -> Envelope {
         let counts = HEAD + (self.head[LEN_WORD] as usize).min(WORDS);
-        match word as usize % (5 + counts) {
+        match word as usize % (6 + counts) {
             0 => self.layout ^= bits,
             1 => self.session ^= bits,
             2 => self.epoch ^= bits,
             3 => self.sequence ^= bits,
             4 => self.check ^= bits,
-            word if word < 5 + HEAD => self.head[word - 5] ^= bits,
-            word => self.body[word - 5 - HEAD] ^= bits,
+            5 => self.attempt ^= bits,
+            word if word < 6 + HEAD => self.head[word - 6] ^= bits,
+            word => self.body[word - 6 - HEAD] ^= bits,
         }
         self
     }

@@ -8,6 +8,8 @@ pub(crate) mod envelope;
 #[cfg(all(feature = "processes", target_os = "linux"))]
 pub mod iceoryx;
 pub mod memory;
+pub(crate) mod numbering;
+pub(crate) mod patience;
 pub mod watchdog;
 
 use std::rc::Rc;
@@ -104,6 +106,10 @@ pub enum News {
 pub trait Client {
     /// Sends a request; an unanswered earlier one is replaced.
     fn send(&self, request: &Message);
+
+    /// Sends the last request again, if it has no answer: it may have been lost, or its answer. It is done once all the
+    /// same. A link that loses nothing has nothing to do.
+    fn send_again(&self) {}
 
     /// Takes the reply, if it is there.
     fn receive(&self, reply: &mut Message) -> bool;

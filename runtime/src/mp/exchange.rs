@@ -146,16 +146,16 @@ impl Mp<'_> {
             robot.client.send(&robot.order);
             robot.show_order(kind, &self.tap, self.waiter.now());
         }
-        let deadline = self.waiter.now() + self.sensing.patience;
+        let waiting = self.sensing.patience.begin(self.waiter);
         let mut first: Option<Fault> = None;
         let (mut law, mut trouble) = (BrakingLaw::UNLIMITED, None);
         for &index in indices {
             let robot = &mut self.robots[index];
-            let mut lost = None;
+            let (mut lost, mut waiting) = (None, waiting);
             robot.is_silent = false;
             while !robot.receives_answer() {
-                self.waiter.wait(Some(deadline)).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
-                if self.waiter.now() >= deadline {
+                let goes_on = waiting.goes_on(&*robot.client, self.waiter);
+                if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
                     let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(SILENT);
                     lost = Some(silent.at_step(self.clock.step()));
                     robot.is_silent = true;

@@ -4,6 +4,7 @@ use core::cell::Cell;
 
 use super::*;
 use crate::link::Closed;
+use crate::link::patience::Patience;
 use crate::overruns::Timed;
 
 const STEP: Nanos = 1_000_000;
@@ -26,7 +27,11 @@ impl Waiter for Time {
 fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     let time = Time::default();
     let timed = Timed::new(&time);
-    let sensing = Sensing { ports: Vec::new(), patience: STEP, tap: Tap::to(Vec::new()) };
+    let sensing = Sensing {
+        ports: Vec::new(),
+        patience: Patience { most: STEP, again: STEP },
+        tap: Tap::to(Vec::new()),
+    };
     let step = Duration::from_nanos(STEP);
     let mut mp = Mp::new(&timed, Vec::new(), sensing, Operator::new(), None, (step, STEP / 2), 5.0);
     for begun in 0..steps {

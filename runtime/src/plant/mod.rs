@@ -27,6 +27,7 @@ use crate::driver::{Driver, Measured};
 use crate::edp::{Drive, Observer, PlantDrive, PlantEnd};
 use crate::fault::ProcessId;
 use crate::link::memory::Stuck;
+use crate::link::patience::Patience;
 use crate::link::{Board, Closed, Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
 use crate::stopping::missed_step_budget;
@@ -127,7 +128,8 @@ impl Site {
         };
         let (port, server) = link.port(vsp, plant);
         self.parts.push(Box::new(Sensor::new(aggregator, server)));
-        RawSensors::Plant(PlantSensor { port, plant, patience: self.patience() })
+        let patience = Patience { most: self.patience(), again: self.step.as_nanos() as Nanos };
+        RawSensors::Plant(PlantSensor { port, plant, patience })
     }
 
     /// A board that the process at `writer` writes and the plant reads, if that has a place.

@@ -4,6 +4,7 @@
 
 use super::{Part, Rest};
 use crate::fault::{Fault, FaultKind, ProcessId};
+use crate::link::patience::Patience;
 use crate::link::{Client, Closed, Nanos, Server, Waiter};
 use crate::message::Message;
 use crate::vsp::{Aggregator, VirtualSensor};
@@ -50,8 +51,7 @@ pub(crate) struct PlantSensor {
     pub port: Box<dyn Client>,
     /// The plant's place.
     pub plant: usize,
-    /// How long an answer may take \[ns\].
-    pub patience: Nanos,
+    pub patience: Patience,
 }
 
 impl PlantSensor {
@@ -62,14 +62,13 @@ impl PlantSensor {
     pub fn answer(&self, request: &Message, reply: &mut Message, waiter: &dyn Waiter) -> Result<(), Closed> {
         self.port.send(request);
         waiter.call(self.plant)?;
-        let until = waiter.now() + self.patience;
+        let mut waiting = self.patience.begin(waiter);
         while !self.port.receive(reply) {
-            if waiter.now() >= until {
+            if !waiting.goes_on(&*self.port, waiter)? {
                 let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::PLANT);
                 reply.set_fault(&fault.at_step(request.header.step));
                 return Ok(());
             }
-            waiter.wait(Some(until))?;
         }
         Ok(())
     }

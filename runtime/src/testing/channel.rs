@@ -12,6 +12,7 @@ use super::case::{Channel, LinkFault};
 use super::random::Random;
 use super::stage::Stage;
 use crate::link::envelope::{Envelope, Seal};
+use crate::link::numbering::{self, Heard};
 use crate::link::{Board, Client, Nanos, Server};
 use crate::message::Message;
 use crate::wire::WORDS;
@@ -39,16 +40,15 @@ impl Direction {
         Direction { stage: Rc::clone(stage), channel, to, flight, past }
     }
 
-    /// Sends a message under a number.
-    fn send(&self, message: &Message, sequence: u64) {
+    /// Sends an envelope with this message in it.
+    fn send(&self, message: &Message, envelope: Envelope) {
         let now = self.stage.now.get();
-        let envelope = Envelope::seal(message, SEAL, sequence);
         let fault = self.stage.fault_of(self.channel);
-        let Some(fault) = fault.filter(|_| self.is_struck(message)) else {
+        let Some(fault) = fault.filter(|_| self.is_struck()) else {
             self.remember(message);
             return self.put(now, envelope);
         };
-        let step = self.stage.step;
+        let (step, sequence) = (self.stage.step, envelope.sequence);
         let mut random = self.stage.random.borrow_mut();
         match fault {
             LinkFault::Drop => {}
@@ -73,9 +73,14 @@ impl Direction {
             LinkFault::Forge => {
                 let mut forged = *message;
                 forge(&mut forged, &mut random);
-                self.put(now, Envelope::seal(&forged, SEAL, sequence));
+                self.put(now, Envelope::seal(&forged, SEAL, sequence).in_attempt(envelope.attempt));
             }
         }
+    }
+
+    /// Whether its sender says something now.
+    fn speaks(&self) -> bool {
+        self.stage.speaks(self.channel.from)
     }
 
     fn put(&self, at: Nanos, envelope: Envelope) {
@@ -83,8 +88,8 @@ impl Direction {
         self.stage.wake_at(self.to, at);
     }
 
-    /// Takes what has come and is let in, the newest of it.
-    fn take(&self, message: &mut Message, lets_in: impl Fn(u64) -> bool) -> bool {
+    /// Shows all that has come to `looks`, in its order; whether any of it is what it looks for.
+    fn take(&self, mut looks: impl FnMut(&Envelope) -> bool) -> bool {
         let now = self.stage.now.get();
         let mut taken = false;
         self.flight.borrow_mut().retain(|(at, envelope)| {
@@ -92,15 +97,15 @@ impl Direction {
                 self.stage.wake_at(self.to, *at);
                 return true;
             }
-            let whole = envelope.is_under(SEAL) && lets_in(envelope.sequence);
-            taken |= whole && envelope.open(message).is_ok();
+            taken |= looks(envelope);
             false
         });
         taken
     }
 
-    fn is_struck(&self, message: &Message) -> bool {
-        let struck = self.stage.case.get().is_some_and(|case| case.is_at_work(message.header.step));
+    fn is_struck(&self) -> bool {
+        let step = self.stage.now.get() / self.stage.step;
+        let struck = self.stage.case.get().is_some_and(|case| case.is_at_work(step));
         self.stage.hits.set(self.stage.hits.get() + u64::from(struck));
         struck
     }
@@ -139,55 +144,99 @@ fn forge(message: &mut Message, random: &mut Random) {
 
 /// The asking end of a port. What is `inner`'s only wakes the other end.
 pub(super) struct FaultyClient {
-    pub inner: Box<dyn Client>,
-    pub requests: Rc<Direction>,
-    pub replies: Rc<Direction>,
-    /// The number of the last request, and whether it is answered.
-    pub sent: Cell<(u64, bool)>,
+    inner: Box<dyn Client>,
+    requests: Rc<Direction>,
+    replies: Rc<Direction>,
+    numbers: numbering::Asking,
+    last: RefCell<Message>,
+}
+
+/// The answering end of a port.
+pub(super) struct FaultyServer {
+    inner: Box<dyn Server>,
+    requests: Rc<Direction>,
+    replies: Rc<Direction>,
+    numbers: numbering::Answering,
+    last: RefCell<Message>,
+}
+
+/// Both ends of a port.
+pub(super) fn faulty_port(
+    (asking, answering): (Box<dyn Client>, Box<dyn Server>),
+    requests: Direction,
+    replies: Direction,
+) -> (FaultyClient, FaultyServer) {
+    let (requests, replies) = (Rc::new(requests), Rc::new(replies));
+    let client = FaultyClient {
+        inner: asking,
+        requests: Rc::clone(&requests),
+        replies: Rc::clone(&replies),
+        numbers: numbering::Asking::new(SEAL),
+        last: RefCell::new(Message::empty()),
+    };
+    let last = RefCell::new(Message::empty());
+    let server =
+        FaultyServer { inner: answering, requests, replies, numbers: numbering::Answering::new(SEAL), last };
+    (client, server)
+}
+
+impl FaultyClient {
+    fn send_envelope(&self, envelope: Envelope) {
+        let last = self.last.borrow();
+        self.requests.send(&last, envelope);
+        self.inner.send(&last);
+    }
 }
 
 impl Client for FaultyClient {
     fn send(&self, request: &Message) {
-        if self.requests.stage.speaks(self.requests.channel.from) {
-            let number = self.sent.get().0 + 1;
-            self.sent.set((number, false));
-            self.requests.send(request, number);
-            self.inner.send(request);
+        if self.requests.speaks() {
+            self.last.borrow_mut().copy_from(request);
+            self.send_envelope(self.numbers.ask(request));
+        }
+    }
+
+    fn send_again(&self) {
+        if self.requests.speaks()
+            && let Some(envelope) = self.numbers.ask_again()
+        {
+            self.send_envelope(envelope);
         }
     }
 
     fn receive(&self, reply: &mut Message) -> bool {
         self.inner.receive(&mut Message::empty());
-        let (number, answered) = self.sent.get();
-        let came = self.replies.take(reply, |sequence| sequence == number && !answered);
-        self.sent.set((number, answered || came));
-        came
+        self.replies.take(|shown| self.numbers.hears(shown, reply))
     }
 }
 
-/// The answering end of a port.
-pub(super) struct FaultyServer {
-    pub inner: Box<dyn Server>,
-    pub requests: Rc<Direction>,
-    pub replies: Rc<Direction>,
-    /// The number of the request taken last.
-    pub taken: Cell<u64>,
+impl FaultyServer {
+    fn send_envelope(&self, envelope: Envelope) {
+        let last = self.last.borrow();
+        self.replies.send(&last, envelope);
+        self.inner.reply(&last);
+    }
 }
 
 impl Server for FaultyServer {
     fn receive(&self, request: &mut Message) -> bool {
         self.inner.receive(&mut Message::empty());
-        self.requests.take(request, |sequence| {
-            let is_new = sequence > self.taken.get();
-            self.taken.set(sequence.max(self.taken.get()));
-            is_new
+        self.requests.take(|shown| match self.numbers.hears(shown, request) {
+            Heard::New => true,
+            Heard::Again(answer) => {
+                if self.replies.speaks() {
+                    self.send_envelope(answer);
+                }
+                false
+            }
+            Heard::Nothing => false,
         })
     }
 
     fn reply(&self, reply: &Message) {
-        if self.replies.stage.speaks(self.replies.channel.from) {
-            self.replies.send(reply, self.taken.get());
-            self.inner.reply(reply);
+        if self.replies.speaks() {
+            self.last.borrow_mut().copy_from(reply);
+            self.send_envelope(self.numbers.answer(reply));
         }
     }
 }
@@ -201,15 +250,16 @@ pub(super) struct FaultyBoard {
 
 impl Board for FaultyBoard {
     fn write(&self, message: &Message) {
-        if self.channel.stage.speaks(self.channel.channel.from) {
+        if self.channel.speaks() {
             self.sent.set(self.sent.get() + 1);
-            self.channel.send(message, self.sent.get());
+            self.channel.send(message, Envelope::seal(message, SEAL, self.sent.get()));
         }
     }
 
     fn read(&self, message: &mut Message) -> bool {
         let mut came = Message::empty();
-        if self.channel.take(&mut came, |_| true) {
+        let opens = |shown: &Envelope| shown.is_under(SEAL) && shown.open(&mut came).is_ok();
+        if self.channel.take(opens) {
             *self.shown.borrow_mut() = Some(came);
         }
         let shown = self.shown.borrow();

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
 
 use super::case::Channel;
-use super::channel::{Direction, FaultyBoard, FaultyClient, FaultyServer};
+use super::channel::{Direction, FaultyBoard, faulty_port};
 use super::stage::{NEVER, Stage};
 use crate::fault::ProcessId;
 use crate::link::memory::{Scheduler, Stuck};
@@ -34,19 +34,10 @@ impl Link for FaultyLink<'_> {
     }
 
     fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
-        let (asking, answering) = self.scheduler.port(client, server);
-        let requests = Rc::new(self.direction(client, server));
-        let replies = Rc::new(self.direction(server, client));
-        let (asked, answers) = (Rc::clone(&requests), Rc::clone(&replies));
-        (
-            Box::new(FaultyClient { inner: asking, requests, replies, sent: Default::default() }),
-            Box::new(FaultyServer {
-                inner: answering,
-                requests: asked,
-                replies: answers,
-                taken: Default::default(),
-            }),
-        )
+        let ends = self.scheduler.port(client, server);
+        let (requests, replies) = (self.direction(client, server), self.direction(server, client));
+        let (client, server) = faulty_port(ends, requests, replies);
+        (Box::new(client), Box::new(server))
     }
 
     fn board(&mut self, writer: usize, reader: usize) -> Rc<dyn Board> {

@@ -12,7 +12,7 @@ use std::rc::Rc;
 use iceoryx2::prelude::*;
 
 use super::bell::Bell;
-use super::ports::{Answering, Asking, BoardEnd, End, PortEnd, Reads, Rope, Writes};
+use super::ports::{Answering, Asking, BoardEnd, End, Reads, Rope, Writes};
 use crate::fault::ProcessId;
 use crate::link::envelope::{Envelope, LAYOUT, Seal};
 use crate::link::memory::{MAX_PROCESSES, Stuck};
@@ -135,10 +135,10 @@ impl Fabric {
         for (i, planned) in self.planned.iter().enumerate() {
             match planned {
                 Planned::Port { client, asking, .. } if self.here(*client) => {
-                    asking.connect(Asking(PortEnd::new(make(&node, &format!("request {i}"))?, seal)));
+                    asking.connect(Asking::new(make(&node, &format!("request {i}"))?, seal));
                 }
                 Planned::Port { server, answering, .. } if self.here(*server) => {
-                    answering.connect(Answering(PortEnd::new(make(&node, &format!("answer {i}"))?, seal)));
+                    answering.connect(Answering::new(make(&node, &format!("answer {i}"))?, seal));
                 }
                 Planned::Board { writer, end, .. } if self.here(*writer) => {
                     end.connect(BoardEnd::Writes(make(&node, &format!("board {i}"))?, seal, Cell::new(0)));
@@ -159,12 +159,12 @@ impl Fabric {
         for (i, planned) in self.planned.iter().enumerate() {
             match planned {
                 Planned::Port { client, server, asking, .. } if self.here(*client) => {
-                    if let Some(Asking(end)) = asking.0.get() {
+                    if let Some(Asking { end, .. }) = asking.0.get() {
                         end.meet(open(node, &format!("answer {i}"))?, self.rope(*server)?);
                     }
                 }
                 Planned::Port { client, server, answering, .. } if self.here(*server) => {
-                    if let Some(Answering(end)) = answering.0.get() {
+                    if let Some(Answering { end, .. }) = answering.0.get() {
                         end.meet(open(node, &format!("request {i}"))?, self.rope(*client)?);
                     }
                 }

@@ -4,7 +4,8 @@
 //! its service is: the cell is put together first and connected afterwards, so an end that belongs to another process
 //! stays empty and does nothing.
 //!
-//! A port is two boards: the newest request, and the answer to it, which bears its ordinal. iceoryx2's request-response
+//! A port is two boards: the newest request, and the answer to it, which bears its ordinal
+//! ([`numbering`](crate::link::numbering)). iceoryx2's request-response
 //! allocates three times for an exchange, for the request on both sides and for the answer; a blackboard never does.
 
 use core::cell::{Cell, OnceCell};
@@ -16,6 +17,7 @@ use iceoryx2::prelude::ipc;
 
 use super::bell::Bell;
 use crate::link::envelope::{Envelope, Seal};
+use crate::link::numbering::{self, Heard};
 use crate::link::{Board, Client, Server};
 use crate::message::Message;
 
@@ -45,16 +47,11 @@ impl Rope {
 pub(super) struct PortEnd {
     writes: Writes,
     other: OnceCell<(Reads, Rope)>,
-    seal: Seal,
-    /// Ordinal of the request sent or taken last, counted from 1.
-    sequence: Cell<u64>,
-    /// Whether the asking end waits for the answer to it.
-    waits: Cell<bool>,
 }
 
 impl PortEnd {
-    pub fn new(writes: Writes, seal: Seal) -> Self {
-        PortEnd { writes, other: OnceCell::new(), seal, sequence: Cell::new(0), waits: Cell::new(false) }
+    const fn new(writes: Writes) -> Self {
+        PortEnd { writes, other: OnceCell::new() }
     }
 
     /// Connects it with the other side.
@@ -63,28 +60,43 @@ impl PortEnd {
         drop(self.other.set((reads, rope)));
     }
 
-    /// Shows a message and wakes its reader.
-    fn show(&self, message: &Message) {
-        self.writes.update_with_copy(Envelope::seal(message, self.seal, self.sequence.get()));
+    /// Shows an envelope and wakes its reader.
+    fn show(&self, envelope: Envelope) {
+        self.writes.update_with_copy(envelope);
         if let Some((_, rope)) = self.other.get() {
             rope.pull();
         }
     }
 
-    /// Reads what the other side shows, if `is_due` says so of its ordinal; what is damaged or of another run is nothing.
-    fn read(&self, message: &mut Message, is_due: impl Fn(u64) -> bool) -> Option<u64> {
-        let (reads, _) = self.other.get()?;
-        let shown = reads.get();
-        let is_new = shown.is_under(self.seal) && is_due(shown.sequence);
-        (is_new && shown.open(message).is_ok()).then_some(shown.sequence)
+    /// What the other side shows.
+    fn shown(&self) -> Option<Envelope> {
+        self.other.get().map(|(reads, _)| *reads.get())
     }
 }
 
 /// The asking end of a port.
-pub(super) struct Asking(pub PortEnd);
+pub(super) struct Asking {
+    pub end: PortEnd,
+    numbers: numbering::Asking,
+}
+
+impl Asking {
+    pub const fn new(writes: Writes, seal: Seal) -> Asking {
+        Asking { end: PortEnd::new(writes), numbers: numbering::Asking::new(seal) }
+    }
+}
 
 /// The answering end of a port.
-pub(super) struct Answering(pub PortEnd);
+pub(super) struct Answering {
+    pub end: PortEnd,
+    numbers: numbering::Answering,
+}
+
+impl Answering {
+    pub const fn new(writes: Writes, seal: Seal) -> Answering {
+        Answering { end: PortEnd::new(writes), numbers: numbering::Answering::new(seal) }
+    }
+}
 
 /// An end of a port that is connected later, or never, because it belongs to another process.
 pub(super) struct End<T>(pub Rc<OnceCell<T>>);
@@ -108,40 +120,41 @@ impl<T> End<T> {
 
 impl Client for End<Asking> {
     fn send(&self, request: &Message) {
-        let Some(Asking(end)) = self.0.get() else { return };
-        // The answer to the one before has another ordinal.
-        end.sequence.set(end.sequence.get() + 1);
-        end.waits.set(true);
-        end.show(request);
+        if let Some(Asking { end, numbers }) = self.0.get() {
+            end.show(numbers.ask(request));
+        }
+    }
+
+    fn send_again(&self) {
+        if let Some(Asking { end, numbers }) = self.0.get()
+            && let Some(envelope) = numbers.ask_again()
+        {
+            end.show(envelope);
+        }
     }
 
     fn receive(&self, reply: &mut Message) -> bool {
-        let Some(Asking(end)) = self.0.get() else { return false };
-        let asked = end.sequence.get();
-        let came = end.waits.get() && end.read(reply, |ordinal| ordinal == asked).is_some();
-        if came {
-            end.waits.set(false);
-        }
-        came
+        let Some(Asking { end, numbers }) = self.0.get() else { return false };
+        end.shown().is_some_and(|shown| numbers.hears(&shown, reply))
     }
 }
 
 impl Server for End<Answering> {
     fn receive(&self, request: &mut Message) -> bool {
-        let Some(Answering(end)) = self.0.get() else { return false };
-        let taken = end.sequence.get();
-        match end.read(request, |ordinal| ordinal > taken) {
-            Some(ordinal) => {
-                end.sequence.set(ordinal);
-                true
+        let Some(Answering { end, numbers }) = self.0.get() else { return false };
+        match end.shown().map(|shown| numbers.hears(&shown, request)) {
+            Some(Heard::New) => true,
+            Some(Heard::Again(answer)) => {
+                end.show(answer);
+                false
             }
-            None => false,
+            Some(Heard::Nothing) | None => false,
         }
     }
 
     fn reply(&self, reply: &Message) {
-        if let Some(Answering(end)) = self.0.get() {
-            end.show(reply);
+        if let Some(Answering { end, numbers }) = self.0.get() {
+            end.show(numbers.answer(reply));
         }
     }
 }
