@@ -181,9 +181,10 @@ impl<R: Robot> Acceptor<R> {
         self.check(&self.position, &zeros, &zeros, &acceleration, duration).is_ok()
     }
 
-    /// Where the path has come to, for a robot that is elsewhere.
+    /// Where a path ends that goes no farther, for a robot that is elsewhere: at its last demand, late or not.
     fn end_of_path(&self) -> Option<R::Joints> {
-        self.path.late.or_else(|| (!self.is_on_path()).then_some(self.path.position))
+        let comes_back = !self.is_on_path() || self.path.missing > 0.0 && self.robot.limits().jerk.is_none();
+        comes_back.then(|| self.path.late.unwrap_or(self.path.position))
     }
 
     /// A new motion begins: displacements count from here.
@@ -221,10 +222,13 @@ impl<R: Robot> Acceptor<R> {
                 a - a.signum() * a.abs().min(jerk[i] * duration)
             }),
             // On its way back to the path, a robot is not as fast as that.
-            None if !self.is_on_path() => R::Joints::zeros(),
+            None if !self.is_on_path() && self.position != self.path.position => R::Joints::zeros(),
             // The robot's own velocity, after earlier losses, is that of catching up: held, it would swing to
             // and fro. Back to the path's takes (n - 1) / n of the acceleration that catching up took in n steps.
-            None => (self.path.velocity - self.velocity) * duration.recip(),
+            None => {
+                let (limit, wanted) = (&self.robot.limits().acceleration, self.path.velocity - self.velocity);
+                R::Joints::from_joints(|i| (wanted[i] / duration).clamp(-limit[i], limit[i]))
+            }
         };
         self.path.missing += duration;
         self.velocity = self.velocity + self.acceleration * duration;
@@ -302,7 +306,9 @@ impl<R: Robot> Acceptor<R> {
                 let text = "a redundancy is chosen for a pose or a displacement, not for joint positions";
                 return Err(Fault::thrown(text));
             }
-            Coordinates::Hold => self.path.late.unwrap_or_else(|| self.demanded().0),
+            Coordinates::Hold => {
+                self.end_of_path().filter(|_| self.path.late.is_some()).unwrap_or_else(|| self.demanded().0)
+            }
             Coordinates::Joints(joints) => *joints,
             Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool, redundancy)?,
             Coordinates::Displacement(displacement) => {
@@ -349,15 +355,52 @@ impl<R: Robot> Acceptor<R> {
         Ok(accepted)
     }
 
+    /// The first demand of a motion, after so many steps in which the robot stood, and those that it moves together with:
+    /// its path has begun.
+    ///
+    /// # Errors
+    /// As of [`accept`](Acceptor::accept).
+    pub fn begin_late(
+        &mut self,
+        demand: &Demand<R>,
+        duration: f64,
+        missed: f64,
+        together: bool,
+    ) -> Result<(), Fault> {
+        let (tool, position) = self.target(demand)?;
+        self.next(&position, duration, false)?;
+        (self.tool, self.starting) = (tool, false);
+        self.path = Path {
+            missing: missed * duration,
+            on_screw: together,
+            late: Some(position),
+            ..Path::after(self.position, R::Joints::zeros(), duration)
+        };
+        Ok(())
+    }
+
+    /// Whether the robot stands, and so does its path.
+    pub fn stands(&self) -> bool {
+        let still = |velocity: &R::Joints| *velocity == R::Joints::zeros();
+        self.is_on_path() && still(&self.velocity) && still(&self.path.velocity)
+    }
+
+    /// A demand was lost in a standstill: of robots that move together all stand then.
+    pub fn stand_by(&mut self, duration: f64) -> AcceptedDemand<R> {
+        (self.path.missing, self.path.on_screw) = (self.path.missing + duration, true);
+        self.period = duration;
+        AcceptedDemand::new(self.position)
+    }
+
     /// A demand that came too late to be followed: its tool is in force from now on, and a path that goes no farther ends
-    /// where it says. Robots with a jerk limit do not come back to their path.
+    /// where it says.
     ///
     /// # Errors
     /// What is wrong with the demand itself; nothing is changed then.
     pub fn note_late(&mut self, demand: &Demand<R>) -> Result<(), Fault> {
         let (tool, position) = self.target(demand)?;
         self.tool = tool;
-        if self.path.missing > 0.0 && self.robot.limits().jerk.is_none() {
+        if self.path.missing > 0.0 {
             self.path.late = Some(position);
         }
         Ok(())

@@ -49,23 +49,12 @@ pub fn engraving() -> Cell {
         .program(engraving::mp::coordinate)
 }
 
-/// What demands that were bridged leave at the end of a motion \[rad\]: `a (n Ts)² / 2`, for an IRp-6's 7 rad/s² and three
-/// steps of 2 ms.
-const BRIDGED: f64 = 1.3e-4;
-
 /// Steps for which a task that goes on after a fault is watched.
 const WATCHED: u64 = 500;
 
 /// Processes that are killed, stalled, and links at fault, each in another one of `every` steps.
 pub fn task(cell: fn() -> Cell, every: u64) -> Sweep<'static> {
-    let sweep = Sweep::new(cell)
-        .every(every)
-        .threads(2)
-        .end_tolerance(BRIDGED)
-        .forking(WATCHED)
-        .kills()
-        .stalls(3)
-        .stalls(30);
+    let sweep = Sweep::new(cell).every(every).threads(2).forking(WATCHED).kills().stalls(3).stalls(30);
     let links =
         [(LinkFault::Drop, 1), (LinkFault::Delay(2), 2), (LinkFault::Corrupt, 1), (LinkFault::Forge, 1)];
     let sweep = links.into_iter().fold(sweep, |sweep, (fault, steps)| sweep.links(fault, steps));

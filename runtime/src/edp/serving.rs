@@ -109,7 +109,7 @@ impl<R: Robot> Edp<'_, R> {
         // What was to be done in a step that is over has been bridged, and is never made up for; what was chosen with
         // it stays in force, and a path that ends with it ends there.
         if self.is_late(header.step) {
-            return self.acceptor.note_late(&demand);
+            return self.note_late(&demand);
         }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let duration = self.config.step.as_secs_f64();
@@ -123,19 +123,42 @@ impl<R: Robot> Edp<'_, R> {
         let first = self.request.is(flag::FIRST) && !matches!(self.mode, Mode::Moving { .. });
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         let stands = self.config.space == InterpolationSpace::Task && self.interpolation.stands();
-        self.screw = None;
-        let law = self.request.is(flag::TOGETHER).then_some(header.law);
-        self.together = match demand.coordinates {
-            // Joints have no screw.
-            Coordinates::Hold | Coordinates::Joints(_) => None,
-            Coordinates::Pose(_) | Coordinates::Displacement(_) => law,
-        };
+        self.move_together(&demand);
         match demand.coordinates {
             Coordinates::Hold => {}
             Coordinates::Joints(_) => self.task_space.accept(false, stands),
             Coordinates::Pose(_) | Coordinates::Displacement(_) => self.task_space.accept(true, stands),
         }
         self.mode = Mode::Moving { missed: 0 };
+        Ok(())
+    }
+
+    /// Keeps how the robot brakes with those that it moves together with.
+    fn move_together(&mut self, demand: &Demand<R>) {
+        self.screw = None;
+        let law = self.request.is(flag::TOGETHER).then_some(self.request.header.law);
+        self.together = match demand.coordinates {
+            // Joints have no screw.
+            Coordinates::Hold | Coordinates::Joints(_) => None,
+            Coordinates::Pose(_) | Coordinates::Displacement(_) => law,
+        };
+    }
+
+    /// A demand is too late for its step. A motion that it begins has begun all the same: the robot has missed the steps in
+    /// which it stood.
+    fn note_late(&mut self, demand: &Demand<R>) -> Result<(), Fault> {
+        let header = &self.request.header;
+        let begins = self.request.is(flag::FIRST) && matches!(self.mode, Mode::Holding);
+        if !begins {
+            return self.acceptor.note_late(demand);
+        }
+        // In a replay what replaces it in its step is found already.
+        let missed = if self.next.is_some() { 1 } else { self.due.saturating_sub(header.step) };
+        self.move_together(demand);
+        let step = self.config.step.as_secs_f64();
+        let begun = self.acceptor.begin_late(demand, step, missed as f64, self.together.is_some());
+        begun.map_err(Fault::of_first_demand)?;
+        self.mode = Mode::Moving { missed: u32::try_from(missed).unwrap_or(u32::MAX) };
         Ok(())
     }
 

@@ -19,6 +19,9 @@ impl<R: Robot> Edp<'_, R> {
 
     /// What replaces a demand that is missing: along the screw, or at the joints' velocity.
     pub(super) fn bridge(&mut self, step: f64) -> AcceptedDemand<R> {
+        if self.together.is_some() && self.acceptor.stands() {
+            return self.acceptor.stand_by(step);
+        }
         if let Some(screw) = self.learn_screw(step)
             && let Ok(Ok(accepted)) = guarded(|| self.acceptor.go_on(&screw.part(1.0), step))
         {

@@ -39,17 +39,18 @@ impl<R: Robot> Acceptor<R> {
             Some(way) => self.beside(demand, way, duration),
             None => self.there(demand, duration),
         };
+        let comes_back = self.end_of_path().is_some();
         match there {
-            Ok(next) if self.is_on_path() || way.is_some() => Ok(next),
+            Ok(next) if way.is_some() || with_others || !comes_back => Ok(next),
             // Whether the others missed a demand, too, is not known: at worst this one is beside them for a while.
             Err(_) if with_others => rejoin(),
-            Err(fault) if way.is_some() => Err(fault),
-            there
-                if self.robot.limits().jerk.is_none() && (!self.is_on_path() || self.path.missing > 0.0) =>
-            {
-                self.back(demand, duration)?.map_or(there, Ok)
-            }
-            there => there,
+            Err(fault) if way.is_some() || !comes_back => Err(fault),
+            // Even a demand that can be taken at once is one to come back to: the robot is not as fast as the path there.
+            there => match self.back(demand, duration) {
+                Ok(back) => back.map_or(there, Ok),
+                Err(_) if there.is_ok() && self.is_on_path() => there,
+                Err(fault) => Err(fault),
+            },
         }
     }
 

@@ -25,7 +25,8 @@ impl Mp<'_> {
                 format!("`{}` was handed over moving: the Move after a blend must name it", robot.name);
             return Err(Fault::thrown(&text));
         }
-        if !self.take_handed_over() {
+        let goes_on = self.take_handed_over();
+        if !goes_on {
             self.clock.start(self.wanted_rate());
         }
         for (i, &index) in indices.iter().enumerate() {
@@ -45,8 +46,12 @@ impl Mp<'_> {
             }
             fault
         });
-        // The first orders go out in the same step.
-        self.clock.keep();
+        // The first orders go out in the same step, unless robots that stand could not be on their way in it.
+        if goes_on {
+            self.clock.keep();
+        } else {
+            self.keep_unless_late();
+        }
         started
     }
 

@@ -11,7 +11,7 @@ struct Trapezoid {
     cruise: f64,
 }
 
-impl Trapezoid {
+impl Course for Trapezoid {
     fn duration(&self) -> f64 {
         2.0 * self.v / self.a + self.cruise
     }
@@ -29,6 +29,25 @@ impl Trapezoid {
     }
 }
 
+/// A quintic of the first joint, whose acceleration changes all the time; the second joint turns by half of it.
+struct Quintic {
+    /// Its length [m] and its duration \[s\].
+    length: f64,
+    duration: f64,
+}
+
+impl Course for Quintic {
+    fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    fn at(&self, t: f64) -> Two {
+        let u = (t / self.duration).clamp(0.0, 1.0);
+        let x = self.length * u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        Two::new(x, 0.5 * x)
+    }
+}
+
 /// What a robot did that missed `n` demands after step `k`.
 struct Went {
     end: Two,
@@ -37,8 +56,16 @@ struct Went {
     steps: usize,
 }
 
+/// A path from rest to rest.
+trait Course {
+    /// In which time \[s\].
+    fn duration(&self) -> f64;
+    /// Where it is at a time.
+    fn at(&self, t: f64) -> Two;
+}
+
 /// Follows the path, without the demands of steps `k + 1` to `k + n`, and then holds where it ends.
-fn go(path: &Trapezoid, k: usize, n: usize) -> Result<Went, FaultKind> {
+fn go(path: &impl Course, k: usize, n: usize) -> Result<Went, FaultKind> {
     let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
     acceptor.robot.limits.upper[0] = 9.0;
     let last = (path.duration() / T).ceil() as usize + 1;
@@ -98,6 +125,70 @@ fn fault_06_a_path_of_nine_tenths_goes_on_after_any_demands_that_were_missing() 
     }
     // The equation is no idle one.
     assert!(farthest > 0.5, "{farthest} {longest}");
+}
+
+#[test]
+fn fault_06_a_path_whose_acceleration_changes_goes_on_after_any_demands_that_were_missing() {
+    // Its acceleration is 10/√3 length/duration² at most: nine tenths of the limit.
+    let duration = 0.12;
+    let path = Quintic { length: 9.0 * duration * duration * 3.0_f64.sqrt() / 10.0, duration };
+    for (k, n) in (0..130).flat_map(|k| (1..=20).map(move |n| (k, n))) {
+        let went = go(&path, k, n).unwrap_or_else(|fault| panic!("{fault:?} of {k}, {n}"));
+        let t = (n + 1) as f64 * T;
+        assert!(went.end == path.at(1.0) && went.off <= FARTHEST * 10.0 * t * t, "{k}, {n}");
+    }
+}
+
+#[test]
+fn fault_06_a_motion_whose_last_demand_is_late_ends_where_it_says() {
+    // Ends between two steps, and so many steps late.
+    for (part, n) in (0..10).flat_map(|part| (1..=20).map(move |n| (part, n))) {
+        let path = Trapezoid { v: 0.9, a: 9.0, cruise: 0.05 + 1e-4 * f64::from(part) };
+        let last = (path.duration() / T).ceil() as usize;
+        let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
+        acceptor.robot.limits.upper[0] = 9.0;
+        for step in 1..last {
+            acceptor.accept(&Demand::joints(path.at(step as f64 * T)), T, T).expect("in time");
+        }
+        for _ in 0..n {
+            acceptor.extrapolate(T);
+        }
+        assert_ne!(acceptor.accepted().0, path.at(1.0));
+        acceptor.note_late(&Demand::joints(path.at(1.0))).expect("a demand");
+        let (mut velocity, mut steps) = (acceptor.accepted().1, 0);
+        while !(acceptor.is_on_path() && acceptor.is_at_rest()) {
+            assert!(acceptor.can_hold(T), "step {steps} of {part}, {n}");
+            acceptor.hold(T).expect("within the limits");
+            let change = (acceptor.accepted().1 - velocity) / T;
+            assert!(change[0].abs() <= 10.0 + 1e-6 && change[1].abs() <= 20.0 + 1e-6, "{change}");
+            (velocity, steps) = (acceptor.accepted().1, steps + 1);
+            assert!(steps < 200, "{part}, {n}");
+        }
+        assert_eq!(acceptor.accepted().0, path.at(1.0), "{part}, {n}");
+    }
+}
+
+#[test]
+fn fault_22_a_motion_whose_first_demand_is_late_begins_late_unless_that_is_far_from_the_robot() {
+    let path = Trapezoid { v: 0.9, a: 9.0, cruise: 0.05 };
+    for n in 1..=20 {
+        let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
+        acceptor.begin();
+        let far = acceptor.begin_late(&joints(2e-3, 0.0), T, n as f64, false);
+        assert_eq!(far.map_err(|fault| fault.kind()), Err(FaultKind::StartPoseMismatch));
+        assert!(acceptor.is_on_path() && acceptor.path.missing == 0.0);
+        acceptor.begin_late(&Demand::joints(path.at(T)), T, n as f64, false).expect("near");
+        let mut velocity = Two::zeros();
+        for step in n + 1..400 {
+            let at = path.at(step as f64 * T);
+            let dt = if step == n + 1 { n as f64 * T } else { T };
+            acceptor.accept(&Demand::joints(at), dt, T).expect("within the limits");
+            let change = (acceptor.accepted().1 - velocity) / T;
+            assert!(change[0].abs() <= 10.0 + 1e-6 && change[1].abs() <= 20.0 + 1e-6, "{change}");
+            velocity = acceptor.accepted().1;
+            assert!(step < 350 || acceptor.accepted().0 == at, "step {step} of {n}");
+        }
+    }
 }
 
 #[test]
