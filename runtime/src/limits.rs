@@ -173,9 +173,22 @@ impl<R: Robot> Acceptor<R> {
     /// Whether the path may simply stay at the state demanded last: a motion that ends at rest leaves the
     /// velocity of its last step, which one step takes away within the limits.
     pub fn can_hold(&self, duration: f64) -> bool {
-        if let Some(end) = self.end_of_path() {
-            return self.next(&end, duration, false).is_ok();
+        match self.end_of_path() {
+            Some(end) => self.next(&end, duration, false).is_ok(),
+            None => self.can_stand(duration),
         }
+    }
+
+    /// A stop ends the path where the robot is, if one step can take its velocity away; whether it does.
+    pub fn stop_at_once(&mut self, duration: f64) -> bool {
+        let can_stand = self.is_on_path() && self.can_stand(duration);
+        if can_stand {
+            self.path = Path::after(self.position, self.velocity, duration);
+        }
+        can_stand
+    }
+
+    fn can_stand(&self, duration: f64) -> bool {
         let zeros = R::Joints::zeros();
         let acceleration = (zeros - self.velocity) * duration.recip();
         self.check(&self.position, &zeros, &zeros, &acceleration, duration).is_ok()

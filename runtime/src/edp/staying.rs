@@ -73,7 +73,7 @@ impl<R: Robot> Edp<'_, R> {
         {
             return Mode::OnScrew(ScrewBraking::new(screw, law));
         }
-        if self.acceptor.is_on_path() && self.acceptor.can_hold(step) {
+        if self.acceptor.stop_at_once(step) {
             return Mode::Holding;
         }
         Mode::Braking(self.acceptor.braking())
