@@ -38,11 +38,11 @@ impl<R: Robot> Acceptor<R> {
         redundancy: Option<f64>,
     ) -> Result<R::Joints, Fault> {
         let flange = pose * tool.inverse();
-        // Beside the path: a redundant robot that is off it must not bend the path that it comes back to.
-        let (near, _) = self.demanded();
+        // Beside the path: a redundant robot that has been elsewhere must not bend the path that it comes back to.
+        let near = &self.path.position;
         let joints = match redundancy {
-            None => self.robot.inverse(&flange, &near),
-            Some(value) if value.is_finite() => self.robot.inverse_at(&flange, value, &near),
+            None => self.robot.inverse(&flange, near),
+            Some(value) if value.is_finite() => self.robot.inverse_at(&flange, value, near),
             Some(_) => return Err(Fault::new(FaultKind::DemandNotFinite).text("the redundancy")),
         };
         joints.map_err(|error| no_inverse(&error, pose, "tool"))
