@@ -95,9 +95,10 @@ safety:
 
 # Mutated files into all that reads files and messages: so many in all.
 fuzz N="10000000":
-    MRROC_FUZZ={{N}} cargo test --release -p mrroc-tests --test parsers -- --nocapture
+    MRROC_FUZZ={{N}} cargo test --release -p mrroc-tests --features recording --test parsers -- --nocapture
 
-# The same with coverage, on nightly and with cargo-fuzz: one of cell, svg, dxf, gcode, urdf, trj, wire for some seconds.
+# The same with coverage, on nightly and with cargo-fuzz: a target of tests/parsers for some seconds; what it finds goes
+# into fuzz/corpus.
 fuzz-nightly TARGET SECONDS="60":
     cd fuzz && cargo +nightly fuzz run {{TARGET}} corpus/{{TARGET}} ../tests/parsers/corpus/{{TARGET}} -- -max_total_time={{SECONDS}}
 

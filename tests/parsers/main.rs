@@ -54,7 +54,7 @@ fn fault_33_readers_survive_what_they_read() {
                     }
                     let all = began.elapsed().as_secs_f64();
                     println!(
-                        "{name:<6} seed {seed}: {each} inputs in {all:.1} s, the slowest {:.1} ms",
+                        "{name:<9} seed {seed}: {each} inputs in {all:.1} s, the slowest {:.1} ms",
                         worst * 1e3
                     );
                 }

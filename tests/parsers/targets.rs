@@ -2,15 +2,20 @@
 //! targets in `fuzz/` are the same functions.
 
 use engraving::drawing::{Limits, read_bytes};
+pub use mrroc::testing::readers;
 use mrroc::{BadWords, CellFile, Demand, EffectorState, Name, Pose, WORDS, Wire, Wrench};
 use mrroc_generators::teach::Taught;
 use mrroc_robots::{Irp6, Serial, simulated};
+
+#[cfg(feature = "recording")]
+#[path = "recorded.rs"]
+mod recorded;
 
 /// A reader of bytes.
 pub type Target = fn(&[u8]);
 
 /// All readers, by the names of their corpora.
-pub const TARGETS: [(&str, Target); 7] = [
+pub const TARGETS: &[(&str, Target)] = &[
     ("cell", cell),
     ("svg", svg),
     ("dxf", dxf),
@@ -18,6 +23,10 @@ pub const TARGETS: [(&str, Target); 7] = [
     ("urdf", urdf),
     ("trj", trj),
     ("wire", wire),
+    ("envelope", envelope),
+    ("operator", readers::operator),
+    #[cfg(feature = "recording")]
+    ("recording", recording),
 ];
 
 /// What bad input is answered with must say something.
@@ -71,14 +80,30 @@ pub fn trj(bytes: &[u8]) {
     }
 }
 
-/// Words of a message: what they spell comes out as it went in, to the bit.
-pub fn wire(bytes: &[u8]) {
-    let mut words = [0_u64; WORDS];
+/// A recording of a cell of one robot.
+#[cfg(feature = "recording")]
+pub fn recording(bytes: &[u8]) {
+    told(readers::recording(&recorded::cell(), bytes));
+}
+
+/// Words of a message, head and body.
+pub fn envelope(bytes: &[u8]) {
+    readers::envelope(&words::<{ WORDS + 14 }>(bytes));
+}
+
+fn words<const N: usize>(bytes: &[u8]) -> [u64; N] {
+    let mut words = [0_u64; N];
     for (word, chunk) in words.iter_mut().zip(bytes.chunks(8)) {
         let mut whole = [0; 8];
         whole[..chunk.len()].copy_from_slice(chunk);
         *word = u64::from_le_bytes(whole);
     }
+    words
+}
+
+/// Words of a message: what they spell comes out as it went in, to the bit.
+pub fn wire(bytes: &[u8]) {
+    let words = words::<WORDS>(bytes);
     spells::<Demand<Irp6>>(&words);
     spells::<EffectorState>(&words);
     spells::<Pose>(&words);

@@ -197,6 +197,22 @@ impl Envelope {
         Ok(())
     }
 
+    /// These words under a seal of their own, head first: whole, whatever they say.
+    pub(crate) fn of_words(words: &[u64]) -> Envelope {
+        let mut words = words.iter().copied();
+        let mut next = || words.next().unwrap_or(0);
+        let (head, body) = (core::array::from_fn(|_| next()), core::array::from_fn(|_| next()));
+        let mut envelope =
+            Envelope { layout: LAYOUT, session: 0, epoch: 0, sequence: 1, attempt: 1, check: 0, head, body };
+        envelope.check = envelope.sum((head[LEN_WORD] as usize).min(WORDS));
+        envelope
+    }
+
+    /// The words of its head and of its body that count.
+    pub(crate) fn words(&self) -> (&[u64], &[u64]) {
+        (&self.head, &self.body[..(self.head[LEN_WORD] as usize).min(WORDS)])
+    }
+
     /// The same with bits of one of its words turned round, counted from the seal's.
     pub(crate) fn damaged(mut self, word: u64, bits: u64) -> Envelope {
         let counts = HEAD + (self.head[LEN_WORD] as usize).min(WORDS);

@@ -50,6 +50,8 @@ use std::path::{Path, PathBuf};
 use crate::cell::Layout;
 
 #[cfg(feature = "recording")]
+pub(crate) use reader::read_bytes;
+#[cfg(feature = "recording")]
 pub use reader::{CutOff, NotReplayable};
 #[cfg(all(not(feature = "recording"), feature = "processes", target_os = "linux"))]
 pub(crate) use relay::Pace;

@@ -53,6 +53,10 @@ impl Wrong {
     pub fn foreign(what: impl Into<String>) -> Wrong {
         Wrong::new(what, "give a file that --record has written")
     }
+
+    fn of(self, file: &Path) -> NotReplayable {
+        NotReplayable { file: file.to_owned(), what: self.what, help: self.help.to_owned() }
+    }
 }
 
 const DAMAGED: &str =
@@ -63,18 +67,20 @@ const DAMAGED: &str =
 /// # Errors
 /// [`NotReplayable`]: it is no recording, not of this cell, or not whole.
 pub(crate) fn read(file: &Path, layout: &Layout, cut_off: CutOff) -> Result<Tape, NotReplayable> {
-    read_messages(file, layout, cut_off).map_err(|Wrong { what, help }| NotReplayable {
-        file: file.to_owned(),
-        what,
-        help: help.to_owned(),
-    })
+    let tape = File::open(file).map_err(unreadable).and_then(|from| read_from(from, layout, cut_off));
+    tape.map_err(|wrong| wrong.of(file))
 }
 
-fn read_messages(path: &Path, layout: &Layout, cut_off: CutOff) -> Result<Tape, Wrong> {
-    let unreadable = |error: std::io::Error| {
-        Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
-    };
-    let mut file = File::open(path).map_err(unreadable)?;
+/// The same from what is no file.
+pub(crate) fn read_bytes(bytes: &[u8], layout: &Layout, cut_off: CutOff) -> Result<Tape, NotReplayable> {
+    read_from(bytes, layout, cut_off).map_err(|wrong| wrong.of(Path::new("bytes")))
+}
+
+fn unreadable(error: std::io::Error) -> Wrong {
+    Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
+}
+
+fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Tape, Wrong> {
     let options = LinearReaderOptions::default()
         .with_record_length_limit(LARGEST)
         .with_prevalidate_chunk_crcs(true)
@@ -84,7 +90,7 @@ fn read_messages(path: &Path, layout: &Layout, cut_off: CutOff) -> Result<Tape, 
     while let Some(event) = reader.next_event() {
         match event {
             Ok(LinearReadEvent::ReadRequest(size)) => {
-                let read = file.read(reader.insert(size.min(LARGEST))).map_err(unreadable)?;
+                let read = from.read(reader.insert(size.min(LARGEST))).map_err(unreadable)?;
                 reader.notify_read(read);
             }
             Ok(LinearReadEvent::Record { data, opcode }) => {

@@ -66,6 +66,8 @@ mod forks;
 mod link;
 mod onlooker;
 mod random;
+#[doc(hidden)]
+pub mod readers;
 mod report;
 mod sensor;
 mod stage;
