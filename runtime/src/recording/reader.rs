@@ -9,7 +9,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use mcap::McapError;
-use mcap::records::{Metadata, Record};
+use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::file::{END, PROFILE, VERSION};
@@ -94,6 +94,14 @@ fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Ta
                 reader.notify_read(read);
             }
             Ok(LinearReadEvent::Record { data, opcode }) => {
+                match has_its_texts(opcode, data) {
+                    Some(true) => {}
+                    Some(false) => {
+                        let what = "is damaged: a text in it is longer than what it is in";
+                        return Err(Wrong::new(what, DAMAGED));
+                    }
+                    None => continue,
+                }
                 let record = mcap::parse_record(opcode, data).map_err(damaged)?;
                 taker.take(record)?;
             }
@@ -107,6 +115,44 @@ fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Ta
         return taker.cut_off(cut_off);
     }
     taker.finish(cut_off)
+}
+
+/// Whether the texts of a record fit into it: the parser takes memory for as much as they say. `None` for records that are
+/// not used.
+fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
+    // Bytes before the texts, texts, whether a map of texts follows them.
+    let (skipped, count, map) = match opcode {
+        op::HEADER => (0, 2, false),
+        op::CHANNEL => (4, 2, true),
+        op::MESSAGE => (0, 0, false),
+        op::METADATA => (0, 1, true),
+        _ => return None,
+    };
+    let mut rest = data;
+    let mut fits = || {
+        rest.split_off(..skipped)?;
+        (0..count).try_for_each(|_| text(&mut rest))?;
+        if map {
+            let len = length(&mut rest)?;
+            let mut map = rest.split_off(..len)?;
+            while !map.is_empty() {
+                text(&mut map)?;
+            }
+        }
+        Some(())
+    };
+    Some(fits().is_some())
+}
+
+/// Passes over a text.
+fn text(rest: &mut &[u8]) -> Option<()> {
+    let len = length(rest)?;
+    rest.split_off(..len).map(drop)
+}
+
+fn length(rest: &mut &[u8]) -> Option<usize> {
+    let len = rest.split_off(..4)?.try_into().ok()?;
+    usize::try_from(u32::from_le_bytes(len)).ok()
 }
 
 fn damaged(error: McapError) -> Wrong {
