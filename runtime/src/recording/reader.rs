@@ -83,7 +83,7 @@ fn unreadable(error: std::io::Error) -> Wrong {
 fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Tape, Wrong> {
     let options = LinearReaderOptions::default()
         .with_record_length_limit(LARGEST)
-        .with_prevalidate_chunk_crcs(true)
+        .with_emit_chunks(true)
         .with_validate_data_section_crc(true);
     let mut reader = LinearReader::new_with_options(options);
     let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), end: None };
@@ -93,18 +93,7 @@ fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Ta
                 let read = from.read(reader.insert(size.min(LARGEST))).map_err(unreadable)?;
                 reader.notify_read(read);
             }
-            Ok(LinearReadEvent::Record { data, opcode }) => {
-                match has_its_texts(opcode, data) {
-                    Some(true) => {}
-                    Some(false) => {
-                        let what = "is damaged: a text in it is longer than what it is in";
-                        return Err(Wrong::new(what, DAMAGED));
-                    }
-                    None => continue,
-                }
-                let record = mcap::parse_record(opcode, data).map_err(damaged)?;
-                taker.take(record)?;
-            }
+            Ok(LinearReadEvent::Record { data, opcode }) => taker.take_bytes(opcode, data)?,
             Err(McapError::UnexpectedEof) => {
                 return taker.cut_off(cut_off);
             }
@@ -115,6 +104,48 @@ fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Ta
         return taker.cut_off(cut_off);
     }
     taker.finish(cut_off)
+}
+
+/// What says to be longer than what it is in.
+fn torn(what: &str) -> Wrong {
+    Wrong::new(format!("is damaged: {what} is longer than what it is in"), DAMAGED)
+}
+
+/// The records in a chunk, which must be as its checksum says. The parser's own way into chunks counts below 0 where a record
+/// is longer than its chunk.
+fn chunk(data: &[u8]) -> Result<&[u8], Wrong> {
+    let mut rest = data;
+    let mut head = || {
+        // The times of its first and last message; what it has uncompressed; its checksum; the name of the compression.
+        rest.split_off(..16)?;
+        let size = number(&mut rest)?;
+        let sum = u32::from_le_bytes(rest.split_off(..4)?.try_into().ok()?);
+        let len = length(&mut rest)?;
+        let compression = rest.split_off(..len)?;
+        let len = number(&mut rest)?;
+        Some((size, sum, compression, rest.split_off(..usize::try_from(len).ok()?)?))
+    };
+    let (size, sum, compression, records) = head().ok_or_else(|| torn("a chunk"))?;
+    if !compression.is_empty() {
+        return Err(Wrong::foreign("is compressed, which recordings are not"));
+    }
+    let is_whole = size == records.len() as u64 && (sum == 0 || crc32fast::hash(records) == sum);
+    if is_whole {
+        Ok(records)
+    } else {
+        Err(Wrong::new("is damaged: a chunk is not as its checksum says", DAMAGED))
+    }
+}
+
+/// Passes over a record of a chunk.
+fn record<'a>(rest: &mut &'a [u8]) -> Option<(u8, &'a [u8])> {
+    let opcode = *rest.split_off_first()?;
+    let len = number(rest)?;
+    Some((opcode, rest.split_off(..usize::try_from(len).ok()?)?))
+}
+
+fn number(rest: &mut &[u8]) -> Option<u64> {
+    rest.split_off(..8)?.try_into().ok().map(u64::from_le_bytes)
 }
 
 /// Whether the texts of a record fit into it: the parser takes memory for as much as they say. `None` for records that are
@@ -158,7 +189,6 @@ fn length(rest: &mut &[u8]) -> Option<usize> {
 fn damaged(error: McapError) -> Wrong {
     match error {
         McapError::BadMagic => Wrong::foreign("is no MCAP file"),
-        McapError::UnsupportedCompression(_) => Wrong::foreign("is compressed, which recordings are not"),
         error => Wrong::new(format!("is damaged: {error}"), DAMAGED),
     }
 }
@@ -174,6 +204,26 @@ struct Taker<'a> {
 }
 
 impl Taker<'_> {
+    fn take_bytes(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
+        if opcode == op::CHUNK {
+            let mut records = chunk(data)?;
+            while !records.is_empty() {
+                let (opcode, data) = record(&mut records).ok_or_else(|| torn("a chunk"))?;
+                self.take_bytes_of_record(opcode, data)?;
+            }
+            return Ok(());
+        }
+        self.take_bytes_of_record(opcode, data)
+    }
+
+    fn take_bytes_of_record(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
+        match has_its_texts(opcode, data) {
+            None => Ok(()),
+            Some(false) => Err(torn("a record")),
+            Some(true) => self.take(mcap::parse_record(opcode, data).map_err(damaged)?),
+        }
+    }
+
     fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
         match record {
             Record::Header(header) if header.profile != PROFILE => {
