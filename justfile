@@ -92,6 +92,7 @@ sweep-tasks EVERY="7":
 # Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
     cargo test -p mrroc-tests --test safety -- --ignored --nocapture summary
+    cargo test -p mrroc --lib -- --nocapture fault_03_arms fault_06_arms
 
 # Mutated files into all that reads files and messages: so many in all.
 fuzz N="10000000":

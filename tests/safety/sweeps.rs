@@ -79,6 +79,18 @@ fn fault_14_links_that_lose_everything_for_longer_end_in_an_orderly_stop() {
 }
 
 #[test]
+fn fault_39_a_link_that_was_cut_and_comes_back_moves_nothing() {
+    // It comes back while the robots stop, and when they stand: none that stood begins to move.
+    for steps in [30, 60, 150] {
+        for cell in [transparent, cooperating, interpolated, sensing] {
+            let report = Sweep::new(cell).links(LinkFault::Drop, steps).every(37).threads(2).run();
+            let total = report.total();
+            assert!(report.is_clean() && total.cases > 10 && total.stopped == total.cases, "{report}");
+        }
+    }
+}
+
+#[test]
 fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
     for cell in [transparent, cooperating, interpolated, sensing] {
         // Doubled ones and old ones are no messages: every run ends as the undisturbed one does, to 1e-12 m.
