@@ -200,6 +200,11 @@ impl<R: Robot> Acceptor<R> {
         comes_back.then(|| self.path.late.unwrap_or(self.path.position))
     }
 
+    /// Whether the robot is where its path ends, if that goes no farther.
+    pub fn is_at_its_end(&self) -> bool {
+        self.end_of_path().is_none()
+    }
+
     /// A new motion begins: displacements count from here.
     pub fn begin(&mut self) {
         (self.origin, self.start, self.starting) = (self.demanded().0, None, true);
@@ -319,9 +324,7 @@ impl<R: Robot> Acceptor<R> {
                 let text = "a redundancy is chosen for a pose or a displacement, not for joint positions";
                 return Err(Fault::thrown(text));
             }
-            Coordinates::Hold => {
-                self.end_of_path().filter(|_| self.path.late.is_some()).unwrap_or_else(|| self.demanded().0)
-            }
+            Coordinates::Hold => self.path.late.unwrap_or_else(|| self.demanded().0),
             Coordinates::Joints(joints) => *joints,
             Coordinates::Pose(pose) => self.joints_at(&valid_frame(pose)?, &tool, redundancy)?,
             Coordinates::Displacement(displacement) => {
@@ -406,14 +409,14 @@ impl<R: Robot> Acceptor<R> {
     }
 
     /// A demand that came too late to be followed: its tool is in force from now on, and a path that goes no farther ends
-    /// where it says.
+    /// where it says. Robots with a jerk limit do not come back to their path.
     ///
     /// # Errors
     /// What is wrong with the demand itself; nothing is changed then.
     pub fn note_late(&mut self, demand: &Demand<R>) -> Result<(), Fault> {
         let (tool, position) = self.target(demand)?;
         self.tool = tool;
-        if self.path.missing > 0.0 {
+        if self.path.missing > 0.0 && self.robot.limits().jerk.is_none() {
             self.path.late = Some(position);
         }
         Ok(())

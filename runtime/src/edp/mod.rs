@@ -298,7 +298,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     fn brake(&mut self) {
         match self.mode {
             Mode::Moving { .. } => self.mode = self.way_to_rest(),
-            Mode::Holding if !self.acceptor.is_on_path() => self.mode = self.way_to_rest(),
+            Mode::Holding if !self.acceptor.is_at_its_end() => self.mode = self.way_to_rest(),
             Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
         }
     }
@@ -306,7 +306,9 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// Whether the robot stands, and its drives have come to the last demand.
     fn is_at_standstill(&self) -> bool {
         match self.mode {
-            Mode::Holding => self.acceptor.is_on_path() && self.still >= self.interpolation.settling_steps(),
+            Mode::Holding => {
+                self.acceptor.is_at_its_end() && self.still >= self.interpolation.settling_steps()
+            }
             Mode::Off => true,
             Mode::Moving { .. } | Mode::Braking(_) | Mode::OnScrew(_) => false,
         }

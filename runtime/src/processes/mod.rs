@@ -29,7 +29,7 @@ mod session;
 pub(crate) use crew::Plan;
 #[cfg(feature = "view")]
 pub(crate) use desk::{Asks, Hears, RobotPicture};
-pub(crate) use desk::{Caller, Heard, Picture, Reply, Request};
+pub(crate) use desk::{Caller, Heard, MAX_REQUEST, Picture, Reply, Request};
 pub(crate) use doctor::examine;
 pub(crate) use figures::Figures;
 pub(crate) use launcher::{LaunchError, Launched, launch};

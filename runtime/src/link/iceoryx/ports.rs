@@ -68,9 +68,9 @@ impl PortEnd {
         }
     }
 
-    /// What the other side shows.
-    fn shown(&self) -> Option<Envelope> {
-        self.other.get().map(|(reads, _)| *reads.get())
+    /// Looks at what the other side shows, once it has made its own board.
+    fn look<T>(&self, looks: impl FnOnce(&Envelope) -> T) -> Option<T> {
+        self.other.get().map(|(reads, _)| looks(&reads.get()))
     }
 }
 
@@ -135,14 +135,14 @@ impl Client for End<Asking> {
 
     fn receive(&self, reply: &mut Message) -> bool {
         let Some(Asking { end, numbers }) = self.0.get() else { return false };
-        end.shown().is_some_and(|shown| numbers.hears(&shown, reply))
+        end.look(|shown| numbers.hears(shown, reply)).unwrap_or(false)
     }
 }
 
 impl Server for End<Answering> {
     fn receive(&self, request: &mut Message) -> bool {
         let Some(Answering { end, numbers }) = self.0.get() else { return false };
-        match end.shown().map(|shown| numbers.hears(&shown, request)) {
+        match end.look(|shown| numbers.hears(shown, request)) {
             Some(Heard::New) => true,
             Some(Heard::Again(answer)) => {
                 end.show(answer);

@@ -23,4 +23,4 @@ pub(crate) use picture::Picture;
 pub(crate) use picture::ProcessPicture;
 #[cfg(feature = "view")]
 pub(crate) use picture::RobotPicture;
-pub(crate) use protocol::{Heard, Reply, Request};
+pub(crate) use protocol::{Heard, MAX_REQUEST, Reply, Request};

@@ -19,7 +19,7 @@ use super::picture::Picture;
 use crate::button::Button;
 
 /// The longest request, its end not counted \[bytes\].
-pub(super) const MAX_REQUEST: usize = 80;
+pub(crate) const MAX_REQUEST: usize = 80;
 
 /// The longest line of an answer \[bytes\].
 const MAX_ANSWER: usize = 4096;
