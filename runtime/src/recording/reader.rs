@@ -166,8 +166,9 @@ fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
         if map {
             let len = length(&mut rest)?;
             let mut map = rest.split_off(..len)?;
+            // Keys and their values.
             while !map.is_empty() {
-                text(&mut map)?;
+                text(&mut map).and_then(|()| text(&mut map))?;
             }
         }
         Some(())

@@ -312,3 +312,27 @@ fn an_offset_ends_in_the_fewest_steps_that_the_acceleration_allows() {
         }
     }
 }
+
+/// After a demand that was missing on a screw, of a path of 2 m/s².
+fn on_a_screw() -> Acceptor<Turntable> {
+    let mut acceptor = acceptor(Turntable::new());
+    acceptor.accept(&joints(1e-6, 0.0), T, T).expect("slow");
+    let screw = acceptor.screw(T);
+    acceptor.go_on(&screw.part(1.0), T).expect("within the limits");
+    acceptor
+}
+
+#[test]
+fn an_arm_that_missed_a_demand_alone_goes_straight_to_the_next_and_arms_that_all_did_come_back_together() {
+    let demand = joints(9e-6, 0.0);
+    let mut alone = on_a_screw();
+    alone.accept(&demand, 2.0 * T, T).expect("6 m/s²");
+    assert!(alone.is_on_path() && alone.position == Two::new(9e-6, 0.0), "{}", alone.position);
+    let mut together = on_a_screw();
+    together.rejoin(&demand, 2.0 * T, T).expect("within the limits");
+    assert!(matches!(together.off_path, Some(OffPath::Together(_))) && together.position[0] < 8e-6);
+    // One that was bridged by its joints since is beside the others anyway, and comes back by itself.
+    together.extrapolate(T);
+    together.accept(&joints(25e-6, 0.0), 2.0 * T, T).expect("within the limits");
+    assert!(!matches!(together.off_path, Some(OffPath::Together(_))));
+}
