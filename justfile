@@ -84,8 +84,8 @@ bench-latency:
 sweep:
     cargo test -p mrroc-tests --test safety -- --ignored --nocapture every_fault_in_every_step
 
-# Each fault in every so many steps of the transfer and of the engraving task: every 7th takes ten minutes of two cores,
-# every one an hour.
+# Each fault in every so many steps of the transfer and of the engraving task: every 13th takes six minutes of two
+# cores, every one of the engraving seven, every one of the transfer two hours.
 sweep-tasks EVERY="7":
     MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture --test-threads 1 steps_of_the
 

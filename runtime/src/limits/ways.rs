@@ -46,11 +46,7 @@ impl<R: Robot> Acceptor<R> {
             Err(_) if with_others => rejoin(),
             Err(fault) if way.is_some() || !comes_back => Err(fault),
             // Even a demand that can be taken at once is one to come back to: the robot is not as fast as the path there.
-            there => match self.back(demand, duration) {
-                Ok(back) => back.map_or(there, Ok),
-                Err(_) if there.is_ok() && self.is_on_path() => there,
-                Err(fault) => Err(fault),
-            },
+            there => self.back(demand, duration)?.map_or(there, Ok),
         }
     }
 

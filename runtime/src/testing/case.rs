@@ -54,7 +54,7 @@ pub enum Injected {
     Kill(ProcessId),
     /// The process stands still for so many steps, then goes on as if nothing had been.
     Stall(ProcessId, u32),
-    /// The link does this to the messages of so many steps.
+    /// The link does this to what is sent in so many steps.
     Link(Channel, LinkFault, u32),
     /// The operator presses a button.
     Press(Press),

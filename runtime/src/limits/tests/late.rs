@@ -331,8 +331,45 @@ fn an_arm_that_missed_a_demand_alone_goes_straight_to_the_next_and_arms_that_all
     let mut together = on_a_screw();
     together.rejoin(&demand, 2.0 * T, T).expect("within the limits");
     assert!(matches!(together.off_path, Some(OffPath::Together(_))) && together.position[0] < 8e-6);
+    // 12 m/s² are too much at once: whether the others missed it, too, is not known.
+    let mut unknown = acceptor(Turntable::new());
+    unknown.accept(&joints(2e-6, 0.0), T, T).expect("slow");
+    let screw = unknown.screw(T);
+    unknown.go_on(&screw.part(1.0), T).expect("within the limits");
+    unknown.accept(&joints(18e-6, 0.0), 2.0 * T, T).expect("on the way back");
+    assert!(matches!(unknown.off_path, Some(OffPath::Together(_))));
     // One that was bridged by its joints since is beside the others anyway, and comes back by itself.
     together.extrapolate(T);
     together.accept(&joints(25e-6, 0.0), 2.0 * T, T).expect("within the limits");
     assert!(!matches!(together.off_path, Some(OffPath::Together(_))));
+}
+
+#[test]
+fn a_stop_ends_the_path_where_the_robot_is_if_one_step_can_take_its_velocity_away() {
+    let late = || {
+        let mut acceptor = acceptor(Turntable::new());
+        acceptor.accept(&joints(5e-6, 0.0), T, T).expect("slow");
+        acceptor.extrapolate(T);
+        acceptor.note_late(&joints(11e-6, 0.0)).expect("a demand");
+        acceptor
+    };
+    let mut stopped = late();
+    assert!(stopped.stop_at_once(T) && stopped.is_at_its_end());
+    stopped.hold(T).expect("5 m/s²");
+    assert_eq!(stopped.position, Two::new(10e-6, 0.0));
+    // To hold is to come to where the path ends.
+    let mut held = late();
+    assert!(held.can_hold(T) && !held.is_at_its_end());
+    held.hold(T).expect("1 m/s²");
+    assert_eq!(held.position, Two::new(11e-6, 0.0));
+    // 11 m/s² are more than 10.
+    let mut fast = late();
+    fast.velocity[0] = 11e-3;
+    assert!(!fast.stop_at_once(T) && !fast.is_at_its_end());
+    // One that is off its path brakes.
+    let mut off = acceptor(Turntable::new());
+    (off.velocity[0], off.path.velocity[0], off.path.span) = (5e-3, 5e-3, T);
+    off.extrapolate(T);
+    off.accept(&joints(24e-6, 0.0), T, T).expect("on the way back");
+    assert!(!off.is_on_path() && !off.stop_at_once(T));
 }
