@@ -44,3 +44,56 @@ impl Waiting {
         Ok(true)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use core::cell::{Cell, RefCell};
+    use std::rc::Rc;
+
+    use super::*;
+    use crate::message::Message;
+
+    /// Wakes when it is to, or so much later.
+    struct Sleeps(Rc<Cell<Nanos>>, Nanos);
+
+    impl Waiter for Sleeps {
+        fn now(&self) -> Nanos {
+            self.0.get()
+        }
+        fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
+            self.0.set(deadline.ok_or(Closed)? + self.1);
+            Ok(())
+        }
+    }
+
+    /// When it was asked again.
+    struct Asked(Rc<Cell<Nanos>>, RefCell<Vec<Nanos>>);
+
+    impl Client for Asked {
+        fn send(&self, _: &Message) {}
+        fn send_again(&self) {
+            self.1.borrow_mut().push(self.0.get());
+        }
+        fn receive(&self, _: &mut Message) -> bool {
+            false
+        }
+    }
+
+    fn asked(late: Nanos) -> (Vec<Nanos>, Nanos) {
+        let now = Rc::new(Cell::new(500));
+        let (waiter, client) = (Sleeps(Rc::clone(&now), late), Asked(Rc::clone(&now), RefCell::default()));
+        let mut waiting = Patience { most: 3500, again: 1000 }.begin(&waiter);
+        while waiting.goes_on(&client, &waiter).expect("open") {
+            assert!(now.get() < 10_000, "for ever");
+        }
+        (client.1.take(), now.get())
+    }
+
+    #[test]
+    fn an_answer_is_asked_for_again_after_each_time_without_one_until_the_patience_is_over() {
+        assert_eq!(asked(0), (vec![1500, 2500, 3500], 4000));
+        // Woken late it asks once for the times that are over, and goes on with those to come.
+        assert_eq!(asked(1200), (vec![2700], 4700));
+        assert_eq!(asked(700), (vec![2200, 3200], 4200));
+    }
+}
