@@ -118,8 +118,12 @@ fn read(line: &str) -> (u64, u64, f64) {
 fn memory(launch: &mut Launch) -> BTreeMap<String, i64> {
     let used = |pid| {
         let status = fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
-        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
-        line.trim().strip_suffix("kB")?.trim().parse().ok()
+        let of = |key: &str| {
+            let line = status.lines().find_map(|line| line.strip_prefix(key))?;
+            line.trim().strip_suffix("kB")?.trim().parse::<i64>().ok()
+        };
+        // Pages of files, the code above all, come and go as the system likes.
+        Some(of("RssAnon:")? + of("RssShmem:")?)
     };
     let launcher = used(launch.pid()).map(|used| ("launcher".to_owned(), used));
     let processes = launch.processes();
