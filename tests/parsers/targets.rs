@@ -24,6 +24,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("trj", trj),
     ("wire", wire),
     ("envelope", envelope),
+    #[cfg(target_os = "linux")]
     ("operator", readers::operator),
     #[cfg(feature = "recording")]
     ("recording", recording),
@@ -88,7 +89,7 @@ pub fn recording(bytes: &[u8]) {
 
 /// Words of a message, head and body.
 pub fn envelope(bytes: &[u8]) {
-    readers::envelope(&words::<{ WORDS + 14 }>(bytes));
+    readers::envelope(&words::<{ readers::ENVELOPE_WORDS }>(bytes));
 }
 
 fn words<const N: usize>(bytes: &[u8]) -> [u64; N] {

@@ -86,7 +86,11 @@ fn ask(place: &Place, words: &[&str]) -> (Option<i32>, String) {
 
 /// The same of one that is carried out; in which step.
 fn done(place: &Place, words: &[&str], told: &str) -> u64 {
-    let (status, said) = ask(place, words);
+    carried_out(words, ask(place, words), told)
+}
+
+/// The step in which a request was carried out that was answered so.
+fn carried_out(words: &[&str], (status, said): (Option<i32>, String), told: &str) -> u64 {
     assert!(status == Some(0) && said.contains(told), "{words:?}: {status:?}: {said}");
     let step = said.rsplit_once("step ").map(|(_, step)| step.trim().parse());
     step.expect("a step").expect("a number")
@@ -327,7 +331,7 @@ fn fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost
             // A flood without an end would wait for itself where the cell has ended.
             let stopped = ask(&place, &["stop"]);
             over.store(true, Ordering::Release);
-            assert!(stopped.0 == Some(0) && stopped.1.contains("stopping: step "), "{stopped:?}");
+            carried_out(&["stop"], stopped, "stopping: step ");
             let (offered, heard) = speed.join().expect("flooded");
             let others: u64 = others.into_iter().map(|other| other.join().expect("flooded").0).sum();
             let steps: Vec<u64> = heard

@@ -35,6 +35,20 @@ fn clean(report: &SweepReport) {
     assert!(report.is_clean(), "{report}");
 }
 
+/// More cases than so many, none broken, and all of them went on.
+fn all_go_on(sweep: Sweep<'_>, more_than: u64) {
+    let report = sweep.threads(2).run();
+    let total = report.total();
+    assert!(report.is_clean() && total.cases > more_than && total.survived == total.cases, "{report}");
+}
+
+/// The same, and all of them stopped.
+fn all_stop(sweep: Sweep<'_>, more_than: u64) {
+    let report = sweep.threads(2).run();
+    let total = report.total();
+    assert!(report.is_clean() && total.cases > more_than && total.stopped == total.cases, "{report}");
+}
+
 #[test]
 fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
     for cell in [transparent, cooperating, interpolated, sensing] {
@@ -57,24 +71,18 @@ fn every_fault_in_every_step_of_small_cells_breaks_no_promise() {
 fn fault_14_what_links_lose_for_up_to_twenty_steps_is_sent_again_and_every_motion_ends_where_it_should() {
     for steps in [1, 2, 19, 20] {
         for cell in [transparent, cooperating, interpolated] {
-            let report = Sweep::new(cell).links(LinkFault::Drop, steps).every(23).threads(2).run();
-            let total = report.total();
-            assert!(report.is_clean() && total.cases > 20 && total.survived == total.cases, "{report}");
+            all_go_on(Sweep::new(cell).links(LinkFault::Drop, steps).every(23), 20);
         }
     }
     // One that goes where a sensor says is told of a jump once the readings of 19 steps are missing.
-    let report = Sweep::new(sensing).links(LinkFault::Drop, 1).every(7).threads(2).run();
-    let total = report.total();
-    assert!(report.is_clean() && total.cases > 100 && total.survived == total.cases, "{report}");
+    all_go_on(Sweep::new(sensing).links(LinkFault::Drop, 1).every(7), 100);
     clean(&Sweep::new(sensing).links(LinkFault::Drop, 19).every(23).threads(2).run());
 }
 
 #[test]
 fn fault_14_links_that_lose_everything_for_longer_end_in_an_orderly_stop() {
     for cell in [transparent, cooperating, interpolated, sensing] {
-        let report = Sweep::new(cell).links(LinkFault::Drop, 21).every(23).threads(2).run();
-        let total = report.total();
-        assert!(report.is_clean() && total.cases > 20 && total.stopped == total.cases, "{report}");
+        all_stop(Sweep::new(cell).links(LinkFault::Drop, 21).every(23), 20);
     }
 }
 
@@ -83,9 +91,7 @@ fn fault_39_a_link_that_was_cut_and_comes_back_moves_nothing() {
     // It comes back while the robots stop, and when they stand: none that stood begins to move.
     for steps in [30, 60, 150] {
         for cell in [transparent, cooperating, interpolated, sensing] {
-            let report = Sweep::new(cell).links(LinkFault::Drop, steps).every(37).threads(2).run();
-            let total = report.total();
-            assert!(report.is_clean() && total.cases > 10 && total.stopped == total.cases, "{report}");
+            all_stop(Sweep::new(cell).links(LinkFault::Drop, steps).every(37), 10);
         }
     }
 }
@@ -95,9 +101,7 @@ fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
     for cell in [transparent, cooperating, interpolated, sensing] {
         // Doubled ones and old ones are no messages: every run ends as the undisturbed one does, to 1e-12 m.
         let sweep = Sweep::new(cell).links(LinkFault::Duplicate, 3).links(LinkFault::Replay, 3);
-        let report = sweep.every(11).threads(2).end_tolerance(1e-12).run();
-        let total = report.total();
-        assert!(report.is_clean() && total.cases > 100 && total.survived == total.cases, "{report}");
+        all_go_on(sweep.every(11).end_tolerance(1e-12), 100);
         clean(&Sweep::new(cell).links(LinkFault::Reorder, 3).every(11).threads(2).run());
     }
 }

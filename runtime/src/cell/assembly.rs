@@ -14,7 +14,6 @@ use crate::name::Name;
 use crate::overruns::Timed;
 use crate::plant::{Rests, Site};
 use crate::sensing::Sensing;
-use crate::stopping::missed_step_budget;
 use crate::witness::{Tap, What};
 
 /// What the processes of a cell leave behind.
@@ -44,8 +43,7 @@ impl Cell {
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
     pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
         let nudged = self.program.is_none();
-        let step = self.step.as_nanos() as Nanos;
-        let patience = Patience { most: step * (u64::from(missed_step_budget(self.step)) + 1), again: step };
+        let patience = Patience::of_step(self.step);
         let outcomes = Outcomes::default();
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
@@ -57,7 +55,7 @@ impl Cell {
         let tap = Tap::to(self.witnesses);
         let mut mp_sensing = Sensing { ports: Vec::new(), patience, tap: tap.of(ProcessId::MP) };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
-        let shorter = Patience { most: patience.most - step / 2, ..patience };
+        let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
         let of_ecp = |name: &Name| {
             let tap = tap.of(ProcessId::new(Role::Ecp, *name));
             Sensing { ports: Vec::new(), patience: shorter, tap }

@@ -15,6 +15,9 @@ pub(crate) const LAYOUT: u64 = 3;
 /// Words of a message's head.
 const HEAD: usize = 14;
 
+/// Words of a message, head and body.
+pub const ENVELOPE_WORDS: usize = HEAD + WORDS;
+
 /// Which of them is the length of the body.
 const LEN_WORD: usize = 4;
 

@@ -38,14 +38,15 @@ impl Asking {
         self.attempt.set(1);
         self.waits.set(true);
         self.request.borrow_mut().copy_from(request);
-        self.envelope()
+        Envelope::seal(request, self.seal, self.sequence.get())
     }
 
     /// The last request once more, if it has no answer.
     pub fn ask_again(&self) -> Option<Envelope> {
         self.waits.get().then(|| {
             self.attempt.set(self.attempt.get() + 1);
-            self.envelope()
+            let envelope = Envelope::seal(&self.request.borrow(), self.seal, self.sequence.get());
+            envelope.in_attempt(self.attempt.get())
         })
     }
 
@@ -57,11 +58,6 @@ impl Asking {
             self.waits.set(false);
         }
         came
-    }
-
-    fn envelope(&self) -> Envelope {
-        let (sequence, attempt) = (self.sequence.get(), self.attempt.get());
-        Envelope::seal(&self.request.borrow(), self.seal, sequence).in_attempt(attempt)
     }
 }
 
@@ -102,26 +98,25 @@ impl Answering {
 
     /// Takes a new request.
     pub fn hears(&self, shown: &Envelope, request: &mut Message) -> Heard {
-        let (heard, coming) = ((self.sequence.get(), self.attempt.get()), (shown.sequence, shown.attempt));
-        if !shown.is_under(self.seal) || coming <= heard {
+        let taken = self.sequence.get();
+        let is_new = shown.sequence > taken;
+        let is_again = shown.sequence == taken && shown.attempt > self.attempt.get();
+        let is_due = shown.is_under(self.seal) && (is_new || is_again);
+        let mut is_whole = || if is_new { shown.open(request).is_ok() } else { shown.is_whole() };
+        if !(is_due && is_whole()) {
             return Heard::Nothing;
         }
-        if coming.0 > heard.0 {
-            if shown.open(request).is_err() {
-                return Heard::Nothing;
-            }
+        self.attempt.set(shown.attempt);
+        if is_new {
+            self.sequence.set(shown.sequence);
             self.answered.set(false);
-        } else if !shown.is_whole() {
-            return Heard::Nothing;
+            return Heard::New;
         }
-        self.sequence.set(coming.0);
-        self.attempt.set(coming.1);
-        match (coming.0 > heard.0, self.answered.get()) {
-            (true, _) => Heard::New,
-            (false, true) => Heard::Again(Envelope::seal(&self.answer.borrow(), self.seal, coming.0)),
-            // Its answer is still to come, and will be heard.
-            (false, false) => Heard::Nothing,
+        if self.answered.get() {
+            return Heard::Again(Envelope::seal(&self.answer.borrow(), self.seal, taken));
         }
+        // Its answer is still to come, and will be heard.
+        Heard::Nothing
     }
 
     /// The answer to the request taken last.

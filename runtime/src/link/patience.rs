@@ -1,6 +1,9 @@
 //! How a process waits for answers: not for ever, and asking again.
 
+use core::time::Duration;
+
 use super::{Client, Closed, Nanos, Waiter};
+use crate::stopping::missed_step_budget;
 
 /// How long an answer may take, and after which time without one it is asked for again \[ns\].
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +13,12 @@ pub(crate) struct Patience {
 }
 
 impl Patience {
+    /// Until a lost peer is noticed, asking again in every step.
+    pub fn of_step(step: Duration) -> Patience {
+        let again = step.as_nanos() as Nanos;
+        Patience { most: again * (u64::from(missed_step_budget(step)) + 1), again }
+    }
+
     /// Begins to wait for answers to requests that are sent now.
     pub fn begin(self, waiter: &dyn Waiter) -> Waiting {
         let now = waiter.now();

@@ -30,7 +30,6 @@ use crate::link::memory::Stuck;
 use crate::link::patience::Patience;
 use crate::link::{Board, Closed, Link, Nanos, Sample, Simulation, Waiter};
 use crate::robot::Robot;
-use crate::stopping::missed_step_budget;
 use crate::vsp::{Aggregator, RawSensors, VirtualSensor};
 
 use drives::{Commands, Drives};
@@ -96,8 +95,7 @@ impl Site {
         observers: &mut Vec<Observer<R>>,
     ) -> Drive<R> {
         let Some(plant) = self.place.filter(|_| driver.is_simulated()) else { return Drive::Here(driver) };
-        let patience = self.patience();
-        let step = self.step.as_nanos() as Nanos;
+        let Patience { most: patience, again: step } = Patience::of_step(self.step);
         let (end, commands) = match self.simulation {
             Simulation::InEdps | Simulation::Asked => {
                 let (client, server) = link.port(edp, plant);
@@ -128,18 +126,12 @@ impl Site {
         };
         let (port, server) = link.port(vsp, plant);
         self.parts.push(Box::new(Sensor::new(aggregator, server)));
-        let patience = Patience { most: self.patience(), again: self.step.as_nanos() as Nanos };
-        RawSensors::Plant(PlantSensor { port, plant, patience })
+        RawSensors::Plant(PlantSensor { port, plant, patience: Patience::of_step(self.step) })
     }
 
     /// A board that the process at `writer` writes and the plant reads, if that has a place.
     pub fn board(&self, link: &mut dyn Link, writer: usize) -> Option<Rc<dyn Board>> {
         self.place.map(|plant| link.board(writer, plant))
-    }
-
-    /// For how long the plant may be silent \[ns\].
-    fn patience(&self) -> Nanos {
-        (self.step * (missed_step_budget(self.step) + 1)).as_nanos() as Nanos
     }
 
     /// Gives the plant its body.

@@ -114,18 +114,7 @@ fn torn(what: &str) -> Wrong {
 /// The records in a chunk, which must be as its checksum says. The parser's own way into chunks counts below 0 where a record
 /// is longer than its chunk.
 fn chunk(data: &[u8]) -> Result<&[u8], Wrong> {
-    let mut rest = data;
-    let mut head = || {
-        // The times of its first and last message; what it has uncompressed; its checksum; the name of the compression.
-        rest.split_off(..16)?;
-        let size = number(&mut rest)?;
-        let sum = u32::from_le_bytes(rest.split_off(..4)?.try_into().ok()?);
-        let len = length(&mut rest)?;
-        let compression = rest.split_off(..len)?;
-        let len = number(&mut rest)?;
-        Some((size, sum, compression, rest.split_off(..usize::try_from(len).ok()?)?))
-    };
-    let (size, sum, compression, records) = head().ok_or_else(|| torn("a chunk"))?;
+    let (size, sum, compression, records) = chunk_parts(data).ok_or_else(|| torn("a chunk"))?;
     if !compression.is_empty() {
         return Err(Wrong::foreign("is compressed, which recordings are not"));
     }
@@ -137,14 +126,24 @@ fn chunk(data: &[u8]) -> Result<&[u8], Wrong> {
     }
 }
 
+/// What it has uncompressed, its checksum, the name of the compression, and its records.
+fn chunk_parts(mut rest: &[u8]) -> Option<(u64, u32, &[u8], &[u8])> {
+    // The times of its first and last message.
+    rest.split_off(..16)?;
+    let (size, sum) = (u64_of(&mut rest)?, u32_of(&mut rest)?);
+    let compression = text(&mut rest)?;
+    let len = usize::try_from(u64_of(&mut rest)?).ok()?;
+    Some((size, sum, compression, rest.split_off(..len)?))
+}
+
 /// Passes over a record of a chunk.
 fn record<'a>(rest: &mut &'a [u8]) -> Option<(u8, &'a [u8])> {
     let opcode = *rest.split_off_first()?;
-    let len = number(rest)?;
-    Some((opcode, rest.split_off(..usize::try_from(len).ok()?)?))
+    let len = usize::try_from(u64_of(rest)?).ok()?;
+    Some((opcode, rest.split_off(..len)?))
 }
 
-fn number(rest: &mut &[u8]) -> Option<u64> {
+fn u64_of(rest: &mut &[u8]) -> Option<u64> {
     rest.split_off(..8)?.try_into().ok().map(u64::from_le_bytes)
 }
 
@@ -159,32 +158,28 @@ fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
         op::METADATA => (0, 1, true),
         _ => return None,
     };
-    let mut rest = data;
-    let mut fits = || {
+    let fits = |mut rest: &[u8]| {
         rest.split_off(..skipped)?;
-        (0..count).try_for_each(|_| text(&mut rest))?;
-        if map {
-            let len = length(&mut rest)?;
-            let mut map = rest.split_off(..len)?;
-            // Keys and their values.
-            while !map.is_empty() {
-                text(&mut map).and_then(|()| text(&mut map))?;
-            }
+        (0..count).try_for_each(|_| text(&mut rest).map(drop))?;
+        // A map is as long as a text is, in bytes.
+        let mut map = if map { text(&mut rest)? } else { &[] };
+        while !map.is_empty() {
+            let _key = text(&mut map)?;
+            let _value = text(&mut map)?;
         }
         Some(())
     };
-    Some(fits().is_some())
+    Some(fits(data).is_some())
 }
 
-/// Passes over a text.
-fn text(rest: &mut &[u8]) -> Option<()> {
-    let len = length(rest)?;
-    rest.split_off(..len).map(drop)
+/// A text, after its length.
+fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let len = usize::try_from(u32_of(rest)?).ok()?;
+    rest.split_off(..len)
 }
 
-fn length(rest: &mut &[u8]) -> Option<usize> {
-    let len = rest.split_off(..4)?.try_into().ok()?;
-    usize::try_from(u32::from_le_bytes(len)).ok()
+fn u32_of(rest: &mut &[u8]) -> Option<u32> {
+    rest.split_off(..4)?.try_into().ok().map(u32::from_le_bytes)
 }
 
 fn damaged(error: McapError) -> Wrong {
@@ -210,14 +205,14 @@ impl Taker<'_> {
             let mut records = chunk(data)?;
             while !records.is_empty() {
                 let (opcode, data) = record(&mut records).ok_or_else(|| torn("a chunk"))?;
-                self.take_bytes_of_record(opcode, data)?;
+                self.take_record(opcode, data)?;
             }
             return Ok(());
         }
-        self.take_bytes_of_record(opcode, data)
+        self.take_record(opcode, data)
     }
 
-    fn take_bytes_of_record(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
+    fn take_record(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
         match has_its_texts(opcode, data) {
             None => Ok(()),
             Some(false) => Err(torn("a record")),

@@ -30,7 +30,7 @@ pub(super) struct Direction {
     to: usize,
     /// Envelopes on their way, and when each is there \[ns\].
     flight: RefCell<Vec<(Nanos, Envelope)>>,
-    past: RefCell<VecDeque<Message>>,
+    past: RefCell<VecDeque<Envelope>>,
 }
 
 impl Direction {
@@ -40,12 +40,11 @@ impl Direction {
         Direction { stage: Rc::clone(stage), channel, to, flight, past }
     }
 
-    /// Sends an envelope with this message in it.
-    fn send(&self, message: &Message, envelope: Envelope) {
+    fn send(&self, envelope: Envelope) {
         let now = self.stage.now.get();
         let fault = self.stage.fault_of(self.channel);
         let Some(fault) = fault.filter(|_| self.is_struck()) else {
-            self.remember(message);
+            self.remember(envelope);
             return self.put(now, envelope);
         };
         let (step, sequence) = (self.stage.step, envelope.sequence);
@@ -67,11 +66,11 @@ impl Direction {
                 self.put(now, envelope);
                 if let Some(old) = self.past.borrow_mut().pop_front() {
                     let (seal, back) = if random.below(2) == 0 { (SEAL, 1) } else { (EARLIER, 0) };
-                    self.put(now, Envelope::seal(&old, seal, sequence.saturating_sub(back)));
+                    self.put(now, Envelope::seal(&opened(&old), seal, sequence.saturating_sub(back)));
                 }
             }
             LinkFault::Forge => {
-                let mut forged = *message;
+                let mut forged = opened(&envelope);
                 forge(&mut forged, &mut random);
                 self.put(now, Envelope::seal(&forged, SEAL, sequence).in_attempt(envelope.attempt));
             }
@@ -110,15 +109,22 @@ impl Direction {
         struck
     }
 
-    fn remember(&self, message: &Message) {
+    fn remember(&self, envelope: Envelope) {
         if self.stage.remembers(self.channel) {
             let mut past = self.past.borrow_mut();
-            past.push_back(*message);
+            past.push_back(envelope);
             if past.len() > REMEMBERED {
                 past.pop_front();
             }
         }
     }
+}
+
+/// The message that was put into an envelope here.
+fn opened(envelope: &Envelope) -> Message {
+    let mut message = Message::empty();
+    envelope.open(&mut message).expect("whole");
+    message
 }
 
 /// Turns one to three bits round, of the head or of the words that count.
@@ -148,7 +154,6 @@ pub(super) struct FaultyClient {
     requests: Rc<Direction>,
     replies: Rc<Direction>,
     numbers: numbering::Asking,
-    last: RefCell<Message>,
 }
 
 /// The answering end of a port.
@@ -157,7 +162,6 @@ pub(super) struct FaultyServer {
     requests: Rc<Direction>,
     replies: Rc<Direction>,
     numbers: numbering::Answering,
-    last: RefCell<Message>,
 }
 
 /// Both ends of a port.
@@ -172,26 +176,22 @@ pub(super) fn faulty_port(
         requests: Rc::clone(&requests),
         replies: Rc::clone(&replies),
         numbers: numbering::Asking::new(SEAL),
-        last: RefCell::new(Message::empty()),
     };
-    let last = RefCell::new(Message::empty());
     let server =
-        FaultyServer { inner: answering, requests, replies, numbers: numbering::Answering::new(SEAL), last };
+        FaultyServer { inner: answering, requests, replies, numbers: numbering::Answering::new(SEAL) };
     (client, server)
 }
 
 impl FaultyClient {
     fn send_envelope(&self, envelope: Envelope) {
-        let last = self.last.borrow();
-        self.requests.send(&last, envelope);
-        self.inner.send(&last);
+        self.requests.send(envelope);
+        self.inner.send(&Message::empty());
     }
 }
 
 impl Client for FaultyClient {
     fn send(&self, request: &Message) {
         if self.requests.speaks() {
-            self.last.borrow_mut().copy_from(request);
             self.send_envelope(self.numbers.ask(request));
         }
     }
@@ -212,9 +212,8 @@ impl Client for FaultyClient {
 
 impl FaultyServer {
     fn send_envelope(&self, envelope: Envelope) {
-        let last = self.last.borrow();
-        self.replies.send(&last, envelope);
-        self.inner.reply(&last);
+        self.replies.send(envelope);
+        self.inner.reply(&Message::empty());
     }
 }
 
@@ -235,7 +234,6 @@ impl Server for FaultyServer {
 
     fn reply(&self, reply: &Message) {
         if self.replies.speaks() {
-            self.last.borrow_mut().copy_from(reply);
             self.send_envelope(self.numbers.answer(reply));
         }
     }
@@ -252,7 +250,7 @@ impl Board for FaultyBoard {
     fn write(&self, message: &Message) {
         if self.channel.speaks() {
             self.sent.set(self.sent.get() + 1);
-            self.channel.send(message, Envelope::seal(message, SEAL, self.sent.get()));
+            self.channel.send(Envelope::seal(message, SEAL, self.sent.get()));
         }
     }
 

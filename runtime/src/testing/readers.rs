@@ -3,6 +3,8 @@
 use crate::link::envelope::{Envelope, Seal};
 use crate::message::Message;
 
+pub use crate::link::envelope::ENVELOPE_WORDS;
+
 /// What an operator's console writes to a cell's desk, and what the desk writes to it.
 ///
 /// # Panics
