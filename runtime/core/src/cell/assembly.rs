@@ -1,0 +1,131 @@
+//! Puts the processes of a cell on a link: the same calls in the same order, whichever link it is.
+
+use std::rc::Rc;
+
+use super::robot::Place;
+use super::sensor::Requesters;
+use super::{Cell, CellError, Outcomes};
+use crate::control::ecp::Pace;
+use crate::model::fault::{ProcessId, Role};
+use crate::link::patience::Patience;
+use crate::link::{Link};
+use crate::model::time::Nanos;
+use crate::control::mp::{Mp, RobotPort};
+use crate::model::name::Name;
+use crate::control::overruns::Timed;
+use crate::control::plant::{Rests, Site};
+use crate::control::sensing::Sensing;
+use crate::observe::witness::{Tap, What};
+
+/// What the processes of a cell leave behind.
+pub(crate) struct Assembly {
+    /// How their programs ended.
+    pub outcomes: Outcomes,
+    /// Steps that the MP began.
+    pub steps: Rc<core::cell::Cell<u64>>,
+    /// How robots in the plant came to a standstill whose commands had stopped.
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "told to the launcher")
+    )]
+    pub rests: Rests,
+}
+
+impl Cell {
+    /// Puts every process of the cell on `link`.
+    ///
+    /// # Errors
+    /// [`CellError`]: what is wrong with the set-up.
+    pub(crate) fn put_on(mut self, link: &mut dyn Link) -> Result<Assembly, CellError> {
+        let names = self.check()?;
+        self.assemble(&names, link)
+    }
+
+    /// Puts every process of a cell, in which nothing is wrong, on `link`.
+    pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
+        let nudged = self.program.is_none();
+        let patience = Patience::of_step(self.step);
+        let outcomes = Outcomes::default();
+        let mp = link.place(ProcessId::MP);
+        let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
+
+        let anything = self.robots.iter().any(|robot| robot.is_simulated());
+        let mut plant = Site::new(link, self.step, anything, self.watched_in_plant);
+
+        let stop_steps = self.stop_steps();
+        let tap = Tap::to(self.witnesses);
+        let mut mp_sensing = Sensing { ports: Vec::new(), patience, tap: tap.of(ProcessId::MP) };
+        // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
+        let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
+        let of_ecp = |name: &Name| {
+            let tap = tap.of(ProcessId::new(Role::Ecp, *name));
+            Sensing { ports: Vec::new(), patience: shorter, tap }
+        };
+        let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
+        // EDPs tick first half a servo period after a step's beginning.
+        let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
+        let delay =
+            crate::control::interpolation::delay(self.step, self.robots.iter().map(|robot| robot.servo_period()));
+        let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
+        let mut requesters = Requesters {
+            tape: self.tape.clone(),
+            link,
+            plant: &mut plant,
+            step: self.step,
+            mp,
+            robots: names,
+            ecps: &ecps,
+            mp_sensing: &mut mp_sensing,
+            ecp_sensing: &mut ecp_sensing,
+        };
+        for sensor in self.sensors {
+            sensor.spawn(&mut requesters)?;
+        }
+        let mut ports = Vec::new();
+        for ((robot, name), (&ecp, sensing)) in
+            self.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing))
+        {
+            let (client, server) = link.port(mp, ecp);
+            ports.push(RobotPort::new(
+                *name,
+                (robot.kind(), robot.kind_name()),
+                client,
+                stop_steps,
+                robot.is_homed(),
+            ));
+            let period = self.step.as_nanos() as Nanos;
+            let pace = Pace { period, grace, stop_steps };
+            let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged, tap: tap.clone() };
+            robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
+        }
+        let rests = Rests::default();
+        plant.spawn(link, Rc::clone(&rests))?;
+
+        let close = link.closer();
+        let (operator, step, rate_change, mut program) =
+            (self.operator, self.step, self.rate_change, self.program);
+        let (hook, guard, after_fault) = (self.hook, self.guard, self.after_fault);
+        let script = self.tape.map(|tape| Rc::clone(&tape.script));
+        let steps = Rc::new(core::cell::Cell::new(0));
+        let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
+        link.body(
+            mp,
+            Box::new(move |host| {
+                let timed = Timed::new(host);
+                let mut mp = Mp::new(timed.host(), ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                mp.watch_by(guard);
+                mp.follow(script);
+                let outcome = mp.run_program(after_fault, |mp| match &mut program {
+                    Some(program) => program(mp),
+                    None => mp.nudge(),
+                });
+                counted.set(mp.step());
+                let end = What::End { step: mp.step() };
+                tap.show_fault(host.waiter.now(), &end, outcome.as_ref().err());
+                recorded.borrow_mut().push((ProcessId::MP, outcome));
+                close();
+            }),
+        )?;
+        Ok(Assembly { outcomes, steps, rests })
+    }
+}

@@ -1,0 +1,161 @@
+//! Why a cell did not run.
+
+use core::time::Duration;
+
+
+use crate::model::fault::Fault;
+use crate::link::memory::Stuck;
+use crate::model::name::{BadName, Name};
+use crate::observe::recording::NotRecorded;
+
+
+/// Why a cell did not run, or did not run to its end.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CellError {
+    /// A name that is none.
+    #[error(transparent)]
+    Name(#[from] BadName),
+    /// Two robots, or two sensors, of one name.
+    #[error("the cell has two of the name `{0}`: give each a name of its own")]
+    Twice(Name),
+    /// A sensor of a robot that the cell does not have.
+    #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
+    NoSuchRobot(Name, String),
+    /// A program for the ECP of a robot that the cell does not have.
+    #[error(
+        "a program is given to the ECP of robot `{0}`, which the cell does not have; it has: {1}\n help: write one of these in `.ecp(..)`, or a table [robots.{0}] in cell.toml"
+    )]
+    NoRobot(String, String),
+    /// A program for the ECP of a robot of another kind.
+    #[error(
+        "robot `{robot}` is of the kind {kind}, the program of its ECP is written for another kind, {written}\n help: write the program for it, `Ecp<..>` of its kind, or another `kind` in cell.toml"
+    )]
+    OtherKind {
+        /// The robot.
+        robot: String,
+        /// Its kind.
+        kind: &'static str,
+        /// The kind that the program is written for.
+        written: &'static str,
+    },
+    /// A sensor of the cell's file that no virtual sensor computes.
+    #[error(
+        "sensor `{0}` of the cell's file has no VSP: add `.sensor(file.sensor(\"{0}\", ..)?)` to the cell, with the virtual sensor that computes it, or take [sensors.{0}] out of the file"
+    )]
+    NoVsp(String),
+    /// It cannot run as processes of the operating system; nothing has moved.
+    #[error("{0}")]
+    Processes(String),
+    /// What is wrong with the cell's file.
+    #[error("{0}")]
+    File(String),
+    /// A second program for one ECP.
+    #[error("the ECP of robot `{0}` is given two programs: give it one")]
+    TwoPrograms(String),
+    /// More processes than the link runs.
+    #[error(
+        "the cell has {processes} processes, an MP, two for each robot and one for each sensor; the memory link runs at most \
+         {limit}: take robots or sensors out"
+    )]
+    TooMany {
+        /// How many it has.
+        processes: usize,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// A step that takes no time.
+    #[error("the step of the cell takes no time: give it 1 ms or more")]
+    Step,
+    /// Neither an MP program nor an ECP program.
+    #[error(
+        "the cell has no program: give one to the MP, `cell.program(coordinate)`, or to an ECP, `cell.ecp(\"arm\", arm)`"
+    )]
+    NoProgram,
+    /// A driver whose servo period takes no time.
+    #[error(
+        "robot `{0}`: its servo period is 0\n help: let `Driver::period` say how often the drives take a demand"
+    )]
+    NoServo(Name),
+    /// Interpolation in the task space of a robot whose joints a pose does not determine.
+    #[error(
+        "robot `{0}`: a pose does not determine its joints, so nothing can be interpolated in the task space\n help: leave `interpolation(InterpolationSpace::Task)` out"
+    )]
+    TaskSpace(Name),
+    /// A servo period that does not fit the step.
+    #[error(
+        "robot `{robot}`: the step, {step:?}, and its servo period, {servo:?}, must be multiples of one another\n help: write step_ms = {0}, or a multiple of it, in cell.toml",
+        servo.as_secs_f64() * 1e3
+    )]
+    Period {
+        /// The robot.
+        robot: Name,
+        /// Its servo period.
+        servo: Duration,
+        /// The cell's step.
+        step: Duration,
+    },
+    /// A value of a robot's set-up that no demand could be checked against.
+    #[error("robot `{robot}` joint {}: {what} {value} {unit} {rule}", joint + 1)]
+    Limit {
+        /// The robot.
+        robot: Name,
+        /// The joint, counted from 0.
+        joint: usize,
+        /// Which value.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// What must hold of it.
+        rule: &'static str,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A joint that could not stop in the time that the cell allows, [`Cell::stop_time`](crate::Cell::stop_time).
+    #[error(
+        "robot `{robot}` joint {}: a stop may take {time:.3} s, limit {limit:.3} s: lower its velocity limit or allow longer stops, stop_ms = {} in cell.toml",
+        joint + 1,
+        (time * 1e3).ceil()
+    )]
+    StopTime {
+        /// The robot.
+        robot: Name,
+        /// The joint, counted from 0.
+        joint: usize,
+        /// The longest time that a stop may take \[s\].
+        time: f64,
+        /// The time allowed \[s\].
+        limit: f64,
+    },
+    /// More than one thing is wrong with the set-up.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Several(Vec<CellError>),
+    /// A free-running sensor whose period takes no time.
+    #[error("sensor `{0}` runs freely with a period of no time: give it 1 ms or more")]
+    NoPeriod(Name),
+    /// A configuration or a reading that is too long for a message.
+    #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]
+    TooLong(Name),
+    /// The run cannot be recorded.
+    #[error(transparent)]
+    Recording(#[from] NotRecorded),
+    /// The processes wait for each other.
+    #[error(transparent)]
+    Stuck(#[from] Stuck),
+    /// The program ended with a fault: the first cause.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+}
+
+impl CellError {
+    /// All that is wrong with a set-up as one error.
+    pub(crate) fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
+        match errors.pop() {
+            None => Ok(()),
+            Some(only) if errors.is_empty() => Err(only),
+            Some(last) => {
+                errors.push(last);
+                Err(CellError::Several(errors))
+            }
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! What a cell is made of, in plain numbers: for its table, for a recording, for a dry run.
+//!
+//! In: set-ups. Out: names, kinds, periods, modes and limits, and how long each joint's stop takes.
+
+use core::time::Duration;
+
+use crate::model::joints::JointVector;
+use crate::model::robot::Robot;
+use crate::observe::layout::{JointLayout, Layout};
+use crate::safety::stopping::{braking_time, detection_time};
+
+use super::Cell;
+
+impl Cell {
+    /// What the cell is made of. Nothing need be right with it.
+    pub(crate) fn layout(&self) -> Layout {
+        Layout {
+            step: self.step,
+            stop_time: self.stop_time,
+            detection: detection_time(self.step),
+            mp_program: self.program.is_some(),
+            robots: self.robots.iter().map(|robot| robot.layout()).collect(),
+            sensors: self.sensors.iter().map(|sensor| sensor.layout()).collect(),
+        }
+    }
+}
+
+/// The joints of a robot.
+pub(super) fn joints<R: Robot>(robot: &R, following_error: &R::Joints) -> Vec<JointLayout> {
+    let limits = robot.limits();
+    let joint = |i: usize| JointLayout {
+        kind: robot.joint(i),
+        lower: limits.lower[i],
+        upper: limits.upper[i],
+        velocity: limits.velocity[i],
+        acceleration: limits.acceleration[i],
+        jerk: limits.jerk.map(|jerk| jerk[i]),
+        following_error: following_error[i],
+        braking: braking_time(limits, i),
+    };
+    (0..R::Joints::LEN).map(joint).collect()
+}

@@ -1,0 +1,218 @@
+//! How an EDP reaches its drives: real ones and, on the memory link, simulated ones are here; others are in the plant.
+//!
+//! In: the position for the end of a servo period. Out: what the encoders read, and which position that belongs to.
+
+use core::time::Duration;
+use std::rc::Rc;
+
+use crate::model::driver::{Driver, Measured, Regulators};
+use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::link::{Board, Client, Waiter};
+use crate::model::time::Nanos;
+use crate::link::message::{Kind, Message};
+use crate::control::command::{Command, Reading, RegulatorSets, Switch};
+use crate::model::pose::Pose;
+use crate::model::robot::Robot;
+
+/// The drives of a robot.
+pub(crate) enum Drive<R: Robot> {
+    /// In this process.
+    Here(Box<dyn Driver<R>>),
+    /// In the plant.
+    Plant(Box<PlantDrive<R>>),
+}
+
+/// What the encoders read, and the position that the drives had been told for that time.
+pub(super) struct Followed<J> {
+    pub measured: Measured<J>,
+    pub demanded: J,
+}
+
+impl<R: Robot> Drive<R> {
+    pub fn period(&self) -> Duration {
+        match self {
+            Drive::Here(driver) => driver.period(),
+            Drive::Plant(drive) => drive.period,
+        }
+    }
+
+    pub fn measured(&self) -> Measured<R::Joints> {
+        match self {
+            Drive::Here(driver) => driver.measured(),
+            Drive::Plant(drive) => drive.shown.measured,
+        }
+    }
+
+    pub fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        match self {
+            Drive::Here(driver) => driver.has_regulator(joint, set),
+            Drive::Plant(drive) => drive.sets.has(joint, set),
+        }
+    }
+
+    pub fn choose_regulators(&mut self, sets: &Regulators) {
+        match self {
+            Drive::Here(driver) => driver.choose_regulators(sets),
+            Drive::Plant(drive) => drive.chosen = (drive.chosen.0 + 1, *sets),
+        }
+    }
+
+    pub fn has_brakes(&self) -> bool {
+        match self {
+            Drive::Here(driver) => driver.has_brakes(),
+            Drive::Plant(drive) => drive.brakes,
+        }
+    }
+
+    /// Takes the power away.
+    pub fn switch_off(&mut self, waiter: &dyn Waiter) {
+        match self {
+            Drive::Here(driver) => driver.switch_off(),
+            // A plant that does not hear it takes the power away when no demands come.
+            Drive::Plant(drive) => drop(drive.switch(false, waiter)),
+        }
+    }
+
+    /// Gives power; where the plant runs in its own time, a drive that does not come on is a fault of the next tick.
+    ///
+    /// # Errors
+    /// A fault while a drive cannot come on.
+    pub fn switch_on(&mut self, waiter: &dyn Waiter) -> Result<(), Fault> {
+        match self {
+            Drive::Here(driver) => driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
+            Drive::Plant(drive) => drive.switch(true, waiter),
+        }
+    }
+
+    /// The servo period that begins at `now`, with this tool in force.
+    #[allow(non_snake_case)]
+    pub(super) fn tick(
+        &mut self,
+        now: Nanos,
+        demanded: &R::Joints,
+        X_FE: &Pose,
+        waiter: &dyn Waiter,
+    ) -> Result<Followed<R::Joints>, Fault> {
+        match self {
+            Drive::Here(driver) => {
+                let measured = driver.tick(demanded).map_err(|trip| Fault::of_drive(&trip))?;
+                Ok(Followed { measured, demanded: *demanded })
+            }
+            Drive::Plant(drive) => drive.tick(now, demanded, X_FE, waiter),
+        }
+    }
+}
+
+/// Simulated drives in the plant.
+pub(crate) struct PlantDrive<R: Robot> {
+    end: PlantEnd,
+    period: Duration,
+    sets: RegulatorSets,
+    brakes: bool,
+    /// The newest reading.
+    shown: Reading<R::Joints>,
+    /// Whether one has come, or been waited for.
+    began: bool,
+    /// How many choices of regulators there were, and the last one.
+    chosen: (u64, Regulators),
+    /// How often power was taken away or given.
+    switched: u64,
+    /// For how long no new reading may come \[ns\].
+    patience: Nanos,
+    message: Message,
+}
+
+/// The EDP's end of what it tells the plant.
+pub(crate) enum PlantEnd {
+    /// It asks the process at this place and has its answer before it goes on.
+    Asks(Box<dyn Client>, usize),
+    /// It shows its command and takes the latest reading.
+    Reads(Rc<dyn Board>, Rc<dyn Board>),
+}
+
+impl<R: Robot> PlantDrive<R> {
+    /// These drives, which are in the plant.
+    pub fn new(driver: &dyn Driver<R>, end: PlantEnd, patience: Nanos) -> Self {
+        let measured = driver.measured();
+        PlantDrive {
+            end,
+            period: driver.period(),
+            sets: RegulatorSets::of(driver),
+            brakes: driver.has_brakes(),
+            shown: Reading { period: 0, measured, demanded: measured.position },
+            began: false,
+            chosen: (0, Regulators::default()),
+            switched: 0,
+            patience,
+            message: Message::empty(),
+        }
+    }
+
+    #[allow(non_snake_case)]
+    fn tick(
+        &mut self,
+        now: Nanos,
+        demanded: &R::Joints,
+        X_FE: &Pose,
+        waiter: &dyn Waiter,
+    ) -> Result<Followed<R::Joints>, Fault> {
+        let servo = (self.period.as_nanos() as Nanos).max(1);
+        let (choice, regulators) = self.chosen;
+        let (period, switched) = (now / servo, self.switched);
+        let command = Command { period, switched, choice, regulators, demanded: *demanded, tool: *X_FE };
+        command.put(&mut self.message);
+        self.tell(waiter)?;
+        if !core::mem::replace(&mut self.began, true) {
+            self.shown.period = self.shown.period.max(command.period);
+        }
+        // In time, the reading is that of the period before.
+        if command.period.saturating_sub(self.shown.period + 1) * servo >= self.patience {
+            return Err(lost());
+        }
+        Ok(Followed { measured: self.shown.measured, demanded: self.shown.demanded })
+    }
+
+    /// Power for the drives, or none.
+    fn switch(&mut self, on: bool, waiter: &dyn Waiter) -> Result<(), Fault> {
+        self.switched += 1;
+        Switch { ordinal: self.switched, on }.put(&mut self.message);
+        // What is shown until the plant has acted is of before.
+        self.began = false;
+        match &self.end {
+            PlantEnd::Asks(..) => self.tell(waiter),
+            PlantEnd::Reads(commands, _) => {
+                commands.write(&self.message);
+                Ok(())
+            }
+        }
+    }
+
+    /// Tells the plant what is in the message, and takes its reading.
+    fn tell(&mut self, waiter: &dyn Waiter) -> Result<(), Fault> {
+        let message = &mut self.message;
+        let came = match &self.end {
+            PlantEnd::Asks(port, plant) => {
+                port.send(message);
+                waiter.call(*plant).is_ok() && port.receive(message)
+            }
+            PlantEnd::Reads(commands, readings) => {
+                commands.write(message);
+                readings.read(message) && message.header.instruction == self.switched as u32
+            }
+        };
+        if came {
+            if message.header.kind == Kind::Fault {
+                return Err(message.fault());
+            }
+            self.shown = Reading::get(message).map_err(|_| Fault::new(FaultKind::Message))?;
+        } else if matches!(self.end, PlantEnd::Asks(..)) {
+            return Err(lost());
+        }
+        Ok(())
+    }
+}
+
+/// The plant says nothing.
+fn lost() -> Fault {
+    Fault::new(FaultKind::PeerLost).in_process(ProcessId::PLANT)
+}

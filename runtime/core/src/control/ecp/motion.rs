@@ -1,0 +1,225 @@
+//! Move in an ECP, eq. 6: the demands of one robot, one per step, until its generator is done.
+//!
+//! In: orders (`c0`, path time `dt`), the robot's image (`e`), readings (`v`). Out: one demand per step to the EDP.
+//! Path time that does not pass holds the robot, whatever the generator returns; END makes a generator with a path
+//! of its own slow down on it.
+
+use crate::model::demand::Demand;
+use crate::model::fault::Fault;
+use crate::safety::rate::{DEFAULT_CHANGE, Feed};
+use crate::model::generator::Generator;
+use crate::model::image::{Reading, State};
+use crate::model::list::{Motion, SensorList, SensorsOf};
+use crate::link::message::{RequestKind, flag};
+use crate::model::robot::Robot;
+use crate::model::step::{Step, Tick};
+
+use super::orders::Duty;
+use super::{Ecp, Trouble};
+
+/// What becomes of a motion that ends while it moves.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Ending {
+    /// The braking tail is appended.
+    Standstill,
+    /// The next motion takes over in the very next step.
+    Blend,
+}
+
+impl<R: Robot> Ecp<'_, R> {
+    /// **Move**: generates the robot's next states, one per step, until the generator is done; returns it.
+    ///
+    /// A generator that ends while moving gets the braking tail: the Move returns at standstill.
+    ///
+    /// # Errors
+    /// The [`Fault`] that ended the motion, at standstill.
+    pub fn move_robot<G>(&mut self, sensors: impl SensorsOf<G::Sensors>, generator: G) -> Result<G, Fault>
+    where
+        G: Generator<Robots = R, Language = Motion>,
+    {
+        self.run(sensors, generator, Ending::Standstill)
+    }
+
+    /// **Move** that hands a moving robot over: the next Move starts in the very next step, from this one's
+    /// last demand and its velocity. Anything else than a Move brakes first.
+    ///
+    /// # Errors
+    /// The [`Fault`] that ended the motion, at standstill.
+    pub fn blend_robot<G>(&mut self, sensors: impl SensorsOf<G::Sensors>, generator: G) -> Result<G, Fault>
+    where
+        G: Generator<Robots = R, Language = Motion>,
+    {
+        self.run(sensors, generator, Ending::Blend)
+    }
+
+    fn run<G>(
+        &mut self,
+        mut sensors: impl SensorsOf<G::Sensors>,
+        mut generator: G,
+        ending: Ending,
+    ) -> Result<G, Fault>
+    where
+        G: Generator<Robots = R, Language = Motion>,
+    {
+        let mut v = Reading::new(sensors.images());
+        let end = self.generate(&sensors, &mut generator, &mut v, ending);
+        sensors.store(&v);
+        end.map(|()| generator)
+    }
+
+    fn generate<G>(
+        &mut self,
+        sensors: &impl SensorsOf<G::Sensors>,
+        generator: &mut G,
+        v: &mut Reading<G::Sensors>,
+        ending: Ending,
+    ) -> Result<(), Fault>
+    where
+        G: Generator<Robots = R, Language = Motion>,
+    {
+        let (first_uses, next_uses) = (const { G::CLASS.first_uses() }, const { G::CLASS.next_uses() });
+        self.check_ready()?;
+        self.check_payload::<G::Order>(first_uses.order || next_uses.order)?;
+        let mut e = State::<R>::new(self.driver.image);
+        let mut order = self.read_order::<G::Order>(false)?;
+        let mut step = 0;
+        let mut own = Feed::new(DEFAULT_CHANGE);
+        let mut flags = flag::FIRST;
+        let mut refreshed = false;
+        loop {
+            let ending_now = match self.next_duty()? {
+                Duty::Work => false,
+                // What transmits orders has none to transmit any more; what has no path of its own cannot
+                // slow down on it; what is handed over shall not.
+                Duty::End if next_uses.order || !next_uses.tick || step == 0 || self.orders.hands_over() => {
+                    break;
+                }
+                Duty::End => true,
+                Duty::Abort => {
+                    self.settle()?;
+                    if let Trouble::New(fault) | Trouble::Told(fault) = self.trouble.clone() {
+                        return Err(self.fail(fault));
+                    }
+                    return Err(self.instruction_over(true));
+                }
+                duty @ (Duty::Open
+                | Duty::Rest
+                | Duty::StayOut
+                | Duty::Report
+                | Duty::Stop
+                | Duty::Refuse
+                | Duty::Reset
+                | Duty::Foreign) => return Err(self.decline(duty)),
+            };
+            self.count_own_time(step)?;
+            let (mut dt, mut duration) = (self.orders.header().dt, self.orders.header().duration);
+            if step == 0 && !self.driver.moving && duration > 0.0 {
+                // No period of this motion can have been skipped.
+                let period = self.pace.period as f64 * 1e-9;
+                (dt, duration) = (dt / duration * period, period);
+            }
+            if ending_now {
+                // The MP may be slowing down as well: both bound the change of the one rate that counts.
+                own.limit(self.driver.reply().header.headroom);
+                let slower = own.clone().advance(0.0, duration);
+                if slower == 0.0 {
+                    break;
+                }
+                dt = dt.min(slower * duration);
+            }
+            own.follow(if duration > 0.0 { dt / duration } else { 0.0 }, duration);
+            let uses = if step == 0 { first_uses } else { next_uses };
+            if dt == 0.0 {
+                // Suspended: the robot holds whatever the generator says, which may only end.
+                if step == 0 || !next_uses.tick {
+                    self.execute(sensors, v, RequestKind::Brake, 0, uses.robots)?;
+                } else {
+                    self.driver.set_demand(&Demand::hold(), dt);
+                    self.execute(sensors, v, RequestKind::Demand, 0, uses.robots)?;
+                    *e = self.driver.image;
+                    let t = Tick { step, dt, duration };
+                    match generator
+                        .next_step(&order, &e, v, t)
+                        .map_err(|fault| self.fail(fault.thrown_by_program()))?
+                    {
+                        Step::Done => break,
+                        Step::Next(_) => {}
+                    }
+                }
+                self.reply_with_state();
+                continue;
+            }
+            if step == 0 && (first_uses.robots || first_uses.sensors) && !refreshed {
+                let began = self.host.waiter.now();
+                self.refresh(sensors, v, first_uses.robots)?;
+                refreshed = true;
+                if self.is_late_since(began) {
+                    self.reply_with_state();
+                    continue;
+                }
+            }
+            if uses.robots {
+                *e = self.driver.image;
+            }
+            if uses.order {
+                order = self.read_order(true)?;
+            }
+            let t = Tick { step, dt, duration };
+            let next = if step == 0 {
+                generator.first_step(&order, &e, v, t)
+            } else {
+                generator.next_step(&order, &e, v, t)
+            };
+            let demand = match next {
+                Ok(Step::Next(demand)) => demand,
+                Ok(Step::Done) => break,
+                Err(fault) => return Err(self.fail(fault.thrown_by_program())),
+            };
+            self.driver.set_demand(&demand, dt / duration * self.orders.header().duration);
+            self.driver.moving = true;
+            self.execute(sensors, v, RequestKind::Demand, flags, next_uses.robots)?;
+            (step, flags) = (step + 1, 0);
+            self.reply_with_state();
+        }
+        match ending {
+            Ending::Standstill => self.settle_unless_blending(),
+            Ending::Blend => Ok(()),
+        }
+    }
+
+    /// A step that took the ECP itself too long is one of those that may be too many; before the first one its program
+    /// had no step to be in time for.
+    fn count_own_time(&mut self, step: u64) -> Result<(), Fault> {
+        let missed = self.host.meter.own_time() / self.pace.period.max(1);
+        if step == 0 {
+            return Ok(());
+        }
+        self.overruns.note(missed).map_err(|fault| self.fail(fault))
+    }
+
+    /// One step of eq. 6: order the readings, send the demand, collect the reply and the readings.
+    fn execute<S: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<S>,
+        v: &mut Reading<S>,
+        kind: RequestKind,
+        flags: u32,
+        needs_state: bool,
+    ) -> Result<(), Fault> {
+        let wanted = if needs_state || S::LEN > 0 { flag::WANT_STATE } else { 0 };
+        self.order_readings(sensors);
+        self.ask(kind, flags | wanted)?;
+        let collected = self.sensing.collect(sensors, v, self.host.waiter, self.orders.header().step);
+        match collected {
+            // The demands are as sound as they were: the MP lets the robot stop on its path.
+            Err(fault) if fault.leaves_demands_sound() && self.driver.moving => {
+                if self.trouble == Trouble::None {
+                    self.trouble = Trouble::New(fault.at_step(self.orders.header().step));
+                }
+                Ok(())
+            }
+            Err(fault) => Err(self.fail(fault)),
+            Ok(()) => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Wait in an ECP, eq. 4: readings and the robot's state in every step, until the condition holds; `e` does not
+//! change.
+
+use crate::model::fault::{Fault, FaultKind};
+use crate::model::generator::Condition;
+use crate::model::image::{Reading, RobotImage, State};
+use crate::model::list::{AnyRobots, RobotList, SensorList, SensorsOf};
+use crate::link::message::{RequestKind, flag};
+use crate::model::robot::Robot;
+use crate::model::step::Tick;
+
+use super::Ecp;
+use super::orders::Duty;
+
+/// The images that a condition looks at in an ECP: its robot's or none.
+#[doc(hidden)]
+pub trait LooksAt<R: Robot>: RobotList {
+    fn look(image: &RobotImage<R>) -> Self::Images;
+}
+
+impl<R: Robot> LooksAt<R> for R {
+    fn look(image: &RobotImage<R>) -> RobotImage<R> {
+        *image
+    }
+}
+
+impl<R: Robot> LooksAt<R> for AnyRobots {
+    fn look(_: &RobotImage<R>) {}
+}
+
+impl<R: Robot> Ecp<'_, R> {
+    /// **Wait**: holds until the condition is met; returns it.
+    ///
+    /// # Errors
+    /// The [`Fault`] that ended it.
+    pub fn wait_until<C>(&mut self, sensors: impl SensorsOf<C::Sensors>, condition: C) -> Result<C, Fault>
+    where
+        C: Condition,
+        C::Robots: LooksAt<R>,
+    {
+        self.wait_until_or(sensors, condition, None)
+    }
+
+    /// **Wait** with a time-out of `steps` steps.
+    ///
+    /// # Errors
+    /// `TimedOut` when the condition was not met in that time; the [`Fault`] that ended it otherwise.
+    pub fn wait_at_most<C>(
+        &mut self,
+        sensors: impl SensorsOf<C::Sensors>,
+        condition: C,
+        steps: u64,
+    ) -> Result<C, Fault>
+    where
+        C: Condition,
+        C::Robots: LooksAt<R>,
+    {
+        self.wait_until_or(sensors, condition, Some(steps))
+    }
+
+    fn wait_until_or<C>(
+        &mut self,
+        mut sensors: impl SensorsOf<C::Sensors>,
+        mut condition: C,
+        limit: Option<u64>,
+    ) -> Result<C, Fault>
+    where
+        C: Condition,
+        C::Robots: LooksAt<R>,
+    {
+        let uses = const { C::CLASS.next };
+        self.check_ready()?;
+        self.check_payload::<C::Order>(uses.order)?;
+        self.settle()?;
+        let mut v = Reading::new(sensors.images());
+        let mut step = 0;
+        let end = loop {
+            match self.next_duty()? {
+                Duty::Work => {}
+                Duty::End => break Err(self.instruction_over(false)),
+                Duty::Abort => break Err(self.instruction_over(true)),
+                duty @ (Duty::Open
+                | Duty::Rest
+                | Duty::StayOut
+                | Duty::Report
+                | Duty::Stop
+                | Duty::Refuse
+                | Duty::Reset
+                | Duty::Foreign) => return Err(self.decline(duty)),
+            }
+            self.refresh(&sensors, &mut v, uses.robots)?;
+            let header = *self.orders.header();
+            // Suspended, a Wait waits on.
+            if !self.orders.is(flag::SUSPENDED) {
+                let order = self.read_order(uses.order)?;
+                let e = State::new(C::Robots::look(&self.driver.image));
+                let t = Tick { step, dt: header.dt, duration: header.duration };
+                match condition.is_met(&order, &e, &v, t) {
+                    Ok(true) => break Ok(condition),
+                    Ok(false) => {}
+                    Err(fault) => return Err(self.fail(fault.thrown_by_program())),
+                }
+                step += 1;
+                if limit.is_some_and(|limit| step > limit) {
+                    let fault =
+                        Fault::orderly(FaultKind::TimedOut).in_process(self.process).at_step(header.step);
+                    break Err(fault.exceeds(step as f64, limit.unwrap_or(0) as f64, "step"));
+                }
+            }
+            self.reply_with_state();
+        };
+        sensors.store(&v);
+        end
+    }
+
+    /// A Wait-style exchange: readings and the robot's state, while the demand does not change.
+    pub(super) fn refresh<S: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<S>,
+        v: &mut Reading<S>,
+        needs_state: bool,
+    ) -> Result<(), Fault> {
+        if needs_state || S::LEN > 0 || self.orders.is(flag::WANT_STATE) {
+            self.ask(RequestKind::Query, flag::WANT_STATE)?;
+        }
+        self.order_readings(sensors);
+        self.collect_readings(sensors, v)
+    }
+
+    /// Orders the readings of a step, with the state that the robot had last.
+    pub(super) fn order_readings<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) {
+        let robot = self.driver.effector_state();
+        self.sensing.order(sensors, self.orders.header().step, |_| robot);
+    }
+
+    /// Collects them.
+    pub(super) fn collect_readings<S: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<S>,
+        v: &mut Reading<S>,
+    ) -> Result<(), Fault> {
+        let collected = self.sensing.collect(sensors, v, self.host.waiter, self.orders.header().step);
+        collected.map_err(|fault| self.fail(fault))
+    }
+}

@@ -1,0 +1,172 @@
+//! Opening, ending and stopping instructions: START, END, Abort, Brake and Stop of the MP.
+//!
+//! Each is an exchange that is repeated, step by step, until every robot is where it should be.
+
+use crate::model::fault::{Fault, FaultKind};
+use crate::safety::latch::Event;
+use crate::model::list::PayloadType;
+use crate::link::message::{OrderKind, flag};
+
+use super::Mp;
+use super::exchange::RobotPort;
+
+impl Mp<'_> {
+    /// Opens an instruction: every robot acknowledges the type of its orders and reports a fresh state, or
+    /// none moves.
+    pub(super) fn start(
+        &mut self,
+        indices: &[usize],
+        payload: impl Fn(usize) -> PayloadType,
+    ) -> Result<(), Fault> {
+        self.ordinal += 1;
+        let left_out = |(index, robot): &(usize, &RobotPort)| robot.handed_over && !indices.contains(index);
+        if let Some((_, robot)) = self.robots.iter().enumerate().find(left_out) {
+            let text =
+                format!("`{}` was handed over moving: the Move after a blend must name it", robot.name);
+            return Err(Fault::thrown(&text));
+        }
+        let goes_on = self.take_handed_over();
+        if !goes_on {
+            self.clock.start(self.wanted_rate());
+        }
+        for (i, &index) in indices.iter().enumerate() {
+            let robot = &mut self.robots[index];
+            robot.payload = payload(i);
+            robot.order.header.payload = robot.payload.id;
+            robot.order.header.len = 0;
+        }
+        let started = self.exchange(indices, OrderKind::Start, flag::WANT_STATE).map_err(|fault| {
+            let ordered = indices
+                .iter()
+                .enumerate()
+                .find(|(_, index)| fault.robot() == Some(self.robots[**index].name));
+            if let Some((i, _)) = ordered.filter(|_| fault.kind() == FaultKind::PayloadMismatch) {
+                let text = format!("{}, the MP orders `{}`", fault.message(), payload(i).name);
+                return fault.text(&text);
+            }
+            fault
+        });
+        // The first orders go out in the same step, unless robots that stand could not be on their way in it.
+        if goes_on {
+            self.clock.keep();
+        } else {
+            self.keep_unless_late();
+        }
+        started
+    }
+
+    /// Ends an instruction: repeated until every ECP has left it, at standstill.
+    pub(super) fn end(&mut self, indices: &[usize], kind: OrderKind, ending: u32) -> Result<(), Fault> {
+        if ending == flag::BLEND {
+            // One END in the step that the next motion starts in; its START comes in the same step.
+            self.begin_step()?;
+            self.exchange(indices, kind, flag::WANT_STATE | flag::BLEND)?;
+            self.clock.keep();
+            if self.have_ended(indices) {
+                for &index in indices {
+                    self.robots[index].handed_over = true;
+                }
+                return Ok(());
+            }
+            // One of them is in its braking tail: then all brake, from this step on.
+        }
+        loop {
+            self.begin_step()?;
+            self.exchange(indices, kind, flag::WANT_STATE)?;
+            if self.have_ended(indices) {
+                // Nothing moved in this step: the next instruction may begin in it.
+                self.clock.keep();
+                return Ok(());
+            }
+        }
+    }
+
+    fn have_ended(&self, indices: &[usize]) -> bool {
+        indices.iter().all(|&index| self.robots[index].reply.is(flag::ENDED))
+    }
+
+    /// Whether robots have been handed over moving; from now on they are in somebody's hands.
+    fn take_handed_over(&mut self) -> bool {
+        let taken = |any, robot: &mut RobotPort| core::mem::take(&mut robot.handed_over) | any;
+        self.robots.iter_mut().fold(false, taken)
+    }
+
+    /// The end that the operator or a guard wants, at standstill on the path.
+    pub(super) fn abort(&mut self, indices: &[usize]) -> Result<(), Fault> {
+        let fault = self.ending();
+        self.end(indices, OrderKind::Abort, 0)?;
+        Err(fault)
+    }
+
+    /// Robots that a blend left moving come to a standstill.
+    pub(super) fn settle(&mut self) -> Result<(), Fault> {
+        if self.take_handed_over() {
+            let indices: Vec<_> = (0..self.robots.len()).collect();
+            loop {
+                self.begin_step()?;
+                self.exchange(&indices, OrderKind::Brake, flag::WANT_STATE)?;
+                if indices.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL)) {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Holds until the drives of every robot know where it is.
+    pub(super) fn home(&mut self) -> Result<(), Fault> {
+        // There is nothing to look at before.
+        let guard = self.guard.take();
+        let outcome = self.home_all();
+        self.guard = guard;
+        outcome
+    }
+
+    fn home_all(&mut self) -> Result<(), Fault> {
+        let mut unhomed: Vec<_> = (0..self.robots.len()).filter(|&index| !self.robots[index].homed).collect();
+        while !unhomed.is_empty() {
+            self.begin_step()?;
+            if self.is_ending() {
+                return Err(self.ending());
+            }
+            self.exchange(&unhomed, OrderKind::Query, flag::WANT_STATE)?;
+            unhomed.retain(|&index| self.robots[index].reply.is(flag::HOMING));
+        }
+        Ok(())
+    }
+
+    /// Stops every robot of the cell and latches the first cause.
+    pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
+        self.tell_stop(&fault);
+        let fault = self.latched.get_or_insert(fault).clone();
+        let _ = self.operator.meet(Event::Fault);
+        self.take_handed_over();
+        self.bring_to_rest();
+        self.operator.show_cause(&fault);
+        let _ = self.operator.meet(Event::Standstill);
+        fault
+    }
+
+    /// Tells all robots to stop until they stand, or until they should.
+    fn bring_to_rest(&mut self) {
+        let all: Vec<_> = (0..self.robots.len()).collect();
+        // One step for the order to arrive, one for the answer.
+        let limit = self.robots.iter().map(|robot| robot.stop_steps).max().unwrap_or(0) + 2;
+        let began = self.clock.step();
+        loop {
+            if self.begin_step().is_err() {
+                return;
+            }
+            // Every reply is a fault now; what counts is that the robots stand.
+            let answered = self.exchange(&all, OrderKind::Stop, 0);
+            if answered.is_err_and(|error| error.is_orderly()) {
+                return;
+            }
+            let standing = all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL));
+            // A robot that does not stand when it must is left to its EDP: nobody waits for it for ever.
+            if standing || self.clock.step() > began + limit {
+                return;
+            }
+        }
+    }
+}

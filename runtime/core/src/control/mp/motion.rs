@@ -1,0 +1,218 @@
+//! Move in the MP, eq. 6: the next states of all robots of a motion, step by step, until its generator is done.
+//!
+//! In: the robots' images (`e`), the MP's readings (`v`), the step's path time. Out: one demand or order per robot.
+
+use crate::model::fault::{Fault, FaultKind};
+use crate::model::generator::Generator;
+use crate::model::image::{Reading, State};
+use crate::model::list::{PayloadType, Robots, RobotsOf, SensorList, SensorsOf};
+use crate::link::message::{OrderKind, flag};
+use crate::model::payload::{Nudge, Order};
+use crate::model::step::Step;
+
+use crate::operator::state::Doing;
+
+use super::Mp;
+
+impl Mp<'_> {
+    /// **Move**: generates the next states of the robots, step by step, until the generator is done (a motion
+    /// without an end of its own: until every ECP has finished); returns the generator.
+    ///
+    /// Robots that still move then brake: the Move returns at standstill.
+    ///
+    /// # Errors
+    /// The [`Fault`] that ended the motion, at standstill.
+    pub fn move_robots<G: Generator>(
+        &mut self,
+        robots: impl RobotsOf<G::Robots>,
+        sensors: impl SensorsOf<G::Sensors>,
+        generator: G,
+    ) -> Result<G, Fault> {
+        self.run(robots, sensors, generator, 0)
+    }
+
+    /// **Move** that hands moving robots over: the next Move, which must name them, starts in the very next
+    /// step. Anything else than a Move brakes first.
+    ///
+    /// # Errors
+    /// The [`Fault`] that ended the motion, at standstill.
+    pub fn blend_robots<G: Generator>(
+        &mut self,
+        robots: impl RobotsOf<G::Robots>,
+        sensors: impl SensorsOf<G::Sensors>,
+        generator: G,
+    ) -> Result<G, Fault> {
+        self.run(robots, sensors, generator, flag::BLEND)
+    }
+
+    fn run<G: Generator>(
+        &mut self,
+        mut robots: impl RobotsOf<G::Robots>,
+        mut sensors: impl SensorsOf<G::Sensors>,
+        mut generator: G,
+        ending: u32,
+    ) -> Result<G, Fault> {
+        let indices = robots.indices();
+        let indices = indices.as_ref();
+        let mut e = State::new(robots.images());
+        let mut v = Reading::new(sensors.images());
+        self.show_instruction(Doing::Move, core::any::type_name::<G>());
+        let outcome = self.instruction(|mp| {
+            mp.generate(indices, &sensors, &mut generator, &mut e, &mut v)?;
+            mp.end(indices, OrderKind::End, ending)
+        });
+        self.each_image(indices, |i, words| robots.refresh(i, words))?;
+        sensors.store(&v);
+        outcome.map(|()| generator)
+    }
+
+    /// Eq. 6: START, the first step, then a step of the generator and an exchange, until it is done.
+    fn generate<G: Generator>(
+        &mut self,
+        indices: &[usize],
+        sensors: &impl SensorsOf<G::Sensors>,
+        generator: &mut G,
+        e: &mut State<G::Robots>,
+        v: &mut Reading<G::Sensors>,
+    ) -> Result<(), Fault> {
+        let (first_uses, next_uses) = (const { G::CLASS.first_uses() }, const { G::CLASS.next_uses() });
+        let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
+        let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
+        let payload = <G::Robots as Robots<G::Language>>::payload;
+        let together = indices.len() > 1 && (0..indices.len()).all(|i| payload(i).tight);
+        let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
+        let flags = state_flag | if together { flag::TOGETHER } else { 0 };
+        self.begin_step()?;
+        let handed_over = self.robots.iter().any(|robot| robot.handed_over);
+        self.start(indices, payload)?;
+        if self.learn_states(sensors)? {
+            // Nothing moved: a motion that was handed over must not lose a step by it.
+            self.keep_unless_late();
+        }
+        if first_uses.sensors {
+            self.order_readings(sensors);
+            self.sensing.collect(sensors, v, self.host.waiter, self.clock.step())?;
+            self.keep_unless_late();
+        }
+        let mut step = 0;
+        loop {
+            self.begin_step()?;
+            if step == 0 && !handed_over {
+                self.clock.count_from_here();
+            }
+            if self.is_ending() && self.clock.is_standing() {
+                return self.abort(indices);
+            }
+            let t = self.clock.tick(step);
+            let suspended = self.clock.is_standing();
+            let uses = if step == 0 { first_uses } else { next_uses };
+            if uses.robots {
+                self.read_images::<G::Robots>(indices, e)?;
+            }
+            let next = if suspended && (step == 0 || !next_uses.tick) {
+                None
+            } else if step == 0 {
+                Some(generator.first_step(&order, e, v, t).map_err(Fault::thrown_by_program)?)
+            } else {
+                Some(generator.next_step(&order, e, v, t).map_err(Fault::thrown_by_program)?)
+            };
+            let demands = match next {
+                // An abort that the motion's own end forestalled is an abort: the program must not go on.
+                Some(Step::Done) if self.is_ending() => return self.abort(indices),
+                Some(Step::Done) => return Ok(()),
+                Some(Step::Next(demands)) => {
+                    // Suspended, nothing moves whatever a generator returns, but orders say what they say.
+                    step += u64::from(!suspended);
+                    Some(demands)
+                }
+                None => None,
+            };
+            if let Some(demands) = &demands {
+                for (i, &index) in indices.iter().enumerate() {
+                    <G::Robots as Robots<G::Language>>::write(demands, i, &mut self.robots[index].order.body);
+                    self.robots[index].order.header.len = crate::model::wire::WORDS as u32;
+                }
+            }
+            if demands.is_none() && step == 0 {
+                // Suspended before the first step: there is no order to give yet.
+                self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
+                if first_uses.sensors {
+                    self.order_readings(sensors);
+                    self.sensing.collect(sensors, v, self.host.waiter, self.clock.step())?;
+                }
+                continue;
+            }
+            self.order_readings(sensors);
+            self.exchange(indices, OrderKind::Step, flags)?;
+            self.collect_on_path(sensors, v)?;
+            if self.finished(indices, const { G::ENDS }, payload)? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Collects the readings of a step. Where a sensor gives none, the demands are as sound as they were: robots stop on their
+    /// paths.
+    fn collect_on_path<S: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<S>,
+        v: &mut Reading<S>,
+    ) -> Result<(), Fault> {
+        match self.sensing.collect(sensors, v, self.host.waiter, self.clock.step()) {
+            Err(fault) if fault.leaves_demands_sound() => {
+                self.protect(fault);
+                Ok(())
+            }
+            collected => collected,
+        }
+    }
+
+    /// Whether every ECP has finished; in a motion with an end of its own or with tight orders none may first.
+    fn finished(
+        &mut self,
+        indices: &[usize],
+        ends: bool,
+        payload: impl Fn(usize) -> PayloadType,
+    ) -> Result<bool, Fault> {
+        let all = indices.iter().all(|&index| self.robots[index].reply.is(flag::FINISHED));
+        if all && !ends {
+            return if self.is_ending() { self.abort(indices).map(|()| true) } else { Ok(true) };
+        }
+        for (i, &index) in indices.iter().enumerate() {
+            if self.robots[index].reply.is(flag::FINISHED) && payload(i).tight {
+                let fault = Fault::new(FaultKind::FinishedEarly).in_process(self.robots[index].process());
+                return Err(fault.at_step(self.clock.step()));
+            }
+        }
+        Ok(false)
+    }
+
+    /// The nudging MP: one instruction of a constant order to all robots, until every ECP has finished.
+    pub(crate) fn nudge(&mut self) -> Result<(), Fault> {
+        let indices: Vec<_> = (0..self.robots.len()).collect();
+        self.show_instruction(Doing::Move, "nudge");
+        self.instruction(|mp| {
+            mp.nudge_all(&indices)?;
+            mp.end(&indices, OrderKind::End, 0)
+        })
+    }
+
+    fn nudge_all(&mut self, indices: &[usize]) -> Result<(), Fault> {
+        let payload = PayloadType::of::<Nudge>();
+        self.begin_step()?;
+        self.start(indices, |_| payload)?;
+        loop {
+            self.begin_step()?;
+            if self.is_ending() && self.clock.is_standing() {
+                return self.abort(indices);
+            }
+            for &index in indices {
+                self.robots[index].order.header.len = 0;
+            }
+            self.exchange(indices, OrderKind::Step, 0)?;
+            if self.finished(indices, false, |_| payload)? {
+                return Ok(());
+            }
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The program of an MP from its first line to its end, and again after a fault.
+//!
+//! In: the program, what the cell is to do after a fault, the operator. Out: how the program ended. While the cell is
+//! latched the MP asks every robot in every step whether it stands; a reset makes all of them ready, in a new epoch, and
+//! then waits until their drives have held for some steps.
+
+use crate::safety::latch::AfterFault;
+use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::safety::latch::{Event, Latch};
+use crate::link::message::{Message, OrderKind, flag};
+
+use super::exchange::SILENT;
+use crate::operator::state::Doing;
+
+use super::Mp;
+
+/// Steps for which drives hold after a reset before a program starts: one that cannot says so.
+const TRIAL: u64 = 5;
+
+/// What a latched cell is told to do.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Restart,
+    End,
+}
+
+impl Mp<'_> {
+    /// Runs the coordinating program, again after every reset.
+    pub(crate) fn run_program(
+        &mut self,
+        after_fault: AfterFault,
+        mut program: impl FnMut(&mut Self) -> Result<(), Fault>,
+    ) -> Result<(), Fault> {
+        loop {
+            let outcome = self.run_once(&mut program);
+            match outcome {
+                Err(fault)
+                    if after_fault == AfterFault::AwaitReset && fault.kind() != FaultKind::CellClosed =>
+                {
+                    // A program that ended with a fault of its own is latched as one that was stopped for it.
+                    let cause = self.latched.clone().unwrap_or_else(|| self.stop(fault));
+                    if self.await_reset(&cause) == Verdict::End {
+                        return Err(cause);
+                    }
+                }
+                Ok(()) | Err(_) => return outcome,
+            }
+        }
+    }
+
+    /// Runs it once. A panic in it stops the robots as any fault does.
+    fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
+        let run = std::panic::AssertUnwindSafe(|| {
+            self.show_instruction(Doing::Homing, "");
+            self.instruction(Self::home)?;
+            program(self)
+        });
+        let outcome = match std::panic::catch_unwind(run) {
+            Ok(outcome) => {
+                let settled = self.settle().map_err(|fault| self.stop(fault));
+                // A program that swallows a latched fault does not undo it.
+                let latched = self.latched.clone().map_or(Ok(()), Err);
+                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
+            }
+            Err(panic) => {
+                let fault =
+                    crate::model::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.clock.step());
+                Err(self.stop(fault))
+            }
+        };
+        self.operator.end();
+        outcome
+    }
+
+    /// Holds a latched cell until its operator resets it, or gives it up, or there is no way back.
+    fn await_reset(&mut self, cause: &Fault) -> Verdict {
+        loop {
+            if self.begin_step().is_err() || self.operator.has_given_up() || self.gone.is_some() {
+                return Verdict::End;
+            }
+            if self.operator.latch() == Latch::Resetting {
+                match self.reset() {
+                    Ok(()) => return Verdict::Restart,
+                    Err(fault) => {
+                        // The first cause is kept.
+                        self.latched = Some(cause.clone());
+                        self.stop(fault.clone());
+                        self.operator.show_persisting(Some(fault));
+                    }
+                }
+            }
+            // It is stopped already. One that comes with the reset ends that.
+            self.operator.take_protective_stop();
+            match self.what_persists() {
+                Ok(persisting) => self.show_persisting(persisting),
+                Err(_) => return Verdict::End,
+            }
+        }
+    }
+
+    /// Tells the operator what forbids a reset; what made the last one fail stays told until something else does.
+    fn show_persisting(&self, persisting: Option<Fault>) {
+        let _ = self.operator.meet(Event::Cause { persists: persisting.is_some() });
+        if persisting.is_some() {
+            self.operator.show_persisting(persisting);
+        }
+    }
+
+    /// What forbids a reset: a robot that moves or does not answer, a guard that does not look any more.
+    ///
+    /// # Errors
+    /// The cell closes.
+    fn what_persists(&mut self) -> Result<Option<Fault>, Fault> {
+        let all: Vec<_> = (0..self.robots.len()).collect();
+        // Every reply is a fault; what counts is that the robots stand.
+        let answered = self.exchange(&all, OrderKind::Stop, 0);
+        if let Err(closed) = answered
+            && closed.is_orderly()
+        {
+            return Err(closed);
+        }
+        for robot in &self.robots {
+            let lost = |text| Some(Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(text));
+            if robot.is_silent {
+                return Ok(lost(SILENT));
+            }
+            if !robot.reply.is(flag::STANDSTILL) {
+                return Ok(lost("the robot does not come to a standstill"));
+            }
+        }
+        let asleep = self.guard.as_ref().is_some_and(|guard| !guard.is_awake());
+        Ok(asleep.then(|| {
+            let fault = Fault::new(FaultKind::GeneratorPanicked).in_process(ProcessId::MP);
+            fault.text("the guard panicked and does not look any more: start the cell again")
+        }))
+    }
+
+    /// Makes every robot ready for a restart, in a new epoch; nothing moves.
+    ///
+    /// # Errors
+    /// What is still wrong.
+    fn reset(&mut self) -> Result<(), Fault> {
+        self.epoch += 1;
+        (self.latched, self.protective, self.refusals) = (None, None, 0);
+        self.overruns.forget();
+        if let Some(guard) = &mut self.guard {
+            guard.forget();
+        }
+        if self.operator.take_protective_stop() {
+            return Err(Fault::of_operator());
+        }
+        let all: Vec<_> = (0..self.robots.len()).collect();
+        self.exchange(&all, OrderKind::Reset, 0)?;
+        for _ in 0..TRIAL {
+            self.begin_step()?;
+            self.exchange(&all, OrderKind::Query, 0)?;
+            if let Some(fault) = self.protective.take() {
+                // A guard's, or the operator's: a stop has priority over a start.
+                return Err(fault);
+            }
+        }
+        self.forget();
+        Ok(())
+    }
+
+    /// Programs find what they found when the cell began.
+    fn forget(&mut self) {
+        for robot in &mut self.robots {
+            (robot.taken, robot.handed_over, robot.reply) = (false, false, Message::empty());
+        }
+        self.sensing.release();
+        let _ = self.operator.meet(Event::Restart);
+        self.operator.forget();
+    }
+}

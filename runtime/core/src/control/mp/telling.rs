@@ -1,0 +1,86 @@
+//! What the MP tells those who watch, and what a replay tells the MP.
+//!
+//! In: a step that begins, an operator who aborts, a fault; in a replay the recorded steps. Out: the same to witnesses; in a
+//! replay the steps and the operator's wishes of the recording.
+
+use std::rc::Rc;
+
+use crate::model::fault::{Fault, FaultKind};
+use crate::safety::latch::Latch;
+use crate::control::replay::Script;
+use crate::observe::witness::What;
+
+use super::Mp;
+
+impl Mp<'_> {
+    /// Begins the steps of a recording, and no others, and lets the operator want what he wanted then.
+    pub(crate) fn follow(&mut self, script: Option<Rc<Script>>) {
+        self.script = script;
+    }
+
+    /// The step that begins next is the recording's.
+    pub(super) fn keep_to_script(&mut self) {
+        if let Some(script) = &self.script {
+            self.clock.not_before(script.after(self.clock.step()));
+        }
+    }
+
+    /// The operator wants what he wanted in this step of the recording.
+    pub(super) fn follow_script(&self) {
+        if let Some(script) = &self.script {
+            script.begin(self.clock.step(), &self.operator);
+        }
+    }
+
+    /// Tells of the step that has begun. The cell is closing when who watches has seen enough.
+    pub(super) fn tell_step(&mut self) -> Result<(), Fault> {
+        let step = self.clock.step();
+        self.aborts = self.operator.is_aborting();
+        let stopping = core::mem::take(&mut self.stopping);
+        if !self.tap.is_watched() {
+            return Ok(());
+        }
+        if self.tap.is_over(step) {
+            self.refuse();
+            return Err(Fault::orderly(FaultKind::CellClosed));
+        }
+        let (speed, suspended) = (self.operator.speed(), self.clock.is_suspended());
+        let (dt, duration) = (self.clock.dt(), self.clock.duration());
+        let (aborting, resetting) = (self.aborts, self.operator.latch() == Latch::Resetting);
+        let what = What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting };
+        self.tap.show(self.host.waiter.now(), &what, &[]);
+        Ok(())
+    }
+
+    /// Tells of an operator who has aborted since the step began.
+    pub(super) fn tell_abort(&mut self) {
+        let step = self.clock.step();
+        if let Some(script) = &self.script {
+            script.go_on(step, &self.operator);
+        }
+        if !self.aborts && self.operator.is_aborting() {
+            self.aborts = true;
+            self.tap.show(self.host.waiter.now(), &What::Abort { step }, &[]);
+        }
+    }
+
+    /// What took place in this step moved nothing: what comes next may take place in it, unless it is too late for that.
+    pub(super) fn keep_unless_late(&mut self) {
+        self.clock.keep_unless_late(self.host.waiter);
+        let step = self.clock.step();
+        if self.script.as_ref().is_some_and(|script| script.was_late(step)) {
+            self.clock.spend();
+        }
+        if self.clock.is_spent() {
+            self.tap.show(self.host.waiter.now(), &What::Late { step }, &[]);
+        }
+    }
+
+    /// Tells of the fault that the cell stops for.
+    pub(super) fn tell_stop(&self, fault: &Fault) {
+        if self.latched.is_none() {
+            let step = self.clock.step();
+            self.tap.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
+        }
+    }
+}

@@ -1,0 +1,290 @@
+//! The drives of one robot in the plant: every servo period happens once, whether its command has come or not.
+//!
+//! ```text
+//! command of this period    its position
+//! a newer one               a share of the way to it: simulated time was late, and makes up for it
+//! an older one              on by the way of the period before, as drives bridge what is missing
+//! too old                   no power, brakes applied, for good
+//! ```
+//!
+//! The EDP's period `p` begins at `(p + 1/2)` periods; here it happens with its command, or at `p + 1` periods.
+
+use std::rc::Rc;
+
+use crate::control::command::{Command, Reading, Switch};
+use super::{Part, Rest, stands};
+use crate::model::driver::{Driver, Measured};
+use crate::observe::servo::{Observer, ServoRecord};
+use crate::control::guarded::guarded;
+use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::joints::JointVector;
+use crate::link::{Board, Server};
+use crate::model::time::Nanos;
+use crate::link::message::Message;
+use crate::model::robot::Robot;
+
+/// Where commands come from and readings go to.
+pub(super) enum Commands {
+    /// Each command is answered.
+    Asked(Box<dyn Server>),
+    /// The newest command, and the latest reading.
+    Free(Rc<dyn Board>, Rc<dyn Board>),
+}
+
+/// The drives.
+pub(super) struct Drives<R: Robot> {
+    edp: ProcessId,
+    driver: Box<dyn Driver<R>>,
+    commands: Commands,
+    servo: Nanos,
+    step: Nanos,
+    /// For how long commands may stay away \[ns\].
+    patience: Nanos,
+    /// The newest command; `None`: the robot stands where it was switched on, powered.
+    newest: Option<Command<R::Joints>>,
+    /// The period that happens next.
+    next: u64,
+    /// The position of the period before, and its way.
+    at: R::Joints,
+    way: R::Joints,
+    choice: u64,
+    /// How often their power was switched.
+    switched: u64,
+    measured: Measured<R::Joints>,
+    /// Who looks at each period, while the cell's time passes.
+    observers: Vec<Observer<R>>,
+    /// Why they have no power.
+    off: Option<Off>,
+    message: Message,
+}
+
+/// Drives without power.
+struct Off {
+    fault: Fault,
+    /// Periods since the newest command, and since the brakes were applied until the robot stood.
+    silent: u64,
+    braking: u64,
+}
+
+impl<R: Robot> Drives<R> {
+    pub fn new(
+        edp: ProcessId,
+        driver: Box<dyn Driver<R>>,
+        commands: Commands,
+        (step, patience): (Nanos, Nanos),
+        observers: Vec<Observer<R>>,
+    ) -> Self {
+        let (measured, servo) = (driver.measured(), driver.period().as_nanos() as Nanos);
+        Drives {
+            edp,
+            driver,
+            commands,
+            servo: servo.max(1),
+            step: step.max(1),
+            patience,
+            newest: None,
+            next: 0,
+            at: measured.position,
+            way: R::Joints::zeros(),
+            choice: 0,
+            switched: 0,
+            measured,
+            observers,
+            off: None,
+            message: Message::empty(),
+        }
+    }
+
+    /// Takes the command in the message, unless it is none or an old one.
+    fn take(&mut self) {
+        if let Ok(order) = Switch::get(&self.message) {
+            if order.ordinal > self.switched {
+                self.switched = order.ordinal;
+                self.switch(order.on);
+            }
+            return;
+        }
+        let Ok(command) = Command::get(&self.message) else { return };
+        if command.switched > self.switched {
+            // What is demanded has been given power first.
+            self.switched = command.switched;
+            self.switch(true);
+        }
+        match &self.newest {
+            // The first command says which period it is.
+            None => self.next = command.period,
+            Some(newest) if newest.period >= command.period => return,
+            Some(_) => {}
+        }
+        self.newest = Some(command);
+    }
+
+    /// As they were before their first command: standing, with power or without. What they had tripped for is over.
+    fn switch(&mut self, on: bool) {
+        (self.newest, self.off, self.way) = (None, None, R::Joints::zeros());
+        let switched = guarded(|| match on {
+            true => self.driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
+            false => {
+                self.driver.switch_off();
+                Ok(())
+            }
+        });
+        self.measured = self.driver.measured();
+        self.at = self.measured.position;
+        if let Err(fault) = switched.and_then(|result| result) {
+            self.trip(fault);
+        }
+        self.tell();
+        if let Commands::Free(_, readings) = &self.commands {
+            readings.write(&self.message);
+        }
+    }
+
+    /// All periods up to this one.
+    fn happen(&mut self, last: u64) {
+        while self.next <= last {
+            self.period();
+            self.observe();
+            self.next += 1;
+        }
+    }
+
+    /// Shows the period to the observers, as an EDP with drives of its own does. One that panics ends them all.
+    fn observe(&mut self) {
+        let Some(Command { tool, .. }) = self.newest.filter(|_| !self.observers.is_empty()) else { return };
+        // An EDP's period begins half a period after a multiple of it.
+        let end = (self.next + 1) * self.servo + self.servo / 2;
+        let record =
+            ServoRecord { time: end as f64 * 1e-9, demanded: self.at, measured: self.measured, tool };
+        let observers = &mut self.observers;
+        if let Err(panic) = guarded(|| observers.iter_mut().for_each(|observer| observer(&record))) {
+            self.observers.clear();
+            self.trip(panic);
+        }
+    }
+
+    fn period(&mut self) {
+        let Some(newest) = self.newest else { return };
+        let silent = self.next.saturating_sub(newest.period);
+        if self.off.is_none() && silent * self.servo >= self.patience {
+            let steps = |time: Nanos| (time / self.step) as f64;
+            let fault =
+                Fault::new(FaultKind::Overrun).text("its drives got no demand and applied their brakes");
+            let fault = fault.exceeds(steps(silent * self.servo), steps(self.patience) - 1.0, "step");
+            self.off = Some(Off { fault, silent, braking: 0 });
+        }
+        if let Some(off) = &mut self.off {
+            if !stands(&self.measured) {
+                off.braking += 1;
+            }
+            self.measured = guarded(|| self.driver.brake()).unwrap_or(self.measured);
+            return;
+        }
+        if newest.choice != self.choice {
+            self.choice = newest.choice;
+            if let Err(panic) = guarded(|| self.driver.choose_regulators(&newest.regulators)) {
+                return self.trip(panic);
+            }
+        }
+        let demanded = if newest.period == self.next {
+            newest.demanded
+        } else if newest.period > self.next {
+            self.at + (newest.demanded - self.at) * (1.0 / (newest.period - self.next + 1) as f64)
+        } else {
+            self.at + self.way
+        };
+        (self.at, self.way) = (demanded, demanded - self.at);
+        match guarded(|| self.driver.tick(&demanded)) {
+            Ok(Ok(measured)) => self.measured = measured,
+            Ok(Err(trip)) => self.trip(Fault::of_drive(&trip)),
+            Err(panic) => self.trip(panic),
+        }
+    }
+
+    fn trip(&mut self, fault: Fault) {
+        self.measured = self.driver.measured();
+        self.off = Some(Off { fault, silent: 0, braking: 0 });
+    }
+
+    /// What the encoders read, or why the drives have no power.
+    fn tell(&mut self) {
+        let period = self.next.saturating_sub(1);
+        match &self.off {
+            None => Reading { period, measured: self.measured, demanded: self.at }.put(&mut self.message),
+            Some(off) => {
+                self.message.set_fault(&off.fault);
+                self.message.header.step = period;
+            }
+        }
+        // What is told of the time before a switch is old.
+        self.message.header.instruction = self.switched as u32;
+    }
+}
+
+impl<R: Robot> Part for Drives<R> {
+    fn serve(&mut self) {
+        loop {
+            match &self.commands {
+                Commands::Asked(port) if port.receive(&mut self.message) => {}
+                Commands::Asked(_) => return,
+                Commands::Free(commands, _) => {
+                    if commands.read(&mut self.message) {
+                        self.take();
+                    }
+                    return;
+                }
+            }
+            self.take();
+            if let Some(newest) = self.newest {
+                self.happen(newest.period);
+            }
+            self.tell();
+            if let Commands::Asked(port) = &self.commands {
+                port.reply(&self.message);
+            }
+        }
+    }
+
+    fn advance(&mut self, now: Nanos) {
+        let over = now / self.servo;
+        if self.newest.is_none() {
+            self.next = over;
+            return;
+        }
+        if over > self.next {
+            self.happen(over - 1);
+            self.tell();
+            if let Commands::Free(_, readings) = &self.commands {
+                readings.write(&self.message);
+            }
+        }
+    }
+
+    fn due(&self) -> Option<Nanos> {
+        let waits = match (&self.commands, &self.newest) {
+            // Nobody wakes it for what is shown to it, such as power after a reset.
+            (Commands::Free(..), _) => true,
+            (Commands::Asked(_), None) => false,
+            (Commands::Asked(_), Some(_)) => self.off.is_none() || !self.rests(),
+        };
+        waits.then(|| (self.next + 1) * self.servo)
+    }
+
+    fn blindfold(&mut self) {
+        self.observers.clear();
+    }
+
+    fn rests(&self) -> bool {
+        match &self.off {
+            None => self.newest.is_none(),
+            Some(_) => stands(&self.measured),
+        }
+    }
+
+    fn rest(&self) -> Option<Rest> {
+        // One that stood already has nothing to tell.
+        let off = self.off.as_ref().filter(|off| off.silent > 0 && off.braking > 0)?;
+        let steps = |periods: u64| (periods * self.servo).div_ceil(self.step);
+        Some(Rest { edp: self.edp, braked_after: steps(off.silent), stood_after: steps(off.braking) })
+    }
+}

@@ -1,0 +1,50 @@
+//! A simulated virtual sensor in the plant: what it senses is there, and so is it.
+//!
+//! In: the orders that its VSP has taken, as they are. Out: the readings, with which the VSP answers its requesters.
+
+use super::{Part, Rest};
+use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::link::patience::Patience;
+use crate::link::{Client, Closed, Server, Waiter};
+use crate::model::time::Nanos;
+use crate::link::message::Message;
+use crate::model::sensor::VirtualSensor;
+use crate::control::vsp::Aggregator;
+
+/// The plant's end.
+pub(super) struct Sensor<V: VirtualSensor> {
+    aggregator: Aggregator<V>,
+    orders: Box<dyn Server>,
+    request: Message,
+    reply: Message,
+}
+
+impl<V: VirtualSensor> Sensor<V> {
+    pub fn new(aggregator: Aggregator<V>, orders: Box<dyn Server>) -> Self {
+        Sensor { aggregator, orders, request: Message::empty(), reply: Message::empty() }
+    }
+}
+
+impl<V: VirtualSensor> Part for Sensor<V> {
+    fn serve(&mut self) {
+        if self.orders.receive(&mut self.request) {
+            self.aggregator.answer(&self.request, &mut self.reply);
+            self.orders.reply(&self.reply);
+        }
+    }
+
+    fn advance(&mut self, _: Nanos) {}
+
+    fn due(&self) -> Option<Nanos> {
+        None
+    }
+
+    fn rests(&self) -> bool {
+        true
+    }
+
+    fn rest(&self) -> Option<Rest> {
+        None
+    }
+}
+

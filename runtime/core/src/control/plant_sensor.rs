@@ -1,0 +1,36 @@
+//! A simulated virtual sensor in the plant, as its VSP reaches it.
+//!
+//! In: orders. Out: readings, or the fault that none came.
+
+use crate::link::message::Message;
+use crate::link::patience::Patience;
+use crate::link::{Client, Closed, Waiter};
+use crate::model::fault::{Fault, FaultKind, ProcessId};
+
+/// The VSP's end.
+pub(crate) struct PlantSensor {
+    pub port: Box<dyn Client>,
+    /// The plant's place.
+    pub plant: usize,
+    pub patience: Patience,
+}
+
+impl PlantSensor {
+    /// The reading for an order, or the fault that there is none.
+    ///
+    /// # Errors
+    /// [`Closed`] when the cell is closing.
+    pub fn answer(&self, request: &Message, reply: &mut Message, waiter: &dyn Waiter) -> Result<(), Closed> {
+        self.port.send(request);
+        waiter.call(self.plant)?;
+        let mut waiting = self.patience.begin(waiter);
+        while !self.port.receive(reply) {
+            if !waiting.goes_on(&*self.port, waiter)? {
+                let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::PLANT);
+                reply.set_fault(&fault.at_step(request.header.step));
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+}

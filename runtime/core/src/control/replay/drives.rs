@@ -1,0 +1,139 @@
+//! Drives that read from a recording what their encoders read.
+//!
+//! In: servo periods. Out: what the encoders had read when the next step began; between two steps, a moment too early.
+//! A demand changes nothing: whether the programs demand the same is what a replay is for.
+
+use core::marker::PhantomData;
+use core::time::Duration;
+use std::rc::Rc;
+
+use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::control::homing::{AnyHoming, Drives};
+use crate::model::joints::JointVector;
+use crate::model::time::Nanos;
+use crate::model::robot::Robot;
+
+use super::RobotTape;
+
+/// The times that such drives go by \[ns\].
+#[derive(Clone, Copy, Debug)]
+struct Times {
+    step: Nanos,
+    servo: Nanos,
+}
+
+impl Times {
+    /// The step whose image shows what a servo period, counted from the cell's start, measured: the first one to begin
+    /// after the middle of the period, where a step begins half the shorter period late.
+    fn shown_in(self, tick: u64) -> u64 {
+        let middle = tick * self.servo + self.servo / 2;
+        let late = self.servo.min(self.step) / 2;
+        middle.checked_sub(late).map_or(0, |after| after / self.step + 1)
+    }
+}
+
+/// The drives.
+struct Recorded<R: Robot> {
+    tape: Rc<RobotTape>,
+    times: Times,
+    ticks: u64,
+    robot: PhantomData<fn() -> R>,
+}
+
+impl<R: Robot> Recorded<R> {
+    fn new(tape: Rc<RobotTape>, times: Times) -> Recorded<R> {
+        Recorded { tape, times, ticks: 0, robot: PhantomData }
+    }
+
+    fn at(&self, step: u64) -> Measured<R::Joints> {
+        match self.tape.nearest(step) {
+            Some(image) => Measured {
+                position: R::Joints::from_joints(|i| image.position[i]),
+                velocity: R::Joints::from_joints(|i| image.velocity[i]),
+            },
+            None => Measured { position: R::Joints::zeros(), velocity: R::Joints::zeros() },
+        }
+    }
+}
+
+impl<R: Robot> Driver<R> for Recorded<R> {
+    fn period(&self) -> Duration {
+        Duration::from_nanos(self.times.servo)
+    }
+
+    fn measured(&self) -> Measured<R::Joints> {
+        self.at(self.tape.first)
+    }
+
+    fn tick(&mut self, _: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
+        let measured = self.at(self.times.shown_in(self.ticks));
+        self.ticks += 1;
+        Ok(measured)
+    }
+
+    /// Which sets there are, the run that was recorded has judged.
+    fn has_regulator(&self, _: usize, _: u8) -> bool {
+        true
+    }
+
+    fn choose_regulators(&mut self, _: &Regulators) {}
+}
+
+/// Drives that are found when those of the recording were.
+struct RecordedHoming<R: Robot> {
+    drives: Option<Recorded<R>>,
+    /// The servo period in which they were found.
+    first: u64,
+    ticks: u64,
+    period: Duration,
+}
+
+impl<R: Robot> AnyHoming<R> for RecordedHoming<R> {
+    fn period(&self) -> Duration {
+        self.period
+    }
+
+    fn search(&mut self) -> Result<Option<Box<dyn Driver<R>>>, DriveFault> {
+        let found = self.ticks >= self.first;
+        self.ticks += 1;
+        let Some(mut drives) = self.drives.take_if(|_| found) else { return Ok(None) };
+        drives.ticks = self.first;
+        Ok(Some(Box::new(drives)))
+    }
+}
+
+/// The drives of a robot, replaced by what a recording says of them.
+pub(crate) fn recorded<R: Robot>(drives: &Drives<R>, tape: Rc<RobotTape>, step: Duration) -> Drives<R> {
+    let period = drives.period();
+    let times = Times { step: step.as_nanos() as Nanos, servo: period.as_nanos() as Nanos };
+    match drives {
+        Drives::Homed(_) => Drives::Homed(Box::new(Recorded::new(tape, times))),
+        Drives::Unhomed(_) => {
+            // Drives that were never found are never found again.
+            let first = tape.found.map_or(u64::MAX, |found| found / times.servo.max(1));
+            let drives = Some(Recorded::new(tape, times));
+            Drives::Unhomed(Box::new(RecordedHoming { drives, first, ticks: 0, period }))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_servo_period_measures_what_the_next_step_to_begin_shows() {
+        // Servo and step in ns; step k begins at k T + min(s, T) / 2, period n has its middle at n s + s / 2.
+        for (servo, step) in
+            [(1000, 1000), (1000, 2000), (250, 1000), (2000, 1000), (3000, 1000), (4000, 2000)]
+        {
+            let times = Times { step, servo };
+            let late = servo.min(step) / 2;
+            for tick in 0..40 {
+                let middle = tick * servo + servo / 2;
+                let shown = (0..).find(|k| k * step + late > middle).expect("steps have no end");
+                assert_eq!(times.shown_in(tick), shown, "period {tick} of {servo}/{step}");
+            }
+        }
+    }
+}

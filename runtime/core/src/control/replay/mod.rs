@@ -1,0 +1,95 @@
+//! A replay: a recording is fed back on the memory link, and the demands are compared with the recorded ones.
+//!
+//! In: a [`Tape`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, the
+//! operator's wishes, the steps in which the MP began and those whose demands came too late. Out: the same programs, which
+//! see the same; and the first step, robot and joint whose demand differs, if any does ([`compare`]).
+
+pub(crate) mod drives;
+pub(crate) mod readings;
+pub(crate) mod script;
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+use crate::model::fault::ProcessId;
+use crate::model::joints::MAX_JOINTS;
+use crate::model::time::Nanos;
+use crate::model::name::Name;
+
+pub(crate) use readings::ReadingTape;
+pub(crate) use script::Script;
+
+/// One step of a robot, as its EDP saw it begin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RecordedImage {
+    /// Joint positions that were demanded [rad or m].
+    pub demanded: [f64; MAX_JOINTS],
+    /// What the encoders had read before [rad or m], [rad/s or m/s].
+    pub position: [f64; MAX_JOINTS],
+    pub velocity: [f64; MAX_JOINTS],
+}
+
+/// The steps of one robot, without a gap.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RobotTape {
+    pub name: Name,
+    pub joints: usize,
+    /// When its drives were found, if they had to look for their reference marks \[ns\].
+    pub found: Option<Nanos>,
+    /// The step of the first image.
+    pub first: u64,
+    pub images: Vec<RecordedImage>,
+    /// Steps whose demand did not come in time.
+    pub missed: BTreeSet<u64>,
+    /// Steps in which its ECP found no time to begin a motion.
+    pub put_off: BTreeSet<u64>,
+}
+
+impl RobotTape {
+    /// The image of a step, if it is recorded.
+    pub fn image(&self, step: u64) -> Option<&RecordedImage> {
+        self.images.get(usize::try_from(step.checked_sub(self.first)?).ok()?)
+    }
+
+    /// The image of a step, or the nearest one that is recorded.
+    pub fn nearest(&self, step: u64) -> Option<&RecordedImage> {
+        let last = (self.first + self.images.len() as u64).checked_sub(1)?;
+        self.image(step.clamp(self.first, last))
+    }
+
+    /// The last step that is recorded.
+    pub fn last(&self) -> Option<u64> {
+        (self.first + self.images.len() as u64).checked_sub(1).filter(|_| !self.images.is_empty())
+    }
+}
+
+/// What a recording holds of a run.
+pub(crate) struct Tape {
+    pub robots: Vec<Rc<RobotTape>>,
+    pub readings: Vec<Rc<ReadingTape>>,
+    pub script: Rc<Script>,
+    /// The first fault that did not come from the programs: its step and its text.
+    pub outside: Option<(u64, String)>,
+    /// How the MP's program ended: nothing, or its fault's text; `None` when the recording does not go so far.
+    pub end: Option<Option<String>>,
+}
+
+impl Tape {
+    /// What is recorded of a robot.
+    pub fn robot(&self, name: &str) -> Option<&Rc<RobotTape>> {
+        self.robots.iter().find(|robot| robot.name.as_str() == name)
+    }
+
+    /// What a process collected of a sensor; nothing where nothing is recorded.
+    pub fn reading(&self, sensor: Name, by: ProcessId) -> Rc<ReadingTape> {
+        let found = self.readings.iter().find(|tape| tape.sensor == sensor && tape.by == by);
+        found.map_or_else(|| Rc::new(ReadingTape::new(sensor, by)), Rc::clone)
+    }
+
+    /// The last step of which everything is recorded.
+    pub fn last(&self) -> u64 {
+        let robots = self.robots.iter().map(|robot| robot.last().unwrap_or(0));
+        let outside = self.outside.iter().map(|(step, _)| step.saturating_sub(1));
+        robots.chain(outside).chain([self.script.last()]).min().unwrap_or(0)
+    }
+}

@@ -1,0 +1,129 @@
+//! The steps of a recorded run: in which of them the MP began one, and what the operator wanted then.
+
+use crate::safety::latch::Latch;
+use crate::operator::Operator;
+
+/// One step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ScriptedStep {
+    pub step: u64,
+    /// The operator's speed, as a share of the plan.
+    pub speed: f64,
+    pub suspended: bool,
+    /// Whether he aborted, when the step began or in it.
+    pub aborting: bool,
+    pub aborts: bool,
+    /// Whether he asked for a protective stop before it.
+    pub stopping: bool,
+    /// Whether he had reset the latched cell.
+    pub resetting: bool,
+    /// Whether what took place in it left no time for more.
+    pub late: bool,
+}
+
+/// The steps of a run, in their order.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Script(pub Vec<ScriptedStep>);
+
+impl Script {
+    fn at(&self, step: u64) -> Option<&ScriptedStep> {
+        let place = self.0.binary_search_by_key(&step, |scripted| scripted.step).ok()?;
+        self.0.get(place)
+    }
+
+    /// The next step that the MP began after one; the one after it where none is recorded.
+    pub fn after(&self, step: u64) -> u64 {
+        let place = self.0.partition_point(|scripted| scripted.step <= step);
+        self.0.get(place).map_or(step + 1, |scripted| scripted.step)
+    }
+
+    /// The last step that the MP began of those up to one; 0 where there is none.
+    pub fn last_until(&self, step: u64) -> u64 {
+        let count = self.0.partition_point(|scripted| scripted.step <= step);
+        count.checked_sub(1).and_then(|last| self.0.get(last)).map_or(0, |scripted| scripted.step)
+    }
+
+    /// The last step that is recorded.
+    pub fn last(&self) -> u64 {
+        self.0.last().map_or(0, |scripted| scripted.step)
+    }
+
+    /// Lets the operator want what he wanted when a step began.
+    pub fn begin(&self, step: u64, operator: &Operator) {
+        let Some(scripted) = self.at(step) else { return };
+        // The reader has checked that it is a share.
+        let _ = operator.set_speed(scripted.speed);
+        if scripted.suspended {
+            operator.suspend();
+        } else {
+            operator.resume();
+        }
+        if scripted.aborting {
+            operator.abort();
+        }
+        if scripted.stopping {
+            operator.protective_stop();
+        }
+        if scripted.resetting && operator.latch() != Latch::Resetting {
+            // What is refused here was refused there, or the demands will tell.
+            let _ = operator.acknowledge().and_then(|()| operator.reset());
+        }
+    }
+
+    /// Lets the operator abort as he did after a step had begun.
+    pub fn go_on(&self, step: u64, operator: &Operator) {
+        if self.at(step).is_some_and(|scripted| scripted.aborts) {
+            operator.abort();
+        }
+    }
+
+    /// Whether it was too late in a step for more.
+    pub fn was_late(&self, step: u64) -> bool {
+        self.at(step).is_some_and(|scripted| scripted.late)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(step: u64) -> ScriptedStep {
+        ScriptedStep {
+            step,
+            speed: 1.0,
+            suspended: false,
+            aborting: false,
+            aborts: false,
+            stopping: false,
+            resetting: false,
+            late: false,
+        }
+    }
+
+    #[test]
+    fn steps_that_were_skipped_are_skipped_again() {
+        let script = Script(vec![step(1), step(2), step(5), ScriptedStep { late: true, ..step(6) }]);
+        assert_eq!([0, 1, 2, 3, 5, 6].map(|after| script.after(after)), [1, 2, 5, 5, 6, 7]);
+        assert_eq!([0, 2, 4, 5, 9].map(|step| script.last_until(step)), [0, 2, 2, 5, 6]);
+        assert_eq!((script.last(), script.was_late(5), script.was_late(6)), (6, false, true));
+    }
+
+    #[test]
+    fn the_operator_wants_what_he_wanted() {
+        let script = Script(vec![
+            ScriptedStep { speed: 0.5, suspended: true, ..step(1) },
+            ScriptedStep { speed: 0.5, aborts: true, ..step(2) },
+            ScriptedStep { stopping: true, ..step(3) },
+        ]);
+        let operator = Operator::new();
+        operator.begin();
+        script.begin(1, &operator);
+        assert_eq!((operator.speed(), operator.is_suspended()), (0.5, true));
+        script.begin(2, &operator);
+        assert!(!operator.is_suspended() && !operator.is_aborting());
+        script.go_on(2, &operator);
+        assert!(operator.is_aborting() && !operator.take_protective_stop());
+        script.begin(3, &operator);
+        assert!(operator.take_protective_stop() && !operator.take_protective_stop());
+    }
+}

@@ -1,0 +1,276 @@
+//! The asking side of virtual sensors, the same in an MP and in an ECP.
+
+use core::any::TypeId;
+use std::rc::Rc;
+
+use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::model::image::{Reading, Sensor, SensorImage};
+use crate::link::patience::{Patience, Waiting};
+use crate::link::{Client, Waiter};
+use crate::model::time::Nanos;
+use crate::model::list::{SensorHandle, SensorList, SensorsOf};
+use crate::link::message::{Kind, Message};
+use crate::model::name::Name;
+use crate::control::replay::ReadingTape;
+use crate::control::replay::readings::RecordedReading;
+use crate::model::shape::Shape;
+use crate::suggestion::suggestion;
+use crate::model::sensor::{CONFIGURATION_WORDS, MAX_AGE};
+use crate::control::vsp::Boards;
+use crate::observe::witness::{ReadingState, Tap, What};
+
+/// How a virtual sensor is asked.
+pub(crate) enum Source {
+    /// Ordered and collected within one step.
+    Interactive(Box<dyn Client>),
+    /// Ordered in one step, collected when it is there.
+    WithDelay(Box<dyn Client>),
+    /// Free-running: the latest reading, and where it looks for orders.
+    NonInteractive(Boards),
+    /// In a replay: what the recording says was collected.
+    Recorded(Rc<ReadingTape>),
+}
+
+/// One virtual sensor as a process sees it.
+pub(crate) struct SensorPort {
+    pub name: Name,
+    pub kind: TypeId,
+    /// Place of the robot that the sensor belongs to.
+    pub robot: Option<usize>,
+    pub source: Source,
+    /// What its readings' words say.
+    shape: &'static Shape,
+    pub taken: bool,
+    order: Message,
+    reply: Message,
+    awaiting: bool,
+    read: bool,
+    /// The step of the last order, and of the last one after a pause.
+    asked: Option<u64>,
+    since: u64,
+}
+
+impl SensorPort {
+    pub fn new(
+        name: Name,
+        (kind, shape): (TypeId, &'static Shape),
+        robot: Option<usize>,
+        source: Source,
+    ) -> SensorPort {
+        let (order, reply) = (Message::new(Kind::Read), Message::empty());
+        SensorPort {
+            name,
+            kind,
+            robot,
+            source,
+            shape,
+            taken: false,
+            order,
+            reply,
+            awaiting: false,
+            read: false,
+            asked: None,
+            since: 0,
+        }
+    }
+
+    /// Orders a reading in `step`, with the state of the robot that the sensor belongs to.
+    fn order(&mut self, step: u64, robot: Option<&[u64]>) {
+        self.order.header.step = step;
+        self.order.header.len = CONFIGURATION_WORDS as u32;
+        if let Some(words) = robot {
+            self.order.body[CONFIGURATION_WORDS..CONFIGURATION_WORDS + words.len()].copy_from_slice(words);
+            self.order.header.len += words.len() as u32;
+        }
+        match &self.source {
+            Source::Interactive(client) => client.send(&self.order),
+            Source::WithDelay(client) => {
+                // A sensor with delay that is still at work is not disturbed: it has taken the order.
+                if self.awaiting && client.receive(&mut self.reply) {
+                    (self.awaiting, self.read) = (false, true);
+                }
+                if self.awaiting {
+                    client.send_again();
+                } else {
+                    if self.asked.is_none_or(|asked| step > asked + 1) {
+                        self.since = step;
+                    }
+                    client.send(&self.order);
+                    self.awaiting = true;
+                }
+            }
+            Source::NonInteractive(boards) => {
+                if self.asked.is_none() {
+                    self.since = step;
+                }
+                boards.orders.write(&self.order);
+            }
+            Source::Recorded(_) => {}
+        }
+        self.asked = Some(step);
+    }
+
+    /// The step from which the age of what is there counts. A reading from before a pause is too old only when
+    /// its successor takes too long.
+    fn age_counts_from(&self) -> Option<u64> {
+        let read = self.read.then_some(self.reply.header.step);
+        match &self.source {
+            Source::WithDelay(_) => Some(read.map_or(self.since, |read| read.max(self.since))),
+            // One that has never read is as old as the first order.
+            Source::NonInteractive(_) => read.or(Some(self.since)),
+            Source::Interactive(_) => read,
+            // The run that was recorded has judged it.
+            Source::Recorded(_) => None,
+        }
+    }
+
+    /// Collects the reading ordered, or with delay the latest that is there.
+    fn collect(&mut self, waiter: &dyn Waiter, mut waiting: Waiting) -> Result<(), Fault> {
+        match &self.source {
+            Source::Interactive(client) => {
+                // An answer to an order that was given up is none to this one.
+                while !(client.receive(&mut self.reply) && self.reply.header.step == self.order.header.step) {
+                    let goes_on = waiting.goes_on(&**client, waiter);
+                    if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
+                        return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
+                    }
+                }
+                self.read = true;
+            }
+            Source::WithDelay(client) => {
+                if self.awaiting && client.receive(&mut self.reply) {
+                    (self.awaiting, self.read) = (false, true);
+                }
+            }
+            Source::NonInteractive(boards) => {
+                self.read = boards.readings.read(&mut self.reply) || self.read;
+            }
+            Source::Recorded(tape) => match tape.collect(self.order.header.step) {
+                None | Some(RecordedReading { state: ReadingState::Lost, .. }) => {
+                    return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
+                }
+                Some(RecordedReading { state: ReadingState::None, .. }) => {}
+                Some(recorded) => self.read = recorded.put(&mut self.reply),
+            },
+        }
+        if self.read && self.reply.header.kind == Kind::Fault {
+            return Err(self.reply.fault().in_process(ProcessId::new(Role::Vsp, self.name)));
+        }
+        Ok(())
+    }
+
+    /// Shows what was collected in a step.
+    fn show(&self, collected: &Result<(), Fault>, step: u64, tap: &Tap, now: Nanos) {
+        let state = match collected {
+            Ok(()) if self.read => ReadingState::There,
+            Ok(()) => ReadingState::None,
+            Err(_) if self.read && self.reply.header.kind == Kind::Fault => ReadingState::Fault,
+            Err(_) => ReadingState::Lost,
+        };
+        let words = match state {
+            ReadingState::There | ReadingState::Fault => self.reply.words(),
+            ReadingState::None | ReadingState::Lost => &[],
+        };
+        let (sensor, shape, taken) = (self.name, self.shape, self.reply.header.step);
+        tap.show(now, &What::Reading { sensor, step, state, taken, shape }, words);
+    }
+
+    fn fault(&self, kind: FaultKind) -> Fault {
+        Fault::new(kind).in_process(ProcessId::new(Role::Vsp, self.name))
+    }
+}
+
+/// All virtual sensors of a process.
+pub(crate) struct Sensing {
+    pub ports: Vec<SensorPort>,
+    /// Of readings, and of other answers.
+    pub patience: Patience,
+    /// Where what was collected is shown.
+    pub tap: Tap,
+}
+
+impl Sensing {
+    /// The handle of a sensor, once.
+    pub fn handle<S: Sensor>(
+        &mut self,
+        name: &str,
+        configuration: S::Configuration,
+        process: ProcessId,
+    ) -> Result<SensorHandle<S>, Fault> {
+        let config = |text: &str| Fault::new(FaultKind::Config).in_process(process).text(text);
+        let Some(index) = self.ports.iter().position(|port| port.name.as_str() == name) else {
+            let names: Vec<_> = self.ports.iter().map(|port| port.name.as_str()).collect();
+            let there = match (names.as_slice(), process.name) {
+                ([], Some(robot)) => format!("write of = \"{robot}\" in its table of cell.toml"),
+                ([], None) => "write its table in cell.toml, and give the cell its VSP".to_owned(),
+                (names, _) => suggestion(name, names, "there are"),
+            };
+            return Err(config(&format!("there is no sensor `{name}` here: {there}")));
+        };
+        let port = &mut self.ports[index];
+        if port.kind != TypeId::of::<S>() {
+            return Err(config(&format!("sensor `{name}` is of another kind than {}", S::KIND)));
+        }
+        if core::mem::replace(&mut port.taken, true) {
+            return Err(config(&format!("sensor `{name}` has a handle already: pass that one on")));
+        }
+        Ok(SensorHandle { index, name: port.name, configuration, image: SensorImage::unknown() })
+    }
+
+    /// Programs start again: each sensor has its handle to give.
+    pub fn release(&mut self) {
+        self.ports.iter_mut().for_each(|port| port.taken = false);
+    }
+
+    /// The robot that the sensor at a place of a list belongs to.
+    pub fn robot_of<V: SensorList>(&self, sensors: &impl SensorsOf<V>, place: usize) -> Option<usize> {
+        sensors.indices().as_ref().get(place).and_then(|&index| self.ports[index].robot)
+    }
+
+    /// Orders all readings of a list.
+    pub fn order<'a, V: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<V>,
+        step: u64,
+        robot: impl Fn(Option<usize>) -> Option<&'a [u64]>,
+    ) {
+        if V::LEN == 0 {
+            return;
+        }
+        for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
+            let port = &mut self.ports[index];
+            port.order.header.payload = sensors.configuration(i, &mut port.order.body).id;
+            port.order(step, robot(port.robot));
+        }
+    }
+
+    /// Collects all readings of a list.
+    pub fn collect<V: SensorList>(
+        &mut self,
+        sensors: &impl SensorsOf<V>,
+        v: &mut Reading<V>,
+        waiter: &dyn Waiter,
+        step: u64,
+    ) -> Result<(), Fault> {
+        if V::LEN == 0 {
+            return Ok(());
+        }
+        let waiting = self.patience.begin(waiter);
+        for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
+            let port = &mut self.ports[index];
+            let collected = port.collect(waiter, waiting);
+            port.show(&collected, step, &self.tap, waiter.now());
+            collected?;
+            let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
+            if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > MAX_AGE) {
+                let stale = port.fault(FaultKind::SensorStale);
+                return Err(stale.exceeds(f64::from(age), f64::from(MAX_AGE), "step"));
+            }
+            if port.read {
+                let age = age(port.reply.header.step);
+                V::read(v, i, port.reply.words(), age).map_err(|_| port.fault(FaultKind::Message))?;
+            }
+        }
+        Ok(())
+    }
+}

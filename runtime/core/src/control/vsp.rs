@@ -1,0 +1,204 @@
+//! VSP: a virtual sensor process aggregates raw readings, `v_l = f_v(c0, c_j, e_j, r)` (eq. 14).
+
+use crate::link::Host;
+use crate::model::sensor::CONFIGURATION_WORDS;
+use crate::model::sensor::EffectorState;
+use crate::model::sensor::ReadingOrder;
+use crate::model::sensor::VirtualSensor;
+use core::time::Duration;
+use std::rc::Rc;
+
+use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::image::Sensor;
+use crate::model::joints::MAX_JOINTS;
+use crate::link::{Board, Closed, Sample, Server, Waiter};
+use crate::model::time::Nanos;
+use crate::link::message::{Kind, Message};
+use crate::control::plant_sensor::PlantSensor;
+use crate::model::pose::Pose;
+use crate::model::shape::Shape;
+use crate::model::wire::{BadWords, WORDS, Wire};
+
+/// Where a VSP gets its orders.
+pub(crate) enum Orders {
+    /// From these ports.
+    Ports(Vec<Box<dyn Server>>),
+    /// From boards, at its own period: each requester has its own two.
+    Free { boards: Vec<Boards>, period: Nanos },
+}
+
+/// Where a requester of a free-running sensor leaves its orders and finds its readings.
+#[derive(Clone)]
+pub(crate) struct Boards {
+    pub orders: Rc<dyn Board>,
+    pub readings: Rc<dyn Board>,
+}
+
+/// The process.
+pub(crate) struct Vsp<'w, V: VirtualSensor> {
+    pub sensors: RawSensors<V>,
+    pub configuration: <V::Kind as Sensor>::Configuration,
+    pub host: Host<'w>,
+    pub orders: Orders,
+    /// Time that one aggregation takes \[ns\].
+    pub latency: Nanos,
+    pub step: Nanos,
+}
+
+impl<V: VirtualSensor> Vsp<'_, V> {
+    /// Serves until the cell closes.
+    pub fn run(mut self) {
+        let mut request = Message::new(Kind::Read);
+        let mut reply = Message::empty();
+        // Closing is the only way out.
+        let Err(Closed) = self.serve(&mut request, &mut reply);
+    }
+
+    fn serve(
+        &mut self,
+        request: &mut Message,
+        reply: &mut Message,
+    ) -> Result<core::convert::Infallible, Closed> {
+        match core::mem::replace(&mut self.orders, Orders::Ports(Vec::new())) {
+            Orders::Ports(ports) => {
+                let mut aggregated = None;
+                loop {
+                    for port in &ports {
+                        if port.receive(request) {
+                            // Requesters of one step that ask for the same share one aggregation.
+                            let mut configuration = [0; CONFIGURATION_WORDS];
+                            configuration.copy_from_slice(&request.body[..CONFIGURATION_WORDS]);
+                            let asked = Some((request.header.step, configuration));
+                            if core::mem::replace(&mut aggregated, asked) != asked {
+                                self.work()?;
+                                self.aggregate(request, reply)?;
+                            }
+                            port.reply(reply);
+                        }
+                    }
+                    self.host.waiter.wait(None)?;
+                }
+            }
+            Orders::Free { boards, period } => {
+                let mut requests = vec![*request; boards.len()];
+                loop {
+                    let began = self.host.waiter.now();
+                    self.read_orders(&boards, &mut requests, began / self.step.max(1));
+                    for (i, request) in requests.iter().enumerate() {
+                        let like = |other: &Message| {
+                            other.body[..CONFIGURATION_WORDS] == request.body[..CONFIGURATION_WORDS]
+                        };
+                        // Requesters that ask for the same share one aggregation.
+                        if requests[..i].iter().any(like) {
+                            continue;
+                        }
+                        self.work()?;
+                        self.aggregate(request, reply)?;
+                        for (board, _) in boards.iter().zip(&requests).filter(|(_, other)| like(other)) {
+                            board.readings.write(reply);
+                        }
+                    }
+                    self.sleep(began + period)?;
+                }
+            }
+        }
+    }
+
+    /// What each requester of a free-running sensor ordered last, or the default configuration, with the newest
+    /// state of the sensor's robot.
+    fn read_orders(&self, boards: &[Boards], requests: &mut [Message], step: u64) {
+        let mut newest = None;
+        for (i, (board, request)) in boards.iter().zip(requests.iter_mut()).enumerate() {
+            if !board.orders.read(request) {
+                *request = Message::new(Kind::Read);
+                self.configuration.put(&mut request.body);
+                request.header.len = CONFIGURATION_WORDS as u32;
+            } else if request.words().len() > CONFIGURATION_WORDS {
+                let ordered = (request.header.step, i);
+                newest = Some(newest.map_or(ordered, |newest| ordered.max(newest)));
+            }
+        }
+        if let Some((_, from)) = newest {
+            let (len, state) = (requests[from].header.len, requests[from].body);
+            for request in requests.iter_mut() {
+                request.body[CONFIGURATION_WORDS..].copy_from_slice(&state[CONFIGURATION_WORDS..]);
+                request.header.len = len;
+            }
+        }
+        requests.iter_mut().for_each(|request| request.header.step = step);
+    }
+
+    fn work(&self) -> Result<(), Closed> {
+        if self.latency > 0 { self.sleep(self.host.waiter.now() + self.latency) } else { Ok(()) }
+    }
+
+    fn sleep(&self, until: Nanos) -> Result<(), Closed> {
+        while self.host.waiter.now() < until {
+            self.host.waiter.wait(Some(until))?;
+        }
+        Ok(())
+    }
+
+    fn aggregate(&mut self, request: &Message, reply: &mut Message) -> Result<(), Closed> {
+        let began = self.host.waiter.now();
+        match &mut self.sensors {
+            RawSensors::Here(aggregator) => aggregator.answer(request, reply),
+            RawSensors::Plant(sensor) => sensor.answer(request, reply, self.host.waiter)?,
+        }
+        self.host.meter.sample(Sample::Worked(self.host.waiter.now().saturating_sub(began)));
+        Ok(())
+    }
+}
+
+/// Where the raw sensors of a VSP are.
+pub(crate) enum RawSensors<V: VirtualSensor> {
+    /// In its process.
+    Here(Aggregator<V>),
+    /// In the plant.
+    Plant(PlantSensor),
+}
+
+/// A virtual sensor that answers orders.
+pub(crate) struct Aggregator<V: VirtualSensor> {
+    pub process: ProcessId,
+    pub sensor: V,
+}
+
+impl<V: VirtualSensor> Aggregator<V> {
+    /// What an order says: a configuration that cannot be read is a fault, never the default one.
+    fn read(request: &Message) -> Result<ReadingOrder<<V::Kind as Sensor>::Configuration>, Fault> {
+        let words = request.words();
+        let unreadable = |what| move |_| Fault::new(FaultKind::Message).text(what);
+        let configuration = Wire::get(words).map_err(unreadable("the sensor's configuration"))?;
+        let robot = match words.get(CONFIGURATION_WORDS..) {
+            Some(state) if !state.is_empty() => {
+                Some(EffectorState::get(state).map_err(unreadable("the state of the sensor's robot"))?)
+            }
+            Some(_) | None => None,
+        };
+        Ok(ReadingOrder { configuration, robot, step: request.header.step })
+    }
+
+    /// The reading for an order, or the fault that there is none.
+    pub fn answer(&mut self, request: &Message, reply: &mut Message) {
+        reply.header.step = request.header.step;
+        let result = Self::read(request).and_then(|order| {
+            let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));
+            let aggregated = std::panic::catch_unwind(aggregate);
+            aggregated
+                .unwrap_or_else(|panic| Err(crate::model::fault::panicked(&*panic)))
+                .map_err(Fault::thrown_by_program)
+        });
+        match result {
+            Ok(reading) => {
+                reply.header.kind = Kind::Reply;
+                reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
+                reading.put(&mut reply.body);
+            }
+            Err(fault) => {
+                let fault = fault.in_process(self.process).at_step(request.header.step);
+                reply.set_fault(&fault);
+            }
+        }
+    }
+}

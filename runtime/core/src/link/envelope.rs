@@ -1,0 +1,315 @@
+//! A message between processes: plain words, whatever they hold, so that a foreign or damaged one is an error and never
+//! undefined behaviour. A sum over all words tells of damage: a damaged message is a lost one.
+
+#[cfg(all(feature = "processes", target_os = "linux"))]
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::safety::rate::RateHeadroom;
+use crate::link::message::{Header, Kind, Message, OrderKind, RequestKind};
+use crate::safety::braking::BrakingLaw;
+use crate::model::wire::{BadWords, WORDS};
+
+/// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
+pub(crate) const LAYOUT: u64 = 3;
+
+/// Words of a message's head.
+const HEAD: usize = 14;
+
+/// Words of a message, head and body.
+pub const ENVELOPE_WORDS: usize = HEAD + WORDS;
+
+/// Which of them is the length of the body.
+const LEN_WORD: usize = 4;
+
+/// The kinds of messages; one travels as its place in this list.
+const KINDS: [Kind; 17] = [
+    Kind::Order(OrderKind::Query),
+    Kind::Order(OrderKind::Start),
+    Kind::Order(OrderKind::Step),
+    Kind::Order(OrderKind::End),
+    Kind::Order(OrderKind::Abort),
+    Kind::Order(OrderKind::Brake),
+    Kind::Order(OrderKind::Stop),
+    Kind::Order(OrderKind::Reset),
+    Kind::Request(RequestKind::Query),
+    Kind::Request(RequestKind::Demand),
+    Kind::Request(RequestKind::Brake),
+    Kind::Request(RequestKind::Stop),
+    Kind::Request(RequestKind::Reset),
+    Kind::Read,
+    Kind::Reply,
+    Kind::Fault,
+    Kind::Command,
+];
+
+/// What every message of a cell's run carries: messages of another run, or of an earlier attempt to start it, are none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Seal {
+    /// Number of the session, drawn at random by its launcher.
+    pub session: u64,
+    /// The launcher's attempts to start it, counted from 1.
+    pub epoch: u64,
+}
+
+/// A message between processes, as it lies in shared memory.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(all(feature = "processes", target_os = "linux"), derive(ZeroCopySend))]
+#[cfg_attr(all(feature = "processes", target_os = "linux"), type_name("mrroc::Envelope"))]
+pub(crate) struct Envelope {
+    layout: u64,
+    session: u64,
+    epoch: u64,
+    /// Ordinal of the request that it is or answers, counted from 1; of a board's message, how many were shown before.
+    pub sequence: u64,
+    /// How often a request has been sent, this time included; 1 of what is none.
+    pub attempt: u64,
+    /// The sum over all other words that count.
+    check: u64,
+    head: [u64; HEAD],
+    body: [u64; WORDS],
+}
+
+impl Envelope {
+    /// No message.
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "what boards show before they are written")
+    )]
+    pub const EMPTY: Envelope = Envelope {
+        layout: 0,
+        session: 0,
+        epoch: 0,
+        sequence: 0,
+        attempt: 0,
+        check: 0,
+        head: [0; HEAD],
+        body: [0; WORDS],
+    };
+
+    /// Puts a message under a seal.
+    pub fn seal(message: &Message, seal: Seal, sequence: u64) -> Envelope {
+        let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom, law } =
+            message.header;
+        let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
+        let RateHeadroom { rise, fall, bend } = headroom;
+        let head = [
+            kind,
+            u64::from(flags),
+            step,
+            u64::from(instruction),
+            u64::from(len),
+            payload,
+            dt.to_bits(),
+            duration.to_bits(),
+            rise.to_bits(),
+            fall.to_bits(),
+            bend.to_bits(),
+            u64::from(epoch),
+            law.fall.to_bits(),
+            law.bend.to_bits(),
+        ];
+        let mut envelope = Envelope {
+            layout: LAYOUT,
+            session: seal.session,
+            epoch: seal.epoch,
+            sequence,
+            attempt: 1,
+            check: 0,
+            head,
+            body: [0; WORDS],
+        };
+        let words = message.words();
+        envelope.body[..words.len()].copy_from_slice(words);
+        envelope.check = envelope.sum(words.len());
+        envelope
+    }
+
+    /// A sum over the words that count. Each of its steps is a bijection of what it had, so that no change of one word
+    /// leaves it as it was, and one of several words does with a probability of 2⁻⁶⁴.
+    fn sum(&self, len: usize) -> u64 {
+        let fixed = [self.layout, self.session, self.epoch, self.sequence, self.attempt];
+        let body = self.body.get(..len).unwrap_or(&self.body);
+        let words = fixed.iter().chain(&self.head).chain(body);
+        words.fold(0, |sum: u64, word| (sum ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29))
+    }
+
+    /// Whether it is of this run and layout.
+    pub fn is_under(&self, seal: Seal) -> bool {
+        (self.layout, self.session, self.epoch) == (LAYOUT, seal.session, seal.epoch)
+    }
+
+    /// The same request, sent so often.
+    pub fn in_attempt(mut self, attempt: u64) -> Envelope {
+        self.attempt = attempt;
+        self.check = self.sum((self.head[LEN_WORD] as usize).min(WORDS));
+        self
+    }
+
+    /// Whether nothing in it is damaged.
+    pub fn is_whole(&self) -> bool {
+        let len = usize::try_from(self.head[LEN_WORD]).unwrap_or(usize::MAX);
+        len <= WORDS && self.check == self.sum(len)
+    }
+
+    /// The message in it.
+    ///
+    /// # Errors
+    /// [`BadWords`] when it is damaged or its head is none; `message` is then as it was.
+    pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
+        let [
+            kind,
+            flags,
+            step,
+            instruction,
+            len,
+            payload,
+            dt,
+            duration,
+            rise,
+            fall,
+            bend,
+            epoch,
+            law_fall,
+            law_bend,
+        ] = self.head;
+        let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
+        let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
+        let len = narrow(len)?;
+        if !self.is_whole() {
+            return Err(BadWords);
+        }
+        message.header = Header {
+            kind: *kind.ok_or(BadWords)?,
+            flags: narrow(flags)?,
+            epoch: narrow(epoch)?,
+            step,
+            instruction: narrow(instruction)?,
+            len,
+            payload,
+            dt: f64::from_bits(dt),
+            duration: f64::from_bits(duration),
+            headroom: RateHeadroom {
+                rise: f64::from_bits(rise),
+                fall: f64::from_bits(fall),
+                bend: f64::from_bits(bend),
+            },
+            law: BrakingLaw { fall: f64::from_bits(law_fall), bend: f64::from_bits(law_bend) },
+        };
+        message.body[..len as usize].copy_from_slice(&self.body[..len as usize]);
+        Ok(())
+    }
+
+    /// These words under a seal of their own, head first: whole, whatever they say.
+    pub(crate) fn of_words(words: &[u64]) -> Envelope {
+        let mut words = words.iter().copied();
+        let mut next = || words.next().unwrap_or(0);
+        let (head, body) = (core::array::from_fn(|_| next()), core::array::from_fn(|_| next()));
+        let mut envelope =
+            Envelope { layout: LAYOUT, session: 0, epoch: 0, sequence: 1, attempt: 1, check: 0, head, body };
+        envelope.check = envelope.sum((head[LEN_WORD] as usize).min(WORDS));
+        envelope
+    }
+
+    /// The words of its head and of its body that count.
+    pub(crate) fn words(&self) -> (&[u64], &[u64]) {
+        (&self.head, &self.body[..(self.head[LEN_WORD] as usize).min(WORDS)])
+    }
+
+    /// The same with bits of one of its words turned round, counted from the seal's.
+    pub(crate) fn damaged(mut self, word: u64, bits: u64) -> Envelope {
+        let counts = HEAD + (self.head[LEN_WORD] as usize).min(WORDS);
+        match word as usize % (6 + counts) {
+            0 => self.layout ^= bits,
+            1 => self.session ^= bits,
+            2 => self.epoch ^= bits,
+            3 => self.sequence ^= bits,
+            4 => self.check ^= bits,
+            5 => self.attempt ^= bits,
+            word if word < 6 + HEAD => self.head[word - 6] ^= bits,
+            word => self.body[word - 6 - HEAD] ^= bits,
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SEAL: Seal = Seal { session: 0x1234_5678_9abc_def0, epoch: 2 };
+
+    fn message(kind: Kind) -> Message {
+        let mut message = Message::new(kind);
+        let headroom = RateHeadroom { rise: 1.5, fall: -0.0, bend: f64::INFINITY };
+        message.header = Header {
+            kind,
+            flags: 0x8000_0001,
+            epoch: 0x8000_0002,
+            step: u64::MAX,
+            instruction: 7,
+            len: 3,
+            payload: 0xfeed,
+            dt: f64::from_bits(0x7ff8_0000_0000_0001),
+            duration: 1e-3,
+            headroom,
+            law: BrakingLaw { fall: 2.5, bend: 1e9 },
+        };
+        message.body[..3].copy_from_slice(&[1, 2, u64::MAX]);
+        message
+    }
+
+    #[test]
+    fn a_message_of_every_kind_comes_out_as_it_went_in() {
+        for kind in KINDS {
+            let sent = message(kind);
+            let envelope = Envelope::seal(&sent, SEAL, 5);
+            assert!(envelope.is_under(SEAL) && envelope.sequence == 5);
+            let mut came = Message::empty();
+            assert_eq!(envelope.open(&mut came), Ok(()));
+            // Bits, not values: a NaN is one of the numbers that must arrive as they were sent.
+            assert_eq!(format!("{:?}", came.header), format!("{:?}", sent.header));
+            assert_eq!(came.header.dt.to_bits(), sent.header.dt.to_bits());
+            assert_eq!(came.words(), sent.words());
+        }
+    }
+
+    #[test]
+    fn what_is_of_another_session_attempt_or_layout_is_not_under_the_seal() {
+        let envelope = Envelope::seal(&message(Kind::Read), SEAL, 1);
+        assert!(!envelope.is_under(Seal { session: 1, ..SEAL }));
+        assert!(!envelope.is_under(Seal { epoch: 1, ..SEAL }));
+        assert!(!Envelope { layout: LAYOUT + 1, ..envelope }.is_under(SEAL));
+        assert!(!Envelope::EMPTY.is_under(SEAL));
+    }
+
+    #[test]
+    fn fault_16_a_message_of_which_any_bit_is_the_wrong_way_round_is_none() {
+        let sent = message(Kind::Reply);
+        let len = sent.words().len();
+        for word in 0..HEAD + len {
+            for bit in 0..64 {
+                let mut envelope = Envelope::seal(&sent, SEAL, 1);
+                match word.checked_sub(HEAD) {
+                    None => envelope.head[word] ^= 1 << bit,
+                    Some(word) => envelope.body[word] ^= 1 << bit,
+                }
+                let opened = envelope.open(&mut Message::empty());
+                assert_eq!(opened, Err(BadWords), "word {word}, bit {bit}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_damaged_head_is_no_message() {
+        // Kind, flags, instruction, length, epoch: the words that not every number spells.
+        for (word, value) in
+            [(0, 17), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX), (11, 1 << 32)]
+        {
+            let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
+            envelope.head[word] = value;
+            envelope.check = envelope.sum(message(Kind::Reply).words().len());
+            assert_eq!(envelope.open(&mut Message::empty()), Err(BadWords), "word {word}: {value}");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! The demanded next state of a robot, `e^{i+1}`: what a step function returns.
+
+use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+use crate::model::driver::Regulators;
+use crate::model::joints::{JointVector, MAX_JOINTS};
+use crate::model::pose::{AngleAxis, Pose, Zyz};
+use crate::model::robot::Robot;
+use crate::model::shape::Shape;
+use crate::model::wire::{BadWords, Wire};
+
+/// One representation of the next state of a robot of kind `R`, and optionally the tool that it refers to, the value of
+/// the robot's redundancy, and the regulators' parameter sets.
+///
+/// All poses are of the tool frame E in the world W, lengths in metres, angles in radians. The EDP converts;
+/// only joint coordinates depend on the kind of robot.
+#[derive(Debug)]
+pub struct Demand<R: Robot> {
+    pub(crate) coordinates: Coordinates<R>,
+    pub(crate) tool: Option<Pose>,
+    pub(crate) redundancy: Option<f64>,
+    pub(crate) regulators: Option<Regulators>,
+}
+
+/// The coordinates of a demand.
+#[derive(Debug)]
+pub(crate) enum Coordinates<R: Robot> {
+    Hold,
+    Joints(R::Joints),
+    Pose(Pose),
+    Displacement(Pose),
+}
+
+// Derived, these would ask the same of `R`, which is only a name here.
+impl<R: Robot> Clone for Demand<R> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<R: Robot> Copy for Demand<R> {}
+impl<R: Robot> Clone for Coordinates<R> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<R: Robot> Copy for Coordinates<R> {}
+impl<R: Robot> PartialEq for Demand<R> {
+    fn eq(&self, other: &Self) -> bool {
+        (self.tool, self.redundancy, self.regulators) == (other.tool, other.redundancy, other.regulators)
+            && self.coordinates == other.coordinates
+    }
+}
+impl<R: Robot> PartialEq for Coordinates<R> {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Coordinates::Hold, Coordinates::Hold) => true,
+            (Coordinates::Joints(a), Coordinates::Joints(b)) => a == b,
+            (Coordinates::Pose(a), Coordinates::Pose(b)) => a == b,
+            (Coordinates::Displacement(a), Coordinates::Displacement(b)) => a == b,
+            (
+                Coordinates::Hold
+                | Coordinates::Joints(_)
+                | Coordinates::Pose(_)
+                | Coordinates::Displacement(_),
+                _,
+            ) => false,
+        }
+    }
+}
+
+impl<R: Robot> Demand<R> {
+    const fn of(coordinates: Coordinates<R>) -> Self {
+        Demand { coordinates, tool: None, redundancy: None, regulators: None }
+    }
+
+    /// Stay at the state demanded last.
+    #[must_use]
+    pub const fn hold() -> Self {
+        Self::of(Coordinates::Hold)
+    }
+
+    /// Joint positions [rad or m].
+    #[must_use]
+    pub const fn joints(q: R::Joints) -> Self {
+        Self::of(Coordinates::Joints(q))
+    }
+
+    /// The pose `X_WE` of the tool in the world.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub const fn pose(X_WE: Pose) -> Self {
+        Self::of(Coordinates::Pose(X_WE))
+    }
+
+    /// The pose `X_WE` as a homogeneous transform; refused at the EDP when its rotation is not orthonormal and
+    /// right-handed to 1e-6.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn homogeneous(X_WE: &Matrix4<f64>) -> Self {
+        let R_WE: Matrix3<f64> = X_WE.fixed_view::<3, 3>(0, 0).into_owned();
+        let position = Translation3::new(X_WE[(0, 3)], X_WE[(1, 3)], X_WE[(2, 3)]);
+        let handedness = if R_WE.determinant() < 0.0 { 2.0 } else { 0.0 };
+        let row = X_WE.fixed_view::<1, 4>(3, 0) - nalgebra::RowVector4::new(0.0, 0.0, 0.0, 1.0);
+        let defect = (R_WE.transpose() * R_WE - Matrix3::identity()).amax() + row.amax() + handedness;
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R_WE));
+        // The defect travels as the quaternion's norm, which the EDP checks as it does every pose's.
+        let rotation = UnitQuaternion::new_unchecked(rotation.into_inner() * (1.0 + defect));
+        Self::pose(Pose::from_parts(position, rotation))
+    }
+
+    /// The tool's position \[m\] and the ZYZ Euler angles of its orientation.
+    #[must_use]
+    pub fn position_zyz(position: Vector3<f64>, angles: Zyz) -> Self {
+        Self::pose(Pose::from_parts(Translation3::from(position), angles.rotation()))
+    }
+
+    /// The tool's position \[m\] and its orientation as a rotation vector.
+    #[must_use]
+    pub fn position_angle_axis(position: Vector3<f64>, rotation: AngleAxis) -> Self {
+        let rotation = if rotation.0.iter().all(|x| x.is_finite()) {
+            rotation.rotation()
+        } else {
+            // Infinite angles have no sine: they stay visible to the EDP's check.
+            UnitQuaternion::new_unchecked(Quaternion::new(f64::NAN, f64::NAN, f64::NAN, f64::NAN))
+        };
+        Self::pose(Pose::from_parts(Translation3::from(position), rotation))
+    }
+
+    /// `X_EsE`, the displacement from the pose Es demanded at the start of the instruction, in the tool's own
+    /// axes of that moment: the demand is `X_WEs * X_EsE`.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub const fn displacement(X_EsE: Pose) -> Self {
+        Self::of(Coordinates::Displacement(X_EsE))
+    }
+
+    /// The joint positions [rad or m], where these are what it says.
+    #[must_use]
+    pub const fn as_joints(&self) -> Option<R::Joints> {
+        match self.coordinates {
+            Coordinates::Joints(q) => Some(q),
+            Coordinates::Hold | Coordinates::Pose(_) | Coordinates::Displacement(_) => None,
+        }
+    }
+
+    /// The pose `X_WE` of the tool in the world, where this is what it says.
+    #[must_use]
+    pub const fn as_pose(&self) -> Option<Pose> {
+        match self.coordinates {
+            Coordinates::Pose(pose) => Some(pose),
+            Coordinates::Hold | Coordinates::Joints(_) | Coordinates::Displacement(_) => None,
+        }
+    }
+
+    /// The displacement `X_EsE`, where this is what it says.
+    #[must_use]
+    pub const fn as_displacement(&self) -> Option<Pose> {
+        match self.coordinates {
+            Coordinates::Displacement(pose) => Some(pose),
+            Coordinates::Hold | Coordinates::Joints(_) | Coordinates::Pose(_) => None,
+        }
+    }
+
+    /// The same demand with the tool moved on by `X_EE'` in its own axes; `None` where it says joint positions or to hold.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn moved_in_tool(mut self, X_EE: &Pose) -> Option<Self> {
+        match &mut self.coordinates {
+            Coordinates::Pose(pose) | Coordinates::Displacement(pose) => *pose *= X_EE,
+            Coordinates::Hold | Coordinates::Joints(_) => return None,
+        }
+        Some(self)
+    }
+
+    /// The same demand for another tool: `X_FE`, the tool frame in the flange frame. It stays in force until
+    /// the next demand with a tool.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub const fn with_tool(mut self, X_FE: Pose) -> Self {
+        self.tool = Some(X_FE);
+        self
+    }
+
+    /// The same pose or displacement with the robot's redundancy at this value: a track's position, an elbow's angle,
+    /// as [`Robot::inverse_at`] of its kind says. Without it the joints stay near those demanded last.
+    #[must_use]
+    pub const fn with_redundancy(mut self, value: f64) -> Self {
+        self.redundancy = Some(value);
+        self
+    }
+
+    /// The same demand with these parameter sets in the regulators of the joints: the dynamic behaviour of the robot.
+    /// They stay in force until the next demand with others, and change when the step of the demand begins, which its
+    /// position follows by the cell's delay; a set that a drive does not have is a fault.
+    #[must_use]
+    pub const fn with_regulators(mut self, sets: Regulators) -> Self {
+        self.regulators = Some(sets);
+        self
+    }
+}
+
+/// The pose `X_WE` of the tool in the world: what can be demanded of every kind of robot.
+#[allow(non_snake_case)]
+impl<R: Robot> From<Pose> for Demand<R> {
+    fn from(X_WE: Pose) -> Self {
+        Demand::pose(X_WE)
+    }
+}
+
+const TOOL: u64 = 1 << 8;
+const REDUNDANCY: u64 = 1 << 9;
+const REGULATORS: u64 = 1 << 10;
+
+impl<R: Robot> Demand<R> {
+    /// The layout depends on the kind of robot through its name and its number of joints.
+    const KIND_LAYOUT: u64 = crate::model::wire::layout_hash(R::Joints::LEN as u64, R::KIND);
+}
+
+impl<R: Robot> Wire for Demand<R> {
+    const LEN: usize = 1 + MAX_JOINTS + 7 + 2;
+    const LAYOUT: u64 = crate::model::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::Demand");
+    const SHAPE: &'static Shape = &Shape::Demand;
+
+    fn put(&self, words: &mut [u64]) {
+        let (head, body) = words.split_at_mut(1);
+        let (body, tool) = body.split_at_mut(MAX_JOINTS);
+        let (tool, choices) = tool.split_at_mut(7);
+        let kind = match &self.coordinates {
+            Coordinates::Hold => 0,
+            Coordinates::Joints(q) => {
+                for (word, q) in body.iter_mut().zip(q.as_slice()) {
+                    *word = q.to_bits();
+                }
+                1
+            }
+            Coordinates::Pose(pose) => {
+                pose.put(body);
+                2
+            }
+            Coordinates::Displacement(pose) => {
+                pose.put(body);
+                3
+            }
+        };
+        head[0] = kind;
+        if let Some(pose) = &self.tool {
+            head[0] |= TOOL;
+            pose.put(tool);
+        }
+        if let Some(redundancy) = self.redundancy {
+            head[0] |= REDUNDANCY;
+            choices[0] = redundancy.to_bits();
+        }
+        if let Some(regulators) = self.regulators {
+            head[0] |= REGULATORS;
+            choices[1] = regulators.to_word();
+        }
+    }
+
+    fn get(words: &[u64]) -> Result<Self, BadWords> {
+        let (&head, body) = words.split_first().ok_or(BadWords)?;
+        if body.len() < MAX_JOINTS + 7 + 2 {
+            return Err(BadWords);
+        }
+        let coordinates = match head & !(TOOL | REDUNDANCY | REGULATORS) {
+            0 => Coordinates::Hold,
+            1 => Coordinates::Joints(R::Joints::from_joints(|i| f64::from_bits(body[i.min(MAX_JOINTS - 1)]))),
+            2 => Coordinates::Pose(Pose::get(body)?),
+            3 => Coordinates::Displacement(Pose::get(body)?),
+            _ => return Err(BadWords),
+        };
+        let tool = if head & TOOL == 0 { None } else { Some(Pose::get(&body[MAX_JOINTS..])?) };
+        let redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(body[MAX_JOINTS + 7]));
+        let regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(body[MAX_JOINTS + 8]));
+        Ok(Demand { coordinates, tool, redundancy, regulators })
+    }
+}

@@ -1,0 +1,116 @@
+//! Generators and conditions: the blanks that a programmer fills in.
+
+use crate::model::class::{Class, Level, Uses};
+use crate::model::fault::Fault;
+use crate::model::image::{Reading, State};
+use crate::model::list::{RobotList, Robots, SensorList};
+use crate::model::payload::{Order, Payload};
+use crate::model::step::{Always, Step, Tick};
+
+/// The effector transfer function of a motion, `f_e*` of eq. 6: computes the demanded next state of every
+/// robot of its list, step by step, until it is done.
+///
+/// The `#[generator]` attribute writes this from a step function; by hand it is as good. Arguments that
+/// [`CLASS`](Generator::CLASS) does not name are not exchanged: they hold what was known before.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no generator",
+    label = "not a generator",
+    note = "a generator with state is passed as its state value, one without as `name {{}}`; write `#[generator(mp)]` or `#[generator(ecp)]` over its step function"
+)]
+pub trait Generator: Sized {
+    /// The robots that it moves: a tuple or an array in an MP, one robot in an ECP.
+    type Robots: Robots<Self::Language>;
+    /// What it tells them: [`Motion`](crate::Motion), a demand for each, or an order's payload.
+    type Language: 'static;
+    /// The virtual sensors that it reads.
+    type Sensors: SensorList;
+    /// The MP's order that it reads, `c0`; `()` for none.
+    type Order: Payload;
+    /// Which arguments it takes.
+    const CLASS: Class;
+    /// Whether it may return [`Step::Done`]; a motion that has no end of its own ends when its ECPs have finished.
+    const ENDS: bool = true;
+
+    /// The demand `e^{i0+1}` from the state at the start.
+    ///
+    /// # Errors
+    /// A [`Fault`] of its own (`f_E`): the motion stops.
+    fn first_step(
+        &mut self,
+        order: &Order<Self::Order>,
+        e: &State<Self::Robots>,
+        v: &Reading<Self::Sensors>,
+        t: Tick,
+    ) -> Result<Step<Self::Robots, Self::Language>, Fault>;
+
+    /// The demand `e^{i+1}`, or the end: the demand computed with the terminal condition is not executed.
+    ///
+    /// # Errors
+    /// A [`Fault`] of its own (`f_E`): the motion stops.
+    fn next_step(
+        &mut self,
+        order: &Order<Self::Order>,
+        e: &State<Self::Robots>,
+        v: &Reading<Self::Sensors>,
+        t: Tick,
+    ) -> Result<Step<Self::Robots, Self::Language>, Fault>;
+}
+
+/// An initial condition of a Wait, `f_I` of eq. 4.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no condition",
+    label = "not a condition",
+    note = "a condition with state is passed as its state value, one without as `name {{}}`; write `#[condition(mp)]` or `#[condition(ecp)]` over its function"
+)]
+pub trait Condition: Sized {
+    /// The robots that it looks at; [`AnyRobots`](crate::AnyRobots) for none.
+    type Robots: RobotList;
+    /// The virtual sensors that it reads.
+    type Sensors: SensorList;
+    /// The MP's order that it reads, `c0`; `()` for none.
+    type Order: Payload;
+    /// Which arguments it takes.
+    const CLASS: Class;
+
+    /// Whether the condition holds.
+    ///
+    /// # Errors
+    /// A [`Fault`] of its own (`f_E`): the Wait ends.
+    fn is_met(
+        &mut self,
+        order: &Order<Self::Order>,
+        e: &State<Self::Robots>,
+        v: &Reading<Self::Sensors>,
+        t: Tick,
+    ) -> Result<bool, Fault>;
+}
+
+/// A constant told in every step: `f**() = const`, the nudge of an MP.
+impl<L: Robots<O>, O: 'static> Generator for Always<L, O> {
+    type Robots = L;
+    type Language = O;
+    type Sensors = ();
+    type Order = ();
+    const CLASS: Class = Class::new(Level::Mp, Uses::NOTHING);
+    const ENDS: bool = false;
+
+    fn first_step(
+        &mut self,
+        _: &Order<()>,
+        _: &State<L>,
+        _: &Reading<()>,
+        _: Tick,
+    ) -> Result<Step<L, O>, Fault> {
+        Ok(Step::Next(self.0))
+    }
+
+    fn next_step(
+        &mut self,
+        _: &Order<()>,
+        _: &State<L>,
+        _: &Reading<()>,
+        _: Tick,
+    ) -> Result<Step<L, O>, Fault> {
+        Ok(Step::Next(self.0))
+    }
+}

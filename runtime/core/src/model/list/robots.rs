@@ -1,0 +1,344 @@
+//! Lists of robots.
+
+use core::fmt;
+use core::ops::Deref;
+
+use crate::model::demand::Demand;
+use crate::model::image::RobotImage;
+use crate::model::name::Name;
+use crate::model::payload::Payload;
+use crate::model::pose::Pose;
+use crate::model::robot::Robot;
+use crate::model::shape::Shape;
+use crate::model::wire::{BadWords, Wire};
+
+/// A list of robots as a step function names it: `Rnt`, `(Rnt, Polycrank)`, `[Irp6; 3]`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no list of robots",
+    label = "not a list of robots",
+    note = "an MP's list is a tuple or an array of robots, a list of one robot needs a comma: `(Rnt,)`; an ECP's list is its robot: `Rnt`"
+)]
+pub trait RobotList: 'static {
+    /// Robots in the list.
+    const LEN: usize;
+
+    /// The images of the robots in the list's form.
+    type Images: Copy;
+
+    /// One value per robot, whatever form the list has: an array of [`LEN`](RobotList::LEN).
+    type Each<T: Copy>: Copy + AsRef<[T]> + AsMut<[T]>;
+
+    /// One value per robot, from the robot's place in the list.
+    fn array<T: Copy>(value: impl FnMut(usize) -> T) -> Self::Each<T>;
+
+    /// Images of robots whose states are not known yet.
+    #[doc(hidden)]
+    fn unknown() -> Self::Images;
+
+    /// Reads the image of robot `i` from a reply.
+    #[doc(hidden)]
+    fn read(images: &mut Self::Images, i: usize, words: &[u64]) -> Result<(), BadWords>;
+
+    /// The poses of the tools, as measured and as demanded last.
+    #[doc(hidden)]
+    fn poses(images: &Self::Images) -> Self::Each<(Pose, Pose)>;
+}
+
+/// What is demanded of a robot of kind `R`: a language of motions.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no language of motions for `{R}`",
+    label = "neither `Motion` nor an order's payload",
+    note = "leave it out to demand states, or derive `Payload` for your order: `#[derive(Clone, Copy, mrroc::Payload)]`"
+)]
+pub trait Language<R>: 'static {
+    /// One demand or order.
+    type Item: Payload;
+}
+
+/// The default language: a [`Demand`] for each robot.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion;
+
+impl<R: Robot> Language<R> for Motion {
+    type Item = Demand<R>;
+}
+
+impl<R: Robot, P: Payload> Language<R> for P {
+    type Item = P;
+}
+
+impl<R: Robot> Payload for Demand<R> {
+    const NAME: &'static str = "Demand";
+    const TIGHT: bool = true;
+}
+
+/// A list of robots that are told something in the language `O`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no list of robots that can be told `{O}`",
+    label = "not a list of robots, or not what they can be told",
+    note = "an MP's list is a tuple or an array of robots, a list of one robot needs a comma: `(Rnt,)`; an ECP's list is its robot: `Rnt`",
+    note = "`Step<L>` tells them what to attain; for `Step<L, Phase>` derive the payload: `#[derive(Clone, Copy, mrroc::Payload)]`"
+)]
+pub trait Robots<O = Motion>: RobotList {
+    /// One demand or order per robot, in the list's form.
+    type Demands: Copy;
+
+    /// Writes what is demanded of robot `i`; returns the identity and tightness of its payload.
+    #[doc(hidden)]
+    fn write(demands: &Self::Demands, i: usize, words: &mut [u64]);
+
+    /// The identity of the payload of robot `i`.
+    #[doc(hidden)]
+    fn payload(i: usize) -> PayloadType;
+}
+
+/// A list of robots each of which can be told a `T` in the language `O`: what a generator for any number of robots asks
+/// of its list. Every list can be told a [`Pose`] per robot, and a payload `P` per robot in the language `P`.
+///
+/// ```
+/// use mrroc::{Demand, Pose, RobotsEach};
+/// use mrroc_robots::{Irp6, Rnt};
+///
+/// let up = |i: usize| Pose::translation(0.0, 0.0, 0.1 * i as f64);
+/// let demands = <(Irp6, Rnt) as RobotsEach<Pose>>::each(up);
+/// assert_eq!(demands.1, Demand::pose(up(1)));
+/// let demands = <[Irp6; 3] as RobotsEach<Pose>>::each(up);
+/// assert_eq!(demands[2], Demand::pose(up(2)));
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no list of robots each of which can be told a `{T}`",
+    label = "not a list of robots, or not what they can be told"
+)]
+pub trait RobotsEach<T, O = Motion>: Robots<O> {
+    /// What is demanded of each robot, from its place in the list.
+    fn each(told: impl FnMut(usize) -> T) -> Self::Demands;
+}
+
+/// What identifies a payload on the wire and in messages.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PayloadType {
+    pub id: u64,
+    pub tight: bool,
+    pub name: &'static str,
+    pub shape: &'static Shape,
+}
+
+impl PayloadType {
+    #[must_use]
+    pub const fn of<P: Payload>() -> PayloadType {
+        PayloadType { id: P::ID, tight: P::TIGHT, name: P::NAME, shape: P::SHAPE }
+    }
+}
+
+impl<R: Robot> RobotList for R {
+    const LEN: usize = 1;
+    type Images = RobotImage<R>;
+
+    fn unknown() -> Self::Images {
+        RobotImage::unknown()
+    }
+
+    fn read(images: &mut Self::Images, _: usize, words: &[u64]) -> Result<(), BadWords> {
+        *images = RobotImage::get(words)?;
+        Ok(())
+    }
+
+    type Each<T: Copy> = [T; 1];
+
+    fn array<T: Copy>(mut value: impl FnMut(usize) -> T) -> [T; 1] {
+        [value(0)]
+    }
+
+    fn poses(images: &Self::Images) -> [(Pose, Pose); 1] {
+        [poses(images)]
+    }
+}
+
+/// The poses of the tool, as measured and as demanded last.
+pub(super) fn poses<R: Robot>(image: &RobotImage<R>) -> (Pose, Pose) {
+    (image.measured().pose, image.demanded().pose)
+}
+
+impl<R: Robot, O: Language<R>> Robots<O> for R {
+    type Demands = O::Item;
+
+    fn write(demands: &Self::Demands, _: usize, words: &mut [u64]) {
+        demands.put(words);
+    }
+
+    fn payload(_: usize) -> PayloadType {
+        PayloadType::of::<O::Item>()
+    }
+}
+
+impl<R: Robot, const N: usize> RobotList for [R; N] {
+    const LEN: usize = N;
+    type Images = [RobotImage<R>; N];
+
+    fn unknown() -> Self::Images {
+        [RobotImage::unknown(); N]
+    }
+
+    fn read(images: &mut Self::Images, i: usize, words: &[u64]) -> Result<(), BadWords> {
+        images[i] = RobotImage::get(words)?;
+        Ok(())
+    }
+
+    type Each<T: Copy> = [T; N];
+
+    fn array<T: Copy>(value: impl FnMut(usize) -> T) -> [T; N] {
+        core::array::from_fn(value)
+    }
+
+    fn poses(images: &Self::Images) -> [(Pose, Pose); N] {
+        images.each_ref().map(poses)
+    }
+}
+
+impl<R: Robot, O: Language<R>, const N: usize> Robots<O> for [R; N] {
+    type Demands = [O::Item; N];
+
+    fn write(demands: &Self::Demands, i: usize, words: &mut [u64]) {
+        demands[i].put(words);
+    }
+
+    fn payload(_: usize) -> PayloadType {
+        PayloadType::of::<O::Item>()
+    }
+}
+
+impl<R: Robot, T: Into<O::Item>, O: Language<R>, const N: usize> RobotsEach<T, O> for [R; N] {
+    fn each(mut told: impl FnMut(usize) -> T) -> [O::Item; N] {
+        core::array::from_fn(|i| told(i).into())
+    }
+}
+
+/// The list of a condition that does not look at the robots: it goes with any handles.
+#[derive(Clone, Copy, Debug)]
+pub struct AnyRobots;
+
+impl RobotList for AnyRobots {
+    const LEN: usize = 0;
+    type Images = ();
+
+    fn unknown() {}
+
+    fn read(_: &mut (), _: usize, _: &[u64]) -> Result<(), BadWords> {
+        Ok(())
+    }
+
+    type Each<T: Copy> = [T; 0];
+
+    fn array<T: Copy>(_: impl FnMut(usize) -> T) -> [T; 0] {
+        []
+    }
+
+    fn poses((): &()) -> [(Pose, Pose); 0] {
+        []
+    }
+}
+
+/// The MP's handle of a robot: what a program passes to Move and Wait, and the robot's image between them.
+///
+/// Dereferences to the [`RobotImage`] of the end of the last Move or Wait that named the robot.
+pub struct RobotHandle<R: Robot> {
+    pub(crate) index: usize,
+    pub(crate) name: Name,
+    pub(crate) image: RobotImage<R>,
+}
+
+impl<R: Robot> RobotHandle<R> {
+    /// The robot's name in the cell.
+    #[must_use]
+    pub const fn name(&self) -> Name {
+        self.name
+    }
+}
+
+impl<R: Robot> Deref for RobotHandle<R> {
+    type Target = RobotImage<R>;
+    fn deref(&self) -> &RobotImage<R> {
+        &self.image
+    }
+}
+
+impl<R: Robot> fmt::Debug for RobotHandle<R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("RobotHandle").field("name", &self.name).field("image", &self.image).finish()
+    }
+}
+
+/// Handles of the robots of the list `L`, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`.
+#[diagnostic::on_unimplemented(
+    message = "these are not the robots of the list `{L}`",
+    label = "the list asks for `{L}`",
+    note = "pass one `&mut` handle for each robot of the list, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`; a single robot needs a comma: `(&mut rnt,)`",
+    note = "a handle is asked for once, by `let mut rnt = mp.robot::<Rnt>(\"rnt\")?`; a motion of an ECP, whose list is `Rnt` alone, is moved by `ecp.move_robot`"
+)]
+pub trait RobotsOf<L: RobotList> {
+    /// An array as long as the list.
+    #[doc(hidden)]
+    type Indices: AsRef<[usize]> + 'static;
+
+    /// Places of the robots in the cell, in the list's order.
+    #[doc(hidden)]
+    fn indices(&self) -> Self::Indices;
+
+    /// The images between instructions.
+    #[doc(hidden)]
+    fn images(&self) -> L::Images;
+
+    /// Reads the image of robot `i` of the list from the last reply.
+    #[doc(hidden)]
+    fn refresh(&mut self, i: usize, words: &[u64]) -> Result<(), BadWords>;
+}
+
+#[diagnostic::do_not_recommend]
+impl<R: Robot, const N: usize> RobotsOf<[R; N]> for [&mut RobotHandle<R>; N] {
+    type Indices = [usize; N];
+
+    fn indices(&self) -> [usize; N] {
+        core::array::from_fn(|i| self[i].index)
+    }
+
+    fn images(&self) -> [RobotImage<R>; N] {
+        core::array::from_fn(|i| self[i].image)
+    }
+
+    fn refresh(&mut self, i: usize, words: &[u64]) -> Result<(), BadWords> {
+        self[i].image = RobotImage::get(words)?;
+        Ok(())
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl<R: Robot, const N: usize> RobotsOf<AnyRobots> for [&mut RobotHandle<R>; N] {
+    type Indices = [usize; N];
+
+    fn indices(&self) -> [usize; N] {
+        core::array::from_fn(|i| self[i].index)
+    }
+
+    fn images(&self) {}
+
+    fn refresh(&mut self, i: usize, words: &[u64]) -> Result<(), BadWords> {
+        self[i].image = RobotImage::get(words)?;
+        Ok(())
+    }
+}
+
+#[diagnostic::do_not_recommend]
+impl RobotsOf<AnyRobots> for () {
+    type Indices = [usize; 0];
+
+    fn indices(&self) -> [usize; 0] {
+        []
+    }
+
+    fn images(&self) {}
+
+    fn refresh(&mut self, _: usize, _: &[u64]) -> Result<(), BadWords> {
+        Ok(())
+    }
+}

@@ -1,0 +1,24 @@
+//! The formal model: robots and their states, demands, orders, readings, generators and conditions, faults.
+//!
+//! In: what a programmer writes. Out: types that the layers above check, send and execute. Nothing here knows a process.
+
+pub(crate) mod class;
+pub(crate) mod demand;
+pub(crate) mod driver;
+pub(crate) mod fault;
+pub(crate) mod generator;
+pub(crate) mod image;
+pub(crate) mod joints;
+pub(crate) mod list;
+pub(crate) mod name;
+pub(crate) mod payload;
+pub(crate) mod plausible;
+pub(crate) mod pose;
+pub(crate) mod robot;
+pub(crate) mod sensor;
+pub(crate) mod shape;
+pub(crate) mod step;
+pub(crate) mod step_fn;
+pub(crate) mod time;
+pub(crate) mod wire;
+pub(crate) mod wrench;

@@ -1,0 +1,77 @@
+//! Names of processes: short, plain, copied without allocation.
+
+use core::fmt;
+
+use crate::model::wire::{BadWords, Wire};
+
+/// The longest name of a robot or a sensor \[bytes\].
+pub const MAX_NAME: usize = 24;
+
+/// The name of a robot or a virtual sensor, as the cell gives it: 1 to 24 bytes of `a-z A-Z 0-9 _ -`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Name {
+    bytes: [u8; MAX_NAME],
+    len: u8,
+}
+
+/// A text that is no [`Name`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no name: write 1 to 24 of the characters a-z A-Z 0-9 _ -")]
+pub struct BadName(pub String);
+
+impl Name {
+    /// Checks and takes a name.
+    ///
+    /// # Errors
+    /// [`BadName`] when the text is empty, too long or holds other characters.
+    pub fn new(text: &str) -> Result<Name, BadName> {
+        let plain = text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+        if !plain || text.is_empty() || text.len() > MAX_NAME {
+            return Err(BadName(text.to_owned()));
+        }
+        let mut bytes = [0; MAX_NAME];
+        bytes[..text.len()].copy_from_slice(text.as_bytes());
+        Ok(Name { bytes, len: text.len() as u8 })
+    }
+
+    /// The name as text.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        core::str::from_utf8(&self.bytes[..usize::from(self.len)]).unwrap_or("?")
+    }
+}
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.as_str())
+    }
+}
+
+impl fmt::Debug for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self.as_str(), f)
+    }
+}
+
+impl Wire for Name {
+    const LEN: usize = MAX_NAME / 8;
+    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "name");
+
+    fn put(&self, words: &mut [u64]) {
+        for (word, chunk) in words.iter_mut().zip(self.bytes.chunks_exact(8)) {
+            *word = chunk.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
+        }
+    }
+
+    fn get(words: &[u64]) -> Result<Self, BadWords> {
+        let words = words.get(..Self::LEN).ok_or(BadWords)?;
+        let mut bytes = [0; MAX_NAME];
+        for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
+            chunk.copy_from_slice(&word.to_le_bytes());
+        }
+        let len = bytes.iter().position(|&b| b == 0).unwrap_or(MAX_NAME);
+        core::str::from_utf8(&bytes[..len])
+            .map_err(|_| BadWords)
+            .and_then(|text| Name::new(text).map_err(|_| BadWords))
+    }
+}

@@ -1,0 +1,98 @@
+//! Virtual sensors: what one computes, and what it is told with each order, `v_l = f_v(c0, c_j, e_j, r)` (eq. 14).
+
+use core::time::Duration;
+
+use crate::model::fault::Fault;
+use crate::model::image::Sensor;
+use crate::model::joints::MAX_JOINTS;
+use crate::model::pose::Pose;
+use crate::model::shape::Shape;
+use crate::model::wire::{BadWords, WORDS, Wire};
+
+/// Words of a reading order that the configuration may take.
+pub(crate) const CONFIGURATION_WORDS: usize = 16;
+
+/// Steps after which a reading is too old to move by.
+pub(crate) const MAX_AGE: u32 = 20;
+
+/// A virtual sensor: holds the raw sensors and computes one reading from them.
+pub trait VirtualSensor: 'static {
+    /// What it reads.
+    type Kind: Sensor;
+
+    /// One aggregated reading for an order.
+    ///
+    /// # Errors
+    /// A [`Fault`] when the raw sensors give nothing to aggregate: the Move or Wait that reads it ends with it.
+    fn aggregate(
+        &mut self,
+        order: &ReadingOrder<<Self::Kind as Sensor>::Configuration>,
+    ) -> Result<<Self::Kind as Sensor>::Reading, Fault>;
+
+    /// Whether it senses a simulated world. Where a cell runs as processes of the operating system, that is in one of its
+    /// own, `plant`, with all simulated drives, and so is this sensor: its VSP passes orders on.
+    fn is_simulated(&self) -> bool {
+        false
+    }
+}
+
+/// What a virtual sensor is told with each order.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadingOrder<C> {
+    /// The requester's configuration, `c0` or `c_j`.
+    pub configuration: C,
+    /// `e_j`: the measured state of the robot that the requester has for this sensor.
+    pub robot: Option<EffectorState>,
+    /// Index of the step.
+    pub step: u64,
+}
+
+/// The measured state of a robot of any kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectorState {
+    /// Joint positions [rad or m]; entries beyond the robot's joints are 0.
+    pub joints: [f64; MAX_JOINTS],
+    /// Joint velocities [rad/s or m/s].
+    pub velocity: [f64; MAX_JOINTS],
+    /// `X_WE`, the pose of the tool in the world.
+    pub pose: Pose,
+}
+
+impl Wire for EffectorState {
+    const LEN: usize = 2 * MAX_JOINTS + 7;
+    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::EffectorState");
+    const SHAPE: &'static Shape = &Shape::Fields(&[
+        ("joints", <[f64; MAX_JOINTS]>::SHAPE),
+        ("velocity", <[f64; MAX_JOINTS]>::SHAPE),
+        ("pose", Shape::POSE),
+    ]);
+
+    fn put(&self, words: &mut [u64]) {
+        self.joints.put(words);
+        self.velocity.put(&mut words[MAX_JOINTS..]);
+        self.pose.put(&mut words[2 * MAX_JOINTS..]);
+    }
+
+    fn get(words: &[u64]) -> Result<Self, BadWords> {
+        let words = words.get(..Self::LEN).ok_or(BadWords)?;
+        Ok(EffectorState {
+            joints: Wire::get(words)?,
+            velocity: Wire::get(&words[MAX_JOINTS..])?,
+            pose: Wire::get(&words[2 * MAX_JOINTS..])?,
+        })
+    }
+}
+
+const _: () = assert!(CONFIGURATION_WORDS + EffectorState::LEN <= WORDS);
+
+/// How a virtual sensor and its requesters keep step, as in MRROC++.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VspMode {
+    /// The requester waits for the reading that it ordered.
+    Interactive,
+    /// The order is taken at once and its reading collected in a later step; unanswered means the older reading.
+    WithDelay,
+    /// The sensor runs freely with this period; each requester takes the latest reading of its own configuration,
+    /// and until it has ordered one, of the default configuration.
+    NonInteractive(Duration),
+}

@@ -1,0 +1,10 @@
+//! What a run shows to those who watch it: recordings, pictures, panels, dry runs.
+//!
+//! In: steps, images, orders, readings and faults, from the process that has them. Out: the same to [`witness`]es; nothing that
+//! a process acts on.
+
+pub mod layout;
+pub mod recording;
+pub mod servo;
+pub mod shown;
+pub mod witness;

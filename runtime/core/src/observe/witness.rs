@@ -1,0 +1,138 @@
+//! What happens in the processes of a cell, shown to those who watch a run: a recording, a dry run, a replay.
+//!
+//! In: every step, order, image, reading and fault, from the process that has it. Out: nothing that a process acts on,
+//! but for one word: the run is [over](Witness::is_over). A run that nobody watches pays a branch.
+
+use std::rc::Rc;
+
+use crate::model::fault::{Fault, FaultWords, ProcessId};
+use crate::model::image::STATE_WORDS;
+use crate::model::time::Nanos;
+use crate::link::message::OrderKind;
+use crate::model::name::Name;
+use crate::model::shape::Shape;
+use crate::model::wire::Wire;
+
+/// Words of what an image is shown as: the demanded state, the measured one, the tool.
+pub(crate) const IMAGE_WORDS: usize = 2 * STATE_WORDS + 7;
+
+/// What happened. The words beside it are named with each.
+#[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "most of it is for recordings"))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum What {
+    /// The MP begins a step; path time and real time of it \[s\], and what the operator wants. No words.
+    Step {
+        step: u64,
+        dt: f64,
+        duration: f64,
+        speed: f64,
+        suspended: bool,
+        aborting: bool,
+        /// He has asked for a protective stop since the step before.
+        stopping: bool,
+        resetting: bool,
+    },
+    /// The operator aborts, after the step began. No words.
+    Abort { step: u64 },
+    /// What took place in the step left no time for more: an MP or ECP had none to begin a motion, a demand came too late
+    /// to its EDP. No words.
+    Late { step: u64 },
+    /// The MP orders; the words of the order, if it has one.
+    Order {
+        robot: Name,
+        step: u64,
+        instruction: u32,
+        kind: OrderKind,
+        payload: &'static str,
+        shape: &'static Shape,
+    },
+    /// The drives of an EDP have found their reference marks. No words.
+    Found { step: u64 },
+    /// An EDP begins a step: [`IMAGE_WORDS`] words.
+    Image { step: u64, mode: Mode },
+    /// A process has collected a reading, taken in another step or in the same one: its words, or those of a fault.
+    Reading { sensor: Name, step: u64, state: ReadingState, taken: u64, shape: &'static Shape },
+    /// A process stops for a fault: its words.
+    Fault { step: u64 },
+    /// The MP's program is over: no words, or those of the fault it ended with.
+    End { step: u64 },
+}
+
+/// What an EDP does in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    Holding,
+    Moving,
+    /// The demand did not come: the path goes on.
+    Bridging,
+    Braking,
+    Off,
+}
+
+/// What a process has collected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ReadingState {
+    /// A reading.
+    There,
+    /// Nothing yet.
+    None,
+    /// The sensor's fault.
+    Fault,
+    /// No answer in time.
+    Lost,
+}
+
+/// Who watches.
+pub(crate) trait Witness {
+    /// A process shows something at a time of the cell.
+    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]);
+
+    /// Whether the cell is to end before this step.
+    fn is_over(&self, _step: u64) -> bool {
+        false
+    }
+}
+
+/// Where a process shows what happens in it.
+#[derive(Clone)]
+pub(crate) struct Tap {
+    process: ProcessId,
+    witnesses: Rc<[Rc<dyn Witness>]>,
+}
+
+impl Tap {
+    /// Shown to these.
+    pub fn to(witnesses: Vec<Rc<dyn Witness>>) -> Tap {
+        Tap { process: ProcessId::MP, witnesses: witnesses.into() }
+    }
+
+    /// The same for another process.
+    pub fn of(&self, process: ProcessId) -> Tap {
+        Tap { process, witnesses: Rc::clone(&self.witnesses) }
+    }
+
+    /// Whether anybody watches.
+    pub fn is_watched(&self) -> bool {
+        !self.witnesses.is_empty()
+    }
+
+    /// Shows something.
+    pub fn show(&self, time: Nanos, what: &What, words: &[u64]) {
+        self.witnesses.iter().for_each(|witness| witness.see(time, self.process, what, words));
+    }
+
+    /// Shows something that is told in the words of a fault, if there is one.
+    pub fn show_fault(&self, time: Nanos, what: &What, fault: Option<&Fault>) {
+        let mut words = [0; FaultWords::LEN];
+        let len = fault.map_or(0, |fault| {
+            FaultWords::from(fault).put(&mut words);
+            FaultWords::LEN
+        });
+        self.show(time, what, &words[..len]);
+    }
+
+    /// Whether the cell is to end before this step.
+    pub fn is_over(&self, step: u64) -> bool {
+        self.witnesses.iter().any(|witness| witness.is_over(step))
+    }
+}

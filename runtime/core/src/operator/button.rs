@@ -1,0 +1,349 @@
+//! The buttons of an operator's console, and what pressing one does to a running cell.
+//!
+//! In: a button, and the state that the cell is in when a step begins. Out: what [`Operator`] is told, or that the state
+//! forbids it. Stop comes before everything else; what would set robots in motion is refused while they stop.
+
+use core::fmt;
+
+use crate::safety::latch::Latch;
+use crate::operator::Operator;
+
+/// A button of the console.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Button {
+    /// All robots stop on their paths, and the cell is latched.
+    Stop,
+    /// All robots stop on their paths, and the instruction ends.
+    Abort,
+    /// All robots stop on their paths, and stand until `Resume`.
+    Suspend,
+    /// Goes on after `Suspend`.
+    Resume,
+    /// The speed as a share of the planned one, 0 to 1.
+    Speed(f64),
+    /// Says that the operator has taken notice of the fault.
+    Acknowledge,
+    /// Lets the programs start again after an acknowledged fault.
+    Reset,
+}
+
+/// A word that is no button.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what}\n help: {help}")]
+pub(crate) struct NoButton {
+    pub what: String,
+    pub help: String,
+}
+
+impl Button {
+    /// How many kinds there are.
+    pub const KINDS: usize = 7;
+
+    /// Their words; the place of one is its kind, and kinds are carried out in this order.
+    pub const WORDS: [&str; Button::KINDS] =
+        ["stop", "abort", "suspend", "resume", "speed", "acknowledge", "reset"];
+
+    /// Its place among the kinds.
+    pub const fn kind(self) -> usize {
+        match self {
+            Button::Stop => 0,
+            Button::Abort => 1,
+            Button::Suspend => 2,
+            Button::Resume => 3,
+            Button::Speed(_) => 4,
+            Button::Acknowledge => 5,
+            Button::Reset => 6,
+        }
+    }
+
+    /// Reads a button's word, and what belongs to it: the speed as `50%` or `50 %`.
+    ///
+    /// # Errors
+    /// [`NoButton`]: what is wrong, and what to write.
+    pub fn read(word: &str, rest: &str) -> Result<Button, NoButton> {
+        let bad = |what: String, help: &str| NoButton { what, help: help.to_owned() };
+        let plain = match word {
+            "stop" => Button::Stop,
+            "abort" => Button::Abort,
+            "suspend" => Button::Suspend,
+            "resume" => Button::Resume,
+            "acknowledge" => Button::Acknowledge,
+            "reset" => Button::Reset,
+            "speed" => {
+                let percent = rest.trim().strip_suffix('%').unwrap_or_default().trim_end();
+                return match percent.parse::<f64>() {
+                    Ok(percent) if (0.0..=100.0).contains(&percent) => Ok(Button::Speed(percent / 100.0)),
+                    _ if rest.trim().is_empty() => {
+                        Err(bad("speed needs a value".to_owned(), "write 0% to 100%: speed 50%"))
+                    }
+                    _ => Err(bad(
+                        format!("`{}` is no speed", rest.escape_default()),
+                        "write 0% to 100%: speed 50%",
+                    )),
+                };
+            }
+            _ => {
+                let help = crate::suggestion::suggestion(word, &Button::WORDS, "there are");
+                return Err(NoButton { what: format!("`{word}` is no button"), help });
+            }
+        };
+        if rest.trim().is_empty() {
+            Ok(plain)
+        } else {
+            Err(bad(format!("`{}` is too much", rest.escape_default()), &format!("write {word} alone")))
+        }
+    }
+
+    /// As two words of a message.
+    pub fn to_words(self) -> [u64; 2] {
+        let value = if let Button::Speed(speed) = self { speed.to_bits() } else { 0 };
+        [self.kind() as u64, value]
+    }
+
+    /// From two words of a message.
+    pub fn from_words([kind, value]: [u64; 2]) -> Option<Button> {
+        let plain = [
+            Button::Stop,
+            Button::Abort,
+            Button::Suspend,
+            Button::Resume,
+            Button::Acknowledge,
+            Button::Reset,
+        ];
+        let speed = Button::Speed(f64::from_bits(value));
+        plain.into_iter().chain([speed]).find(|button| button.kind() as u64 == kind)
+    }
+}
+
+/// `speed 50%`: what [`Button::read`] reads.
+impl fmt::Display for Button {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(Button::WORDS[self.kind()])?;
+        match self {
+            // Without the last digits of the product: 7%, not 7.000000000000001%.
+            Button::Speed(speed) => write!(f, " {}%", (1e11 * speed).round() / 1e9),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What a cell does, as far as it matters to its operator.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum CellState {
+    /// No Move or Wait of the MP is at work.
+    #[default]
+    Idle,
+    /// One is.
+    Running,
+    /// One stands, or is coming to a standstill, until the operator resumes it.
+    Suspended,
+    /// The operator ends one.
+    Aborting,
+    /// All robots stop for good.
+    Stopping,
+    /// They have, and the fault is latched.
+    Latched,
+    /// The operator has taken notice of it.
+    Acknowledged,
+    /// Robots are made ready to start again.
+    Resetting,
+}
+
+impl CellState {
+    /// All of them; one travels as its place in this list.
+    pub const ALL: [CellState; 8] = [
+        CellState::Idle,
+        CellState::Running,
+        CellState::Suspended,
+        CellState::Aborting,
+        CellState::Stopping,
+        CellState::Latched,
+        CellState::Acknowledged,
+        CellState::Resetting,
+    ];
+
+    /// Its word.
+    pub const fn word(self) -> &'static str {
+        match self {
+            CellState::Idle => "idle",
+            CellState::Running => "running",
+            CellState::Suspended => "suspended",
+            CellState::Aborting => "aborting",
+            CellState::Stopping => "stopping",
+            CellState::Latched => "latched",
+            CellState::Acknowledged => "acknowledged",
+            CellState::Resetting => "resetting",
+        }
+    }
+
+    /// Why it refuses a button.
+    pub const fn reason(self, button: Button) -> &'static str {
+        match self {
+            CellState::Acknowledged if matches!(button, Button::Reset) => "the cause of the fault persists",
+            CellState::Idle => "nothing runs",
+            CellState::Running => "it runs",
+            CellState::Suspended => "it is suspended",
+            CellState::Aborting => "it is being aborted",
+            CellState::Stopping => "it is stopping",
+            CellState::Latched => "it has stopped for a fault, which is not acknowledged",
+            CellState::Acknowledged => "it has stopped for a fault, which is not reset",
+            CellState::Resetting => "it is being reset",
+        }
+    }
+}
+
+/// What became of a button that was pressed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Answer {
+    /// The number that it was pressed under; 0 for none.
+    pub number: u64,
+    /// The step that carried it out or refused it.
+    pub step: u64,
+    /// The state that the cell was in when it was pressed.
+    pub state: CellState,
+    /// Whether it was carried out.
+    pub done: bool,
+}
+
+impl Operator {
+    /// Carries out a button in a state of the cell; whether it was. Pressed twice it changes nothing more.
+    pub(crate) fn press(&self, button: Button, state: CellState) -> bool {
+        use CellState::{Aborting, Acknowledged, Latched, Running, Suspended};
+        match (button, state) {
+            (Button::Stop, state) => {
+                // Latched, the cell has stopped: a stop kept for later would stop it after its reset.
+                if !matches!(state, Latched | Acknowledged) {
+                    self.protective_stop();
+                }
+                true
+            }
+            (Button::Abort, Running | Suspended | Aborting) => {
+                self.abort();
+                self.is_aborting()
+            }
+            (Button::Suspend, Running | Suspended) => {
+                self.suspend();
+                true
+            }
+            (Button::Resume, Suspended) => {
+                self.resume();
+                true
+            }
+            (Button::Speed(speed), _) => self.set_speed(speed).is_ok(),
+            (Button::Acknowledge, _) => self.acknowledge().is_ok(),
+            (Button::Reset, _) => self.reset().is_ok(),
+            (Button::Abort | Button::Suspend | Button::Resume, _) => false,
+        }
+    }
+
+    /// The state of a cell.
+    pub(crate) fn state(&self) -> CellState {
+        match self.latch() {
+            Latch::Clear => {}
+            Latch::Stopping => return CellState::Stopping,
+            Latch::Latched => return CellState::Latched,
+            Latch::Acknowledged => return CellState::Acknowledged,
+            Latch::Resetting => return CellState::Resetting,
+        }
+        match (self.is_aborting(), self.is_suspended(), self.is_running()) {
+            (true, ..) => CellState::Aborting,
+            (_, true, _) => CellState::Suspended,
+            (.., true) => CellState::Running,
+            (.., false) => CellState::Idle,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::latch::Event;
+
+    const ALL: [Button; Button::KINDS] = [
+        Button::Stop,
+        Button::Abort,
+        Button::Suspend,
+        Button::Resume,
+        Button::Speed(0.5),
+        Button::Acknowledge,
+        Button::Reset,
+    ];
+
+    #[test]
+    fn every_button_is_read_as_it_is_written_and_sent_as_it_is() {
+        for (kind, button) in ALL.into_iter().enumerate() {
+            assert_eq!(button.kind(), kind);
+            let text = button.to_string();
+            let (word, rest) = text.split_once(' ').unwrap_or((&text, ""));
+            assert_eq!(Button::read(word, rest), Ok(button));
+            assert_eq!(Button::from_words(button.to_words()), Some(button));
+        }
+        assert_eq!(Button::read("speed", "12.5 %"), Ok(Button::Speed(0.125)));
+        assert_eq!(Button::from_words([7, 0]), None);
+        for (word, rest, told) in [
+            ("speed", "50", "write 0% to 100%"),
+            ("speed", "101%", "write 0% to 100%"),
+            ("speed", "NaN%", "write 0% to 100%"),
+            ("speed", "", "write 0% to 100%"),
+            ("suspnd", "", "did you mean `suspend`?"),
+            ("stop", "now", "write stop alone"),
+        ] {
+            let error = Button::read(word, rest).expect_err("no button").to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+
+    /// An operator of a cell in this state.
+    fn operator(state: CellState) -> Operator {
+        let operator = Operator::new();
+        let events = [Event::Fault, Event::Standstill, Event::Acknowledge, Event::Reset { pressed: true }];
+        let met = match state {
+            CellState::Idle => 0,
+            CellState::Running | CellState::Suspended | CellState::Aborting => {
+                operator.begin();
+                match state {
+                    CellState::Suspended => operator.suspend(),
+                    CellState::Aborting => operator.abort(),
+                    _ => {}
+                }
+                0
+            }
+            CellState::Stopping => 1,
+            CellState::Latched => 2,
+            CellState::Acknowledged => 3,
+            CellState::Resetting => 4,
+        };
+        events[..met].iter().for_each(|&event| operator.meet(event).expect("in this order"));
+        assert_eq!(operator.state(), state);
+        operator
+    }
+
+    /// Row 36: what each button does in each state, as SAFETY.md's stop categories say it.
+    #[test]
+    fn fault_36_a_button_that_contradicts_the_state_of_the_cell_is_refused() {
+        use CellState::{Aborting, Acknowledged, Latched, Running, Suspended};
+        let all = CellState::ALL;
+        for (button, allowed) in [
+            (Button::Stop, &all[..]),
+            (Button::Abort, &[Running, Suspended, Aborting]),
+            (Button::Suspend, &[Running, Suspended]),
+            (Button::Resume, &[Suspended]),
+            (Button::Speed(0.5), &all),
+            (Button::Speed(f64::NAN), &[]),
+            (Button::Acknowledge, &[Latched, Acknowledged]),
+            (Button::Reset, &[Acknowledged]),
+        ] {
+            let carried_out = |&state: &CellState| operator(state).press(button, state);
+            assert_eq!(all.into_iter().filter(carried_out).collect::<Vec<_>>(), allowed, "{button}");
+        }
+    }
+
+    #[test]
+    fn a_stop_is_heard_once_and_none_is_kept_for_after_a_reset() {
+        let running = operator(CellState::Running);
+        assert!(running.press(Button::Stop, CellState::Running));
+        assert_eq!((running.take_protective_stop(), running.take_protective_stop()), (true, false));
+        let latched = operator(CellState::Latched);
+        assert!(latched.press(Button::Stop, CellState::Latched) && !latched.take_protective_stop());
+    }
+}

@@ -1,0 +1,244 @@
+//! The operator: suspend, resume, abort, stop, speed; and after a fault acknowledge, reset.
+
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::model::fault::Fault;
+use crate::safety::latch::{Event, Latch, LatchRefusal, Latching};
+
+/// The operator's handle of a cell. It may be cloned and used from any thread.
+///
+/// Speed and Suspend scale the path time of every step with a bounded change of rate, so that the robots slow
+/// down on their paths; Abort stops on the path too and then ends the instruction with a fault; Stop ends the cell so.
+///
+/// After a fault stop the cell is latched. One that [awaits a reset](crate::AfterFault) starts its programs again when
+/// its operator has acknowledged the fault and then pressed the reset:
+///
+/// ```
+/// # use mrroc::{Latch, Operator};
+/// # fn react(operator: &Operator) -> Result<(), mrroc::LatchRefusal> {
+/// if let (Latch::Latched, Some(fault)) = (operator.latch(), operator.fault()) {
+///     println!("{fault}");
+///     operator.acknowledge()?;
+///     operator.reset()?;
+/// }
+/// # Ok(()) }
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Operator {
+    panel: Arc<Panel>,
+}
+
+#[derive(Debug, Default)]
+struct Panel {
+    /// Bits of the speed, counted from those of full speed, which is the default.
+    speed: AtomicU64,
+    suspended: AtomicBool,
+    /// One of the stages below.
+    stage: AtomicU8,
+    /// A [`Latching`] in one word.
+    latching: AtomicU8,
+    /// What is latched. Written at standstill alone.
+    report: Mutex<Report>,
+    given_up: AtomicBool,
+    /// A protective stop that the MP has not seen yet.
+    protective: AtomicBool,
+}
+
+/// What an operator is told of a latched cell.
+#[derive(Debug, Default)]
+struct Report {
+    cause: Option<Fault>,
+    persisting: Option<Fault>,
+}
+
+/// No Move or Wait of the MP is at work.
+const IDLE: u8 = 0;
+/// One is.
+const RUNNING: u8 = 1;
+/// The operator aborts it.
+const ABORTING: u8 = 2;
+
+/// The bits of full speed.
+const FULL: u64 = 1.0_f64.to_bits();
+
+/// A speed that is no share of the planned one.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("speed {0} is not within 0 to 1 (0 to 100 % of the plan)")]
+pub struct BadSpeed(pub f64);
+
+impl Operator {
+    pub(crate) fn new() -> Operator {
+        Operator::default()
+    }
+
+    /// Sets the speed as a share of the planned one, 0 to 1.
+    ///
+    /// # Errors
+    /// [`BadSpeed`] when it is not; the speed stays as it was.
+    pub fn set_speed(&self, speed: f64) -> Result<(), BadSpeed> {
+        if !(0.0..=1.0).contains(&speed) {
+            return Err(BadSpeed(speed));
+        }
+        self.panel.speed.store(speed.to_bits() ^ FULL, Ordering::Release);
+        Ok(())
+    }
+
+    /// The speed that is set.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        f64::from_bits(self.panel.speed.load(Ordering::Acquire) ^ FULL)
+    }
+
+    /// Stops all robots on their paths; the instruction goes on at [`resume`](Operator::resume).
+    pub fn suspend(&self) {
+        self.panel.suspended.store(true, Ordering::Release);
+    }
+
+    /// Continues a suspended instruction.
+    pub fn resume(&self) {
+        self.panel.suspended.store(false, Ordering::Release);
+    }
+
+    /// Stops all robots on their paths and ends the present instruction with a fault of kind `Aborted`.
+    ///
+    /// Refused while nothing [runs](Operator::is_running): there is nothing to abort, and the next instruction is
+    /// not aborted for it. Pressed again while it is being carried out, it changes nothing.
+    pub fn abort(&self) {
+        let _ = self.panel.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
+    /// be aborted.
+    #[must_use]
+    pub fn is_running(&self) -> bool {
+        self.panel.stage.load(Ordering::Acquire) != IDLE
+    }
+
+    /// Whether the cell is suspended.
+    #[must_use]
+    pub fn is_suspended(&self) -> bool {
+        self.panel.suspended.load(Ordering::Acquire)
+    }
+
+    /// Stops all robots on their paths and latches the cell, as a guard's protective stop does. It has priority over whatever
+    /// else is asked: pressed between two instructions it lets the next one move nothing, pressed during a reset it ends that.
+    pub fn protective_stop(&self) {
+        self.panel.protective.store(true, Ordering::Release);
+    }
+
+    /// The protective stop that was pressed since it was asked for last.
+    pub(crate) fn take_protective_stop(&self) -> bool {
+        self.panel.protective.swap(false, Ordering::AcqRel)
+    }
+
+    /// Where the cell is between a fault and its restart.
+    #[must_use]
+    pub fn latch(&self) -> Latch {
+        Latching::from_word(self.panel.latching.load(Ordering::Acquire)).latch
+    }
+
+    /// The first cause of the stop, once the robots stand.
+    #[must_use]
+    pub fn fault(&self) -> Option<Fault> {
+        self.report(|report| report.cause.clone())
+    }
+
+    /// What forbids a reset, or made the last one fail: a process that does not answer, a robot that moves, a drive that
+    /// does not come on again, what a guard sees.
+    #[must_use]
+    pub fn persisting(&self) -> Option<Fault> {
+        self.report(|report| report.persisting.clone())
+    }
+
+    /// Acknowledges the fault that is latched. Nothing moves by it.
+    ///
+    /// # Errors
+    /// [`LatchRefusal`]: there is none, or the robots do not stand yet.
+    pub fn acknowledge(&self) -> Result<(), LatchRefusal> {
+        self.meet(Event::Acknowledge)
+    }
+
+    /// Resets an acknowledged fault, as a button that is pressed and let go: drives come on where the robots are, and the
+    /// programs start again from their first line. Nothing moves before a program orders it. Where a reset fails, the cell
+    /// is latched again: see [`persisting`](Operator::persisting).
+    ///
+    /// # Errors
+    /// [`LatchRefusal`]: why it does nothing.
+    pub fn reset(&self) -> Result<(), LatchRefusal> {
+        let pressed = self.press_reset(true);
+        if pressed != Err(LatchRefusal::Held) {
+            self.press_reset(false)?;
+        }
+        pressed
+    }
+
+    /// The level of a reset button, for whom has one: what counts is its rising edge after the acknowledgement.
+    ///
+    /// # Errors
+    /// [`LatchRefusal`]: why pressing it does nothing; it has to be let go and pressed again.
+    pub fn press_reset(&self, pressed: bool) -> Result<(), LatchRefusal> {
+        self.meet(Event::Reset { pressed })
+    }
+
+    /// Ends a cell that awaits a reset: it returns with the first cause. Before a fault it makes the next one end the cell.
+    pub fn give_up(&self) {
+        self.panel.given_up.store(true, Ordering::Release);
+    }
+
+    pub(crate) fn has_given_up(&self) -> bool {
+        self.panel.given_up.load(Ordering::Acquire)
+    }
+
+    /// Something happened to the latch.
+    pub(crate) fn meet(&self, event: Event) -> Result<(), LatchRefusal> {
+        let latching = &self.panel.latching;
+        let mut word = latching.load(Ordering::Acquire);
+        loop {
+            let (next, outcome) = Latching::from_word(word).meet(event);
+            match latching.compare_exchange(word, next.to_word(), Ordering::AcqRel, Ordering::Acquire) {
+                Ok(_) => return outcome,
+                Err(other) => word = other,
+            }
+        }
+    }
+
+    /// All robots stand for a cause, or as far as they can be brought to.
+    pub(crate) fn show_cause(&self, cause: &Fault) {
+        self.report(|report| report.cause = Some(cause.clone()));
+    }
+
+    /// What forbids a reset now, or made the last one fail.
+    pub(crate) fn show_persisting(&self, persisting: Option<Fault>) {
+        self.report(|report| report.persisting = persisting);
+    }
+
+    /// The programs start again: nothing is latched any more.
+    pub(crate) fn forget(&self) {
+        self.report(|report| *report = Report::default());
+    }
+
+    fn report<T>(&self, look: impl FnOnce(&mut Report) -> T) -> T {
+        // A report is whole whatever a thread that held it did.
+        look(&mut self.panel.report.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    pub(crate) fn is_aborting(&self) -> bool {
+        self.panel.stage.load(Ordering::Acquire) == ABORTING
+    }
+
+    /// An instruction begins, or takes over from the one before it with its abort.
+    pub(crate) fn begin(&self) {
+        let _ = self.panel.stage.compare_exchange(IDLE, RUNNING, Ordering::AcqRel, Ordering::Acquire);
+    }
+
+    /// The instruction is over, at standstill; whether it was being aborted.
+    pub(crate) fn end(&self) -> bool {
+        self.panel.stage.swap(IDLE, Ordering::AcqRel) == ABORTING
+    }
+
+    /// The rate that the operator wants now.
+    pub(crate) fn wanted_rate(&self) -> f64 {
+        if self.is_suspended() || self.is_aborting() { 0.0 } else { self.speed() }
+    }
+}

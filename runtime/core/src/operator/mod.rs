@@ -1,0 +1,11 @@
+//! The operator: what a person may ask of a running cell, and what he is shown of it.
+//!
+//! [`Operator`] is the handle in the program, [`button`] what a console sends, [`state`] what an MP shows, [`console`] how
+//! an MP meets either.
+
+pub mod button;
+pub mod console;
+mod handle;
+pub mod state;
+
+pub use handle::{BadSpeed, Operator};

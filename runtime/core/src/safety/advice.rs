@@ -1,0 +1,142 @@
+//! What to do about a fault: a sentence for the person at the terminal.
+
+use crate::model::fault::{BY_OPERATOR, Fault, FaultKind, Role};
+use crate::safety::limits::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
+
+impl Fault {
+    /// What to do about it, where its kind alone tells.
+    #[must_use]
+    pub fn help(&self) -> Option<&'static str> {
+        use FaultKind as K;
+        let demanded = match self.kind() {
+            K::DemandOutOfRange => {
+                "keep the motion within the joint's limits: a joint must always be able to stop before them"
+            }
+            K::DemandedVelocity => {
+                "move slower: give the motion more time, or its profile a lower velocity; near a singularity joints turn \
+                 fast for a slow tool"
+            }
+            K::DemandedAcceleration | K::DemandedJerk if self.is_of_first_demand() => {
+                return Some(
+                    "begin at rest and where the robot is: use a profile that starts slowly, and a first step, \
+                     `#[generator(.., first = begin)]`, that takes `e: &State<..>` and starts from `e.demanded()`",
+                );
+            }
+            K::DemandedAcceleration => {
+                "accelerate less: begin and end at rest, give the motion more time, and let no demand jump"
+            }
+            K::DemandedJerk => {
+                "change the acceleration more slowly: use a smoother profile, or give the motion more time"
+            }
+            K::NoInverseKinematics if self.message() == DISAGREEMENT => {
+                return Some(
+                    "mend the robot's model: `inverse(forward(q), q)` must give `q`; test it for some positions in the limits",
+                );
+            }
+            K::NoInverseKinematics if self.message().starts_with(NOT_ATTAINABLE) => {
+                "demand a pose that the joints can give: the message names the direction in which the robot does not move"
+            }
+            K::NoInverseKinematics if self.message() == NOT_REDUNDANT => {
+                return Some(
+                    "leave `with_redundancy` out: the kind of robot has as many joints as a pose asks for",
+                );
+            }
+            K::NoInverseKinematics if self.message().starts_with(NOT_FOUND) => {
+                "demand poses close to each other: the search begins at the joints demanded last and keeps their limits; for \
+                 a far goal, demand joints"
+            }
+            K::NoInverseKinematics if self.excess().is_none() => {
+                "demand a pose that the robot can take: go round the singularity, or demand joints there"
+            }
+            K::NoInverseKinematics => {
+                "demand a pose that the arm reaches: the picture shows how far it got, the message how far it reaches"
+            }
+            K::DemandNotFinite => {
+                return Some(
+                    "the step function returned NaN or infinity: look for a division by zero or a root of less than 0",
+                );
+            }
+            K::DemandInvalidFrame => {
+                return Some(
+                    "build the rotation with UnitQuaternion::from_axis_angle, or mrroc::Zyz and mrroc::AngleAxis",
+                );
+            }
+            K::PayloadMismatch => {
+                return Some(
+                    "let the generator that the MP moves by and the `obey` of the ECP name the same type of order",
+                );
+            }
+            K::FinishedEarly => {
+                return Some(
+                    "a struct order is tight, and only the MP ends its motion: end it there, or make the order an enum",
+                );
+            }
+            K::FollowingError if self.excess().is_some_and(|excess| !excess.actual.is_finite()) => {
+                return Some(
+                    "what the driver's `tick` returned is no position: look at how it reads the encoders",
+                );
+            }
+            K::FollowingError => {
+                return Some(
+                    "the drives do not follow: move slower, or look for what holds the joint; a driver of your own returns from \
+                     `tick` what its encoders read after `demanded` was handed to the drives",
+                );
+            }
+            K::StartPoseMismatch if self.is_of_first_demand() => BEGIN,
+            K::StartPoseMismatch => {
+                return Some(
+                    "something moved the robot between two motions: look at its drives; a driver of your own holds where it was \
+                     last demanded to be",
+                );
+            }
+            K::GeneratorPanicked => {
+                return Some(
+                    "the line that panicked is printed above: let it return `Err(Fault::thrown(\"..\"))` there, in a `Result`; a \
+                     reading is None until the sensor has answered: write `is_some_and` or `match`",
+                );
+            }
+            K::NoRegulator => {
+                return Some(
+                    "choose a parameter set that the driver's `has_regulator` knows; set 0 is always there",
+                );
+            }
+            K::DriveFault => return Some("look at the drive: clear what tripped it, then start again"),
+            K::PeerLost if self.process().is_some_and(|process| process.role == Role::Vsp) => {
+                return Some(
+                    "the sensor answers later than a step allows: write mode = \"with delay\" in its table of cell.toml, or let \
+                     `aggregate` take less time",
+                );
+            }
+            K::SensorStale | K::SensorFailed => {
+                return Some(
+                    "look at the virtual sensor: `aggregate` must answer, and in time for the motions that read it",
+                );
+            }
+            K::Overrun => {
+                return Some(
+                    "the machine gives its processes too little time: see `doctor`; write a [realtime] table or a longer step_ms in \
+                     cell.toml",
+                );
+            }
+            K::TimedOut => {
+                return Some("allow the Wait more steps, or handle the time-out: match on `Fault::kind`");
+            }
+            K::ProtectiveStop if self.message() == BY_OPERATOR => return None,
+            K::ProtectiveStop => {
+                return Some("what the guard of the cell allows is written where `Cell::guard` is called");
+            }
+            K::Config
+            | K::Program
+            | K::Aborted
+            | K::InstructionEnded
+            | K::PeerLost
+            | K::StoppedByCell
+            | K::CellClosed
+            | K::Message => return None,
+        };
+        Some(if self.is_of_first_demand() { BEGIN } else { demanded })
+    }
+}
+
+const BEGIN: &str = "begin where the robot is: write a first step, `#[generator(.., first = begin)]`, that takes `e: &State<..>` and \
+     starts from `e.demanded()`, in an MP from `e.0.demanded()`, `e.1.demanded()` ..";

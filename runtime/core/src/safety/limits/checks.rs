@@ -1,0 +1,163 @@
+//! Limits that a state must keep, and where the robot would stand if its demands were lost there.
+//!
+//! In: a state for the end of a step. Out: the first limit that it breaks, by joint and value.
+
+use crate::safety::braking::stopping_distance;
+use crate::model::fault::{Fault, FaultKind};
+use crate::model::joints::JointVector;
+use crate::model::robot::{CoupledLimit, Limits, Robot};
+
+use super::{Acceptor, RELATIVE, ROUND_OFF};
+
+/// Where a robot would stand if its demands were lost now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Standstill<J> {
+    pub(super) position: J,
+    /// A time for the way there in which no joint is faster than at its beginning \[s\].
+    pub(super) time: f64,
+}
+
+impl<R: Robot> Acceptor<R> {
+    /// The velocity of a step to a position, within all limits; `held` is the velocity that is held when the demands after it
+    /// are lost, the step's own where there is none.
+    pub(super) fn velocity_to(
+        &self,
+        position: &R::Joints,
+        held: Option<&R::Joints>,
+        duration: f64,
+    ) -> Result<R::Joints, Fault> {
+        // The joints may be those of a robot's own `inverse`.
+        if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
+            return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
+        }
+        let velocity = (*position - self.position) * duration.recip();
+        let acceleration = (velocity - self.velocity) * duration.recip();
+        let stop = self.check(position, &velocity, held.unwrap_or(&velocity), &acceleration, duration)?;
+        self.check_coupled(position, &stop, duration)?;
+        Ok(velocity)
+    }
+
+    /// Limits that joints share, on the way to a position and from there to the standstill.
+    fn check_coupled(
+        &self,
+        position: &R::Joints,
+        stop: &Standstill<R::Joints>,
+        duration: f64,
+    ) -> Result<(), Fault> {
+        let coupled = |limit: CoupledLimit| {
+            let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
+            fault.exceeds(limit.actual, limit.limit, limit.unit)
+        };
+        self.robot.check_coupled(&self.position, position, duration).map_err(coupled)?;
+        if stop.time > 0.0 {
+            self.robot.check_coupled(position, &stop.position, stop.time).map_err(coupled)?;
+        }
+        Ok(())
+    }
+
+    /// Whether the joints may go this way [rad or m] in `duration` \[s\].
+    pub fn check_way(&self, way: &R::Joints, duration: f64) -> Result<(), Fault> {
+        for i in 0..R::Joints::LEN {
+            let (speed, limit) = (way[i].abs() / duration, self.robot.limits().velocity[i]);
+            // A NaN is no small speed.
+            let is_small = speed <= limit * (1.0 + RELATIVE) + ROUND_OFF / duration;
+            if !is_small {
+                let fault = Fault::new(FaultKind::DemandedVelocity).at_joint(i).text("between two demands");
+                return Err(fault.exceeds(speed, limit, self.robot.joint(i).unit(1)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Position `q`, velocity `v` and acceleration `a` against the limits; `held` is the velocity that is held when
+    /// the next demands are lost.
+    pub(super) fn check(
+        &self,
+        q: &R::Joints,
+        v: &R::Joints,
+        held: &R::Joints,
+        a: &R::Joints,
+        duration: f64,
+    ) -> Result<Standstill<R::Joints>, Fault> {
+        let mut stop = Standstill { position: *q, time: 0.0 };
+        let limits: &Limits<R::Joints> = self.robot.limits();
+        let per_second = duration.recip();
+        let slack = |limit: f64, round_off: f64| limit * (1.0 + RELATIVE) + round_off;
+        let starting = self.starting && self.is_at_rest();
+        // Without a jerk limit all joints brake in the time that the slowest to stop needs.
+        let faster = |i: usize| v[i].abs().max(held[i].abs());
+        let stop_time = (0..R::Joints::LEN).map(|i| faster(i) / limits.acceleration[i]).fold(0.0, f64::max);
+        for i in 0..R::Joints::LEN {
+            let round_off = ROUND_OFF * q[i].abs().max(1.0);
+            let excess = |kind, actual: f64, limit: f64, unit| {
+                Fault::new(kind).at_joint(i).exceeds(actual, limit, unit)
+            };
+            let speed_limit = limits.velocity[i];
+            if v[i].abs() > slack(speed_limit, round_off * per_second) {
+                if starting {
+                    // A first demand a whole jump away is not a fast motion but a wrong start.
+                    let (jump, way) = (v[i].abs() * duration, speed_limit * duration);
+                    let fault = excess(FaultKind::StartPoseMismatch, jump, way, self.robot.joint(i).unit(0));
+                    return Err(
+                        fault.text("the first demand jumps; begin at `e.demanded()`, as in `first = ..`")
+                    );
+                }
+                return Err(excess(
+                    FaultKind::DemandedVelocity,
+                    v[i].abs(),
+                    speed_limit,
+                    self.robot.joint(i).unit(1),
+                ));
+            }
+            let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
+            let limit = limits.acceleration[i];
+            // The velocity once its demands have been lost: an acceleration fades, or the path's is held. It may be the
+            // other way round than the velocity now, as where a joint is just about to turn.
+            let kept = jerk_limit.map_or(held[i], |jerk| v[i] + a[i] * a[i].abs() / (2.0 * jerk));
+            let lost = v[i].abs().max(kept.abs());
+            let braking = match jerk_limit {
+                Some(jerk) => {
+                    let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
+                    from(v[i], a[i]).max(from(kept, 0.0))
+                }
+                None => 0.5 * lost * stop_time,
+            };
+            let distance = braking + lost * self.reaction;
+            let (lower, upper) = (limits.lower[i] - round_off, limits.upper[i] + round_off);
+            stop.position[i] = q[i] + distance.copysign(if kept.abs() > v[i].abs() { kept } else { v[i] });
+            if lost > 0.0 {
+                stop.time = stop.time.max(distance / lost);
+            }
+            let highest = if v[i].max(kept) > 0.0 { q[i] + distance } else { q[i] };
+            let lowest = if v[i].min(kept) < 0.0 { q[i] - distance } else { q[i] };
+            let out_of_range =
+                |reach, limit| excess(FaultKind::DemandOutOfRange, reach, limit, self.robot.joint(i).unit(0));
+            if highest > upper {
+                return Err(out_of_range(highest, limits.upper[i]));
+            }
+            if lowest < lower {
+                return Err(out_of_range(lowest, limits.lower[i]));
+            }
+            if a[i].abs() > slack(limit, 4.0 * round_off * per_second * per_second) {
+                return Err(excess(
+                    FaultKind::DemandedAcceleration,
+                    a[i].abs(),
+                    limit,
+                    self.robot.joint(i).unit(2),
+                ));
+            }
+            if let Some(limit) = jerk_limit {
+                let jerk = (a[i] - self.acceleration[i]) * per_second;
+                if jerk.abs() > slack(limit, 8.0 * round_off * per_second * per_second * per_second) {
+                    return Err(excess(
+                        FaultKind::DemandedJerk,
+                        jerk.abs(),
+                        limit,
+                        self.robot.joint(i).unit(3),
+                    ));
+                }
+            }
+        }
+        Ok(stop)
+    }
+}

@@ -1,0 +1,74 @@
+//! How robots that move together come back onto their path when all of them had no demand.
+//!
+//! In: the screws of the path before and over the time without demands. Out: the displacement of the body from its path, in
+//! the world, step by step until there is none. All arms of one body know these screws, each by its own flange
+//! ([`together`](crate::safety::screw)), so all of them are displaced alike and keep their relative pose.
+
+use crate::model::pose::Pose;
+use crate::safety::screw::Screw;
+
+/// Steps of the way back for each step's acceleration of the path that the robots are too fast by. The first acceleration on
+/// the way back is `4/50` of the path's, and a little for the displacement itself: a path of nine tenths of a limit leaves it.
+const STEPS: f64 = 50.0;
+
+/// A way back: a cubic of the displacement, from what bridging left to rest at none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rejoining {
+    /// The displacement at the last bridged step, and its change in that step.
+    from: Screw,
+    change: Screw,
+    /// The path's screw in the step of the late demand, and the largest change of such a screw in a step since the robots
+    /// left the path.
+    path: Screw,
+    bend: f64,
+    /// Steps since, and in all.
+    step: f64,
+    steps: f64,
+}
+
+impl Rejoining {
+    /// After `missed` steps bridged by the screw `last` of the path, in a time in which the path has gone by `over`, from the
+    /// way back on which the robots were.
+    pub fn after(known: Option<&Rejoining>, last: Screw, over: Screw, missed: f64) -> Rejoining {
+        // Both are screws of the middles of their times: the path's changes by this in each step.
+        let bend = (over * (1.0 + missed).recip() - last) * (0.5 * (missed + 2.0)).recip();
+        let (mut from, mut change) = (bend * (-0.5 * missed * (missed + 1.0)), bend * -missed);
+        let path = last + bend * (missed + 1.0);
+        let mut bend = bend.size();
+        if let Some(known) = known {
+            (from, change) =
+                (from + known.offset(known.step) + known.change() * missed, change + known.change());
+            bend = bend.max(known.bend);
+        }
+        // One that does not bend comes to no offset.
+        let steps = if bend > 0.0 { STEPS * (change.size() / bend).max(1.0) } else { 1.0 };
+        Rejoining { from, change, path, bend, step: 1.0, steps }
+    }
+
+    /// So many steps later, unless it is over.
+    pub fn advanced(&self, steps: f64) -> Option<Rejoining> {
+        let step = self.step + steps;
+        (step < self.steps).then_some(Rejoining { step, ..*self })
+    }
+
+    /// From the path to where the robots are, in the world.
+    pub fn displacement(&self) -> Pose {
+        self.offset(self.step).part(1.0)
+    }
+
+    /// By how much that changed in the last step.
+    pub fn change(&self) -> Screw {
+        self.offset(self.step) - self.offset(self.step - 1.0)
+    }
+
+    /// The path's last screw, of the step of the late demand: later ones are those of the demands.
+    pub fn path_screw(&self) -> Option<Screw> {
+        (self.step == 1.0).then_some(self.path)
+    }
+
+    fn offset(&self, step: f64) -> Screw {
+        let u = step / self.steps;
+        let rest = 1.0 - u;
+        self.from * ((1.0 + 2.0 * u) * rest * rest) + self.change * (step * rest * rest)
+    }
+}

@@ -1,0 +1,210 @@
+//! What arms that move together have in common: the screw of a step, and the law by which they brake on it.
+//!
+//! In: two poses of an arm's flange, one step apart; the law that the MP sent to all arms with the order of that step.
+//! Out: where the flange is to be in the steps that follow without one. Where arms carry one rigid body, the displacement of
+//! a step in the world,
+//!
+//! ```text
+//! D = X_WF(k) X_WF(k-1)^-1 = X_WB(k) X_BF X_BF^-1 X_WB(k-1)^-1 = X_WB(k) X_WB(k-1)^-1
+//! ```
+//!
+//! does not depend on where an arm holds it: each of them knows the body's motion by its own. So arms that go on by `D^s`
+//! with one sequence of `s` keep their relative pose, whoever else of the cell is gone.
+
+use core::ops::{Add, Mul, Sub};
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use crate::safety::rate::{Feed, RateHeadroom};
+use crate::safety::braking::BrakingLaw;
+use crate::model::pose::Pose;
+
+/// The displacement of a step in the world, as a rotation vector \[rad\] and the twist's way \[m\]: `D = exp(turn, way)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Screw {
+    turn: Vector3<f64>,
+    way: Vector3<f64>,
+}
+
+impl Screw {
+    /// That leads from one pose to another one.
+    pub fn between(from: &Pose, to: &Pose) -> Screw {
+        #[allow(non_snake_case)]
+        let D = to * from.inverse();
+        let turn = D.rotation.scaled_axis();
+        let t = D.translation.vector;
+        // V(turn)^-1 t (Murray, Li, Sastry, appendix A).
+        let angle = turn.norm();
+        let third = if angle < 1e-3 {
+            1.0 / 12.0
+        } else {
+            (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle)
+        };
+        let cross = turn.cross(&t);
+        Screw { turn, way: t - cross * 0.5 + turn.cross(&cross) * third }
+    }
+
+    /// How large the displacement is, in all: its turn \[rad\] about the origin of the world, and its way \[m\].
+    pub fn size(&self) -> f64 {
+        self.turn.norm() + self.way.norm()
+    }
+
+    /// `D^s`.
+    pub fn part(&self, s: f64) -> Pose {
+        let (turn, way) = (self.turn * s, self.way * s);
+        let angle = turn.norm();
+        let (second, third) = if angle < 1e-3 {
+            (0.5 - angle * angle / 24.0, 1.0 / 6.0)
+        } else {
+            let half = (0.5 * angle).sin() / angle;
+            (2.0 * half * half, (angle - angle.sin()) / (angle * angle * angle))
+        };
+        let cross = turn.cross(&way);
+        let t = way + cross * second + turn.cross(&cross) * third;
+        Pose::from_parts(Translation3::from(t), UnitQuaternion::from_scaled_axis(turn))
+    }
+}
+
+/// Of screws whose turns are small: the displacements of steps, which differ little.
+impl Add for Screw {
+    type Output = Screw;
+
+    fn add(self, other: Screw) -> Screw {
+        Screw { turn: self.turn + other.turn, way: self.way + other.way }
+    }
+}
+
+impl Sub for Screw {
+    type Output = Screw;
+
+    fn sub(self, other: Screw) -> Screw {
+        Screw { turn: self.turn - other.turn, way: self.way - other.way }
+    }
+}
+
+impl Mul<f64> for Screw {
+    type Output = Screw;
+
+    fn mul(self, factor: f64) -> Screw {
+        Screw { turn: self.turn * factor, way: self.way * factor }
+    }
+}
+
+/// The way to a standstill on a screw.
+#[derive(Clone, Debug)]
+pub(crate) struct ScrewBraking {
+    screw: Screw,
+    law: BrakingLaw,
+    feed: Feed,
+}
+
+impl ScrewBraking {
+    /// From the full displacement of a step.
+    pub fn new(screw: Screw, law: BrakingLaw) -> ScrewBraking {
+        ScrewBraking { screw, law, feed: Feed::new(f64::INFINITY) }
+    }
+
+    /// The displacement of the next step of `duration` \[s\]; `None` at the standstill.
+    pub fn advance(&mut self, duration: f64) -> Option<Pose> {
+        let BrakingLaw { fall, bend } = self.law;
+        self.feed.limit(RateHeadroom { rise: 0.0, fall, bend });
+        let part = self.feed.advance(0.0, duration);
+        (part > 0.0).then(|| self.screw.part(part))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::FRAC_PI_2;
+
+    use super::*;
+
+    fn poses() -> [Pose; 2] {
+        [
+            Pose::new(Vector3::new(0.8, -0.3, 0.5), Vector3::new(3.0, 0.1, -0.2)),
+            Pose::new(Vector3::new(-0.4, 0.9, 0.1), Vector3::new(0.3, -0.7, 1.2)),
+        ]
+    }
+
+    fn apart(a: &Pose, b: &Pose) -> f64 {
+        let by = a.inv_mul(b);
+        assert!(by.to_homogeneous().iter().all(|x| x.is_finite()), "{by}");
+        by.translation.vector.norm().max(2.0 * by.rotation.imag().norm())
+    }
+
+    #[test]
+    fn parts_of_a_screw_compose_to_the_whole_for_turns_of_all_sizes() {
+        let [from, _] = poses();
+        for angle in [0.0, 1e-9, 1e-4, 0.999e-3, 1.001e-3, 0.1, 2.0] {
+            let by =
+                Pose::new(Vector3::new(0.1, -0.2, 0.05), Vector3::new(1.0, 2.0, -0.5).normalize() * angle);
+            let to = by * from;
+            let screw = Screw::between(&from, &to);
+            assert!(apart(&(screw.part(1.0) * from), &to) < 1e-14, "{angle}");
+            let thirds = screw.part(1.0 / 3.0);
+            assert!(apart(&(thirds * thirds * thirds * from), &to) < 1e-14, "{angle}");
+        }
+    }
+
+    #[test]
+    fn arms_that_carry_a_body_know_one_screw_and_stay_together_on_it() {
+        let [left, right] = poses();
+        let by = Pose::new(Vector3::new(1e-3, 2e-3, -5e-4), Vector3::new(1e-3, -2e-3, 1.5e-3));
+        let law = BrakingLaw { fall: 4.0, bend: f64::INFINITY };
+        let mut arms = [left, right].map(|tool| {
+            let moved = by * tool;
+            (moved, ScrewBraking::new(Screw::between(&tool, &moved), law))
+        });
+        let relative = left.inv_mul(&right);
+        let mut steps = 0;
+        while let [Some(one), Some(two)] = arms.each_mut().map(|(_, braking)| braking.advance(2e-3)) {
+            steps += 1;
+            (arms[0].0, arms[1].0) = (one * arms[0].0, two * arms[1].0);
+            assert!(apart(&arms[0].0.inv_mul(&arms[1].0), &relative) < 1e-12, "step {steps}");
+        }
+        // 1 / (4 / s) in steps of 2 ms, of which the last has no speed.
+        assert_eq!(steps, 124);
+    }
+
+    #[test]
+    fn what_two_robots_bear_is_the_less_of_both() {
+        let (one, two) = (BrakingLaw { fall: 4.0, bend: 90.0 }, BrakingLaw { fall: 5.0, bend: 70.0 });
+        for law in [one.and(two), two.and(one)] {
+            assert_eq!(law, BrakingLaw { fall: 4.0, bend: 70.0 });
+        }
+    }
+
+    #[test]
+    fn a_robot_whose_speed_a_step_takes_away_stops_at_once() {
+        // `fall` is 0.8 a / v: in a step of 2 ms a takes v away where v <= a T, so where `fall` T >= 0.8.
+        let law = |fall: f64| BrakingLaw { fall, bend: f64::INFINITY };
+        assert!(law(401.0).stops_at_once(2e-3) && law(400.0).stops_at_once(2e-3));
+        assert!(!law(399.0).stops_at_once(2e-3) && !law(401.0).stops_at_once(1e-3));
+        // A share of 1e-6 is round-off.
+        assert!(law(400.0 * (1.0 - 0.9e-6)).stops_at_once(2e-3));
+        assert!(!law(400.0 * (1.0 - 1.1e-6)).stops_at_once(2e-3));
+    }
+
+    #[test]
+    fn a_screw_without_any_turn_is_a_line() {
+        let screw = Screw::between(&Pose::translation(1.0, 2.0, 3.0), &Pose::translation(1.5, 1.0, 3.0));
+        assert!(apart(&screw.part(0.5), &Pose::translation(0.25, -0.5, 0.0)) < 1e-15);
+    }
+
+    #[test]
+    fn a_part_of_a_screw_turns_and_goes_on_by_that_part_of_it() {
+        // About an axis along z, by a large angle and by one below which its functions are series; 5e-11 is round-off of 2e4 m.
+        for (turn, axis) in [(FRAC_PI_2, [1.0, 2.0]), (0.9e-3, [1e4, -2e4])] {
+            let about = |turn: f64| {
+                let to = Translation3::new(axis[0], axis[1], 0.3 * turn);
+                let rotation = UnitQuaternion::from_scaled_axis(Vector3::new(0.0, 0.0, turn));
+                Pose::from_parts(to, rotation) * Pose::translation(-axis[0], -axis[1], 0.0)
+            };
+            let from = poses()[0];
+            let screw = Screw::between(&from, &(about(turn) * from));
+            for s in [0.25, 0.5, 0.75] {
+                assert!(apart(&screw.part(s), &about(s * turn)) < 5e-11, "{turn} {s}");
+            }
+        }
+    }
+}

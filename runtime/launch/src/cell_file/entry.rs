@@ -1,0 +1,127 @@
+//! A robot and a sensor as the cell file describes them.
+
+use core::ops::Range;
+use core::time::Duration;
+use std::rc::Rc;
+
+use mrroc_core::cell::CellError;
+use mrroc_core::model::joints::JointVector;
+use mrroc_core::model::pose::Pose;
+use mrroc_core::model::robot::Robot;
+use mrroc_core::control::vsp::VspMode;
+
+use super::error::Source;
+
+/// A value and where it stands in the text.
+#[derive(Clone, Debug)]
+pub(super) struct At<T> {
+    pub value: T,
+    pub span: Range<usize>,
+}
+
+/// A robot of a cell file: what the set-up of its kind is made from.
+#[derive(Clone, Debug)]
+pub struct RobotEntry {
+    pub(super) source: Rc<Source>,
+    pub(super) name: At<String>,
+    pub(super) kind: At<String>,
+    pub(super) start: Option<At<Vec<At<f64>>>>,
+    pub(super) homed: Option<At<bool>>,
+    pub(super) base: Option<Pose>,
+    pub(super) tool: Option<Pose>,
+}
+
+impl RobotEntry {
+    /// The robot's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name.value
+    }
+
+    /// The kind that the file gives it.
+    #[must_use]
+    pub fn kind(&self) -> &str {
+        &self.kind.value
+    }
+
+    /// `base`: where the robot's base stands, `X_WB`; the world's origin unless the file says so.
+    #[must_use]
+    pub fn base(&self) -> Pose {
+        self.base.unwrap_or_else(Pose::identity)
+    }
+
+    /// `tool`: `X_FE`; the flange unless the file says so. The robot is given it whatever the set-up does with it.
+    #[must_use]
+    pub fn tool(&self) -> Pose {
+        self.tool.unwrap_or_else(Pose::identity)
+    }
+
+    /// `homed`: whether the drives know where the robot is when the cell starts; they do unless the file says otherwise.
+    #[must_use]
+    pub fn is_homed(&self) -> bool {
+        self.homed.as_ref().is_none_or(|homed| homed.value)
+    }
+
+    /// Refuses `homed = false` for a kind whose drives know where the robot is anyway.
+    pub(super) fn refuse_unhomed(&self) -> CellError {
+        let span = self.homed.as_ref().map_or(&self.kind.span, |homed| &homed.span);
+        let what = format!("the drives of kind `{}` know where the robot is", self.kind());
+        self.source.complain(span, what, "leave `homed` out, or write homed = true".to_owned()).into()
+    }
+
+    /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].
+    ///
+    /// # Errors
+    /// There is none, it has another number of joints, or one of them is outside the robot's position limits. What the
+    /// limits do not say, the kind itself refuses: [`RobotEntry::refuse_start`].
+    pub fn start<R: Robot>(&self, robot: &R) -> Result<R::Joints, CellError> {
+        let joints = R::Joints::LEN;
+        let Some(start) = &self.start else {
+            let what = format!("robot `{}` has no `start`", self.name());
+            let mut units: Vec<_> = (0..joints).map(|i| robot.joint(i).unit(0)).collect();
+            units.dedup();
+            let help = format!("write start = [..], {joints} joint positions [{}]", units.join(", "));
+            return Err(self.source.complain(&self.name.span, what, help).into());
+        };
+        if start.value.len() != joints {
+            let what = format!("`start` has {} numbers, {} has {joints} joints", start.value.len(), R::KIND);
+            let help = format!("write one joint position for each: {joints} numbers");
+            return Err(self.source.complain(&start.span, what, help).into());
+        }
+        let limits = robot.limits();
+        for (i, At { value, span }) in start.value.iter().enumerate() {
+            let (lower, upper) = (limits.lower[i], limits.upper[i]);
+            // Limits that leave no room are told of by the cell, which checks them.
+            if lower < upper && !(lower..=upper).contains(value) {
+                let unit = robot.joint(i).unit(0);
+                let what = format!("`start` of joint {} is {value} {unit}, outside its limits", i + 1);
+                let help = format!("write a number from {lower:.4} to {upper:.4} {unit}");
+                return Err(self.source.complain(span, what, help).into());
+            }
+        }
+        Ok(R::Joints::from_joints(|i| start.value[i].value))
+    }
+
+    /// Refuses the `start` for a reason that no box of joint limits knows, such as motors that several joints share: `what`
+    /// is wrong with it, and in `help` what to write.
+    #[must_use]
+    pub fn refuse_start(&self, what: String, help: String) -> CellError {
+        let span = self.start.as_ref().map_or(&self.name.span, |start| &start.span);
+        self.source.complain(span, what, help).into()
+    }
+
+    pub(super) fn unknown_kind(&self, known: &[&str]) -> CellError {
+        let what = format!("no kind of robot `{}`", self.kind());
+        let help = mrroc_core::suggestion::suggestion(self.kind(), known, "the program knows");
+        self.source.complain(&self.kind.span, what, help).into()
+    }
+}
+
+/// A sensor of a cell file.
+#[derive(Clone, Debug)]
+pub(super) struct SensorEntry {
+    pub name: String,
+    pub of: Option<String>,
+    pub mode: VspMode,
+    pub latency: Duration,
+}

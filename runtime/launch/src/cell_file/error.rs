@@ -1,0 +1,109 @@
+//! What is wrong with a cell file: where, what, and what to write.
+
+use mrroc_core::suggestion::nearest;
+use core::fmt;
+use core::ops::Range;
+use std::io::ErrorKind;
+
+/// Everything that is wrong with a cell file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", .complaints.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: "))]
+pub struct CellFileError {
+    complaints: Vec<Complaint>,
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Complaint {
+    /// Where in the text, for the order of complaints.
+    offset: usize,
+    /// File, and line and column where there are any.
+    at: String,
+    what: String,
+    /// The line with a caret below; empty without one.
+    excerpt: String,
+    help: String,
+}
+
+impl fmt::Display for Complaint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}{}\n help: {}", self.at, self.what, self.excerpt, self.help)
+    }
+}
+
+impl CellFileError {
+    pub(super) fn unreadable(name: &str, error: &std::io::Error) -> Self {
+        let help = match error.kind() {
+            ErrorKind::NotFound => {
+                "a task project has its cell.toml beside its Cargo.toml: run it there, or give the file by --cell"
+            }
+            ErrorKind::InvalidData => "save it as plain text in UTF-8",
+            _ => "see whether it is a file, and who may read it",
+        };
+        let what = format!("cannot be read: {error}");
+        let (at, help) = (name.to_owned(), help.to_owned());
+        CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
+    }
+
+    pub(super) fn too_long(name: &str, most: u64) -> Self {
+        let what = format!("it has more than {most} bytes");
+        let (at, help) = (name.to_owned(), "give a cell.toml; this is another file".to_owned());
+        CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
+    }
+
+    /// All complaints as one, if there are any, from the file's top to its end.
+    pub(super) fn all(errors: Vec<CellFileError>) -> Result<(), CellFileError> {
+        let mut complaints: Vec<_> = errors.into_iter().flat_map(|error| error.complaints).collect();
+        complaints.sort_by_key(|complaint| complaint.offset);
+        if complaints.is_empty() { Ok(()) } else { Err(CellFileError { complaints }) }
+    }
+}
+
+/// The file's name and text, kept for messages about what is found out later.
+#[derive(Debug)]
+pub(super) struct Source {
+    pub file: String,
+    pub text: String,
+}
+
+impl Source {
+    /// A complaint about a place in the text, in bytes.
+    pub fn complain(&self, at: &Range<usize>, what: String, help: String) -> CellFileError {
+        let start = self.text.floor_char_boundary(at.start);
+        let before = &self.text[..start];
+        let line = before.matches('\n').count() + 1;
+        let begin = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let column = self.text[begin..start].chars().count() + 1;
+        let shown = self.text[begin..].lines().next().unwrap_or("");
+        // The caret's line has the same tabs, or it would point elsewhere.
+        let blank: String =
+            shown.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let rest = shown.chars().count().saturating_sub(column - 1);
+        let width = self.text.get(at.clone()).map_or(1, |text| text.chars().count()).clamp(1, rest.max(1));
+        let number = line.to_string();
+        let gutter = " ".repeat(number.len());
+        let excerpt = format!("\n {number} | {shown}\n {gutter} | {blank}{}", "^".repeat(width));
+        let at = format!("{}:{line}:{column}", self.file);
+        CellFileError { complaints: vec![Complaint { offset: start, at, what, excerpt, help }] }
+    }
+
+    /// The file has no entry of this name in a table.
+    pub fn missing<'a>(
+        &self,
+        table: &str,
+        name: &str,
+        there: impl IntoIterator<Item = &'a str>,
+    ) -> CellFileError {
+        let there: Vec<_> = there.into_iter().collect();
+        let help = match (nearest(name, &there), there.as_slice()) {
+            (Some(meant), _) => format!("did you mean `{meant}`?"),
+            (None, []) => format!("write a table [{table}.{name}]"),
+            (None, there) => {
+                format!("write a table [{table}.{name}], or use one of those there: {}", there.join(", "))
+            }
+        };
+        let what = format!("the program asks for [{table}.{name}], which is not there");
+        let at = self.file.clone();
+        CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
+    }
+}

@@ -1,0 +1,166 @@
+//! `cell.toml`: what a cell is made of, apart from what its programs do.
+//!
+//! In: the text of the file. Out: a [`CellFile`], from which [`CellFile::cell`] makes a [`Cell`] of the kinds of robots
+//! that the program knows; or everything that is wrong with the file, each with its line and a caret.
+//!
+//! ```toml
+//! step_ms = 2        # Ts, the step of the cell [ms]
+//! stop_ms = 600      # the longest stop that it allows any joint [ms]; 600 unless it is said
+//! after_fault = "end"    # or "await reset": stay latched until the operator resets it; end unless it is said
+//! dry_run = true     # no run in real time before the whole program has kept all limits under the virtual clock; false
+//!                    # unless it is said
+//!
+//! [robots.arm]       # a robot of this name
+//! kind = "irp6"      # one of the program's kinds
+//! start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]   # where a simulated arm starts [rad or m]
+//! homed = false      # its drives must look for their reference marks first; they know where it is unless it is said
+//! base = { position = [0.0, 0.5, 0.0] }           # X_WB; the world's origin unless it is said
+//! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
+//!
+//! [sensors.touch]    # a virtual sensor of this name
+//! of = "arm"         # the robot whose ECP may read it, and whose state goes with every order
+//! mode = "interactive"   # or "with delay", "free running"; interactive unless it is said
+//! period_ms = 5      # of a free-running sensor
+//! latency_ms = 2     # time that one aggregation takes under the virtual clock; none unless it is said
+//!
+//! [realtime]         # what the cell asks of the machine when it runs as processes; nothing unless the table is there
+//! priority = 50      # of every process under SCHED_FIFO, 1 to 95
+//! lock_memory = true # no page is fetched in a step (mlockall); true unless it is said
+//! cores = [0, 1]     # a robot's ECP and EDP share one of them; of all cores unless it is said; [] pins nothing
+//! permission = "required"   # or "best effort": run without what is not permitted; required unless it is said
+//!
+//! [recording]        # every step goes to a file; nothing is recorded unless the table is there, or by --record FILE
+//! file = "run.mcap"  # written anew by each run, in the folder in which the program runs
+//! robots = ["arm"]   # of these robots; of all unless it is said. Only a recording of everything can be replayed
+//! sensors = ["touch"]   # of these sensors; of all unless it is said
+//! ```
+
+mod entry;
+mod error;
+mod kinds;
+#[cfg(test)]
+mod page;
+mod reader;
+
+use core::time::Duration;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::rc::Rc;
+
+use mrroc_core::cell::{AfterFault, Cell, CellError, SensorSetup};
+use mrroc_core::model::image::Sensor;
+use mrroc_core::cell::realtime::Realtime;
+use mrroc_recording::Recording;
+use mrroc_core::control::vsp::VirtualSensor;
+
+pub use entry::RobotEntry;
+pub use error::CellFileError;
+pub use kinds::Kinds;
+
+use entry::SensorEntry;
+use error::Source;
+
+/// A cell as its file describes it: names, kinds, places and periods; no programs.
+#[derive(Clone, Debug)]
+pub struct CellFile {
+    source: Rc<Source>,
+    step: Duration,
+    stop_time: Option<Duration>,
+    after_fault: AfterFault,
+    realtime: Option<Realtime>,
+    recording: Option<Recording>,
+    dry_run: bool,
+    robots: Vec<RobotEntry>,
+    sensors: Vec<SensorEntry>,
+}
+
+/// The longest file \[bytes\]: a cell of 31 robots has some thousands.
+const MOST_BYTES: u64 = 1 << 20;
+
+impl CellFile {
+    /// Reads the file at `path`.
+    ///
+    /// # Errors
+    /// [`CellFileError`]: the file cannot be read, or everything that is wrong with it.
+    pub fn read(path: impl AsRef<Path>) -> Result<CellFile, CellFileError> {
+        let path = path.as_ref();
+        let name = path.display().to_string();
+        let mut text = String::new();
+        // A device has no end: one byte too many is enough to refuse it.
+        let read = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+        match read {
+            Ok(_) => CellFile::parse(&name, &text),
+            Err(error) => Err(CellFileError::unreadable(&name, &error)),
+        }
+    }
+
+    /// Reads the text of a file that messages call `name`.
+    ///
+    /// # Errors
+    /// [`CellFileError`] with everything that is wrong with it.
+    pub fn parse(name: &str, text: &str) -> Result<CellFile, CellFileError> {
+        if text.len() as u64 > MOST_BYTES {
+            return Err(CellFileError::too_long(name, MOST_BYTES));
+        }
+        reader::read(name, text)
+    }
+
+    /// The step of the cell.
+    #[must_use]
+    pub fn step(&self) -> Duration {
+        self.step
+    }
+
+    /// The robots, in the order of the file.
+    #[must_use]
+    pub fn robots(&self) -> &[RobotEntry] {
+        &self.robots
+    }
+
+    /// A cell with the robots of the file, each set up by its kind. Programs and sensors are added to it.
+    ///
+    /// # Errors
+    /// What the file asks of the kinds and they cannot give, for all robots at once.
+    pub fn cell(&self, kinds: &Kinds) -> Result<Cell, CellError> {
+        let mut cell = Cell::new(self.step)
+            .expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name))
+            .ask_for(self.realtime.clone())
+            .after_fault(self.after_fault);
+        if let Some(limit) = self.stop_time {
+            cell = cell.stop_time(limit);
+        }
+        if let Some(recording) = &self.recording {
+            cell = cell.record(recording.clone());
+        }
+        if self.dry_run {
+            cell = cell.demand_dry_run();
+        }
+        let mut errors = Vec::new();
+        for entry in &self.robots {
+            match kinds.set_up(entry) {
+                Ok(robot) => cell.push_robot(robot),
+                Err(error) => errors.push(error),
+            }
+        }
+        CellError::all(errors).map(|()| cell)
+    }
+
+    /// The set-up of the virtual sensor that the file calls `name`, computed by `sensor`.
+    ///
+    /// # Errors
+    /// The file has no sensor of that name.
+    pub fn sensor<V: VirtualSensor>(&self, name: &str, sensor: V) -> Result<SensorSetup<V>, CellError>
+    where
+        <V::Kind as Sensor>::Configuration: Default,
+    {
+        let Some(entry) = self.sensors.iter().find(|entry| entry.name == name) else {
+            return Err(self.source.missing("sensors", name, self.sensors.iter().map(|s| &*s.name)).into());
+        };
+        let setup = SensorSetup::new(name, sensor).mode(entry.mode).latency(entry.latency);
+        Ok(match &entry.of {
+            Some(robot) => setup.of(robot),
+            None => setup,
+        })
+    }
+}

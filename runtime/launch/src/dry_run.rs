@@ -1,0 +1,64 @@
+//! A dry run: the whole program under the virtual clock, against all limits and guards, before anything has power.
+//!
+//! In: an assembled cell. Out: how long it takes and how near it comes to its limits; or the fault that it would meet.
+
+use std::path::Path;
+use std::process::{Command, ExitCode};
+use std::rc::Rc;
+
+use super::outcome::{cell_refused, note, report, stopped};
+use super::patience::Patience;
+use crate::approach::Approach;
+use mrroc_core::cell::{Cell, CellError};
+use mrroc_core::console::{complain, say};
+
+/// Runs a cell dry.
+pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
+    let approach = Rc::new(Approach::of(cell.layout()));
+    let witness: Rc<Approach> = Rc::clone(&approach);
+    cell = cell.unrecorded().witnessed_by(witness);
+    if !quiet {
+        cell = cell.also_on_step(Patience::new().notes());
+    }
+    match cell.run() {
+        Ok(_) if quiet => ExitCode::SUCCESS,
+        Ok(ran) => {
+            if ran.steps == 0 {
+                note("nothing moved: the program returned before a Move or a Wait");
+            }
+            let (seconds, steps) = (ran.time.as_secs_f64(), ran.steps);
+            say(&format!("dry run: {seconds:.3} s in {steps} steps within all limits\n{approach}"))
+        }
+        Err(CellError::Fault(fault)) => {
+            complain(&format!("dry run: how near it came to its limits until the fault\n{approach}"));
+            stopped(&fault)
+        }
+        Err(error) => cell_refused(&error),
+    }
+}
+
+/// Lets this program run dry as a process of its own: what its programs do to themselves does not reach the real run.
+///
+/// # Errors
+/// The exit status when it did not go well: nothing has moved.
+pub(super) fn dry_run_first(cell: &Path, quiet: bool) -> Result<(), ExitCode> {
+    let started = std::env::current_exe().and_then(|program| {
+        let mut command = Command::new(program);
+        command.arg("--dry-run").arg("--cell").arg(cell);
+        if quiet {
+            command.arg("--quiet");
+        }
+        command.status()
+    });
+    match started {
+        Ok(status) if status.success() => Ok(()),
+        Ok(_) => {
+            report(&"the dry run did not go well: nothing is started");
+            Err(ExitCode::from(2))
+        }
+        Err(error) => {
+            report(&format!("the dry run cannot be started: {error}"));
+            Err(ExitCode::from(2))
+        }
+    }
+}

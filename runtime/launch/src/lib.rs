@@ -1,0 +1,119 @@
+//! The command line of a task program: finds `cell.toml`, runs the cell, says how it ended.
+//!
+//! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
+
+mod dry_run;
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod operating;
+mod options;
+mod outcome;
+mod patience;
+#[cfg(all(feature = "processes", target_os = "linux"))]
+mod processes;
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+#[path = "no_processes.rs"]
+mod processes;
+mod program;
+#[cfg(feature = "recording")]
+mod replaying;
+#[cfg(not(feature = "recording"))]
+#[path = "no_replaying.rs"]
+mod replaying;
+mod running;
+mod table;
+
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+
+use self::dry_run::{dry_run, dry_run_first};
+use self::options::{HELP, nearest_cell, parse};
+use self::outcome::cell_refused;
+use self::processes::{examine, operate};
+use self::replaying::replay;
+use self::running::{run, watched};
+use self::table::Table;
+use mrroc_core::cell::{Cell, CellError};
+use crate::cell_file::CellFile;
+use mrroc_core::console::{refused, say};
+
+pub use self::options::Clock;
+pub use self::program::{Launch, Ran};
+
+/// What watches the robots of a run and keeps something of it, such as a picture.
+pub trait Recorder {
+    /// Begins to watch every robot of the cell.
+    fn watch(&mut self, cell: Cell) -> Cell;
+
+    /// Writes what was seen to a file; after a fault, too.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    fn save(&mut self, file: &Path) -> io::Result<()>;
+}
+
+/// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
+///
+/// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
+/// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
+/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
+/// recorder watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
+/// no picture is drawn.
+///
+/// ```no_run
+/// # use mrroc::{Cell, CellError, CellFile, Recorder};
+/// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
+/// # fn film() -> impl Recorder { struct R; impl Recorder for R {
+/// #     fn watch(&mut self, cell: Cell) -> Cell { cell }
+/// #     fn save(&mut self, _: &std::path::Path) -> std::io::Result<()> { Ok(()) }
+/// # } R }
+/// # #[allow(unused)]
+/// fn main() -> std::process::ExitCode {
+///     mrroc::launch(cell, film())
+/// }
+/// ```
+pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder: impl Recorder) -> ExitCode {
+    let options = match parse(std::env::args_os().skip(1)) {
+        Ok(Some(options)) if options.doctor => return examine(),
+        Ok(Some(options)) => options,
+        Ok(None) => return say(HELP),
+        Err(error) => return refused(&error),
+    };
+    let path = options.cell.clone().unwrap_or_else(nearest_cell);
+    if let Some(operating) = options.operating {
+        return operate(&path, operating);
+    }
+    let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
+    let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
+    let mut cell = match checked {
+        Ok(cell) => cell,
+        Err(error) => return cell_refused(&error),
+    };
+    if let Some(file) = &options.record {
+        cell = cell.record_to(file);
+    }
+    if options.check {
+        let link = match options.processes {
+            None => "memory, under the virtual clock",
+            Some(Clock::Virtual) => "iceoryx2, under the virtual clock",
+            Some(Clock::Real) => "iceoryx2, in real time",
+        };
+        let table = Table::of(&cell, link);
+        let well = format!("{}: nothing is wrong with the cell\n\n{table}", path.display());
+        return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
+    }
+    if options.part.is_none() && options.processes.is_none() {
+        return match &options.replay {
+            Some(file) => replay(cell, file, options.partial, options.quiet),
+            None if options.dry_run => dry_run(cell, options.quiet),
+            None => run(cell, recorder, &options),
+        };
+    }
+    if options.part.is_none()
+        && (options.dry_run || (cell.demands_dry_run() && options.processes == Some(Clock::Real)))
+        && let Err(status) = dry_run_first(&path, options.quiet)
+    {
+        return status;
+    }
+    watched(cell, recorder, path, options)
+}

@@ -1,0 +1,148 @@
+//! The operator's command line: asks a cell that runs in another terminal, and tells what it answers.
+//!
+//! In: a word of the command line, or lines of a console. Out: answers, and an exit status.
+
+use std::fmt::Write;
+use std::io::{self, BufRead};
+use std::path::Path;
+use std::process::ExitCode;
+
+use super::options::Operating;
+use super::outcome::report;
+use mrroc_core::console::{refused, say};
+use mrroc_core::control::mp::Doing;
+use mrroc_processes::{Caller, Figures, Heard, Picture, Reply, Request};
+
+/// Asks the cell of the file at `cell`.
+pub(super) fn operate(cell: &Path, operating: Operating) -> ExitCode {
+    let caller = match Caller::find(cell) {
+        Ok(caller) => caller,
+        Err(error) => return refused(&error),
+    };
+    match operating {
+        Operating::Status => once(caller, &Request::Status),
+        Operating::Press(button) => once(caller, &Request::Press(button)),
+        Operating::Console => converse(caller),
+        Operating::View => view(caller),
+    }
+}
+
+#[cfg(feature = "view")]
+fn view(caller: Caller) -> ExitCode {
+    match mrroc_view::view(caller) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            report(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+#[cfg(not(feature = "view"))]
+fn view(_: Caller) -> ExitCode {
+    refused(
+        &"this program was built without the view\n help: build it with mrroc's feature `view`: \
+          cargo run --release --features mrroc/view -- view",
+    )
+}
+
+/// One request, and what came of it.
+fn once(mut caller: Caller, request: &Request) -> ExitCode {
+    match caller.ask(request) {
+        Ok(Heard::Picture(picture)) => say(&describe(&picture)),
+        Ok(Heard::Reply(reply)) => tell(&reply),
+        Err(error) => {
+            report(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn tell(reply: &Reply) -> ExitCode {
+    match reply {
+        Reply::Done(text) => say(&format!("{text}\n")),
+        Reply::Refused(text) => {
+            // As much an answer as the other one: whoever reads answers finds it in the same place.
+            let _ = say(&format!("refused: {text}\n"));
+            ExitCode::FAILURE
+        }
+        Reply::Pending(text) => {
+            let _ = say(&format!("pending: {text}\n"));
+            ExitCode::from(3)
+        }
+    }
+}
+
+/// One request a line, over one connection: it keeps the control token as long as it lasts.
+fn converse(mut caller: Caller) -> ExitCode {
+    for line in io::stdin().lock().lines() {
+        let Ok(line) = line else { break };
+        match Request::read(line.as_bytes()) {
+            // A console shows one thing after the other: it asks again for the next picture.
+            Ok(Request::Watch) => {
+                let _ = tell(&Reply::Refused("write status, or start the view".to_owned()));
+            }
+            Err(text) => {
+                let _ = tell(&Reply::Refused(text));
+            }
+            Ok(request) => match caller.ask(&request) {
+                Ok(Heard::Picture(picture)) => drop(say(&describe(&picture))),
+                Ok(Heard::Reply(reply)) => drop(tell(&reply)),
+                Err(error) => {
+                    report(&error);
+                    return ExitCode::FAILURE;
+                }
+            },
+        }
+    }
+    ExitCode::SUCCESS
+}
+
+/// A picture in words.
+fn describe(picture: &Picture) -> String {
+    let mut text = String::new();
+    let millis = |nanos: u64| nanos as f64 * 1e-6;
+    // Writing to a text does not fail.
+    let mut line = |words: std::fmt::Arguments<'_>| {
+        let _ = writeln!(text, "{words}");
+    };
+    line(format_args!("{}: step {} of {} ms", picture.state.word(), picture.step, millis(picture.period)));
+    match picture.doing {
+        Doing::Nothing => {
+            line(format_args!("instruction {}: over; the program computes", picture.instructions))
+        }
+        doing => line(format_args!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by)),
+    }
+    line(format_args!("speed {:.0} %, rate {:.3}", 100.0 * picture.speed, picture.rate));
+    match picture.holder {
+        Some(holder) => line(format_args!("control: the console of process {holder}")),
+        None => line(format_args!("control: nobody")),
+    }
+    line(format_args!("last fault: {}", picture.fault.as_deref().unwrap_or("none")));
+    line(format_args!(
+        "{:>8} {:28} {:>8} {:>8} {:>8} {:>18}",
+        "number", "process", "steps", "skipped", "overruns", "late, p99, max [us]"
+    ));
+    for process in &picture.processes {
+        let name = format!("{}{}", process.name, if process.runs { "" } else { " (ended)" });
+        let Figures { late, worked, skipped, overruns, .. } = process.figures;
+        let micros = |nanos: u64| nanos as f64 * 1e-3;
+        line(format_args!(
+            "{:>8} {name:28} {:>8} {skipped:>8} {overruns:>8} {:>9.1}{:>9.1}",
+            process.pid,
+            worked.count,
+            micros(late.p99),
+            micros(late.max)
+        ));
+    }
+    for robot in &picture.robots {
+        line(format_args!("{} at {:.3} s", robot.name, robot.time));
+        line(format_args!("  demanded{}", joints(&robot.demanded)));
+        line(format_args!("  measured{}", joints(&robot.measured)));
+    }
+    text
+}
+
+fn joints(positions: &[f64]) -> String {
+    positions.iter().map(|q| format!(" {q:9.5}")).collect()
+}

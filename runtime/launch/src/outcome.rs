@@ -1,0 +1,47 @@
+//! What a task program says at its end.
+//!
+//! In: a report, a fault or a refusal. Out: lines on the terminal, and an exit status.
+
+use std::fmt::Display;
+use std::path::Path;
+use std::process::ExitCode;
+
+use mrroc_core::cell::{CellError, RunReport};
+use mrroc_core::console::{complain, say};
+use mrroc_core::model::fault::Fault;
+
+/// Says which fault stopped the cell, and what to do about it.
+pub(super) fn stopped(fault: &Fault) -> ExitCode {
+    match fault.help() {
+        Some(help) => report(&format!("{fault}\n help: {help}")),
+        None => report(fault),
+    }
+    ExitCode::FAILURE
+}
+
+/// Says how long a run took, and where its picture is.
+pub(super) fn tell(report: &RunReport, picture: Option<&Path>) -> ExitCode {
+    let (seconds, steps) = (report.time.as_secs_f64(), report.steps);
+    if steps == 0 {
+        note("nothing moved: the program returned before a Move or a Wait");
+    }
+    let picture = picture.map_or_else(String::new, |picture| format!(": see {}", picture.display()));
+    say(&format!("ran {seconds:.3} s in {steps} steps{picture}\n"))
+}
+
+/// Tells of all that is wrong with a cell.
+pub(super) fn cell_refused(error: &CellError) -> ExitCode {
+    match error {
+        CellError::Several(errors) => errors.iter().for_each(|one| report(one)),
+        one => report(one),
+    }
+    ExitCode::from(2)
+}
+
+pub(super) fn report(error: &dyn Display) {
+    complain(&format!("error: {error}"));
+}
+
+pub(super) fn note(text: &str) {
+    complain(&format!("note: {text}"));
+}

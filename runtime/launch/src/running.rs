@@ -1,0 +1,102 @@
+//! A cell with what watches it, from the command line: on the memory link, or as processes.
+//!
+//! In: an assembled cell, its recorder and the options. Out: a run, a picture of it, and an exit status.
+
+use std::fs::OpenOptions;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use super::options::Options;
+use super::outcome::{cell_refused, note, report, stopped, tell};
+use super::patience::Patience;
+use super::{Launch, Ran, Recorder};
+use mrroc_core::cell::{Cell, CellError, RunReport};
+use mrroc_core::console::refused;
+use mrroc_core::model::fault::Fault;
+
+/// How long a process may compute at a stretch: planning takes seconds, an endless loop for ever.
+const STUCK: Duration = Duration::from_secs(60);
+
+/// Runs the cell to its end, and draws what moved unless told not to.
+pub(super) fn run(mut cell: Cell, mut recorder: impl Recorder, options: &Options) -> ExitCode {
+    if let Some(picture) = &options.picture {
+        // Found out now, not after a long run.
+        if let Err(error) = OpenOptions::new().append(true).create(true).open(picture) {
+            return refused(&unwritable(picture, &error));
+        }
+        cell = recorder.watch(cell);
+    }
+    if !options.quiet {
+        cell = cell.also_on_step(Patience::new().notes());
+    }
+    match cell.end_when_stuck(STUCK).run() {
+        Ok(report) => conclude(Ok(report), recorder, options),
+        Err(CellError::Fault(fault)) => conclude(Err(fault), recorder, options),
+        Err(error) => cell_refused(&error),
+    }
+}
+
+/// Runs the cell as processes, or the one of them that this is: the plant draws, for it has the simulated robots.
+pub(super) fn watched(
+    mut cell: Cell,
+    mut recorder: impl Recorder,
+    path: PathBuf,
+    options: Options,
+) -> ExitCode {
+    let Options { part, processes: clock, spin, quiet, .. } = options.clone();
+    let arguments = std::env::args_os().skip(1).collect();
+    let watching = options.picture.is_some();
+    let launch = Launch { part, arguments, recording: None, clock, spin, cell: Some(path), quiet, watching };
+    let draws = launch.is_here();
+    // Found out now, and by the launcher alone.
+    if let Some(picture) = options.picture.as_ref().filter(|_| !launch.is_part())
+        && let Err(error) = OpenOptions::new().append(true).create(true).open(picture)
+    {
+        return refused(&unwritable(picture, &error));
+    }
+    if draws {
+        // The program's own observers look on in the EDPs.
+        cell = recorder.watch(cell.unobserved());
+    }
+    match launch.run(cell) {
+        Ok(Ran::Part(status)) => status,
+        Ok(Ran::Here(report)) => conclude(Ok(report), recorder, &options),
+        Err(CellError::Fault(fault)) if draws => conclude(Err(fault), recorder, &options),
+        Ok(Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
+        Ok(Ran::Processes(report)) => {
+            if watching {
+                note("no picture: processes draw what is simulated, and nothing of this cell is");
+            }
+            tell(&report, None)
+        }
+        Err(CellError::Fault(fault)) => stopped(&fault),
+        Err(error) => cell_refused(&error),
+    }
+}
+
+/// Draws what moved, and says how the run ended.
+fn conclude(outcome: Result<RunReport, Fault>, mut recorder: impl Recorder, options: &Options) -> ExitCode {
+    let drawn = options
+        .picture
+        .as_ref()
+        .map_or(Ok(()), |picture| recorder.save(picture).map_err(|error| unwritable(picture, &error)));
+    let ended = match outcome {
+        Ok(_) if options.quiet => ExitCode::SUCCESS,
+        Ok(report) => tell(&report, options.picture.as_deref().filter(|_| drawn.is_ok())),
+        Err(fault) => stopped(&fault),
+    };
+    match drawn {
+        Ok(()) => ended,
+        Err(error) => {
+            report(&error);
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn unwritable(picture: &Path, error: &io::Error) -> String {
+    let picture = picture.display();
+    format!("{picture}: cannot be written: {error}\n help: give another file by --picture, or --no-picture")
+}

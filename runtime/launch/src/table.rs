@@ -1,0 +1,165 @@
+//! What `--check` prints: the cell as a table.
+//!
+//! In: what the cell is made of. Out: text: its processes with their periods, priorities and cores; its robots with the
+//! limits of each joint and how long a stop takes, `T_stop = T_detect + T_brake`; its sensors.
+
+use core::fmt::{self, Display};
+use std::time::Duration;
+
+use mrroc_core::cell::{Cell, JointLayout, Layout, RobotLayout, SensorLayout};
+use mrroc_core::model::fault::{ProcessId, Role};
+use mrroc_core::control::interpolation::InterpolationSpace;
+use mrroc_core::model::name::Name;
+use mrroc_core::cell::realtime::{Permission, Realtime};
+use mrroc_recording::Recording;
+use mrroc_core::control::vsp::VspMode;
+
+/// A cell as a table.
+pub(super) struct Table<'a> {
+    layout: Layout,
+    realtime: Option<&'a Realtime>,
+    recording: Option<&'a Recording>,
+    dry_run: bool,
+    /// Where the cell runs.
+    link: &'static str,
+}
+
+impl Table<'_> {
+    pub fn of<'a>(cell: &'a Cell, link: &'static str) -> Table<'a> {
+        let (realtime, recording) = (cell.realtime(), cell.recording());
+        Table { layout: cell.layout(), realtime, recording, dry_run: cell.demands_dry_run(), link }
+    }
+
+    fn about(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Layout { step, stop_time, detection, .. } = &self.layout;
+        let (step, stop, detection) = (ms(*step), ms(*stop_time), detection * 1e3);
+        writeln!(f, "step {step}, stops within {stop}, a lost peer is noticed after {detection:.0} ms")?;
+        writeln!(f, "link: {}{}", self.link, if self.dry_run { ", after a dry run" } else { "" })?;
+        match self.realtime {
+            None => writeln!(f, "real time: nothing is asked of the machine")?,
+            Some(realtime) => {
+                let memory = if realtime.lock_memory { "memory locked" } else { "memory not locked" };
+                let permission = match realtime.permission {
+                    Permission::Required => "required",
+                    Permission::BestEffort => "best effort",
+                };
+                writeln!(f, "real time: SCHED_FIFO {}, {memory}, {permission}", realtime.priority)?;
+            }
+        }
+        match self.recording {
+            None => writeln!(f, "recording: none"),
+            Some(recording) => writeln!(f, "recording: {recording}"),
+        }
+    }
+
+    fn processes(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "\n{:<30}{:<16}{:>10}{:>10}{:>8}", "process", "program", "period", "priority", "core")?;
+        let own = |own: bool, other: &'static str| if own { "its own" } else { other };
+        let step = ms(self.layout.step);
+        let mut row = |process: String, program: &str, period: &str, id: ProcessId| {
+            let (priority, core) = self.placed(id);
+            writeln!(f, "{process:<30}{program:<16}{period:>10}{priority:>10}{core:>8}")
+        };
+        row("mp".to_owned(), own(self.layout.mp_program, "nudging"), &step, ProcessId::MP)?;
+        for robot in &self.layout.robots {
+            let id = |role| Name::new(&robot.name).map_or(ProcessId::MP, |name| ProcessId::new(role, name));
+            let (ecp, edp) = (format!("ecp {}", robot.name), format!("edp {}", robot.name));
+            row(ecp, own(robot.ecp_program, "transparent"), &step, id(Role::Ecp))?;
+            row(edp, robot.kind, &ms(robot.servo), id(Role::Edp))?;
+        }
+        for sensor in &self.layout.sensors {
+            let id = Name::new(&sensor.name).map_or(ProcessId::MP, |name| ProcessId::new(Role::Vsp, name));
+            let period = match sensor.mode {
+                VspMode::NonInteractive(period) => ms(period),
+                VspMode::Interactive | VspMode::WithDelay => "-".to_owned(),
+            };
+            row(format!("vsp {}", sensor.name), sensor.kind, &period, id)?;
+        }
+        Ok(())
+    }
+
+    /// Priority and core of a process.
+    fn placed(&self, process: ProcessId) -> (String, String) {
+        let Some(realtime) = self.realtime else { return ("-".to_owned(), "-".to_owned()) };
+        let names = self.layout.robots.iter().filter_map(|robot| Name::new(&robot.name).ok());
+        let ecps: Vec<_> = names.map(|name| ProcessId::new(Role::Ecp, name)).collect();
+        let core = match &realtime.cores {
+            Some(cores) => {
+                realtime.core(process, &ecps, cores).map_or("any".to_owned(), |core| core.to_string())
+            }
+            None if matches!(process.role, Role::Ecp | Role::Edp) => "in turn".to_owned(),
+            None => "any".to_owned(),
+        };
+        (realtime.priority.to_string(), core)
+    }
+
+    fn robot(&self, robot: &RobotLayout, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let space = match robot.space {
+            InterpolationSpace::Joints => "joints",
+            InterpolationSpace::Task => "the task space",
+        };
+        let homed = if robot.homed { "knows where it is" } else { "looks for its reference marks first" };
+        writeln!(f, "\n{}: {}, {homed}, interpolates in {space}", robot.name, robot.kind)?;
+        writeln!(
+            f,
+            "{:<9}{:>10}{:>10}{:>10}{:>14}{:>10}{:>11}{:>9}{:>9}{:>9}",
+            "joint",
+            "lower",
+            "upper",
+            "velocity",
+            "acceleration",
+            "jerk",
+            "following",
+            "T_brake",
+            "T_stop",
+            "limit"
+        )?;
+        robot.joints.iter().enumerate().try_for_each(|(i, joint)| self.joint(i, joint, f))
+    }
+
+    fn joint(&self, i: usize, joint: &JointLayout, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let JointLayout { lower, upper, velocity, acceleration, following_error, braking, .. } = joint;
+        let jerk = joint.jerk.map_or_else(|| "-".to_owned(), |jerk| format!("{jerk:.1}"));
+        let name = format!("{} {}", i + 1, joint.kind.unit(0));
+        let (stop, limit) = (self.layout.detection + braking, self.layout.stop_time.as_secs_f64());
+        writeln!(
+            f,
+            "{name:<9}{lower:>10.4}{upper:>10.4}{velocity:>10.4}{acceleration:>14.4}{jerk:>10}{following_error:>11.4}{:>9}{:>9}{:>9}",
+            seconds(*braking),
+            seconds(stop),
+            seconds(limit)
+        )
+    }
+
+    fn sensor(sensor: &SensorLayout, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let SensorLayout { name, kind, latency, .. } = sensor;
+        let of = sensor.of.as_deref().unwrap_or("-");
+        let mode = match sensor.mode {
+            VspMode::Interactive => "interactive",
+            VspMode::WithDelay => "with delay",
+            VspMode::NonInteractive(_) => "free running",
+        };
+        writeln!(f, "{name:<26}{kind:<16}{of:<26}{mode:<14}{:>8}", ms(*latency))
+    }
+}
+
+impl Display for Table<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.about(f)?;
+        self.processes(f)?;
+        self.layout.robots.iter().try_for_each(|robot| self.robot(robot, f))?;
+        if self.layout.sensors.is_empty() {
+            return Ok(());
+        }
+        writeln!(f, "\n{:<26}{:<16}{:<26}{:<14}{:>8}", "sensor", "kind", "of", "mode", "latency")?;
+        self.layout.sensors.iter().try_for_each(|sensor| Table::sensor(sensor, f))
+    }
+}
+
+fn ms(time: Duration) -> String {
+    format!("{} ms", time.as_nanos() as f64 * 1e-6)
+}
+
+fn seconds(time: f64) -> String {
+    format!("{time:.3} s")
+}

@@ -1,0 +1,313 @@
+//! What a launcher and the processes that it started tell each other, over a socket that is a process's standard input.
+//!
+//! Frames of a fixed size, in the order in which they are sent. The end of the stream is the end of the other side: a
+//! process whose launcher is gone has nobody to run for, and a launcher sees the death of a process by it.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::net::UnixStream;
+
+use super::figures::{FIGURES_WORDS, Figures};
+use super::scheduling::Lacks;
+use mrroc_core::operator::button::Button;
+use mrroc_core::model::fault::{Fault, FaultWords, ProcessId, Role};
+use mrroc_core::link::Nanos;
+use crate::iceoryx::{Clock, Seal};
+use mrroc_core::model::name::Name;
+use mrroc_core::control::plant::Rest;
+use mrroc_core::model::wire::{BadWords, Wire};
+
+/// Words of a frame.
+const WORDS: usize = 32;
+
+/// Bytes of a text in a frame.
+const TEXT: usize = 8 * (WORDS - 2);
+
+/// What a launcher tells a process, and what it is told.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Frame {
+    /// To a process: which run it belongs to, whose time that has, and how long to spin before it sleeps \[ns\].
+    Welcome { seal: Seal, clock: Clock, spin: Nanos },
+    /// All have made what others open: open it.
+    Connect,
+    /// All are connected: run. Time counts from here, on the machine's monotonic clock \[ns\].
+    Go { origin: Nanos },
+    /// In lock-step: run until you wait. It is now this time \[ns\].
+    Resume { now: Nanos },
+    /// To an MP: a process is gone.
+    Lost(ProcessId),
+    /// To an MP: the operator aborts.
+    Abort,
+    /// To an MP: the operator has pressed a button, under this number.
+    Press { number: u64, button: Button },
+    /// The cell closes.
+    Close,
+    /// From a process: it has made what others open; a hash of the cell as it sees it.
+    Created { fingerprint: u64 },
+    /// It is connected; what the machine did not give it.
+    Ready { lacks: Lacks },
+    /// In lock-step: it waits, at most until this time; places that it sent messages to, one bit each.
+    Waits { deadline: Nanos, woken: u64 },
+    /// In lock-step: the process at a place is to run until it waits, and then this one goes on; other places that it sent
+    /// messages to.
+    Calls { place: u64, woken: u64 },
+    /// From the plant: a robot whose commands had stopped has come to a standstill.
+    Rested(Rest),
+    /// In real time, now and then and at the end: how late it was, how long it worked.
+    Figures(Figures),
+    /// It cannot take part.
+    Refuses(String),
+    /// It has ended: steps begun, the time, and how its program ended, if it had one. To a plant that is watched: so has the
+    /// cell.
+    Over { steps: u64, time: Nanos, outcome: Option<Result<(), Fault>> },
+}
+
+impl Frame {
+    fn put(&self, words: &mut [u64; WORDS]) {
+        words[0] = match self {
+            Frame::Welcome { seal, clock, spin } => {
+                words[1..5].copy_from_slice(&[
+                    seal.session,
+                    seal.epoch,
+                    u64::from(*clock == Clock::Virtual),
+                    *spin,
+                ]);
+                1
+            }
+            Frame::Connect => 2,
+            Frame::Go { origin } => {
+                words[1] = *origin;
+                3
+            }
+            Frame::Resume { now } => {
+                words[1] = *now;
+                4
+            }
+            Frame::Lost(process) => {
+                words[1] = process.role as u64;
+                if let Some(name) = process.name {
+                    name.put(&mut words[2..5]);
+                }
+                5
+            }
+            Frame::Abort => 6,
+            Frame::Press { number, button } => {
+                words[1] = *number;
+                words[2..4].copy_from_slice(&button.to_words());
+                20
+            }
+            Frame::Close => 7,
+            Frame::Created { fingerprint } => {
+                words[1] = *fingerprint;
+                8
+            }
+            Frame::Ready { lacks } => {
+                words[1] = lacks.to_word();
+                9
+            }
+            Frame::Waits { deadline, woken } => {
+                words[1..3].copy_from_slice(&[*deadline, *woken]);
+                10
+            }
+            Frame::Calls { place, woken } => {
+                words[1..3].copy_from_slice(&[*place, *woken]);
+                13
+            }
+            Frame::Rested(rest) => {
+                words[1..3].copy_from_slice(&[rest.braked_after, rest.stood_after]);
+                if let Some(name) = rest.edp.name {
+                    name.put(&mut words[3..6]);
+                }
+                14
+            }
+            Frame::Figures(figures) => {
+                figures.put(&mut words[1..]);
+                15
+            }
+            Frame::Refuses(text) => {
+                let mut len = text.len().min(TEXT);
+                while !text.is_char_boundary(len) {
+                    len -= 1;
+                }
+                words[1] = len as u64;
+                for (word, chunk) in words[2..].iter_mut().zip(text.as_bytes()[..len].chunks(8)) {
+                    let mut bytes = [0; 8];
+                    bytes[..chunk.len()].copy_from_slice(chunk);
+                    *word = u64::from_le_bytes(bytes);
+                }
+                11
+            }
+            Frame::Over { steps, time, outcome } => {
+                let code = match outcome {
+                    None => 0,
+                    Some(Ok(())) => 1,
+                    Some(Err(fault)) => {
+                        FaultWords::from(fault).put(&mut words[4..]);
+                        2
+                    }
+                };
+                words[1..4].copy_from_slice(&[*steps, *time, code]);
+                12
+            }
+        };
+    }
+
+    fn get(words: &[u64; WORDS]) -> Result<Frame, BadWords> {
+        Ok(match words[0] {
+            1 => Frame::Welcome {
+                seal: Seal { session: words[1], epoch: words[2] },
+                clock: if words[3] == 0 { Clock::Real } else { Clock::Virtual },
+                spin: words[4],
+            },
+            2 => Frame::Connect,
+            3 => Frame::Go { origin: words[1] },
+            4 => Frame::Resume { now: words[1] },
+            5 => {
+                let roles = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant];
+                let role = roles.into_iter().find(|role| *role as u64 == words[1]).ok_or(BadWords)?;
+                Frame::Lost(ProcessId { role, name: Name::get(&words[2..5]).ok() })
+            }
+            6 => Frame::Abort,
+            20 => {
+                let button = Button::from_words([words[2], words[3]]).ok_or(BadWords)?;
+                Frame::Press { number: words[1], button }
+            }
+            7 => Frame::Close,
+            8 => Frame::Created { fingerprint: words[1] },
+            9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
+            10 => Frame::Waits { deadline: words[1], woken: words[2] },
+            11 => {
+                let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
+                let len = usize::try_from(words[1]).ok().filter(|&len| len <= TEXT).ok_or(BadWords)?;
+                Frame::Refuses(String::from_utf8_lossy(&bytes[..len]).into_owned())
+            }
+            12 => {
+                let outcome = match words[3] {
+                    0 => None,
+                    1 => Some(Ok(())),
+                    2 => Some(Err(FaultWords::get(&words[4..])?.into())),
+                    _ => return Err(BadWords),
+                };
+                Frame::Over { steps: words[1], time: words[2], outcome }
+            }
+            13 => Frame::Calls { place: words[1], woken: words[2] },
+            15 => {
+                let figures = words[1..].first_chunk::<FIGURES_WORDS>().ok_or(BadWords)?;
+                Frame::Figures(Figures::get(figures))
+            }
+            14 => Frame::Rested(Rest {
+                edp: ProcessId::new(Role::Edp, Name::get(&words[3..6])?),
+                braked_after: words[1],
+                stood_after: words[2],
+            }),
+            _ => return Err(BadWords),
+        })
+    }
+}
+
+/// One end of the socket.
+#[derive(Debug)]
+pub(crate) struct Control(UnixStream);
+
+impl Control {
+    pub(super) fn new(stream: UnixStream) -> Control {
+        Control(stream)
+    }
+
+    /// Sends a frame whole.
+    pub(super) fn send(&self, frame: &Frame) -> io::Result<()> {
+        let mut words = [0; WORDS];
+        frame.put(&mut words);
+        let mut bytes = [0; 8 * WORDS];
+        for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
+            chunk.copy_from_slice(&word.to_le_bytes());
+        }
+        (&self.0).write_all(&bytes)
+    }
+
+    /// Waits for a frame.
+    pub(super) fn receive(&self) -> io::Result<Frame> {
+        let mut bytes = [0; 8 * WORDS];
+        (&self.0).read_exact(&mut bytes)?;
+        let mut words = [0; WORDS];
+        for (chunk, word) in bytes.chunks_exact(8).zip(&mut words) {
+            let mut eight = [0; 8];
+            eight.copy_from_slice(chunk);
+            *word = u64::from_le_bytes(eight);
+        }
+        Frame::get(&words).map_err(|_| io::Error::new(ErrorKind::InvalidData, "no frame of this program"))
+    }
+
+    /// Waits for frames without an end from now on.
+    pub(super) fn wait_for_ever(&self) -> io::Result<()> {
+        self.0.set_read_timeout(None)
+    }
+
+    /// Another handle of this end.
+    pub(super) fn try_clone(&self) -> io::Result<Control> {
+        self.0.try_clone().map(Control)
+    }
+
+    /// What to wait on for the next frame.
+    pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
+        self.0.as_fd()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_core::model::fault::FaultKind;
+
+    #[test]
+    fn every_frame_comes_out_as_it_went_in_and_the_end_of_the_stream_is_an_error() {
+        let (ours, theirs) = UnixStream::pair().expect("a pair of sockets");
+        let (ours, theirs) = (Control::new(ours), Control::new(theirs));
+        let name = Name::new("a-name-of-24-bytes-at-all").or(Name::new("a-name-of-24-bytes-total"));
+        let edp = ProcessId::new(Role::Edp, name.expect("a name"));
+        let fault = Fault::new(FaultKind::DriveFault).in_process(edp).at_step(3).text("no brake");
+        let seal = Seal { session: 1, epoch: 2 };
+        let frames = [
+            Frame::Welcome { seal, clock: Clock::Virtual, spin: 3 },
+            Frame::Welcome { seal, clock: Clock::Real, spin: 0 },
+            Frame::Connect,
+            Frame::Go { origin: u64::MAX },
+            Frame::Resume { now: 5 },
+            Frame::Lost(edp),
+            Frame::Lost(ProcessId::MP),
+            Frame::Abort,
+            Frame::Press { number: 6, button: Button::Speed(0.25) },
+            Frame::Press { number: 7, button: Button::Stop },
+            Frame::Close,
+            Frame::Created { fingerprint: 7 },
+            Frame::Ready { lacks: Lacks::from_word(5) },
+            Frame::Waits { deadline: 8, woken: 9 },
+            Frame::Calls { place: 8, woken: 9 },
+            Frame::Figures(Figures { skipped: 1, overruns: 2, dropped: 3, ..Figures::default() }),
+            Frame::Rested(Rest { edp, braked_after: 11, stood_after: 3 }),
+            Frame::Refuses("no shared memory: größer".to_owned()),
+            Frame::Over { steps: 1, time: 2, outcome: None },
+            Frame::Over { steps: 1, time: 2, outcome: Some(Ok(())) },
+            Frame::Over { steps: 1, time: 2, outcome: Some(Err(fault)) },
+        ];
+        for frame in &frames {
+            ours.send(frame).expect("sent");
+            assert_eq!(&theirs.receive().expect("came"), frame);
+        }
+        drop(ours);
+        assert_eq!(theirs.receive().map_err(|error| error.kind()), Err(ErrorKind::UnexpectedEof));
+    }
+
+    #[test]
+    fn words_that_spell_no_frame_are_refused() {
+        // No tag; an unknown one; a text, a role, an outcome and a button that there are not.
+        for words in [[0; WORDS], [99; WORDS]] {
+            assert_eq!(Frame::get(&words), Err(BadWords));
+        }
+        for (tag, place) in [(11, 1), (5, 1), (12, 3), (20, 2)] {
+            let mut words = [0; WORDS];
+            (words[0], words[place]) = (tag, u64::MAX);
+            assert_eq!(Frame::get(&words), Err(BadWords));
+        }
+    }
+}

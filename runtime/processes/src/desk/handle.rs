@@ -1,0 +1,115 @@
+//! The launcher's handle of the desk.
+//!
+//! In: who the processes are, which of them have ended, what they tell of their time. Out: presses of buttons for the MP. The
+//! desk itself is a thread, [`Service`].
+
+use std::collections::BTreeSet;
+use std::io::{self, Read};
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::fs::PermissionsExt;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::Path;
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+use super::service::{SOCKET, Service};
+use mrroc_core::operator::button::Button;
+use mrroc_core::model::fault::ProcessId;
+use crate::board::StateBoard;
+use crate::control::Frame;
+use crate::figures::Figures;
+
+/// A process of the cell, and whether it is there.
+pub(super) struct Seat {
+    pub id: ProcessId,
+    pub pid: u32,
+    pub runs: bool,
+    pub figures: Figures,
+}
+
+/// The desk of a running cell.
+pub(in crate) struct Desk {
+    presses: Receiver<Frame>,
+    wakes: UnixStream,
+    seats: Arc<Mutex<Vec<Seat>>>,
+    /// Its end ends the thread.
+    open: Option<UnixStream>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Desk {
+    /// Opens the desk in a session's folder, for processes by their places with their numbers.
+    ///
+    /// # Errors
+    /// The socket cannot be made, or the thread.
+    pub fn open(
+        folder: &Path,
+        board: StateBoard,
+        crew: impl Iterator<Item = (ProcessId, u32)>,
+    ) -> io::Result<Desk> {
+        let path = folder.join(SOCKET);
+        let listener = UnixListener::bind(&path)?;
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600))?;
+        listener.set_nonblocking(true)?;
+        let seats = crew.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
+        let seats = Arc::new(Mutex::new(seats));
+        let (wakes, waker) = UnixStream::pair()?;
+        wakes.set_nonblocking(true)?;
+        waker.set_nonblocking(true)?;
+        let (open, end) = UnixStream::pair()?;
+        let (sender, presses) = channel();
+        let service = Service {
+            listener,
+            end,
+            board,
+            seats: Arc::clone(&seats),
+            presses: sender,
+            waker,
+            consoles: Vec::new(),
+            flights: [None; Button::KINDS],
+            ids: 0,
+            presses_made: 0,
+            holder: None,
+            strangers: BTreeSet::new(),
+        };
+        let thread = std::thread::Builder::new().name("desk".to_owned()).spawn(move || service.run())?;
+        Ok(Desk { presses, wakes, seats, open: Some(open), thread: Some(thread) })
+    }
+
+    /// What to wait on for presses.
+    pub fn descriptor(&self) -> BorrowedFd<'_> {
+        self.wakes.as_fd()
+    }
+
+    /// The presses that have come, for the MP.
+    pub fn presses(&self) -> impl Iterator<Item = Frame> {
+        drop((&self.wakes).read(&mut [0; 64]));
+        self.presses.try_iter()
+    }
+
+    /// A process has ended.
+    pub fn ended(&self, id: ProcessId) {
+        self.at_seat(id, |seat| seat.runs = false);
+    }
+
+    /// What a process tells of its time.
+    pub fn measured(&self, id: ProcessId, figures: Figures) {
+        self.at_seat(id, |seat| seat.figures = figures);
+    }
+
+    fn at_seat(&self, id: ProcessId, change: impl FnMut(&mut Seat)) {
+        let mut seats = self.seats.lock().unwrap_or_else(PoisonError::into_inner);
+        seats.iter_mut().filter(|seat| seat.id == id).for_each(change);
+    }
+}
+
+impl Drop for Desk {
+    fn drop(&mut self) {
+        drop(self.open.take());
+        if let Some(thread) = self.thread.take() {
+            // One that panicked has said so.
+            drop(thread.join());
+        }
+    }
+}

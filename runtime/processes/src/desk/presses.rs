@@ -1,0 +1,92 @@
+//! Presses of buttons on their way to the MP and back.
+//!
+//! In: buttons that consoles wait for, and the panel of the MP. Out: one press of each kind at a time, and its answer to all
+//! consoles that wait for it.
+
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use super::console::{Asked, Console};
+use super::protocol::Reply;
+use super::service::Service;
+use mrroc_core::operator::button::{Answer, Button, CellState};
+use crate::control::Frame;
+
+/// How long a console waits for its press to be carried out.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// A press that is under way.
+#[derive(Clone, Copy)]
+pub(super) struct Flight {
+    number: u64,
+    button: Button,
+    since: Instant,
+}
+
+impl Service {
+    /// Tells consoles what became of their presses.
+    pub(super) fn look_after_presses(&mut self) {
+        let mp = self.mp();
+        let over = !self.mp_runs();
+        for (kind, flight) in self.flights.iter_mut().enumerate() {
+            let Some(Flight { number, button, since }) = *flight else { continue };
+            let answer = mp.as_ref().map(|mp| mp.answers[kind]).filter(|answer| answer.number == number);
+            let reply = match answer {
+                Some(answer) => say(button, answer),
+                None if over => Reply::Refused("the cell closes".to_owned()),
+                None if since.elapsed() > PATIENCE => {
+                    Reply::Pending(format!("{button}: the program computes; when it moves or waits again"))
+                }
+                None => continue,
+            };
+            // One that is late may still be carried out, but the next one need not wait for that.
+            *flight = None;
+            let asked = Asked::Answer(kind, number);
+            self.consoles.iter_mut().filter(|console| console.asked == asked).for_each(|c| c.answer(&reply));
+        }
+    }
+
+    /// Presses the first button of each kind that consoles wait for, unless one of its kind is under way.
+    pub(super) fn press(&mut self) {
+        for kind in 0..Button::KINDS {
+            let waits = |console: &Console| match console.asked {
+                Asked::Press(button) if button.kind() == kind => Some(button),
+                Asked::Press(_) | Asked::Answer(..) | Asked::Nothing => None,
+            };
+            if self.flights[kind].is_some() {
+                continue;
+            }
+            let Some(button) = self.consoles.iter().find_map(waits) else { continue };
+            self.presses_made += 1;
+            let number = self.presses_made;
+            // A launcher that is gone closes the desk, too.
+            drop(self.presses.send(Frame::Press { number, button }));
+            drop(self.waker.write(&[1]));
+            self.flights[kind] = Some(Flight { number, button, since: Instant::now() });
+            for console in &mut self.consoles {
+                if console.asked == Asked::Press(button) {
+                    console.asked = Asked::Answer(kind, number);
+                }
+            }
+        }
+    }
+}
+
+/// `suspended: step 1203`; `refused nothing runs: step 1203`.
+fn say(button: Button, answer: Answer) -> Reply {
+    let Answer { step, state, done, .. } = answer;
+    if !done {
+        return Reply::Refused(format!("{}: step {step}", state.reason(button)));
+    }
+    let what = match (button, state) {
+        (Button::Stop, CellState::Latched | CellState::Acknowledged) => "stopped already".to_owned(),
+        (Button::Stop, _) => "stopping".to_owned(),
+        (Button::Abort, _) => "aborting".to_owned(),
+        (Button::Suspend, _) => "suspended".to_owned(),
+        (Button::Resume, _) => "resumed".to_owned(),
+        (Button::Speed(_), _) => button.to_string(),
+        (Button::Acknowledge, _) => "acknowledged".to_owned(),
+        (Button::Reset, _) => "reset".to_owned(),
+    };
+    Reply::Done(format!("{what}: step {step}"))
+}

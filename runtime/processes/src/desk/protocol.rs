@@ -1,0 +1,273 @@
+//! What a console and the desk of a cell write to each other: lines of text.
+//!
+//! A console asks one thing a line, and reads the answer before it asks the next one:
+//!
+//! | request | answer |
+//! |---|---|
+//! | `stop`, `abort` | from every console |
+//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset` | from the console that holds the control token; one that asks while nobody does takes it |
+//! | `take`, `release` | takes and returns the token; the end of a console returns it as well |
+//! | `status` | a picture |
+//! | `watch` | a picture, and from now on up to 20 a second between the answers |
+//!
+//! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`; a picture has many, from `picture` to `end`.
+
+use core::fmt;
+use std::io::{self, BufRead, ErrorKind};
+
+use super::picture::Picture;
+use mrroc_core::operator::button::Button;
+
+/// The longest request, its end not counted \[bytes\].
+pub(crate) const MAX_REQUEST: usize = 80;
+
+/// The longest line of an answer \[bytes\].
+const MAX_ANSWER: usize = 4096;
+
+/// The most lines of a picture.
+const MAX_LINES: usize = 1000;
+
+/// What a console asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Request {
+    Status,
+    Watch,
+    Take,
+    Release,
+    Press(Button),
+}
+
+/// The words that are no buttons.
+const WORDS: [&str; 4] = ["status", "watch", "take", "release"];
+
+impl Request {
+    /// Reads a request.
+    ///
+    /// # Errors
+    /// A line that says what is wrong and what to write.
+    pub fn read(line: &[u8]) -> Result<Request, String> {
+        let line = core::str::from_utf8(line).map_err(|_| "this is no text".to_owned())?.trim();
+        let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        match (word, rest) {
+            ("status", "") => Ok(Request::Status),
+            ("watch", "") => Ok(Request::Watch),
+            ("take", "") => Ok(Request::Take),
+            ("release", "") => Ok(Request::Release),
+            _ if WORDS.contains(&word) => Err(format!("write {word} alone")),
+            _ if Button::WORDS.contains(&word) => Button::read(word, rest)
+                .map(Request::Press)
+                .map_err(|error| error.to_string().replace("\n help: ", ": ")),
+            _ => {
+                let known: Vec<_> = WORDS.iter().chain(&Button::WORDS).collect();
+                let help = mrroc_core::suggestion::suggestion(word, &known, "there are");
+                Err(format!("`{}` is no request: {help}", word.escape_default()))
+            }
+        }
+    }
+}
+
+impl fmt::Display for Request {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Request::Status => f.write_str("status"),
+            Request::Watch => f.write_str("watch"),
+            Request::Take => f.write_str("take"),
+            Request::Release => f.write_str("release"),
+            Request::Press(button) => button.fmt(f),
+        }
+    }
+}
+
+/// The answer to a request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Reply {
+    /// It was carried out: what happened, in which step.
+    Done(String),
+    /// It was not: why.
+    Refused(String),
+    /// It will be when a step begins; the program computes now.
+    Pending(String),
+}
+
+impl fmt::Display for Reply {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Reply::Done(text) => write!(f, "done {text}"),
+            Reply::Refused(text) => write!(f, "refused {text}"),
+            Reply::Pending(text) => write!(f, "pending {text}"),
+        }
+    }
+}
+
+/// What a console hears.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Heard {
+    Reply(Reply),
+    Picture(Picture),
+}
+
+impl Heard {
+    /// Reads the next one; `None` when the desk is gone.
+    ///
+    /// # Errors
+    /// What is read is nothing that a desk writes.
+    pub fn read(from: &mut impl BufRead) -> io::Result<Option<Heard>> {
+        let bad = |line: &str| {
+            let text = format!("`{}` is no answer", line.escape_default());
+            io::Error::new(ErrorKind::InvalidData, text)
+        };
+        let Some(line) = read_line(from)? else { return Ok(None) };
+        let (word, rest) = line.split_once(' ').unwrap_or((&line, ""));
+        let rest = rest.to_owned();
+        match word {
+            "done" => Ok(Some(Heard::Reply(Reply::Done(rest)))),
+            "refused" => Ok(Some(Heard::Reply(Reply::Refused(rest)))),
+            "pending" => Ok(Some(Heard::Reply(Reply::Pending(rest)))),
+            "picture" => {
+                let mut picture = Picture::default();
+                for _ in 0..MAX_LINES {
+                    let Some(line) = read_line(from)? else { return Ok(None) };
+                    if line == "end" {
+                        return Ok(Some(Heard::Picture(picture)));
+                    }
+                    picture.take(&line).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
+                }
+                Err(bad("picture"))
+            }
+            _ => Err(bad(&line)),
+        }
+    }
+}
+
+/// A line without its end; `None` at the end of the stream.
+fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
+    let mut line = Vec::new();
+    let whole = io::Read::take(&mut *from, MAX_ANSWER as u64).read_until(b'\n', &mut line)?;
+    if whole == 0 || line.pop() != Some(b'\n') {
+        let cut = whole == MAX_ANSWER;
+        return if cut {
+            Err(io::Error::new(ErrorKind::InvalidData, "a line without an end"))
+        } else {
+            Ok(None)
+        };
+    }
+    String::from_utf8(line).map(Some).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::picture::{ProcessPicture, RobotPicture};
+    use super::*;
+    use mrroc_core::operator::button::CellState;
+    use mrroc_core::control::mp::Doing;
+    use crate::figures::{FIGURES_WORDS, Figures};
+    use proptest::prelude::*;
+
+    #[test]
+    fn requests_are_read_as_they_are_written_and_others_are_refused_with_the_one_that_was_meant() {
+        let buttons = [Button::Stop, Button::Speed(0.3), Button::Reset].map(Request::Press);
+        let plain = [Request::Status, Request::Watch, Request::Take, Request::Release];
+        for request in plain.into_iter().chain(buttons) {
+            assert_eq!(Request::read(request.to_string().as_bytes()), Ok(request));
+        }
+        for (line, told) in [
+            (&b"staus"[..], "did you mean `status`?"),
+            (b"suspend now", "write suspend alone"),
+            (b"take 2", "write take alone"),
+            (b"speed fast", "write 0% to 100%"),
+            (b"", "there are: status"),
+            (b"\xff\xfe", "no text"),
+        ] {
+            let refused = Request::read(line).expect_err("no request");
+            assert!(refused.contains(told) && !refused.contains('\n'), "{refused}");
+        }
+    }
+
+    fn name() -> impl Strategy<Value = String> {
+        "[a-zA-Z0-9_-]{1,24}"
+    }
+
+    fn joints() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+        let one = || proptest::num::f64::NORMAL | proptest::num::f64::ZERO;
+        (1_usize..=8).prop_flat_map(move |n| {
+            (proptest::collection::vec(one(), n), proptest::collection::vec(one(), n))
+        })
+    }
+
+    fn picture() -> impl Strategy<Value = Picture> {
+        let process =
+            ("(ecp|edp|vsp) [a-z]{1,24}", any::<u32>(), any::<bool>(), any::<[u64; FIGURES_WORDS]>())
+                .prop_map(|(name, pid, runs, words)| ProcessPicture {
+                    name,
+                    pid,
+                    runs,
+                    figures: Figures::get(&words),
+                });
+        let robot = (name(), 0.0..1e6, joints())
+            .prop_map(|(name, time, (demanded, measured))| RobotPicture { name, time, demanded, measured });
+        (
+            (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0),
+            (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<Option<u8>>()),
+            proptest::collection::vec(process, 0..64),
+            proptest::collection::vec(robot, 0..32),
+        )
+            .prop_map(|((state, n, rate, speed), (doing, by, holder, fault), processes, robots)| {
+                Picture {
+                    state: CellState::ALL[state],
+                    step: n[0],
+                    period: n[1],
+                    instructions: n[2],
+                    rate,
+                    speed,
+                    doing: Doing::ALL[doing],
+                    by,
+                    holder,
+                    fault: fault.map(|step| format!("mp: protective stop: gone at step {step}")),
+                    processes,
+                    robots,
+                }
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn a_picture_is_read_as_it_was_written(picture in picture()) {
+            let text = picture.to_string();
+            prop_assert_eq!(Heard::read(&mut text.as_bytes()).expect("a picture"), Some(Heard::Picture(picture)));
+        }
+
+        #[test]
+        fn a_picture_that_is_cut_anywhere_is_none(picture in picture(), cut in any::<prop::sample::Index>()) {
+            let text = picture.to_string();
+            let heard = Heard::read(&mut &text.as_bytes()[..cut.index(text.len())]);
+            prop_assert!(matches!(heard, Ok(None) | Err(_)), "{heard:?}");
+        }
+
+        #[test]
+        fn garbage_is_refused_by_both_sides_in_lines_of_their_own(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+            if let Err(refused) = Request::read(&bytes) {
+                prop_assert!(!refused.contains('\n') && refused.len() < 2000, "{refused}");
+            }
+            let _ = Heard::read(&mut bytes.as_slice());
+        }
+
+        #[test]
+        fn a_damaged_picture_is_read_without_harm(picture in picture(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
+            let mut bytes = picture.to_string().into_bytes();
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+            let _ = Heard::read(&mut bytes.as_slice());
+        }
+    }
+
+    #[test]
+    fn what_has_no_end_is_given_up() {
+        let huge = vec![b'x'; 100 * MAX_ANSWER];
+        assert!(Heard::read(&mut huge.as_slice()).is_err());
+        let endless = "picture\n".to_owned() + &"token 1\n".repeat(10 * MAX_LINES);
+        assert!(Heard::read(&mut endless.as_bytes()).is_err());
+        let crowded =
+            "picture\n".to_owned() + &"process 1 runs 0 0 0 0 0 0 0 0 0 0 0 mp\n".repeat(65) + "end\n";
+        assert!(Heard::read(&mut crowded.as_bytes()).is_err());
+    }
+}

@@ -1,0 +1,265 @@
+//! The launcher's side of the desk: a thread that hears all consoles, and passes presses on to the MP.
+//!
+//! Of each kind of button one press is under way at a time, and the MP carries out one of each kind in a step: however many
+//! consoles press however often, it hears no more. Presses of one kind and meaning that wait share one press and its
+//! answer. What the MP did is read from its panel of the state board, so that it writes to nobody.
+
+use std::collections::BTreeSet;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::net::sockopt::socket_peercred;
+
+use super::console::{Asked, Console};
+use super::handle::Seat;
+use super::picture::{Picture, ProcessPicture, RobotPicture};
+use super::presses::Flight;
+use super::protocol::{Reply, Request};
+use mrroc_core::operator::button::{Button, CellState};
+use mrroc_core::model::fault::{ProcessId, Role};
+use crate::board::StateBoard;
+use crate::control::Frame;
+use crate::panel::{MpPanel, robot};
+
+/// The name of the socket in a session's folder.
+pub(super) const SOCKET: &str = "operator";
+
+/// The most consoles at a time. One more makes the one go that has been there longest without the token.
+const CONSOLES: usize = 16;
+
+/// The shortest time between two rounds: a flood of requests keeps no core busy.
+const ROUND: Duration = Duration::from_millis(1);
+
+/// How often a press that is under way is looked after.
+const LOOK: Duration = Duration::from_millis(2);
+
+/// The time between two pictures.
+const PICTURE: Duration = Duration::from_millis(50);
+
+/// The thread of the desk.
+pub(super) struct Service {
+    pub listener: UnixListener,
+    pub end: UnixStream,
+    pub board: StateBoard,
+    pub seats: Arc<Mutex<Vec<Seat>>>,
+    pub presses: Sender<Frame>,
+    pub waker: UnixStream,
+    pub consoles: Vec<Console>,
+    /// By their kinds.
+    pub flights: [Option<Flight>; Button::KINDS],
+    pub ids: u64,
+    pub presses_made: u64,
+    /// The console that holds the control token.
+    pub holder: Option<u64>,
+    /// Users who were refused, each told of once.
+    pub strangers: BTreeSet<u32>,
+}
+
+impl Service {
+    /// Serves until the handle of the desk goes.
+    pub fn run(mut self) {
+        while self.wait() {
+            self.accept();
+            for i in 0..self.consoles.len() {
+                self.serve(i);
+            }
+            self.look_after_presses();
+            self.press();
+            self.show();
+            self.consoles.retain(|console| !console.is_over());
+            let there = |id| self.consoles.iter().any(|console| console.id == id);
+            self.holder = self.holder.filter(|&id| there(id));
+            std::thread::sleep(ROUND);
+        }
+    }
+
+    /// Waits until something is to be done; whether the desk is still open.
+    fn wait(&mut self) -> bool {
+        let time = self.next_round();
+        let mut all = vec![PollFd::new(&self.end, PollFlags::IN), PollFd::new(&self.listener, PollFlags::IN)];
+        all.extend(self.consoles.iter().map(|console| {
+            let mut flags = PollFlags::empty();
+            flags.set(PollFlags::IN, console.is_listened_to());
+            flags.set(PollFlags::OUT, console.is_written_to());
+            PollFd::from_borrowed_fd(console.descriptor(), flags)
+        }));
+        let time = time.and_then(|time| Timespec::try_from(time).ok());
+        if poll(&mut all, time.as_ref()).is_err() {
+            return true;
+        }
+        let came: Vec<_> = all.iter().map(PollFd::revents).collect();
+        for (console, came) in self.consoles.iter_mut().zip(&came[2..]) {
+            console.gone |= came.intersects(PollFlags::ERR | PollFlags::NVAL)
+                || (came.contains(PollFlags::HUP) && !came.contains(PollFlags::IN));
+            if came.contains(PollFlags::OUT) {
+                console.flush();
+            }
+            if came.contains(PollFlags::IN) {
+                console.read();
+            }
+        }
+        came[0].is_empty()
+    }
+
+    /// How long nothing has to be done unless something comes.
+    fn next_round(&self) -> Option<Duration> {
+        let ready = |console: &Console| console.has_line() && console.asked == Asked::Nothing;
+        if self.consoles.iter().any(|console| ready(console) && !console.is_written_to()) {
+            return Some(Duration::ZERO);
+        }
+        let waits = |console: &Console| console.asked != Asked::Nothing;
+        let look = self.consoles.iter().any(waits).then_some(LOOK);
+        let due = self.consoles.iter().filter_map(|console| console.watches).min();
+        let due = due.map(|due| due.saturating_duration_since(Instant::now()));
+        look.into_iter().chain(due).min()
+    }
+
+    /// Lets consoles in: those of the user that the cell belongs to.
+    fn accept(&mut self) {
+        for _ in 0..CONSOLES {
+            let Ok((stream, _)) = self.listener.accept() else { return };
+            let Ok(peer) = socket_peercred(&stream) else { continue };
+            let user = peer.uid.as_raw();
+            let pid = peer.pid.as_raw_nonzero().get().unsigned_abs();
+            self.ids += 1;
+            let Ok(mut console) = Console::new(self.ids, pid, stream) else { continue };
+            if user != rustix::process::getuid().as_raw() {
+                console.write(&format!("refused the cell belongs to another user than {user}\n"));
+                if self.strangers.insert(user) {
+                    eprintln!("note: operator: process {pid} of user {user} was refused");
+                }
+                continue;
+            }
+            if self.consoles.len() >= CONSOLES {
+                let without = self.consoles.iter().position(|other| Some(other.id) != self.holder);
+                drop(without.map(|oldest| self.consoles.remove(oldest)));
+            }
+            self.consoles.push(console);
+        }
+    }
+
+    /// Answers a console, or takes down what it waits for.
+    fn serve(&mut self, i: usize) {
+        let Some(line) = self.consoles[i].line() else { return };
+        let answer = match Request::read(&line) {
+            Err(refused) => Some(Reply::Refused(refused)),
+            Ok(Request::Status) => {
+                let picture = self.picture().to_string();
+                return self.consoles[i].write(&picture);
+            }
+            Ok(Request::Watch) => {
+                self.consoles[i].watches = Some(Instant::now());
+                None
+            }
+            Ok(Request::Take) => Some(
+                self.take(i)
+                    .err()
+                    .unwrap_or_else(|| Reply::Done("this console holds the control token".to_owned())),
+            ),
+            Ok(Request::Release) if self.holder == Some(self.consoles[i].id) => {
+                self.holder = None;
+                Some(Reply::Done("nobody holds the control token".to_owned()))
+            }
+            Ok(Request::Release) => {
+                Some(Reply::Refused("this console does not hold the control token".to_owned()))
+            }
+            Ok(Request::Press(button)) => self.may_press(i, button).err(),
+        };
+        if let Some(answer) = answer {
+            self.consoles[i].answer(&answer);
+        }
+    }
+
+    /// Gives a console the control token, unless another one holds it.
+    fn take(&mut self, i: usize) -> Result<(), Reply> {
+        let id = self.consoles[i].id;
+        match self.consoles.iter().find(|console| Some(console.id) == self.holder && console.id != id) {
+            Some(holder) => {
+                let text = format!("the console of process {} holds the control token", holder.pid);
+                Err(Reply::Refused(text))
+            }
+            None => {
+                self.holder = Some(id);
+                Ok(())
+            }
+        }
+    }
+
+    fn may_press(&mut self, i: usize, button: Button) -> Result<(), Reply> {
+        if !matches!(button, Button::Stop | Button::Abort) {
+            self.take(i)?;
+        }
+        // Kept until an instruction begins, it would abort one that nobody meant.
+        if button == Button::Abort && self.mp().is_some_and(|mp| mp.state == CellState::Idle) {
+            return Err(Reply::Refused(CellState::Idle.reason(button).to_owned()));
+        }
+        self.consoles[i].asked = Asked::Press(button);
+        Ok(())
+    }
+
+    /// Shows the cell to those who watch it and keep up with it.
+    fn show(&mut self) {
+        let now = Instant::now();
+        let due = |console: &Console| console.watches.is_some_and(|due| due <= now);
+        if !self.consoles.iter().any(due) {
+            return;
+        }
+        let picture = self.picture().to_string();
+        for console in self.consoles.iter_mut().filter(|console| due(console)) {
+            console.watches = Some(now + PICTURE);
+            if !console.is_written_to() {
+                console.write(&picture);
+            }
+        }
+    }
+
+    fn seats(&self) -> MutexGuard<'_, Vec<Seat>> {
+        // A seat is whole whatever a thread that held it did.
+        self.seats.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn mp_runs(&self) -> bool {
+        self.seats().iter().any(|seat| seat.id == ProcessId::MP && seat.runs)
+    }
+
+    /// What the MP shows.
+    pub fn mp(&self) -> Option<MpPanel> {
+        let place = self.seats().iter().position(|seat| seat.id == ProcessId::MP)?;
+        self.board.read(place).map(|words| MpPanel::read(&words))
+    }
+
+    fn picture(&self) -> Picture {
+        let mp = self.mp().unwrap_or_default();
+        let holder = self.consoles.iter().find(|console| Some(console.id) == self.holder);
+        let mut picture = Picture {
+            state: mp.state,
+            step: mp.step,
+            period: mp.period,
+            rate: mp.rate,
+            speed: mp.speed,
+            instructions: mp.instructions,
+            doing: mp.doing,
+            by: mp.by,
+            holder: holder.map(|console| console.pid),
+            fault: mp.fault.map(|fault| fault.to_string()),
+            ..Picture::default()
+        };
+        for (place, seat) in self.seats().iter().enumerate() {
+            let name = seat.id.to_string();
+            picture.processes.push(ProcessPicture {
+                name,
+                pid: seat.pid,
+                runs: seat.runs,
+                figures: seat.figures,
+            });
+            let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
+            if let Some((time, demanded, measured)) = self.board.read(place).map(|words| robot(&words)) {
+                picture.robots.push(RobotPicture { name: name.to_string(), time, demanded, measured });
+            }
+        }
+        picture
+    }
+}

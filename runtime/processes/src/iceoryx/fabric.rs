@@ -1,0 +1,272 @@
+//! Puts a cell together in one of its processes, and connects the part of it that is here.
+//!
+//! Services are made in two rounds with a barrier between them, which the launcher keeps: first every process makes its
+//! bell, the ports that it answers and the boards that it writes; when all have, each opens what the others
+//! made. So nothing is opened that is not there, and nothing is made twice.
+
+use core::cell::Cell;
+use core::fmt::Display;
+use std::path::Path;
+use std::rc::Rc;
+
+use iceoryx2::prelude::*;
+
+use super::bell::Bell;
+use super::ports::{Answering, Asking, BoardEnd, End, Reads, Rope, Writes};
+use mrroc_core::model::fault::ProcessId;
+use mrroc_core::link::envelope::{Envelope, LAYOUT, Seal};
+use mrroc_core::link::memory::{MAX_PROCESSES, Stuck};
+use mrroc_core::link::{Board, Body, Client, Link, Server, Simulation};
+use mrroc_core::model::wire::layout_hash;
+
+/// The one value of a board.
+const KEY: u64 = 0;
+
+/// The shared memory of a session could not be set up.
+#[derive(Debug, thiserror::Error)]
+#[error("{what} could not be made in shared memory: {why}")]
+pub(crate) struct LinkError {
+    what: String,
+    why: String,
+}
+
+impl LinkError {
+    fn of<E: Display>(what: impl Display) -> impl FnOnce(E) -> LinkError {
+        move |error| LinkError { what: what.to_string(), why: error.to_string() }
+    }
+}
+
+enum Planned {
+    Port { client: usize, server: usize, asking: End<Asking>, answering: End<Answering> },
+    Board { writer: usize, reader: usize, end: End<BoardEnd> },
+}
+
+/// A cell as one of its processes sees it.
+pub(crate) struct Fabric {
+    me: ProcessId,
+    clock: Clock,
+    places: Vec<ProcessId>,
+    planned: Vec<Planned>,
+    body: Option<Body>,
+    /// Places that messages were sent to since the process was resumed, in lock-step.
+    woken: Rc<Cell<u64>>,
+    /// What it sleeps on, and the prefix of all bells, in real time.
+    bell: Option<(Bell, String)>,
+    node: Option<Node<ipc::Service>>,
+}
+
+impl Fabric {
+    /// The cell in the process `me`, in this time.
+    pub fn new(me: ProcessId, clock: Clock) -> Fabric {
+        Fabric {
+            me,
+            clock,
+            places: Vec::new(),
+            planned: Vec::new(),
+            body: None,
+            woken: Rc::default(),
+            bell: None,
+            node: None,
+        }
+    }
+
+    /// The processes of the cell, in the order of their places.
+    pub fn places(&self) -> &[ProcessId] {
+        &self.places
+    }
+
+    /// What this process runs; `None` where the cell has no such process.
+    pub fn take_body(&mut self) -> Option<Body> {
+        self.body.take()
+    }
+
+    /// Places that messages were sent to, one bit each.
+    pub fn woken(&self) -> Rc<Cell<u64>> {
+        Rc::clone(&self.woken)
+    }
+
+    /// How many ports and boards connect the processes.
+    pub const fn ways(&self) -> usize {
+        self.planned.len()
+    }
+
+    /// A hash of the processes and of what connects them: processes that disagree about it are of different programs.
+    pub fn fingerprint(&self) -> u64 {
+        let names = self.places.iter().fold(LAYOUT, |hash, place| layout_hash(hash, &place.to_string()));
+        self.planned.iter().fold(names, |hash, planned| {
+            layout_hash(
+                hash,
+                &match planned {
+                    Planned::Port { client, server, .. } => format!("port {client} {server}"),
+                    Planned::Board { writer, reader, .. } => format!("board {writer} {reader}"),
+                },
+            )
+        })
+    }
+
+    fn here(&self, place: usize) -> bool {
+        self.places[place] == self.me
+    }
+
+    /// The first round: makes what others open. Its files are under `root`, its shared memory under `prefix`.
+    ///
+    /// # Errors
+    /// [`LinkError`]
+    pub fn create(&mut self, root: &Path, prefix: &str, seal: Seal) -> Result<(), LinkError> {
+        set_log_level(LogLevel::Fatal);
+        let mut config = Config::default();
+        let text = root.to_string_lossy();
+        let path = iceoryx2::prelude::Path::new(text.as_bytes()).map_err(LinkError::of("its folder"))?;
+        config.global.set_root_path(&path);
+        config.global.prefix = FileName::new(prefix.as_bytes()).map_err(LinkError::of("its prefix"))?;
+        let name = NodeName::new(&self.me.to_string()).map_err(LinkError::of("its node's name"))?;
+        let node = NodeBuilder::new()
+            .name(&name)
+            .config(&config)
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create::<ipc::Service>()
+            .map_err(LinkError::of("its node"))?;
+        let me = self.places.iter().position(|&place| place == self.me);
+        if let (Clock::Real, Some(me)) = (self.clock, me) {
+            // There before anyone can ring.
+            let bell = Bell::create(prefix, me).map_err(LinkError::of("its bell"))?;
+            self.bell = Some((bell, prefix.to_owned()));
+        }
+        for (i, planned) in self.planned.iter().enumerate() {
+            match planned {
+                Planned::Port { client, asking, .. } if self.here(*client) => {
+                    asking.connect(Asking::new(make(&node, &format!("request {i}"))?, seal));
+                }
+                Planned::Port { server, answering, .. } if self.here(*server) => {
+                    answering.connect(Answering::new(make(&node, &format!("answer {i}"))?, seal));
+                }
+                Planned::Board { writer, end, .. } if self.here(*writer) => {
+                    end.connect(BoardEnd::Writes(make(&node, &format!("board {i}"))?, seal, Cell::new(0)));
+                }
+                Planned::Port { .. } | Planned::Board { .. } => {}
+            }
+        }
+        self.node = Some(node);
+        Ok(())
+    }
+
+    /// The second round: opens what others made.
+    ///
+    /// # Errors
+    /// [`LinkError`]
+    pub fn connect(&mut self, seal: Seal) -> Result<(), LinkError> {
+        let Some(node) = &self.node else { return Ok(()) };
+        for (i, planned) in self.planned.iter().enumerate() {
+            match planned {
+                Planned::Port { client, server, asking, .. } if self.here(*client) => {
+                    if let Some(Asking { end, .. }) = asking.0.get() {
+                        end.meet(open(node, &format!("answer {i}"))?, self.rope(*server)?);
+                    }
+                }
+                Planned::Port { client, server, answering, .. } if self.here(*server) => {
+                    if let Some(Answering { end, .. }) = answering.0.get() {
+                        end.meet(open(node, &format!("request {i}"))?, self.rope(*client)?);
+                    }
+                }
+                Planned::Board { reader, end, .. } if self.here(*reader) => {
+                    end.connect(BoardEnd::Reads(open(node, &format!("board {i}"))?, seal));
+                }
+                Planned::Port { .. } | Planned::Board { .. } => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// What wakes the process at `place`.
+    fn rope(&self, place: usize) -> Result<Rope, LinkError> {
+        match &self.bell {
+            None => Ok(Rope::Mark(place, Rc::clone(&self.woken))),
+            Some((_, prefix)) => {
+                let bell = Bell::open(prefix, place);
+                bell.map(Rope::Bell).map_err(LinkError::of("the way to another process's bell"))
+            }
+        }
+    }
+
+    /// What this process sleeps on, in real time.
+    pub fn bell(&self) -> Option<Bell> {
+        self.bell.as_ref().map(|(bell, _)| *bell)
+    }
+}
+
+/// Whose time a cell runs in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Clock {
+    /// The machine's monotonic time.
+    Real,
+    /// The launcher's virtual time, in lock-step.
+    Virtual,
+}
+
+/// Makes a board that this process writes.
+fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
+    let board = node
+        .service_builder(&service(name)?)
+        .blackboard_creator::<u64>()
+        .max_readers(1)
+        .max_nodes(MAX_PROCESSES)
+        .add::<Envelope>(KEY, Envelope::EMPTY)
+        .create()
+        .map_err(LinkError::of(name))?;
+    let writer = board.writer_builder().create().map_err(LinkError::of(name))?;
+    writer.entry(&KEY).map_err(LinkError::of(name))
+}
+
+/// Opens a board that another process has made.
+fn open(node: &Node<ipc::Service>, name: &str) -> Result<Reads, LinkError> {
+    let board = node
+        .service_builder(&service(name)?)
+        .blackboard_opener::<u64>()
+        .open()
+        .map_err(LinkError::of(name))?;
+    let reader = board.reader_builder().create().map_err(LinkError::of(name))?;
+    reader.entry(&KEY).map_err(LinkError::of(name))
+}
+
+fn service(name: &str) -> Result<ServiceName, LinkError> {
+    ServiceName::new(name).map_err(LinkError::of("the name of a service"))
+}
+
+impl Link for Fabric {
+    fn place(&mut self, process: ProcessId) -> usize {
+        self.places.push(process);
+        self.places.len() - 1
+    }
+
+    fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
+        let (asking, answering) = (End::new(), End::new());
+        let (here, there) = (asking.clone(), answering.clone());
+        self.planned.push(Planned::Port { client, server, asking, answering });
+        (Box::new(here), Box::new(there))
+    }
+
+    fn board(&mut self, writer: usize, reader: usize) -> Rc<dyn Board> {
+        let end = End::new();
+        self.planned.push(Planned::Board { writer, reader, end: end.clone() });
+        Rc::new(end)
+    }
+
+    fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
+        if self.here(place) {
+            self.body = Some(body);
+        }
+        Ok(())
+    }
+
+    fn simulation(&self) -> Simulation {
+        match self.clock {
+            Clock::Virtual => Simulation::Asked,
+            Clock::Real => Simulation::Free,
+        }
+    }
+
+    fn closer(&self) -> Box<dyn Fn()> {
+        // The launcher closes the cell when it hears that the MP's program is over.
+        Box::new(|| {})
+    }
+}

@@ -1,0 +1,185 @@
+//! The ends of ports and boards that are in this process.
+//!
+//! In: messages. Out: envelopes in shared memory, and a wake-up of the process that reads them. An end is made before
+//! its service is: the cell is put together first and connected afterwards, so an end that belongs to another process
+//! stays empty and does nothing.
+//!
+//! A port is two boards: the newest request, and the answer to it, which bears its ordinal
+//! ([`numbering`](mrroc_core::link::numbering)). iceoryx2's request-response
+//! allocates three times for an exchange, for the request on both sides and for the answer; a blackboard never does.
+
+use core::cell::{Cell, OnceCell};
+use std::rc::Rc;
+
+use iceoryx2::port::reader::EntryHandle;
+use iceoryx2::port::writer::EntryHandleMut;
+use iceoryx2::prelude::ipc;
+
+use super::bell::Bell;
+use mrroc_core::link::envelope::{Envelope, Seal};
+use mrroc_core::link::numbering::{self, Heard};
+use mrroc_core::link::{Board, Client, Server};
+use mrroc_core::link::message::Message;
+
+/// The end of a board in shared memory that is written, and the one that is read.
+pub(super) type Writes = EntryHandleMut<ipc::Service, u64, Envelope>;
+pub(super) type Reads = EntryHandle<ipc::Service, u64, Envelope>;
+
+/// Wakes the process at the other end.
+pub(super) enum Rope {
+    /// By its bell.
+    Bell(Bell),
+    /// In lock-step: the launcher resumes it. Which place, and the places to be resumed.
+    Mark(usize, Rc<Cell<u64>>),
+}
+
+impl Rope {
+    fn pull(&self) {
+        match self {
+            // A peer that is gone is not woken; that it is gone is told by its silence and by the launcher.
+            Rope::Bell(bell) => bell.ring(),
+            Rope::Mark(place, woken) => woken.set(woken.get() | 1 << place),
+        }
+    }
+}
+
+/// One end of a port: the board that it writes, and what is known once the other side has made its own.
+pub(super) struct PortEnd {
+    writes: Writes,
+    other: OnceCell<(Reads, Rope)>,
+}
+
+impl PortEnd {
+    const fn new(writes: Writes) -> Self {
+        PortEnd { writes, other: OnceCell::new() }
+    }
+
+    /// Connects it with the other side.
+    pub fn meet(&self, reads: Reads, rope: Rope) {
+        // It is met once: each port is looked at once in that round.
+        drop(self.other.set((reads, rope)));
+    }
+
+    /// Shows an envelope and wakes its reader.
+    fn show(&self, envelope: Envelope) {
+        self.writes.update_with_copy(envelope);
+        if let Some((_, rope)) = self.other.get() {
+            rope.pull();
+        }
+    }
+
+    /// Looks at what the other side shows, once it has made its own board.
+    fn look<T>(&self, looks: impl FnOnce(&Envelope) -> T) -> Option<T> {
+        self.other.get().map(|(reads, _)| looks(&reads.get()))
+    }
+}
+
+/// The asking end of a port.
+pub(super) struct Asking {
+    pub end: PortEnd,
+    numbers: numbering::Asking,
+}
+
+impl Asking {
+    pub const fn new(writes: Writes, seal: Seal) -> Asking {
+        Asking { end: PortEnd::new(writes), numbers: numbering::Asking::new(seal) }
+    }
+}
+
+/// The answering end of a port.
+pub(super) struct Answering {
+    pub end: PortEnd,
+    numbers: numbering::Answering,
+}
+
+impl Answering {
+    pub const fn new(writes: Writes, seal: Seal) -> Answering {
+        Answering { end: PortEnd::new(writes), numbers: numbering::Answering::new(seal) }
+    }
+}
+
+/// An end of a port that is connected later, or never, because it belongs to another process.
+pub(super) struct End<T>(pub Rc<OnceCell<T>>);
+
+impl<T> Clone for End<T> {
+    fn clone(&self) -> Self {
+        End(Rc::clone(&self.0))
+    }
+}
+
+impl<T> End<T> {
+    pub fn new() -> End<T> {
+        End(Rc::new(OnceCell::new()))
+    }
+
+    pub fn connect(&self, with: T) {
+        // It is connected once: its fabric connects all ends of its list in one pass.
+        drop(self.0.set(with));
+    }
+}
+
+impl Client for End<Asking> {
+    fn send(&self, request: &Message) {
+        if let Some(Asking { end, numbers }) = self.0.get() {
+            end.show(numbers.ask(request));
+        }
+    }
+
+    fn send_again(&self) {
+        if let Some(Asking { end, numbers }) = self.0.get()
+            && let Some(envelope) = numbers.ask_again()
+        {
+            end.show(envelope);
+        }
+    }
+
+    fn receive(&self, reply: &mut Message) -> bool {
+        let Some(Asking { end, numbers }) = self.0.get() else { return false };
+        end.look(|shown| numbers.hears(shown, reply)).unwrap_or(false)
+    }
+}
+
+impl Server for End<Answering> {
+    fn receive(&self, request: &mut Message) -> bool {
+        let Some(Answering { end, numbers }) = self.0.get() else { return false };
+        match end.look(|shown| numbers.hears(shown, request)) {
+            Some(Heard::New) => true,
+            Some(Heard::Again(answer)) => {
+                end.show(answer);
+                false
+            }
+            Some(Heard::Nothing) | None => false,
+        }
+    }
+
+    fn reply(&self, reply: &Message) {
+        if let Some(Answering { end, numbers }) = self.0.get() {
+            end.show(numbers.answer(reply));
+        }
+    }
+}
+
+/// The end of a board in the process that writes it or reads it.
+pub(super) enum BoardEnd {
+    Writes(Writes, Seal, Cell<u64>),
+    Reads(Reads, Seal),
+}
+
+impl Board for End<BoardEnd> {
+    fn write(&self, message: &Message) {
+        if let Some(BoardEnd::Writes(entry, seal, shown)) = self.0.get() {
+            shown.set(shown.get() + 1);
+            entry.update_with_copy(Envelope::seal(message, *seal, shown.get()));
+        }
+    }
+
+    fn read(&self, message: &mut Message) -> bool {
+        match self.0.get() {
+            Some(BoardEnd::Reads(entry, seal)) => {
+                let shown = entry.get();
+                shown.is_under(*seal) && shown.open(message).is_ok()
+            }
+            Some(BoardEnd::Writes(..)) | None => false,
+        }
+    }
+}

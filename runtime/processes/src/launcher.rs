@@ -1,0 +1,430 @@
+//! The launcher: starts a session, paces or supervises its processes, and says how the run ended.
+//!
+//! In: the cell as the launcher sees it, and how it is to run. Out: a report, or the first cause of a stop; all processes
+//! reaped and the session's files removed.
+
+use std::io::Read;
+use std::os::fd::AsFd;
+use std::os::unix::net::UnixStream;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+
+use super::board::StateBoard;
+use super::control::Frame;
+use super::crew::{Crew, Member, NoStart, Over, Plan};
+use super::desk::Desk;
+use super::figures::table;
+use super::room::{self, NoRoom};
+use super::session::{CellLock, Session, SessionError};
+use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
+use mrroc_core::model::fault::{Fault, ProcessId, Role};
+use crate::iceoryx::{Clock, Fabric, monotonic};
+use mrroc_core::link::memory::Scheduler;
+use mrroc_core::link::{Link, Nanos, Waiter};
+use mrroc_core::control::plant::Rest;
+use mrroc_recording::Pace;
+use mrroc_recording::relay::Relay;
+
+/// How often a launch is tried whose processes die while they start.
+const ATTEMPTS: u64 = 5;
+
+/// Time from GO to the beginning of step 0: all have heard it by then.
+const HEAD_START: Duration = Duration::from_millis(20);
+
+/// How much longer than its robots' stops the end of a cell may take.
+const CLOSING: Duration = Duration::from_secs(10);
+
+/// How much longer than its robots' stops an MP may go on that was told to end.
+const ABORTING: Duration = Duration::from_secs(5);
+
+/// A cell did not run as processes, or not to its end.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LaunchError {
+    /// What is wrong with the cell, or the first cause of a stop.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+    /// The machine has no room for it.
+    #[error(transparent)]
+    Room(#[from] NoRoom),
+    /// It has no session.
+    #[error(transparent)]
+    Session(#[from] SessionError),
+    /// A process could not be set up.
+    #[error(transparent)]
+    Start(#[from] NoStart),
+    /// It has no state board.
+    #[error("no shared memory for the cell's state: {0}\n help: make room in /dev/shm")]
+    Board(std::io::Error),
+    /// Its operator cannot reach it.
+    #[error("the operator's socket cannot be made: {0}")]
+    Desk(std::io::Error),
+    /// Signals cannot be heard.
+    #[error("signals cannot be heard: {0}")]
+    Signals(#[from] std::io::Error),
+}
+
+/// What became of a launch.
+pub(crate) enum Launched {
+    /// The run ended well.
+    Ran(RunReport),
+    /// The plant has told of the run, well or not, and has ended with this status.
+    Told(u8),
+}
+
+/// Runs every process of a cell as one of the operating system.
+///
+/// # Errors
+/// [`LaunchError`]: what was refused, before anything moves; or the first cause of a stop.
+pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
+    let stop = cell.stop_limit();
+    let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
+    // The launcher's own look at the cell: it runs no part of it.
+    let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
+    cell.put_on(&mut fabric)?;
+    let lock = CellLock::take(&plan.cell)?;
+    room::check(fabric.places().len() + fabric.ways())?;
+    let signals = Signals::hear()?;
+    let mut epoch = 1;
+    loop {
+        let session = lock.session()?;
+        let relay = match &recording {
+            Some((recording, layout)) => {
+                let pace = if plan.clock == Clock::Real { Pace::Real } else { Pace::Virtual };
+                Some(Relay::listen(session.folder(), recording, layout, pace).map_err(CellError::from)?)
+            }
+            None => None,
+        };
+        let board = make_board(plan.clock, &session, fabric.places().len())?;
+        match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
+            Ok(crew) => {
+                let run = match board {
+                    Some(board) => {
+                        supervise(&crew, &signals, &open_desk(&session, board, &crew)?, (stop, plan.watched))
+                    }
+                    None => pace(&crew, &signals, stop)?,
+                };
+                let teller = if plan.watched { crew.plant_over() } else { None };
+                crew.reap(teller, Instant::now() + CLOSING);
+                // All have said what they had to say.
+                if let Some(relay) = relay {
+                    relay.finish();
+                }
+                let figures = crew.figures();
+                if !plan.quiet && !figures.is_empty() {
+                    eprint!("{}", table(&figures));
+                }
+                let (steps, time) = (run.steps, run.time);
+                let outcome = run.outcome();
+                if outcome.is_err() && !plan.quiet {
+                    crew.0.iter().for_each(|member| member.rests.borrow().iter().for_each(tell_rest));
+                }
+                let told =
+                    teller.and_then(|plant| plant.conclude(steps, time.as_nanos() as Nanos, outcome.clone()));
+                if let Some(status) = told {
+                    return Ok(Launched::Told(status));
+                }
+                outcome.map_err(|fault| LaunchError::Cell(fault.into()))?;
+                return Ok(Launched::Ran(RunReport { steps, time }));
+            }
+            Err(NoStart::Died(..)) if epoch < ATTEMPTS && !signals.came() => epoch += 1,
+            Err(error) => return Err(error.into()),
+        }
+    }
+}
+
+/// Where the processes of a cell in real time show what they do. Virtual time waits for nobody who looks on.
+fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<StateBoard>, LaunchError> {
+    match clock {
+        Clock::Real => StateBoard::create(session.number(), places).map(Some).map_err(LaunchError::Board),
+        Clock::Virtual => Ok(None),
+    }
+}
+
+/// Where the operator's consoles connect.
+fn open_desk(session: &Session, board: StateBoard, crew: &Crew) -> Result<Desk, LaunchError> {
+    let seats = crew.0.iter().map(|member| (member.id, member.pid()));
+    Desk::open(session.folder(), board, seats).map_err(LaunchError::Desk)
+}
+
+/// What became of a run.
+struct Run {
+    /// The first process that died.
+    death: Option<Fault>,
+    outcomes: Vec<(ProcessId, Result<(), Fault>)>,
+    steps: u64,
+    time: Duration,
+}
+
+impl Run {
+    fn of(crew: &Crew, death: Option<Fault>, time: Option<Nanos>) -> Run {
+        let overs: Vec<_> =
+            crew.0.iter().filter_map(|member| Some((member.id, member.over.borrow().clone()?))).collect();
+        let mp = overs.iter().find(|(id, _)| *id == ProcessId::MP).map(|(_, over)| over);
+        let time = time.or_else(|| mp.map(|over| over.time)).unwrap_or(0);
+        Run {
+            death,
+            steps: mp.map_or(0, |over| over.steps),
+            time: Duration::from_nanos(time),
+            outcomes: overs.into_iter().filter_map(|(id, over)| Some((id, over.outcome?))).collect(),
+        }
+    }
+
+    fn outcome(self) -> Result<(), Fault> {
+        match self.death {
+            Some(death) => Err(death),
+            None => first_cause(&self.outcomes),
+        }
+    }
+}
+
+/// Ctrl-C, and being told to end: the first one is an abort, after which the cell closes, whatever its program does; the
+/// second one ends the launcher at once.
+struct Signals {
+    came: Arc<AtomicBool>,
+    wakes: UnixStream,
+}
+
+impl Signals {
+    fn hear() -> std::io::Result<Signals> {
+        let came = Arc::new(AtomicBool::new(false));
+        let (wakes, waker) = UnixStream::pair()?;
+        wakes.set_nonblocking(true)?;
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            // In this order: the second one finds the flag of the first one.
+            signal_hook::flag::register_conditional_shutdown(signal, 130, Arc::clone(&came))?;
+            signal_hook::flag::register(signal, Arc::clone(&came))?;
+            signal_hook::low_level::pipe::register(signal, waker.try_clone()?)?;
+        }
+        Ok(Signals { came, wakes })
+    }
+
+    fn came(&self) -> bool {
+        self.came.load(Ordering::Acquire)
+    }
+}
+
+/// Runs a cell in real time: hears who is gone and who has ended, until all have.
+fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, watched): (Duration, bool)) -> Run {
+    crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
+    let mut death: Option<Fault> = None;
+    let (mut aborting, mut closing): (Option<Instant>, Option<Instant>) = (None, None);
+    let close = |closing: &mut Option<Instant>| {
+        closing.get_or_insert_with(|| {
+            crew.tell(&Frame::Close);
+            Instant::now() + stop + CLOSING
+        });
+    };
+    loop {
+        let waits = |member: &Member| watched && member.id.role == Role::Plant && member.is_over();
+        let left: Vec<_> = crew.0.iter().filter(|member| !member.gone.get() && !waits(member)).collect();
+        if left.is_empty() {
+            return Run::of(crew, death, None);
+        }
+        let rest = closing.or(aborting).map(|until| until.saturating_duration_since(Instant::now()));
+        if rest == Some(Duration::ZERO) {
+            match closing {
+                Some(_) => left.iter().for_each(|member| {
+                    member.kill();
+                    if member.over.borrow().is_none() {
+                        death.get_or_insert(member.death("it did not end when the cell closed"));
+                    }
+                }),
+                // Its program computes, or goes on although it was aborted.
+                None => close(&mut closing),
+            }
+            continue;
+        }
+        let (signalled, spoke) = wait(&left, signals, desk, rest);
+        if signalled {
+            crew.tell_mp(&Frame::Abort);
+            aborting.get_or_insert(Instant::now() + stop + ABORTING);
+        }
+        desk.presses().for_each(|press| crew.tell_mp(&press));
+        for member in spoke {
+            match member.control.receive() {
+                Ok(Frame::Over { steps, time, outcome }) => {
+                    member.over.replace(Some(Over { steps, time, outcome }));
+                    desk.ended(member.id);
+                    if member.id == ProcessId::MP {
+                        close(&mut closing);
+                    }
+                }
+                Ok(Frame::Rested(rest)) => member.rests.borrow_mut().push(rest),
+                Ok(Frame::Figures(figures)) => {
+                    member.figures.set(Some(figures));
+                    desk.measured(member.id, figures);
+                }
+                Ok(_) => {}
+                Err(_) => {
+                    let how = member.reap();
+                    desk.ended(member.id);
+                    if member.over.borrow().is_some() {
+                        continue;
+                    }
+                    match member.id.role {
+                        // Whoever reads it notices; whoever does not goes on.
+                        Role::Vsp => note(member, &how),
+                        Role::Mp => {
+                            death.get_or_insert(member.death(&how));
+                            close(&mut closing);
+                        }
+                        Role::Ecp | Role::Edp | Role::Plant => {
+                            death.get_or_insert(member.death(&how));
+                            crew.tell_mp(&Frame::Lost(member.id));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Waits until a signal comes, a button is pressed, or a process says something or ends; at most for a time.
+fn wait<'a>(
+    left: &[&'a Rc<Member>],
+    signals: &Signals,
+    desk: &Desk,
+    time: Option<Duration>,
+) -> (bool, Vec<&'a Rc<Member>>) {
+    let mut all: Vec<_> = left
+        .iter()
+        .map(|member| PollFd::from_borrowed_fd(member.control.descriptor(), PollFlags::IN))
+        .collect();
+    all.push(PollFd::from_borrowed_fd(desk.descriptor(), PollFlags::IN));
+    all.push(PollFd::from_borrowed_fd(signals.wakes.as_fd(), PollFlags::IN));
+    let time = time.and_then(|time| Timespec::try_from(time).ok());
+    if poll(&mut all, time.as_ref()).is_err() {
+        // Interrupted by a signal, which the next wait sees.
+        return (false, Vec::new());
+    }
+    let came: Vec<_> = all.iter().map(|descriptor| !descriptor.revents().is_empty()).collect();
+    let signalled = came.last().copied().unwrap_or(false);
+    if signalled {
+        drop((&signals.wakes).read(&mut [0; 64]));
+    }
+    (signalled, left.iter().zip(came).filter(|(_, came)| *came).map(|(member, _)| *member).collect())
+}
+
+fn note(member: &Member, how: &str) {
+    eprintln!("note: {}: {how}", member.id);
+}
+
+/// Says how a robot came to a standstill that was demanded nothing any more.
+fn tell_rest(rest: &Rest) {
+    let Rest { edp, braked_after, stood_after } = rest;
+    eprintln!(
+        "note: {edp}: its drives applied their brakes {braked_after} steps after the last demand; the robot stood \
+         {stood_after} steps later"
+    );
+}
+
+/// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes the processes instead of
+/// coroutines, one at a time and in the same order, so that they do the same.
+fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
+    crew.tell(&Frame::Go { origin: 0 });
+    let mut scheduler = Scheduler::new();
+    let places: Vec<_> = crew.0.iter().map(|member| scheduler.place(member.id)).collect();
+    let death = Rc::new(core::cell::RefCell::new(None));
+    for (member, place) in crew.0.iter().zip(places) {
+        let proxy = Proxy {
+            member: Rc::clone(member),
+            wake: scheduler.waker(),
+            close: scheduler.closer(),
+            stopped: Arc::clone(&signals.came),
+            death: Rc::clone(&death),
+            stop: stop.as_nanos() as Nanos,
+            all: crew.0.clone(),
+            place,
+        };
+        scheduler.body(place, Box::new(move |waiter| proxy.run(waiter)))?;
+    }
+    let time = scheduler.run()?;
+    let death = death.take();
+    Ok(Run::of(crew, death, Some(time)))
+}
+
+/// Stands for a process in the scheduler of the launcher.
+struct Proxy {
+    member: Rc<Member>,
+    wake: Box<dyn Fn(u64)>,
+    close: Box<dyn Fn()>,
+    stopped: Arc<AtomicBool>,
+    death: Rc<core::cell::RefCell<Option<Fault>>>,
+    /// How long robots may take to stop \[ns\].
+    stop: Nanos,
+    /// All processes by their places, and this one's.
+    all: Vec<Rc<Member>>,
+    place: usize,
+}
+
+impl Proxy {
+    fn run(&self, waiter: &dyn Waiter) {
+        let mp = self.member.id == ProcessId::MP;
+        // In lock-step a process is silent for as long as its program computes.
+        drop(self.member.control.wait_for_ever());
+        let mut frame = Frame::Resume { now: waiter.now() };
+        loop {
+            let mut answered = self.member.control.send(&frame).and_then(|()| self.member.control.receive());
+            while let Ok(Frame::Rested(rest)) = answered {
+                self.member.rests.borrow_mut().push(rest);
+                answered = self.member.control.receive();
+            }
+            match answered {
+                Ok(Frame::Waits { deadline, woken }) => {
+                    (self.wake)(woken);
+                    if mp && self.stopped.load(Ordering::Acquire) {
+                        (self.close)();
+                    }
+                    let open = waiter.wait(Some(deadline)).is_ok();
+                    frame = if open { Frame::Resume { now: waiter.now() } } else { Frame::Close };
+                }
+                Ok(Frame::Calls { place, woken }) => {
+                    (self.wake)(woken);
+                    self.call(place, waiter.now());
+                    frame = Frame::Resume { now: waiter.now() };
+                }
+                Ok(Frame::Over { steps, time, outcome }) => {
+                    self.member.over.replace(Some(Over { steps, time, outcome }));
+                    if mp {
+                        (self.close)();
+                    }
+                    return;
+                }
+                Ok(_) | Err(_) => return self.mourn(waiter, mp),
+            }
+        }
+    }
+
+    /// Lets the process at a place run until it waits, as if it were a part of this one.
+    fn call(&self, place: u64, now: Nanos) {
+        let Some(called) = usize::try_from(place).ok().and_then(|place| self.all.get(place)) else { return };
+        if called.gone.get() || called.over.borrow().is_some() {
+            return;
+        }
+        match called.control.send(&Frame::Resume { now }).and_then(|()| called.control.receive()) {
+            // This one goes on at once.
+            Ok(Frame::Waits { woken, .. }) => (self.wake)(woken & !(1 << self.place)),
+            // Its own turn finds that it is gone.
+            Ok(_) | Err(_) => (self.wake)(1 << place),
+        }
+    }
+
+    /// The process is gone. Without an MP the cell closes when its robots have stopped by themselves.
+    fn mourn(&self, waiter: &dyn Waiter, mp: bool) {
+        let how = self.member.reap();
+        if self.member.id.role == Role::Vsp {
+            return note(&self.member, &how);
+        }
+        self.death.borrow_mut().get_or_insert(self.member.death(&how));
+        let until = waiter.now() + self.stop;
+        while mp && waiter.now() < until && waiter.wait(Some(until)).is_ok() {}
+        if mp {
+            (self.close)();
+        }
+    }
+}

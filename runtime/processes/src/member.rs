@@ -1,0 +1,279 @@
+//! One process of a cell: joins the session that its launcher made, runs its part, and says how it ended.
+
+use core::cell::OnceCell;
+use std::io;
+use std::os::fd::AsFd;
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use rustix::process::{Signal, set_parent_process_death_signal};
+
+use super::board::StateBoard;
+use super::control::{Control, Frame};
+use super::figures::Gauge;
+use super::panel;
+use super::scheduling::{Lacks, ask, give_back_priority};
+use super::session::{Membership, prefix};
+use mrroc_core::cell::{Cell, Observation, RunReport};
+use mrroc_core::model::fault::{Fault, ProcessId, Role};
+use crate::iceoryx::{Bell, Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show};
+use mrroc_core::link::{Nanos, News, Waiter};
+use mrroc_core::control::mp::MpState;
+
+/// How long an EDP may brake after its launcher is gone.
+const LAST_BRAKING: Duration = Duration::from_secs(10);
+
+/// Stack of the thread that listens to the launcher \[bytes\]: where memory is locked, all of it is there.
+const EAR_STACK: usize = 64 << 10;
+
+/// What a frame of the launcher says. One that says anything else is no launcher, and one that is gone says nothing more.
+fn heard(frame: io::Result<Frame>) -> Heard {
+    match frame {
+        Ok(Frame::Resume { now }) => Heard::Resume(now),
+        Ok(Frame::Lost(process)) => Heard::News(News::Lost(process)),
+        Ok(Frame::Abort) => Heard::News(News::Abort),
+        Ok(Frame::Press { number, button }) => Heard::Press(number, button),
+        Ok(_) | Err(_) => Heard::Close,
+    }
+}
+
+impl Launcher for Control {
+    fn hear(&self) -> Heard {
+        heard(self.receive())
+    }
+
+    fn yields(&self, deadline: Nanos, woken: u64) {
+        // A launcher that is gone resumes nobody: `hear` tells.
+        drop(self.send(&Frame::Waits { deadline, woken }));
+    }
+
+    fn calls(&self, place: usize, woken: u64) {
+        drop(self.send(&Frame::Calls { place: place as u64, woken }));
+    }
+}
+
+/// Why a process did not take part.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NoPart {
+    /// It was not started by a launcher, or its launcher is gone.
+    #[error("{0} is started by the launcher alone\n help: start the cell by --processes")]
+    NoLauncher(ProcessId),
+    /// The launcher has been told why.
+    #[error("{0}")]
+    Told(String),
+}
+
+/// How the run of a cell has ended.
+pub(crate) type Concluded = Result<RunReport, Fault>;
+
+/// Runs the process `me` of a cell in the session in `folder`, until the cell closes; a plant that is `watched` hears from
+/// its launcher how the run has ended.
+///
+/// # Errors
+/// [`NoPart`] when it cannot take part; then nothing has moved.
+pub(crate) fn run(
+    cell: Cell,
+    me: ProcessId,
+    folder: &Path,
+    watched: bool,
+) -> Result<Option<Concluded>, NoPart> {
+    let stdin = io::stdin().as_fd().try_clone_to_owned();
+    let control = Control::new(UnixStream::from(stdin.map_err(|_| NoPart::NoLauncher(me))?));
+    // A robot outlives its launcher for as long as it brakes; what has no robot goes at once, whatever it does.
+    if !has_robot(me) {
+        let _ = set_parent_process_death_signal(Some(Signal::KILL));
+    }
+    let gone = |_: io::Error| NoPart::NoLauncher(me);
+    let Frame::Welcome { seal, clock, spin } = control.receive().map_err(gone)? else {
+        return Err(NoPart::NoLauncher(me));
+    };
+    match take_part(cell, me, folder, &control, (seal, clock, spin)) {
+        Ok((over, ear)) => {
+            control.send(&over).map_err(gone)?;
+            if !watched || me.role != Role::Plant {
+                return Ok(None);
+            }
+            give_back_priority();
+            // In real time the ear has it; a launcher that is gone says nothing more.
+            let last = ear.map_or_else(|| control.receive().ok(), |ear| ear.recv().ok());
+            Ok(last.and_then(concluded))
+        }
+        Err(Ended::Closed) => Ok(None),
+        Err(Ended::Refuses(text)) => {
+            drop(control.send(&Frame::Refuses(text.clone())));
+            Err(NoPart::Told(text))
+        }
+    }
+}
+
+/// How the run has ended, as the launcher tells it.
+fn concluded(frame: Frame) -> Option<Concluded> {
+    match frame {
+        Frame::Over { steps, time, outcome } => {
+            let report = RunReport { steps, time: Duration::from_nanos(time) };
+            outcome.map(|outcome| outcome.map(|()| report))
+        }
+        _ => None,
+    }
+}
+
+/// What a process says at its end, and, in real time, what its ear hears after it.
+type LastWords = (Frame, Option<Receiver<Frame>>);
+
+/// Why a process ended before it ran.
+enum Ended {
+    Refuses(String),
+    /// The launcher gave up, or is gone.
+    Closed,
+}
+
+impl Ended {
+    fn of(error: impl core::fmt::Display) -> Ended {
+        Ended::Refuses(error.to_string())
+    }
+}
+
+fn take_part(
+    cell: Cell,
+    me: ProcessId,
+    folder: &Path,
+    control: &Control,
+    (seal, clock, spin): (Seal, Clock, Nanos),
+) -> Result<LastWords, Ended> {
+    let membership = Membership::join(folder).map_err(Ended::of)?;
+    if membership.number != seal.session {
+        return Err(Ended::Refuses("its launcher is of another session".to_owned()));
+    }
+    let (realtime, step) = (cell.realtime().cloned(), cell.step_length().as_nanos() as Nanos);
+    let mut fabric = Fabric::new(me, clock);
+    let panel = Panel::default();
+    let cell = if me.role == Role::Edp { cell.watch(panel.of_robot()) } else { cell };
+    let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
+    let Some(body) = fabric.take_body() else {
+        return Err(Ended::Refuses("the cell has no such process".to_owned()));
+    };
+    fabric.create(folder, &prefix(seal.session), seal).map_err(Ended::of)?;
+    say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
+    let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
+    if clock == Clock::Real {
+        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
+    }
+    fabric.connect(seal).map_err(Ended::of)?;
+    // Before this thread asks for a priority that the other one is not to have.
+    let gauge = match clock {
+        Clock::Real => Some(Gauge::start(control, step).map_err(Ended::of)?),
+        Clock::Virtual => None,
+    };
+    let lacks = match (clock, realtime) {
+        (Clock::Real, Some(realtime)) => {
+            let ecps: Vec<_> = fabric.places().iter().filter(|id| id.role == Role::Ecp).copied().collect();
+            ask(&realtime, me, &ecps)
+        }
+        (Clock::Real, None) | (Clock::Virtual, _) => Lacks::default(),
+    };
+    say(control, &Frame::Ready { lacks })?;
+    let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
+    let (time, ear) = match (gauge, fabric.bell()) {
+        (Some(gauge), Some(bell)) => {
+            let (heard, ear) = listen(control, bell, has_robot(me)).map_err(Ended::of)?;
+            let waiter = RealTime::new(bell, heard, (origin, spin), gauge.samples()).showing(panel.of(me));
+            body(&waiter);
+            gauge.end();
+            (waiter.now(), Some(ear))
+        }
+        _ => {
+            let waiter = LockStep::new(control, fabric.woken());
+            body(&waiter);
+            (waiter.now(), None)
+        }
+    };
+    for rest in assembly.rests.borrow().iter() {
+        say(control, &Frame::Rested(*rest))?;
+    }
+    let outcome = assembly.outcomes.borrow().iter().find(|(process, _)| *process == me).cloned();
+    let outcome = outcome.map(|(_, outcome)| outcome);
+    Ok((Frame::Over { steps: assembly.steps.get(), time, outcome }, ear))
+}
+
+/// Whether a robot brakes by what this process does.
+fn has_robot(me: ProcessId) -> bool {
+    matches!(me.role, Role::Edp | Role::Plant)
+}
+
+/// This process's panel of the state board, once the cell is put together and its place is known.
+#[derive(Default)]
+struct Panel(Rc<OnceCell<(StateBoard, usize)>>);
+
+impl Panel {
+    fn hang(&self, fabric: &Fabric, me: ProcessId, seal: Seal) -> io::Result<()> {
+        let places = fabric.places();
+        let board = StateBoard::open(seal.session, places.len())?;
+        if let Some(place) = places.iter().position(|&place| place == me) {
+            // It is hung once.
+            drop(self.0.set((board, place)));
+        }
+        Ok(())
+    }
+
+    /// Shows every servo period of the robot of this process.
+    fn of_robot(&self) -> impl FnMut(&Observation<'_>) + 'static {
+        let panel = Rc::clone(&self.0);
+        move |seen| {
+            if let Some((board, place)) = panel.get() {
+                board.write(*place, &panel::of_robot(seen));
+            }
+        }
+    }
+
+    /// Shows every step of an MP.
+    fn of(&self, me: ProcessId) -> Option<Show> {
+        let panel = Rc::clone(&self.0);
+        let show = move |state: &MpState| {
+            if let Some((board, place)) = panel.get() {
+                board.write(*place, &panel::of_mp(state));
+            }
+        };
+        (me == ProcessId::MP).then(|| -> Show { Box::new(show) })
+    }
+}
+
+fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {
+    control.send(frame).map_err(|_| Ended::Closed)
+}
+
+/// Listens to the launcher in a thread of its own, which rings the process's bell: so a step waits in one place. A process
+/// with a robot brakes it when the launcher is gone, and ends; one whose drives do not return is ended. What is said of the
+/// run when it is over comes apart.
+fn listen(control: &Control, bell: Bell, has_robot: bool) -> io::Result<(Receiver<Heard>, Receiver<Frame>)> {
+    let control = control.try_clone()?;
+    control.wait_for_ever()?;
+    let (tells, hears) = channel();
+    let (concludes, concluded) = channel();
+    std::thread::Builder::new().name("ear".to_owned()).stack_size(EAR_STACK).spawn(move || {
+        loop {
+            let frame = match control.receive() {
+                Ok(over @ Frame::Over { .. }) => {
+                    let _ = concludes.send(over);
+                    continue;
+                }
+                frame => frame,
+            };
+            let gone = frame.is_err();
+            // A process that does not listen any more is about to end.
+            let _ = tells.send(heard(frame));
+            bell.ring();
+            if gone {
+                break;
+            }
+        }
+        drop(concludes);
+        if has_robot {
+            std::thread::sleep(LAST_BRAKING);
+            std::process::exit(1);
+        }
+    })?;
+    Ok((hears, concluded))
+}

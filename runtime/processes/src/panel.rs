@@ -1,0 +1,159 @@
+//! What processes write on their panels of the state board, and what is read there.
+//!
+//! In: the state of an MP, or a servo period of a robot. Out: words, and the same again.
+
+use super::board::PANEL;
+use mrroc_core::operator::button::{Answer, Button, CellState};
+use mrroc_core::cell::Observation;
+use mrroc_core::model::fault::{Fault, FaultWords};
+use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::control::mp::{Doing, MpState};
+use mrroc_core::model::wire::Wire;
+
+/// Where the answers, the fault and the name of the generator begin on the panel of an MP.
+const ANSWERS: usize = 7;
+const FAULT: usize = ANSWERS + 4 * Button::KINDS;
+const NAME: usize = FAULT + 1 + FaultWords::LEN;
+
+/// Bytes of a name.
+const NAME_BYTES: usize = 72;
+
+const _: () = assert!(NAME + 1 + NAME_BYTES / 8 <= PANEL, "the state of an MP fits on a panel");
+const _: () = assert!(2 + 2 * MAX_JOINTS <= PANEL, "and so does a robot's");
+
+/// The words of an MP's state.
+pub(super) fn of_mp(state: &MpState) -> [u64; PANEL] {
+    let mut words = [0; PANEL];
+    words[..ANSWERS].copy_from_slice(&[
+        state.step,
+        state.period,
+        state.instructions,
+        state.doing as u64,
+        state.rate.to_bits(),
+        state.speed.to_bits(),
+        state.state as u64,
+    ]);
+    for (answer, words) in state.answers.iter().zip(words[ANSWERS..FAULT].chunks_exact_mut(4)) {
+        words.copy_from_slice(&[answer.number, answer.step, answer.state as u64, u64::from(answer.done)]);
+    }
+    if let Some(fault) = &state.fault {
+        words[FAULT] = 1;
+        fault.put(&mut words[FAULT + 1..NAME]);
+    }
+    let name = last_word(state.by).as_bytes();
+    let name = &name[..name.len().min(NAME_BYTES)];
+    words[NAME] = name.len() as u64;
+    for (word, chunk) in words[NAME + 1..].iter_mut().zip(name.chunks(8)) {
+        *word = chunk.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
+    }
+    words
+}
+
+/// `program::carry::Carry<robots::Irp6>` is `Carry` to its operator.
+fn last_word(name: &str) -> &str {
+    let plain = name.split('<').next().unwrap_or_default();
+    plain.rsplit("::").next().unwrap_or_default()
+}
+
+/// What the panel of an MP says.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MpPanel {
+    pub step: u64,
+    pub period: u64,
+    pub instructions: u64,
+    pub doing: Doing,
+    pub by: String,
+    pub rate: f64,
+    pub speed: f64,
+    pub state: CellState,
+    pub answers: [Answer; Button::KINDS],
+    pub fault: Option<Fault>,
+}
+
+impl MpPanel {
+    /// Reads it; what spells nothing is as if it were not there.
+    pub fn read(words: &[u64; PANEL]) -> MpPanel {
+        let state = |word: u64| {
+            let place = usize::try_from(word).ok();
+            place.and_then(|place| CellState::ALL.get(place)).copied().unwrap_or_default()
+        };
+        let mut answers = [Answer::default(); Button::KINDS];
+        for (answer, words) in answers.iter_mut().zip(words[ANSWERS..FAULT].chunks_exact(4)) {
+            *answer =
+                Answer { number: words[0], step: words[1], state: state(words[2]), done: words[3] == 1 };
+        }
+        let bytes: Vec<_> = words[NAME + 1..].iter().flat_map(|word| word.to_le_bytes()).collect();
+        let length = usize::try_from(words[NAME]).unwrap_or(0).min(NAME_BYTES);
+        let fault = (words[FAULT] == 1).then(|| FaultWords::get(&words[FAULT + 1..NAME]).ok()).flatten();
+        let doing = usize::try_from(words[3]).ok().and_then(|place| Doing::ALL.get(place)).copied();
+        MpPanel {
+            step: words[0],
+            period: words[1],
+            instructions: words[2],
+            doing: doing.unwrap_or_default(),
+            by: String::from_utf8_lossy(&bytes[..length]).into_owned(),
+            rate: f64::from_bits(words[4]),
+            speed: f64::from_bits(words[5]),
+            state: state(words[6]),
+            answers,
+            fault: fault.map(Fault::from),
+        }
+    }
+}
+
+/// The words of a robot's servo period: its time, and its joints as demanded and as measured.
+pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; PANEL] {
+    let mut words = [0; PANEL];
+    let joints = seen.demanded.len().min(MAX_JOINTS);
+    (words[0], words[1]) = (seen.time.to_bits(), joints as u64);
+    for (word, q) in words[2..].iter_mut().zip(seen.demanded.iter().chain(seen.measured)) {
+        *word = q.to_bits();
+    }
+    words
+}
+
+/// What the panel of an EDP says: the time \[s\], demanded and measured joint positions [rad or m].
+pub(super) fn robot(words: &[u64; PANEL]) -> (f64, Vec<f64>, Vec<f64>) {
+    let joints = usize::try_from(words[1]).unwrap_or(0).min(MAX_JOINTS);
+    let numbers = |from: usize| words[from..from + joints].iter().map(|word| f64::from_bits(*word)).collect();
+    (f64::from_bits(words[0]), numbers(2), numbers(2 + joints))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_core::model::fault::{FaultKind, ProcessId};
+
+    #[test]
+    fn the_state_of_an_mp_is_read_as_it_was_written() {
+        let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::MP).at_step(7).text("gone");
+        let answer = Answer { number: 3, step: 9, state: CellState::Stopping, done: true };
+        let mut state = MpState {
+            step: 1,
+            period: 2,
+            instructions: 6,
+            doing: Doing::Wait,
+            by: "program::hold::Dwell<robots::Irp6>",
+            rate: 0.25,
+            speed: 0.5,
+            state: CellState::Suspended,
+            fault: Some(FaultWords::from(&fault)),
+            ..MpState::default()
+        };
+        state.answers[Button::Speed(0.0).kind()] = answer;
+        let read = MpPanel::read(&of_mp(&state));
+        assert_eq!((read.step, read.period), (1, 2));
+        assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, Doing::Wait, "Dwell"));
+        assert_eq!((read.rate, read.speed, read.state), (0.25, 0.5, CellState::Suspended));
+        assert_eq!(read.answers, state.answers);
+        assert_eq!(read.fault, Some(fault));
+    }
+
+    #[test]
+    fn words_that_spell_nothing_are_read_without_harm() {
+        let read = MpPanel::read(&[u64::MAX; PANEL]);
+        assert_eq!((read.doing, read.state, read.fault), (Doing::Nothing, CellState::Idle, None));
+        assert!(read.answers.iter().all(|answer| !answer.done));
+        assert_eq!(robot(&[u64::MAX; PANEL]).1.len(), MAX_JOINTS);
+    }
+}

@@ -1,0 +1,94 @@
+//! Asks the machine for what a process of a cell needs in real time, and says what it did not get.
+
+use core::fmt;
+
+use rustix::mm::{MlockAllFlags, mlockall};
+use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
+
+use mrroc_core::model::fault::ProcessId;
+use mrroc_core::cell::realtime::Realtime;
+
+/// What a machine did not give.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Lacks(u64);
+
+impl Lacks {
+    const PRIORITY: u64 = 1;
+    const MEMORY: u64 = 2;
+    const CORE: u64 = 4;
+
+    pub(super) const fn to_word(self) -> u64 {
+        self.0
+    }
+
+    pub(super) const fn from_word(word: u64) -> Lacks {
+        Lacks(word)
+    }
+
+    pub(super) const fn and(self, other: Lacks) -> Lacks {
+        Lacks(self.0 | other.0)
+    }
+
+    pub(super) const fn is_nothing(self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl fmt::Display for Lacks {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let all = [
+            (Lacks::PRIORITY, "its priority under SCHED_FIFO"),
+            (Lacks::MEMORY, "its memory locked in place"),
+            (Lacks::CORE, "its core"),
+        ];
+        let lacking: Vec<_> =
+            all.iter().filter(|(bit, _)| self.0 & bit != 0).map(|(_, what)| *what).collect();
+        f.write_str(&lacking.join(", "))
+    }
+}
+
+/// Asks for what `realtime` says for the process `me` of a cell with these ECPs.
+pub(super) fn ask(realtime: &Realtime, me: ProcessId, ecps: &[ProcessId]) -> Lacks {
+    let mut lacks = Lacks::default();
+    if !set_priority(realtime.priority) {
+        lacks.0 |= Lacks::PRIORITY;
+    }
+    if realtime.lock_memory && mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).is_err() {
+        lacks.0 |= Lacks::MEMORY;
+    }
+    let usable =
+        sched_getaffinity(None).map(|set| (0..CpuSet::MAX_CPU).filter(|&core| set.is_set(core)).collect());
+    let usable: Vec<usize> = usable.unwrap_or_default();
+    if let Some(core) = realtime.core(me, ecps, &usable) {
+        let mut set = CpuSet::new();
+        if core < CpuSet::MAX_CPU {
+            set.set(core);
+        }
+        if sched_setaffinity(None, &set).is_err() {
+            lacks.0 |= Lacks::CORE;
+        }
+    }
+    lacks
+}
+
+/// Gives back the priority: what is left to do has no deadline.
+pub(super) fn give_back_priority() {
+    // SAFETY: all bytes zero are a `sched_param`: it holds numbers alone.
+    #[allow(unsafe_code)]
+    let parameters: libc::sched_param = unsafe { core::mem::zeroed() };
+    // SAFETY: 0 is the calling thread, and the parameters are read before the call returns.
+    #[allow(unsafe_code)]
+    let _ = unsafe { libc::sched_setscheduler(0, libc::SCHED_OTHER, &raw const parameters) };
+}
+
+/// First in, first out, at a priority from 1 to 99; whether it is permitted.
+pub(super) fn set_priority(priority: u8) -> bool {
+    // SAFETY: all bytes zero are a `sched_param`: it holds numbers alone.
+    #[allow(unsafe_code)]
+    let mut parameters: libc::sched_param = unsafe { core::mem::zeroed() };
+    parameters.sched_priority = libc::c_int::from(priority);
+    // SAFETY: 0 is the calling thread, and the parameters are read before the call returns.
+    #[allow(unsafe_code)]
+    let outcome = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
+    outcome == 0
+}

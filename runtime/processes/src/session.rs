@@ -1,0 +1,297 @@
+//! A session: what one launch has for itself, so that nothing of another launch, alive or crashed, is in its way.
+//!
+//! In a folder that belongs to one user (0700) lie the lock of every running cell, with its launcher's number, and one
+//! folder per session, the root path of its shared memory; the names of its segments begin with a prefix of its own.
+//! Every process of a session holds its lock, shared: a session whose lock is free is over or crashed, and whoever
+//! starts the next one removes what it has left.
+
+use std::fs::{self, DirBuilder, DirEntry, File, OpenOptions, TryLockError};
+use std::hash::{BuildHasher, Hasher, RandomState};
+use std::io::{self, Read, Seek, Write};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Where segments of shared memory lie.
+pub(super) const SHARED_MEMORY: &str = "/dev/shm";
+
+/// The longest root path: a socket in it has 57 bytes more, and the system allows it 107.
+const MAX_ROOT: usize = 50;
+
+/// A session's number has so many bits: every byte of its name is one of each socket's.
+const NUMBER_BITS: u32 = 48;
+
+/// The longest time that processes of a crashed launch may still brake their robots.
+const BRAKING: Duration = Duration::from_secs(3);
+
+/// A session could not be had.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SessionError {
+    /// The cell is running.
+    #[error("the cell is run by process {0} already\n help: wait for it, or stop it: kill {0}")]
+    Running(u32),
+    /// Processes of a launch that crashed have not ended.
+    #[error(
+        "processes of an earlier launch of the cell are still there, in {0}\n help: see `ps -ef`, and stop them"
+    )]
+    Orphans(PathBuf),
+    /// A folder that others could change.
+    #[error("{0} must be a folder of yours that nobody else may enter\n help: chmod 700 it, or remove it")]
+    NotPrivate(PathBuf),
+    /// Its path is too long for sockets.
+    #[error(
+        "the path {0} is too long for sockets: at most 28 bytes\n help: set XDG_RUNTIME_DIR to a shorter one"
+    )]
+    TooLong(PathBuf),
+    /// Reading or writing failed.
+    #[error("{0}: {1}")]
+    Io(PathBuf, io::Error),
+}
+
+fn at(path: &Path) -> impl FnOnce(io::Error) -> SessionError {
+    let path = path.to_owned();
+    move |error| SessionError::Io(path, error)
+}
+
+/// The right to run a cell: one launcher has it.
+#[derive(Debug)]
+pub(super) struct CellLock {
+    base: PathBuf,
+    path: PathBuf,
+    cell: u32,
+    /// Locked as long as it is open.
+    _file: File,
+}
+
+impl CellLock {
+    /// Takes the lock of the cell in the file at `cell`.
+    pub fn take(cell: &Path) -> Result<CellLock, SessionError> {
+        let base = base()?;
+        let hash = number_of(cell);
+        let path = base.join(format!("{hash:08x}.cell"));
+        loop {
+            let mut file = open(&path).map_err(at(&path))?;
+            match file.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => {
+                    let mut holder = String::new();
+                    file.read_to_string(&mut holder).map_err(at(&path))?;
+                    match holder.trim().parse() {
+                        Ok(holder) => return Err(SessionError::Running(holder)),
+                        // It has the lock and is about to write its number.
+                        Err(_) => std::thread::sleep(Duration::from_millis(1)),
+                    }
+                    continue;
+                }
+                Err(TryLockError::Error(error)) => return Err(at(&path)(error)),
+            }
+            // The holder before removed the file after this one was opened: then it is nobody's.
+            let ours = file.metadata().map_err(at(&path))?.ino();
+            if fs::metadata(&path).is_ok_and(|now| now.ino() == ours) {
+                file.set_len(0).and_then(|()| file.rewind()).map_err(at(&path))?;
+                write!(file, "{}", std::process::id()).map_err(at(&path))?;
+                return Ok(CellLock { base, path, cell: hash, _file: file });
+            }
+        }
+    }
+
+    /// A new session of the cell, after what crashed ones have left is removed.
+    pub fn session(&self) -> Result<Session, SessionError> {
+        let patience = Instant::now() + BRAKING;
+        loop {
+            // One launcher at a time: a folder without a lock in it is a crashed one's, and not one that is being made.
+            let guard = self.base.join("making");
+            let making = open(&guard).map_err(at(&guard))?;
+            making.lock().map_err(at(&guard))?;
+            match self.remove_crashed()? {
+                None => return Session::make(&self.base, self.cell),
+                Some(alive) if Instant::now() > patience => return Err(SessionError::Orphans(alive)),
+                // They brake their robots.
+                Some(_) => {}
+            }
+            drop(making);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// Removes sessions that nobody is in; one of this cell that somebody is in.
+    fn remove_crashed(&self) -> Result<Option<PathBuf>, SessionError> {
+        let mut alive = None;
+        for entry in fs::read_dir(&self.base).map_err(at(&self.base))?.flatten() {
+            let folder = entry.path();
+            let Some((cell, number)) = entry.file_name().to_str().and_then(read_name) else { continue };
+            let lock = File::open(folder.join("lock"));
+            if lock.is_ok_and(|lock| lock.try_lock().is_err()) {
+                if cell == self.cell {
+                    alive = Some(folder);
+                }
+            } else {
+                remove(&folder, number);
+            }
+        }
+        Ok(alive)
+    }
+}
+
+impl Drop for CellLock {
+    fn drop(&mut self) {
+        // While it is locked: whoever opened it meanwhile sees that it is gone. A file that stays harms nobody.
+        drop(fs::remove_file(&self.path));
+    }
+}
+
+/// The files of one launch.
+#[derive(Debug)]
+pub(super) struct Session {
+    folder: PathBuf,
+    number: u64,
+    _lock: File,
+}
+
+impl Session {
+    fn make(base: &Path, cell: u32) -> Result<Session, SessionError> {
+        // The seeds of hash tables come from the system's random numbers.
+        let number = RandomState::new().build_hasher().finish() >> (u64::BITS - NUMBER_BITS);
+        let folder = base.join(format!("{cell:08x}-{number:012x}"));
+        if folder.as_os_str().len() > MAX_ROOT {
+            return Err(SessionError::TooLong(base.to_owned()));
+        }
+        DirBuilder::new().mode(0o700).create(&folder).map_err(at(&folder))?;
+        let path = folder.join("lock");
+        let lock = open(&path).and_then(|lock| lock.lock_shared().map(|()| lock)).map_err(at(&path))?;
+        Ok(Session { folder, number, _lock: lock })
+    }
+
+    /// Its folder, the root path of its shared memory.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Its number, which every message carries.
+    pub const fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// Makes the shared memory of the session its user's alone: iceoryx2 lets everybody read and write what its nodes share.
+    pub fn keep_others_out(&self) {
+        for segment in segments(self.number) {
+            // What is gone by now needs no keeping.
+            drop(fs::set_permissions(segment, PermissionsExt::from_mode(0o600)));
+        }
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        remove(&self.folder, self.number);
+    }
+}
+
+/// A process's part of a session that its launcher made.
+#[derive(Debug)]
+pub(super) struct Membership {
+    pub number: u64,
+    _lock: File,
+}
+
+impl Membership {
+    /// Joins the session in a folder.
+    pub fn join(folder: &Path) -> Result<Membership, SessionError> {
+        let name = folder.file_name().and_then(|name| name.to_str()).and_then(read_name);
+        let foreign = || io::Error::other("no session of this program");
+        let (_, number) = name.ok_or_else(foreign).map_err(at(folder))?;
+        let path = folder.join("lock");
+        let lock = File::open(&path).and_then(|lock| lock.lock_shared().map(|()| lock)).map_err(at(&path))?;
+        Ok(Membership { number, _lock: lock })
+    }
+}
+
+/// The number of the cell in a file: what its sessions are found by.
+fn number_of(cell: &Path) -> u32 {
+    let whole = fs::canonicalize(cell).unwrap_or_else(|_| cell.to_owned());
+    let hash = mrroc_core::model::wire::layout_hash(0, &whole.to_string_lossy());
+    (hash ^ hash >> 32) as u32
+}
+
+/// The folders of the sessions of the cell in a file that somebody is in.
+///
+/// # Errors
+/// [`SessionError`]: the folder of sessions is not private, or cannot be read.
+pub(super) fn sessions_of(cell: &Path) -> Result<Vec<PathBuf>, SessionError> {
+    let (base, number) = (base()?, number_of(cell));
+    let entries = fs::read_dir(&base).map_err(at(&base))?.flatten();
+    let ours = entries.filter(|entry| {
+        let name = entry.file_name().to_str().and_then(read_name);
+        name.is_some_and(|(cell, _)| cell == number)
+    });
+    // A crashed one's lock is free.
+    let is_held =
+        |folder: &PathBuf| File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err());
+    Ok(ours.map(|entry| entry.path()).filter(is_held).collect())
+}
+
+/// What the names of a session's segments begin with.
+pub(super) fn prefix(number: u64) -> String {
+    format!("mrroc_{number:012x}_")
+}
+
+/// `0123abcd-0123456789ab`: the cell and the number of a session.
+fn read_name(name: &str) -> Option<(u32, u64)> {
+    let (cell, number) = name.split_once('-')?;
+    let right = cell.len() == 8 && number.len() == 12;
+    Some((u32::from_str_radix(cell, 16).ok()?, u64::from_str_radix(number, 16).ok()?)).filter(|_| right)
+}
+
+/// The shared memory of a session.
+fn segments(number: u64) -> impl Iterator<Item = PathBuf> {
+    let prefix = prefix(number);
+    let names = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+    let is_its =
+        move |entry: &DirEntry| entry.file_name().to_str().is_some_and(|name| name.starts_with(&prefix));
+    names.filter(is_its).map(|entry| entry.path())
+}
+
+/// Removes a session's files, and only those.
+fn remove(folder: &Path, number: u64) {
+    for segment in segments(number) {
+        // What cannot be removed now is the next launch's to remove.
+        drop(fs::remove_file(segment));
+    }
+    drop(fs::remove_dir_all(folder));
+}
+
+/// The folder of all sessions of this user.
+pub(super) fn base() -> Result<PathBuf, SessionError> {
+    let user = rustix::process::getuid().as_raw();
+    let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
+    let runtime = runtime.filter(|folder| folder.is_absolute() && folder.is_dir());
+    let base =
+        runtime.map_or_else(|| PathBuf::from(format!("/tmp/mrroc-{user}")), |folder| folder.join("mrroc"));
+    match DirBuilder::new().mode(0o700).create(&base) {
+        Ok(()) => {}
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+        Err(error) => return Err(at(&base)(error)),
+    }
+    let kind = fs::symlink_metadata(&base).map_err(at(&base))?;
+    if !kind.is_dir() || kind.uid() != user || kind.mode() & 0o077 != 0 {
+        return Err(SessionError::NotPrivate(base));
+    }
+    Ok(base)
+}
+
+fn open(path: &Path) -> io::Result<File> {
+    OpenOptions::new().read(true).write(true).create(true).truncate(false).mode(0o600).open(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_names_of_sessions_are_read_as_such() {
+        assert_eq!(read_name("0123abcd-0000000000ff"), Some((0x0123_abcd, 0xff)));
+        for other in ["0123abcd.cell", "making", "0123abcd-ff", "-0123456789ab", "0123abcd-0123456789ag"] {
+            assert_eq!(read_name(other), None, "{other}");
+        }
+    }
+}

@@ -1,0 +1,271 @@
+//! The channels of a recording: what a process shows becomes a message of one of them.
+//!
+//! In: records of the ring. Out: for each a channel, which is made when it is needed first, and a JSON text.
+
+use core::fmt::Write;
+use std::io;
+
+use serde_json::{Value, json};
+
+use super::json::{numbers, object, schema, value};
+use super::ring::Record;
+use mrroc_core::cell::Layout;
+use mrroc_core::model::fault::{Fault, FaultKind, FaultWords, ProcessId};
+use mrroc_core::model::image::STATE_WORDS;
+use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::link::Nanos;
+use mrroc_core::link::message::OrderKind;
+use mrroc_core::model::name::Name;
+use mrroc_core::model::shape::Shape;
+use mrroc_core::model::wire::Wire;
+use mrroc_core::observe::witness::{Mode, ReadingState, What};
+
+/// Where the messages go.
+pub(super) trait Outlet {
+    /// Makes a channel of a topic, with a schema of a name; its number.
+    fn open(&mut self, topic: &str, schema: &str, text: &str) -> io::Result<u16>;
+
+    /// Writes a message at a time of the cell.
+    fn write(&mut self, channel: u16, time: Nanos, json: &str) -> io::Result<()>;
+
+    /// Lets whoever reads meanwhile have what was written.
+    fn flush(&mut self) -> io::Result<()>;
+
+    /// Nothing more comes; how many messages were written, and how many records were dropped.
+    fn finish(&mut self, messages: u64, dropped: u64) -> io::Result<()>;
+}
+
+/// What tells channels apart.
+#[derive(Clone, Copy, PartialEq)]
+enum Topic {
+    Steps,
+    Events,
+    Robot(Name),
+    Orders(Name),
+    Payload(Name, &'static str),
+    Sensor(Name),
+}
+
+/// The channels that there are.
+pub(super) struct Channels {
+    layout: Layout,
+    open: Vec<(Topic, u16)>,
+    text: String,
+}
+
+impl Channels {
+    pub fn of(layout: Layout) -> Channels {
+        Channels { layout, open: Vec::new(), text: String::new() }
+    }
+
+    /// Writes what a record says.
+    pub fn put(&mut self, record: &Record, outlet: &mut dyn Outlet) -> io::Result<()> {
+        let (topic, shape) = topic(record);
+        let known = self.open.iter().find(|(known, _)| *known == topic);
+        let channel = match known {
+            Some((_, channel)) => *channel,
+            None => {
+                let (name, schema, text) = describe(topic, shape);
+                let channel = outlet.open(&name, &schema, &text.to_string())?;
+                self.open.push((topic, channel));
+                channel
+            }
+        };
+        self.text.clear();
+        let joints = |name: Option<Name>| {
+            let found =
+                self.layout.robots.iter().find(|robot| name.is_some_and(|n| n.as_str() == robot.name));
+            found.map_or(MAX_JOINTS, |robot| robot.joints.len())
+        };
+        write_record(&mut self.text, record, joints(record.by.name));
+        outlet.write(channel, record.time, &self.text)
+    }
+}
+
+fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
+    match record.what {
+        What::Step { .. } => (Topic::Steps, None),
+        What::Image { .. } => (record.by.name.map_or(Topic::Events, Topic::Robot), None),
+        What::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
+            (Topic::Payload(robot, payload), Some(shape))
+        }
+        What::Order { robot, .. } => (Topic::Orders(robot), None),
+        What::Reading { sensor, shape, .. } => (Topic::Sensor(sensor), Some(shape)),
+        What::Abort { .. }
+        | What::Late { .. }
+        | What::Found { .. }
+        | What::Fault { .. }
+        | What::End { .. } => (Topic::Events, None),
+    }
+}
+
+/// A channel's topic, and its schema with its name.
+fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
+    let (number, integer, text) =
+        (json!({"type": "number"}), json!({"type": "integer"}), json!({"type": "string"}));
+    let truth = json!({"type": "boolean"});
+    let order = [("step", integer.clone()), ("instruction", integer.clone()), ("kind", text.clone())];
+    let shape = shape.map(schema).unwrap_or_default();
+    match topic {
+        Topic::Steps => {
+            let step = object([
+                ("step", integer),
+                ("dt", number.clone()),
+                ("duration", number.clone()),
+                ("speed", number),
+                ("suspended", truth.clone()),
+                ("aborting", truth.clone()),
+                ("stopping", truth.clone()),
+                ("resetting", truth),
+            ]);
+            ("/steps".to_owned(), "mrroc.Step".to_owned(), step)
+        }
+        Topic::Events => {
+            let event =
+                [("step", integer), ("process", text.clone()), ("what", text.clone()), ("text", text)];
+            ("/events".to_owned(), "mrroc.Event".to_owned(), object(event))
+        }
+        Topic::Robot(name) => {
+            let joints = json!({"type": "array", "items": {"type": "number"}});
+            let state =
+                object([("joints", joints.clone()), ("velocity", joints), ("pose", schema(Shape::POSE))]);
+            let image = object([
+                ("step", integer),
+                ("mode", text),
+                ("demanded", state.clone()),
+                ("measured", state),
+                ("tool", schema(Shape::POSE)),
+            ]);
+            (format!("/robots/{name}"), "mrroc.RobotImage".to_owned(), image)
+        }
+        Topic::Orders(name) => (format!("/robots/{name}/orders"), "mrroc.Order".to_owned(), object(order)),
+        Topic::Payload(name, payload) => {
+            let order = object(order.into_iter().chain([("order", shape)]));
+            (format!("/robots/{name}/orders/{payload}"), format!("mrroc.Order.{payload}"), order)
+        }
+        Topic::Sensor(name) => {
+            let reading = [
+                ("step", integer.clone()),
+                ("by", text.clone()),
+                ("state", text),
+                ("taken", integer),
+                ("reading", shape),
+            ];
+            let mut reading = object(reading);
+            // Without a reading there is none.
+            reading["required"] = json!(["step", "by", "state"]);
+            (format!("/sensors/{name}"), format!("mrroc.Reading.{name}"), reading)
+        }
+    }
+}
+
+fn write_record(out: &mut String, record: &Record, joints: usize) {
+    let words = record.words();
+    // Writing to a text cannot fail.
+    let _ = match record.what {
+        What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting } => write!(
+            out,
+            "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting},\"stopping\":{stopping},\"resetting\":{resetting}}}"
+        ),
+        What::Image { step, mode } => return write_image(out, step, mode, words, joints),
+        What::Order { step, instruction, kind, shape, .. } => {
+            let kind = order_kind(kind);
+            let _ = write!(out, "{{\"step\":{step},\"instruction\":{instruction},\"kind\":\"{kind}\"");
+            if kind == "step" && !shape.is_empty() {
+                out.push_str(",\"order\":");
+                value(out, shape, words);
+            }
+            out.write_str("}")
+        }
+        What::Reading { step, state, taken, shape, .. } => {
+            let _ = write!(
+                out,
+                "{{\"step\":{step},\"by\":\"{}\",\"state\":\"{}\"",
+                record.by,
+                reading_state(state)
+            );
+            match state {
+                ReadingState::There => {
+                    let _ = write!(out, ",\"taken\":{taken},\"reading\":");
+                    value(out, shape, words);
+                }
+                ReadingState::Fault => {
+                    let _ = write!(out, ",\"taken\":{taken},\"fault\":");
+                    value(out, &Shape::Words(words.len()), words);
+                }
+                ReadingState::None | ReadingState::Lost => {}
+            }
+            out.write_str("}")
+        }
+        What::Abort { step } => return write_event(out, step, record.by, "abort", ""),
+        What::Late { step } => return write_event(out, step, record.by, "late", ""),
+        What::Found { step } => return write_event(out, step, record.by, "found", &record.time.to_string()),
+        What::Fault { step } => {
+            let what = if comes_from_outside(words) { "fault from outside" } else { "fault" };
+            return write_event(out, step, record.by, what, &fault_text(words));
+        }
+        What::End { step } => return write_event(out, step, record.by, "end", &fault_text(words)),
+    };
+}
+
+fn write_image(out: &mut String, step: u64, mode: Mode, words: &[u64], joints: usize) {
+    let mode = match mode {
+        Mode::Holding => "holding",
+        Mode::Moving => "moving",
+        Mode::Bridging => "bridging",
+        Mode::Braking => "braking",
+        Mode::Off => "off",
+    };
+    let _ = write!(out, "{{\"step\":{step},\"mode\":\"{mode}\"");
+    let (states, tool) = words.split_at(words.len().min(2 * STATE_WORDS));
+    for (name, state) in ["demanded", "measured"].iter().zip(states.chunks_exact(STATE_WORDS)) {
+        let _ = write!(out, ",\"{name}\":{{\"joints\":");
+        numbers(out, &state[..joints]);
+        out.push_str(",\"velocity\":");
+        numbers(out, &state[MAX_JOINTS..MAX_JOINTS + joints]);
+        out.push_str(",\"pose\":");
+        value(out, Shape::POSE, &state[2 * MAX_JOINTS..]);
+        out.push('}');
+    }
+    out.push_str(",\"tool\":");
+    value(out, Shape::POSE, tool);
+    out.push('}');
+}
+
+fn write_event(out: &mut String, step: u64, by: ProcessId, what: &str, text: &str) {
+    let _ = write!(out, "{}", json!({"step": step, "process": by.to_string(), "what": what, "text": text}));
+}
+
+/// What a fault says; nothing where there is none.
+fn fault_text(words: &[u64]) -> String {
+    FaultWords::get(words).map_or_else(|_| String::new(), |fault| Fault::from(fault).to_string())
+}
+
+/// Whether a fault is not the programs' doing: a replay, which has no robots, cannot come to it.
+fn comes_from_outside(words: &[u64]) -> bool {
+    use FaultKind::{DriveFault, FollowingError, Overrun, PeerLost, StartPoseMismatch};
+    let kind = FaultWords::get(words).map(|fault| Fault::from(fault).kind());
+    matches!(kind, Ok(PeerLost | Overrun | StartPoseMismatch | FollowingError | DriveFault))
+}
+
+const fn order_kind(kind: OrderKind) -> &'static str {
+    match kind {
+        OrderKind::Query => "query",
+        OrderKind::Start => "start",
+        OrderKind::Step => "step",
+        OrderKind::End => "end",
+        OrderKind::Abort => "abort",
+        OrderKind::Brake => "brake",
+        OrderKind::Stop => "stop",
+        OrderKind::Reset => "reset",
+    }
+}
+
+pub(super) const fn reading_state(state: ReadingState) -> &'static str {
+    match state {
+        ReadingState::There => "there",
+        ReadingState::None => "none",
+        ReadingState::Fault => "fault",
+        ReadingState::Lost => "lost",
+    }
+}

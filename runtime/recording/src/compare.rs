@@ -1,0 +1,137 @@
+//! The comparison: what a replay demands beside what was demanded.
+//!
+//! In: the images of a replay. Out: how many steps were compared, and the first step, robot and joint whose demands are not
+//! the same to the bit.
+
+use core::cell::{Cell, RefCell};
+use core::fmt;
+use std::rc::Rc;
+
+use mrroc_core::model::fault::ProcessId;
+use mrroc_core::link::Nanos;
+use mrroc_core::model::name::Name;
+use mrroc_core::observe::witness::{What, Witness};
+
+use super::Tape;
+
+/// A demand that is not the recorded one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Index of the step.
+    pub step: u64,
+    /// The robot.
+    pub robot: Name,
+    /// Index of the joint, from 0.
+    pub joint: usize,
+    /// Its position that was demanded in the recorded run [rad or m].
+    pub recorded: f64,
+    /// Its position that the replay demands [rad or m].
+    pub replayed: f64,
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Difference { step, robot, joint, recorded, replayed } = self;
+        write!(f, "step {step}, {robot} joint {}: recorded {recorded:?}, replayed {replayed:?}", joint + 1)
+    }
+}
+
+/// Compares the demands of a replay with a recording's.
+pub(crate) struct Comparison {
+    tape: Rc<Tape>,
+    /// The last step that is compared.
+    last: u64,
+    /// The last step that the MP began, of those that are compared.
+    begun: Cell<u64>,
+    /// The robots' images that were the recorded ones, and how many.
+    compared: Cell<u64>,
+    first: RefCell<Option<Difference>>,
+}
+
+/// What a comparison came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compared {
+    /// Steps that the MP began in both.
+    pub steps: u64,
+    /// Steps of all robots that were compared.
+    pub images: u64,
+    /// The first demand that is not the recorded one.
+    pub difference: Option<Difference>,
+    /// The last step of the recording, when the replay's programs ended before it.
+    pub longer: Option<u64>,
+    /// The fault from outside, such as a drive's, up to which was compared.
+    pub outside: Option<String>,
+    /// What the recorded run ended with: nothing, or the text of its fault; `None` when it was cut off.
+    pub end: Option<Option<String>>,
+}
+
+impl Compared {
+    /// Whether every demand of the recording was made again.
+    #[must_use]
+    pub const fn is_identical(&self) -> bool {
+        self.difference.is_none() && self.longer.is_none() && self.images > 0
+    }
+}
+
+impl Comparison {
+    pub fn with(tape: Rc<Tape>) -> Comparison {
+        let last = tape.last();
+        let (begun, compared, first) = (Cell::new(0), Cell::new(0), RefCell::new(None));
+        Comparison { tape, last, begun, compared, first }
+    }
+
+    pub fn outcome(&self) -> Compared {
+        let difference = *self.first.borrow();
+        let steps = self.tape.script.0.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
+        // The MP may have left out the last steps.
+        let due = self.tape.script.last_until(self.last);
+        let is_short = difference.is_none() && self.begun.get() < due;
+        Compared {
+            steps: steps as u64,
+            images: self.compared.get(),
+            difference,
+            longer: is_short.then_some(self.last),
+            outside: self.tape.outside.as_ref().map(|(_, text)| text.clone()),
+            end: self.tape.end.clone(),
+        }
+    }
+
+    /// Compares the demanded joints of an image, which are its first words.
+    fn compare(&self, robot: Name, step: u64, words: &[u64]) {
+        let Some(tape) = self.tape.robot(robot.as_str()) else { return };
+        let Some(image) = tape.image(step).filter(|_| step <= self.last) else { return };
+        let pairs = image.demanded.iter().zip(words).take(tape.joints);
+        let different = pairs.enumerate().find(|(_, (recorded, word))| recorded.to_bits() != **word);
+        let Some((joint, (&recorded, &word))) = different else {
+            self.compared.set(self.compared.get() + 1);
+            return;
+        };
+        // Robots begin a step one after another: the cell's order counts.
+        let found = Difference { step, robot, joint, recorded, replayed: f64::from_bits(word) };
+        self.first.borrow_mut().get_or_insert(found);
+    }
+}
+
+impl Witness for Comparison {
+    fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+        match *what {
+            What::Image { step, .. } => {
+                if let Some(robot) = by.name {
+                    self.compare(robot, step, words);
+                }
+            }
+            What::Step { step, .. } => self.begun.set(step),
+            What::Abort { .. }
+            | What::Late { .. }
+            | What::Order { .. }
+            | What::Found { .. }
+            | What::Reading { .. }
+            | What::Fault { .. }
+            | What::End { .. } => {}
+        }
+    }
+
+    fn is_over(&self, step: u64) -> bool {
+        step > self.last || self.first.borrow().is_some()
+    }
+}

@@ -1,0 +1,266 @@
+//! Words as JSON, and back, by the shape of their type; and the schema of such JSON.
+//!
+//! In: words and a [`Shape`]. Out: text; or from a parsed value the same words again, to the bit.
+
+use core::fmt::Write;
+
+use serde_json::{Map, Value, json};
+
+use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::model::shape::Shape;
+
+/// A number that JSON may have no word for.
+pub fn number(out: &mut String, x: f64) {
+    // Writing to a text cannot fail.
+    let _ = if x.is_nan() {
+        out.write_str("\"NaN\"")
+    } else if x.is_infinite() {
+        out.write_str(if x > 0.0 { "\"Infinity\"" } else { "\"-Infinity\"" })
+    } else {
+        // The shortest digits that give the number back.
+        write!(out, "{x:?}")
+    };
+}
+
+/// The number again.
+pub fn as_number(value: &Value) -> Option<f64> {
+    match value.as_str() {
+        Some("NaN") => Some(f64::NAN),
+        Some("Infinity") => Some(f64::INFINITY),
+        Some("-Infinity") => Some(f64::NEG_INFINITY),
+        Some(_) => None,
+        None => value.as_f64(),
+    }
+}
+
+/// A list of numbers.
+pub fn numbers(out: &mut String, words: &[u64]) {
+    list(out, words.len(), |out, i| number(out, f64::from_bits(words[i])));
+}
+
+fn list(out: &mut String, len: usize, mut item: impl FnMut(&mut String, usize)) {
+    out.push('[');
+    for i in 0..len {
+        if i > 0 {
+            out.push(',');
+        }
+        item(out, i);
+    }
+    out.push(']');
+}
+
+/// The value that the words of a type spell. Too few of them spell 0 at the end.
+pub fn value(out: &mut String, shape: &Shape, words: &[u64]) {
+    let word = words.first().copied().unwrap_or(0);
+    let _ = match shape {
+        Shape::Float => return number(out, f64::from_bits(word)),
+        Shape::Single => return number(out, f64::from(f32::from_bits(word as u32))),
+        Shape::Unsigned => write!(out, "{word}"),
+        Shape::Signed => write!(out, "{}", word.cast_signed()),
+        Shape::Truth => write!(out, "{}", word != 0),
+        Shape::Choice(names) => match usize::try_from(word).ok().and_then(|word| names.get(word)) {
+            Some(name) => write!(out, "\"{name}\""),
+            None => write!(out, "{word}"),
+        },
+        Shape::Array(item, count) => {
+            let of = |i: usize| words.get(i * item.len()..).unwrap_or(&[]);
+            return list(out, *count, |out, i| value(out, item, of(i)));
+        }
+        Shape::Fields(fields) => {
+            let mut rest = words;
+            for (i, (name, shape)) in fields.iter().enumerate() {
+                let _ = write!(out, "{}\"{name}\":", if i == 0 { '{' } else { ',' });
+                value(out, shape, rest);
+                rest = rest.get(shape.len()..).unwrap_or(&[]);
+            }
+            out.write_str(if fields.is_empty() { "{}" } else { "}" })
+        }
+        Shape::Demand => return demand(out, words),
+        Shape::Words(len) => {
+            let word = |i: usize| words.get(i).copied().unwrap_or(0);
+            return list(out, *len, |out, i| {
+                let _ = write!(out, "\"{:016x}\"", word(i));
+            });
+        }
+    };
+}
+
+/// The words that a value spells; `None` when it is no value of the type.
+pub fn words(shape: &Shape, value: &Value, out: &mut Vec<u64>) -> Option<()> {
+    match shape {
+        Shape::Float => out.push(as_number(value)?.to_bits()),
+        Shape::Single => out.push(u64::from((as_number(value)? as f32).to_bits())),
+        Shape::Unsigned => out.push(value.as_u64()?),
+        Shape::Signed => out.push(value.as_i64()?.cast_unsigned()),
+        Shape::Truth => out.push(u64::from(value.as_bool()?)),
+        Shape::Choice(names) => {
+            let name = value.as_str()?;
+            out.push(names.iter().position(|known| *known == name)? as u64);
+        }
+        Shape::Array(item, count) => {
+            let items = value.as_array().filter(|items| items.len() == *count)?;
+            items.iter().try_for_each(|value| words(item, value, out))?;
+        }
+        Shape::Fields(fields) => {
+            let found = value.as_object()?;
+            fields.iter().try_for_each(|(name, shape)| words(shape, found.get(*name)?, out))?;
+        }
+        Shape::Words(len) => {
+            let items = value.as_array().filter(|items| items.len() == *len)?;
+            for item in items {
+                out.push(u64::from_str_radix(item.as_str()?, 16).ok()?);
+            }
+        }
+        // Never read back: a replay makes its demands anew.
+        Shape::Demand => return None,
+    }
+    Some(())
+}
+
+/// The part of a demand that its first word chooses, as `Demand` writes it.
+fn demand(out: &mut String, words: &[u64]) {
+    let Some((&head, body)) = words.split_first().filter(|(_, body)| body.len() >= MAX_JOINTS + 9) else {
+        return out.push_str("{}");
+    };
+    let form =
+        [("hold", None), ("joints", None), ("pose", Some(Shape::POSE)), ("displacement", Some(Shape::POSE))]
+            .get((head & 0xff) as usize)
+            .copied()
+            .unwrap_or(("unknown", None));
+    let _ = write!(out, "{{\"form\":\"{}\"", form.0);
+    match form {
+        ("joints", _) => {
+            out.push_str(",\"joints\":");
+            numbers(out, &body[..MAX_JOINTS]);
+        }
+        (name, Some(shape)) => {
+            let _ = write!(out, ",\"{name}\":");
+            value(out, shape, body);
+        }
+        (_, None) => {}
+    }
+    if head & 1 << 8 != 0 {
+        out.push_str(",\"tool\":");
+        value(out, Shape::POSE, &body[MAX_JOINTS..]);
+    }
+    if head & 1 << 9 != 0 {
+        out.push_str(",\"redundancy\":");
+        number(out, f64::from_bits(body[MAX_JOINTS + 7]));
+    }
+    if head & 1 << 10 != 0 {
+        out.push_str(",\"regulators\":");
+        list(out, MAX_JOINTS, |out, i| {
+            let _ = write!(out, "{}", body[MAX_JOINTS + 8].to_le_bytes()[i]);
+        });
+    }
+    out.push('}');
+}
+
+/// The JSON schema of a shape.
+pub fn schema(shape: &Shape) -> Value {
+    match shape {
+        Shape::Float | Shape::Single => json!({"type": "number"}),
+        Shape::Unsigned | Shape::Signed => json!({"type": "integer"}),
+        Shape::Truth => json!({"type": "boolean"}),
+        Shape::Choice(names) => json!({"type": "string", "enum": names}),
+        Shape::Array(item, count) => {
+            json!({"type": "array", "items": schema(item), "minItems": count, "maxItems": count})
+        }
+        Shape::Fields(fields) => object(fields.iter().map(|(name, shape)| (*name, schema(shape)))),
+        Shape::Demand => {
+            let numbers = || json!({"type": "array", "items": {"type": "number"}});
+            let mut object = object([
+                ("form", json!({"type": "string"})),
+                ("joints", numbers()),
+                ("pose", schema(Shape::POSE)),
+                ("displacement", schema(Shape::POSE)),
+                ("tool", schema(Shape::POSE)),
+                ("redundancy", json!({"type": "number"})),
+                ("regulators", json!({"type": "array", "items": {"type": "integer"}})),
+            ]);
+            object["required"] = json!(["form"]);
+            object
+        }
+        Shape::Words(_) => json!({"type": "array", "items": {"type": "string"}}),
+    }
+}
+
+/// The schema of an object with these properties, all of which it has.
+pub fn object<'a>(properties: impl IntoIterator<Item = (&'a str, Value)>) -> Value {
+    let properties: Map<_, _> =
+        properties.into_iter().map(|(name, schema)| (name.to_owned(), schema)).collect();
+    let required: Vec<_> = properties.keys().cloned().collect();
+    json!({"type": "object", "properties": properties, "required": required})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_core::model::demand::Demand;
+    use mrroc_core::model::pose::Pose;
+    use mrroc_core::model::wire::{WORDS, Wire};
+    use proptest::prelude::*;
+
+    const MIXED: &Shape = &Shape::Fields(&[
+        ("x", &Shape::Float),
+        ("count", &Shape::Unsigned),
+        ("offset", &Shape::Signed),
+        ("touches", &Shape::Truth),
+        ("phase", &Shape::Choice(&["Out", "Back"])),
+        ("single", &Shape::Single),
+        ("force", &Shape::Array(&Shape::Float, 3)),
+        ("pose", Shape::POSE),
+        ("rest", &Shape::Words(2)),
+    ]);
+
+    proptest! {
+        #[test]
+        fn words_come_back_to_the_bit(
+            bits in proptest::array::uniform11(any::<u64>()),
+            (count, offset) in any::<(u64, i64)>(),
+            (touches, phase, single) in (0..2_u64, 0..2_u64, any::<f32>()),
+            rest in any::<[u64; 2]>(),
+        ) {
+            let mut floats = bits.iter().map(|&bits| {
+                // There is one NaN in JSON.
+                let x = f64::from_bits(bits);
+                if x.is_nan() { f64::NAN.to_bits() } else { bits }
+            });
+            let mut given = vec![floats.next().unwrap_or(0), count, offset.cast_unsigned(), touches, phase];
+            given.push(u64::from(if single.is_nan() { f32::NAN } else { single }.to_bits()));
+            given.extend(floats);
+            given.extend(rest);
+            prop_assert_eq!(given.len(), MIXED.len());
+            let mut text = String::new();
+            value(&mut text, MIXED, &given);
+            let parsed = serde_json::from_str(&text).expect("JSON");
+            let mut found = Vec::new();
+            prop_assert!(words(MIXED, &parsed, &mut found).is_some(), "{}", text);
+            prop_assert_eq!(found, given);
+        }
+    }
+
+    #[test]
+    fn a_demand_shows_what_it_demands_and_nothing_that_was_left_in_the_message() {
+        use mrroc_core::slide::Slide;
+        let mut words = [7; WORDS];
+        Demand::<Slide>::pose(Pose::translation(1.0, 2.0, 3.0)).put(&mut words);
+        let mut text = String::new();
+        value(&mut text, &Shape::Demand, &words);
+        let expected = json!({"form": "pose", "pose": {
+            "position": {"x": 1.0, "y": 2.0, "z": 3.0},
+            "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+        }});
+        assert_eq!(serde_json::from_str::<Value>(&text).expect("JSON"), expected);
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_texts() {
+        let mut text = String::new();
+        numbers(
+            &mut text,
+            &[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, 0.1, 5e-324].map(f64::to_bits),
+        );
+        assert_eq!(text, "[\"NaN\",\"Infinity\",\"-Infinity\",-0.0,0.1,5e-324]");
+    }
+}

@@ -1,0 +1,252 @@
+//! The messages of a recording, from their JSON to a [`Tape`].
+//!
+//! In: the metadata, then messages with their topics. Out: for each robot its images without a gap, for each process what it
+//! collected of each sensor, and the MP's steps.
+
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+use mcap::records::Metadata;
+use serde_json::Value;
+
+use super::file::REAL_TIME;
+use super::json::{as_number, words};
+use super::reader::{CutOff, Wrong};
+use mrroc_core::cell::Layout;
+use mrroc_core::model::fault::{ProcessId, Role};
+use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::link::Nanos;
+use mrroc_core::model::name::Name;
+use mrroc_core::control::replay::readings::RecordedReading;
+use mrroc_core::control::replay::script::ScriptedStep;
+use mrroc_core::control::replay::{ReadingTape, RecordedImage, RobotTape, Script, Tape};
+use mrroc_core::model::shape::Shape;
+use mrroc_core::observe::witness::ReadingState;
+
+/// What has been read so far.
+pub(super) struct Messages {
+    robots: Vec<RobotTape>,
+    sensors: Vec<(Name, &'static Shape)>,
+    readings: Vec<ReadingTape>,
+    steps: Vec<ScriptedStep>,
+    /// Whether demands may have come too late for another reason than in a replay.
+    real_time: bool,
+    late: BTreeSet<u64>,
+    aborts: BTreeSet<u64>,
+    outside: Option<(u64, String)>,
+    end: Option<Option<String>>,
+}
+
+const OTHER_CELL: &str = "replay it with the cell that was recorded, with all its robots and sensors";
+
+impl Messages {
+    /// Of a cell, which must be the recorded one.
+    pub fn of(metadata: &Metadata, layout: &Layout) -> Result<Messages, Wrong> {
+        let text = |key: &str| metadata.metadata.get(key).map_or("", String::as_str);
+        let list = |key: &str| serde_json::from_str::<Vec<Value>>(text(key)).unwrap_or_default();
+        let of_cell = |name: &str| Name::new(name).map_err(|bad| Wrong::new(bad.to_string(), OTHER_CELL));
+        if text("step_ns") != layout.step.as_nanos().to_string() {
+            let what = format!(
+                "was recorded with a step of {} ns, the cell's is {}",
+                text("step_ns"),
+                layout.step.as_nanos()
+            );
+            return Err(Wrong::new(what, OTHER_CELL));
+        }
+        let mut robots = Vec::new();
+        let recorded = list("robots");
+        for robot in &layout.robots {
+            let found = recorded.iter().find(|recorded| recorded["name"] == robot.name);
+            let found =
+                found.ok_or_else(|| Wrong::new(format!("has no robot `{}`", robot.name), OTHER_CELL))?;
+            let (kind, joints) = (found["kind"].as_str(), found["joints"].as_array().map_or(0, Vec::len));
+            if kind != Some(robot.kind) || joints != robot.joints.len() {
+                let what = format!(
+                    "has robot `{}` of the kind {} with {joints} joints, the cell's is of the kind {} with {}",
+                    robot.name,
+                    kind.unwrap_or("unknown"),
+                    robot.kind,
+                    robot.joints.len()
+                );
+                return Err(Wrong::new(what, OTHER_CELL));
+            }
+            let name = of_cell(&robot.name)?;
+            robots.push(RobotTape {
+                name,
+                joints,
+                found: None,
+                first: 0,
+                images: Vec::new(),
+                missed: BTreeSet::new(),
+                put_off: BTreeSet::new(),
+            });
+        }
+        let mut sensors = Vec::new();
+        let recorded = list("sensors");
+        for sensor in &layout.sensors {
+            if !recorded.iter().any(|recorded| recorded["name"] == sensor.name) {
+                return Err(Wrong::new(format!("has no sensor `{}`", sensor.name), OTHER_CELL));
+            }
+            sensors.push((of_cell(&sensor.name)?, sensor.reading));
+        }
+        let (readings, steps, late, aborts) = (Vec::new(), Vec::new(), BTreeSet::new(), BTreeSet::new());
+        let real_time = text("link") == REAL_TIME;
+        Ok(Messages { robots, sensors, readings, steps, real_time, late, aborts, outside: None, end: None })
+    }
+
+    /// The last step of the MP that has been read.
+    pub fn last_step(&self) -> u64 {
+        self.steps.last().map_or(0, |scripted| scripted.step)
+    }
+
+    /// Takes a message. What a replay does not need is passed over.
+    pub fn take(&mut self, topic: &str, time: Nanos, data: &[u8]) -> Result<(), Wrong> {
+        let parts: Vec<_> = topic.split('/').skip(1).collect();
+        let json = || serde_json::from_slice::<Value>(data).ok();
+        let taken = match *parts.as_slice() {
+            ["steps"] => json().and_then(|json| self.step(&json)),
+            ["events"] => json().and_then(|json| self.event(&json, time)),
+            ["robots", name] => json().and_then(|json| self.image(name, &json)),
+            ["sensors", name] => json().and_then(|json| self.reading(name, &json)),
+            _ => Some(()),
+        };
+        taken.ok_or_else(|| {
+            let text = String::from_utf8_lossy(&data[..data.len().min(80)]).into_owned();
+            Wrong::foreign(format!("has a message in {topic} at {time} ns that does not fit: {text}"))
+        })
+    }
+
+    fn step(&mut self, json: &Value) -> Option<()> {
+        let scripted = ScriptedStep {
+            step: json["step"].as_u64()?,
+            speed: json["speed"].as_f64().filter(|speed| (0.0..=1.0).contains(speed))?,
+            suspended: json["suspended"].as_bool()?,
+            aborting: json["aborting"].as_bool()?,
+            stopping: json["stopping"].as_bool()?,
+            resetting: json["resetting"].as_bool()?,
+            aborts: false,
+            late: false,
+        };
+        let follows = self.steps.last().is_none_or(|last| last.step < scripted.step);
+        self.steps.extend(follows.then_some(scripted));
+        follows.then_some(())
+    }
+
+    fn event(&mut self, json: &Value, time: Nanos) -> Option<()> {
+        let (step, text) = (json["step"].as_u64()?, json["text"].as_str()?);
+        let by = process(json["process"].as_str()?)?;
+        match json["what"].as_str()? {
+            "fault from outside" => self.end_before(step, text.to_owned()),
+            "late" => match self.robots.iter_mut().find(|robot| Some(robot.name) == by.name) {
+                Some(robot) if self.real_time && by.role == Role::Edp => drop(robot.missed.insert(step)),
+                Some(robot) if self.real_time => drop(robot.put_off.insert(step)),
+                // Under the virtual clock it is late by itself.
+                Some(_) => {}
+                None => drop(self.late.insert(step)),
+            },
+            "abort" => drop(self.aborts.insert(step)),
+            "end" => self.end = Some((!text.is_empty()).then(|| text.to_owned())),
+            "found" => {
+                let robot = self.robots.iter_mut().find(|robot| Some(robot.name) == by.name)?;
+                robot.found = Some(time);
+            }
+            _ => {}
+        }
+        Some(())
+    }
+
+    /// What came from outside in this step, no replay can make again.
+    fn end_before(&mut self, step: u64, what: String) {
+        let earlier = self.outside.as_ref().is_none_or(|(first, _)| step < *first);
+        if earlier {
+            self.outside = Some((step, what));
+        }
+    }
+
+    fn image(&mut self, name: &str, json: &Value) -> Option<()> {
+        let robot = self.robots.iter_mut().find(|robot| robot.name.as_str() == name)?;
+        let (step, joints) = (json["step"].as_u64()?, robot.joints);
+        let numbers = |json: &Value| {
+            let mut numbers = [0.0; MAX_JOINTS];
+            let list = json.as_array().filter(|list| list.len() == joints)?;
+            for (number, value) in numbers.iter_mut().zip(list) {
+                *number = as_number(value)?;
+            }
+            Some(numbers)
+        };
+        let image = RecordedImage {
+            demanded: numbers(&json["demanded"]["joints"])?,
+            position: numbers(&json["measured"]["joints"])?,
+            velocity: numbers(&json["measured"]["velocity"])?,
+        };
+        if robot.images.is_empty() {
+            robot.first = step;
+        }
+        let follows = step == robot.first + robot.images.len() as u64;
+        robot.images.extend(follows.then_some(image));
+        follows.then_some(())
+    }
+
+    fn reading(&mut self, name: &str, json: &Value) -> Option<()> {
+        let (sensor, shape) = *self.sensors.iter().find(|(sensor, _)| sensor.as_str() == name)?;
+        let by = process(json["by"].as_str()?)?;
+        let mut spelled = Vec::new();
+        let state = match json["state"].as_str()? {
+            "there" => {
+                words(shape, &json["reading"], &mut spelled)?;
+                ReadingState::There
+            }
+            "fault" => {
+                let fault = &json["fault"];
+                words(&Shape::Words(fault.as_array()?.len()), fault, &mut spelled)?;
+                ReadingState::Fault
+            }
+            "none" => ReadingState::None,
+            "lost" => ReadingState::Lost,
+            _ => return None,
+        };
+        let (step, taken) = (json["step"].as_u64()?, json["taken"].as_u64().unwrap_or(0));
+        let known = self.readings.iter().position(|tape| tape.sensor == sensor && tape.by == by);
+        let place = known.unwrap_or_else(|| {
+            self.readings.push(ReadingTape::new(sensor, by));
+            self.readings.len() - 1
+        });
+        self.readings[place].readings.push(RecordedReading { step, taken, state, words: spelled });
+        Some(())
+    }
+
+    /// All that was read.
+    pub fn finish(mut self, cut_off: CutOff) -> Result<Tape, Wrong> {
+        for scripted in &mut self.steps {
+            scripted.late = self.late.contains(&scripted.step);
+            scripted.aborts = self.aborts.contains(&scripted.step);
+        }
+        if self.steps.is_empty() {
+            return Err(Wrong::new("has no step: nothing ran", "record a run that moves something"));
+        }
+        let empty = self.robots.iter().find(|robot| robot.images.is_empty());
+        if let Some(robot) = empty.filter(|_| cut_off == CutOff::Refused) {
+            return Err(Wrong::new(format!("has no step of robot `{}`", robot.name), OTHER_CELL));
+        }
+        Ok(Tape {
+            robots: self.robots.into_iter().map(Rc::new).collect(),
+            readings: self.readings.into_iter().map(Rc::new).collect(),
+            script: Rc::new(Script(self.steps)),
+            outside: self.outside,
+            end: self.end,
+        })
+    }
+}
+
+/// `mp`, `ecp arm`.
+fn process(text: &str) -> Option<ProcessId> {
+    let (role, name) = text.split_once(' ').unwrap_or((text, ""));
+    let role = match role {
+        "mp" => return Some(ProcessId::MP),
+        "ecp" => Role::Ecp,
+        "edp" => Role::Edp,
+        "vsp" => Role::Vsp,
+        _ => return None,
+    };
+    Some(ProcessId::new(role, Name::new(name).ok()?))
+}

@@ -1,0 +1,280 @@
+//! A recording read back, as far as a replay needs it.
+//!
+//! In: a file, and what the cell is made of. Out: a [`Tape`], or what is wrong with the file. The file may be anything: it
+//! is read piece by piece, and no piece of it is larger than [`LARGEST`].
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use mcap::McapError;
+use mcap::records::{Metadata, Record, op};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::file::{END, PROFILE, VERSION};
+use super::messages::Messages;
+use mrroc_core::cell::Layout;
+use mrroc_core::control::replay::Tape;
+
+/// The largest record or chunk that is read \[bytes\]; those of a recording have a quarter of a megabyte.
+const LARGEST: usize = 1 << 20;
+
+/// Whether a recording that was cut off is taken as far as it goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutOff {
+    /// It is refused.
+    Refused,
+    /// It is replayed up to the last step of which everything is there.
+    Taken,
+}
+
+/// Why a file cannot be replayed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}: {what}\n help: {help}", file.display())]
+pub struct NotReplayable {
+    file: PathBuf,
+    what: String,
+    help: String,
+}
+
+/// What is wrong, before it is known with which file.
+pub(super) struct Wrong {
+    what: String,
+    help: &'static str,
+}
+
+impl Wrong {
+    pub fn new(what: impl Into<String>, help: &'static str) -> Wrong {
+        Wrong { what: what.into(), help }
+    }
+
+    /// What nobody could have written but a recorder of another kind.
+    pub fn foreign(what: impl Into<String>) -> Wrong {
+        Wrong::new(what, "give a file that --record has written")
+    }
+
+    fn of(self, file: &Path) -> NotReplayable {
+        NotReplayable { file: file.to_owned(), what: self.what, help: self.help.to_owned() }
+    }
+}
+
+const DAMAGED: &str =
+    "record the run again; what is there up to the damage can be looked at with an MCAP viewer";
+
+/// Reads a recording of a cell.
+///
+/// # Errors
+/// [`NotReplayable`]: it is no recording, not of this cell, or not whole.
+pub(crate) fn read(file: &Path, layout: &Layout, cut_off: CutOff) -> Result<Tape, NotReplayable> {
+    let tape = File::open(file).map_err(unreadable).and_then(|from| read_from(from, layout, cut_off));
+    tape.map_err(|wrong| wrong.of(file))
+}
+
+/// The same from what is no file.
+pub(crate) fn read_bytes(bytes: &[u8], layout: &Layout, cut_off: CutOff) -> Result<Tape, NotReplayable> {
+    read_from(bytes, layout, cut_off).map_err(|wrong| wrong.of(Path::new("bytes")))
+}
+
+fn unreadable(error: std::io::Error) -> Wrong {
+    Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
+}
+
+fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Tape, Wrong> {
+    let options = LinearReaderOptions::default()
+        .with_record_length_limit(LARGEST)
+        .with_emit_chunks(true)
+        .with_validate_data_section_crc(true);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), end: None };
+    while let Some(event) = reader.next_event() {
+        match event {
+            Ok(LinearReadEvent::ReadRequest(size)) => {
+                let read = from.read(reader.insert(size.min(LARGEST))).map_err(unreadable)?;
+                reader.notify_read(read);
+            }
+            Ok(LinearReadEvent::Record { data, opcode }) => taker.take_bytes(opcode, data)?,
+            Err(McapError::UnexpectedEof) => {
+                return taker.cut_off(cut_off);
+            }
+            Err(error) => return Err(damaged(error)),
+        }
+    }
+    if taker.end.is_none() {
+        return taker.cut_off(cut_off);
+    }
+    taker.finish(cut_off)
+}
+
+/// What says to be longer than what it is in.
+fn torn(what: &str) -> Wrong {
+    Wrong::new(format!("is damaged: {what} is longer than what it is in"), DAMAGED)
+}
+
+/// The records in a chunk, which must be as its checksum says. The parser's own way into chunks counts below 0 where a record
+/// is longer than its chunk.
+fn chunk(data: &[u8]) -> Result<&[u8], Wrong> {
+    let (size, sum, compression, records) = chunk_parts(data).ok_or_else(|| torn("a chunk"))?;
+    if !compression.is_empty() {
+        return Err(Wrong::foreign("is compressed, which recordings are not"));
+    }
+    let is_whole = size == records.len() as u64 && (sum == 0 || crc32fast::hash(records) == sum);
+    if is_whole {
+        Ok(records)
+    } else {
+        Err(Wrong::new("is damaged: a chunk is not as its checksum says", DAMAGED))
+    }
+}
+
+/// What it has uncompressed, its checksum, the name of the compression, and its records.
+fn chunk_parts(mut rest: &[u8]) -> Option<(u64, u32, &[u8], &[u8])> {
+    // The times of its first and last message.
+    rest.split_off(..16)?;
+    let (size, sum) = (u64_of(&mut rest)?, u32_of(&mut rest)?);
+    let compression = text(&mut rest)?;
+    let len = usize::try_from(u64_of(&mut rest)?).ok()?;
+    Some((size, sum, compression, rest.split_off(..len)?))
+}
+
+/// Passes over a record of a chunk.
+fn record<'a>(rest: &mut &'a [u8]) -> Option<(u8, &'a [u8])> {
+    let opcode = *rest.split_off_first()?;
+    let len = usize::try_from(u64_of(rest)?).ok()?;
+    Some((opcode, rest.split_off(..len)?))
+}
+
+fn u64_of(rest: &mut &[u8]) -> Option<u64> {
+    rest.split_off(..8)?.try_into().ok().map(u64::from_le_bytes)
+}
+
+/// Whether the texts of a record fit into it: the parser takes memory for as much as they say. `None` for records that are
+/// not used.
+fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
+    // Bytes before the texts, texts, whether a map of texts follows them.
+    let (skipped, count, map) = match opcode {
+        op::HEADER => (0, 2, false),
+        op::CHANNEL => (4, 2, true),
+        op::MESSAGE => (0, 0, false),
+        op::METADATA => (0, 1, true),
+        _ => return None,
+    };
+    let fits = |mut rest: &[u8]| {
+        rest.split_off(..skipped)?;
+        (0..count).try_for_each(|_| text(&mut rest).map(drop))?;
+        // A map is as long as a text is, in bytes.
+        let mut map = if map { text(&mut rest)? } else { &[] };
+        while !map.is_empty() {
+            let _key = text(&mut map)?;
+            let _value = text(&mut map)?;
+        }
+        Some(())
+    };
+    Some(fits(data).is_some())
+}
+
+/// A text, after its length.
+fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
+    let len = usize::try_from(u32_of(rest)?).ok()?;
+    rest.split_off(..len)
+}
+
+fn u32_of(rest: &mut &[u8]) -> Option<u32> {
+    rest.split_off(..4)?.try_into().ok().map(u32::from_le_bytes)
+}
+
+fn damaged(error: McapError) -> Wrong {
+    match error {
+        McapError::BadMagic => Wrong::foreign("is no MCAP file"),
+        error => Wrong::new(format!("is damaged: {error}"), DAMAGED),
+    }
+}
+
+/// Takes the records of a file one after another.
+struct Taker<'a> {
+    layout: &'a Layout,
+    /// There from the metadata on.
+    messages: Option<Messages>,
+    /// The topics of channels.
+    channels: BTreeMap<u16, String>,
+    end: Option<Metadata>,
+}
+
+impl Taker<'_> {
+    fn take_bytes(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
+        if opcode == op::CHUNK {
+            let mut records = chunk(data)?;
+            while !records.is_empty() {
+                let (opcode, data) = record(&mut records).ok_or_else(|| torn("a chunk"))?;
+                self.take_record(opcode, data)?;
+            }
+            return Ok(());
+        }
+        self.take_record(opcode, data)
+    }
+
+    fn take_record(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
+        match has_its_texts(opcode, data) {
+            None => Ok(()),
+            Some(false) => Err(torn("a record")),
+            Some(true) => self.take(mcap::parse_record(opcode, data).map_err(damaged)?),
+        }
+    }
+
+    fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
+        match record {
+            Record::Header(header) if header.profile != PROFILE => {
+                Err(Wrong::foreign(format!("is no recording of a cell: its profile is `{}`", header.profile)))
+            }
+            Record::Metadata(metadata) if metadata.name == PROFILE => {
+                let version = metadata.metadata.get("version").map(String::as_str);
+                if version != Some(VERSION) {
+                    let what = format!("is a recording of version {}", version.unwrap_or("unknown"));
+                    return Err(Wrong::new(what, "replay it with the version of mrroc that recorded it"));
+                }
+                self.messages = Some(Messages::of(&metadata, self.layout)?);
+                Ok(())
+            }
+            Record::Metadata(metadata) if metadata.name == END => {
+                self.end = Some(metadata);
+                Ok(())
+            }
+            Record::Channel(channel) => {
+                self.channels.insert(channel.id, channel.topic);
+                Ok(())
+            }
+            Record::Message { header, data } => {
+                let topic = self.channels.get(&header.channel_id).map_or("", String::as_str);
+                let messages = self.messages.as_mut();
+                let messages =
+                    messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
+                messages.take(topic, header.log_time, &data)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn cut_off(self, cut_off: CutOff) -> Result<Tape, Wrong> {
+        let Some(messages) = &self.messages else {
+            return Err(Wrong::foreign("ends before it says what it is a recording of"));
+        };
+        match cut_off {
+            CutOff::Taken => self.finish(cut_off),
+            CutOff::Refused => {
+                let what =
+                    format!("is cut off: it has no end, and its last step is {}", messages.last_step());
+                Err(Wrong::new(what, "replay what is there by --partial"))
+            }
+        }
+    }
+
+    fn finish(self, cut_off: CutOff) -> Result<Tape, Wrong> {
+        let dropped = self.end.and_then(|end| end.metadata.get("dropped")?.parse::<u64>().ok()).unwrap_or(0);
+        if dropped > 0 {
+            let what = format!("lacks {dropped} records, which were dropped while it was written");
+            return Err(Wrong::new(what, "record the run again, to a faster disk or in virtual time"));
+        }
+        let messages =
+            self.messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
+        messages.finish(cut_off)
+    }
+}

@@ -1,0 +1,279 @@
+//! From the step to the thread: records of a fixed size through a ring of a fixed length.
+//!
+//! In: what processes show. Out: records for [`channels`](super::channels), in their order, on a thread that may lag or
+//! block. A full ring is counted in real time; under the virtual clock it is waited for, as long as the thread gets on.
+
+#![expect(
+    clippy::disallowed_methods,
+    reason = "a thread that lags is waited for, and never by a step in real time"
+)]
+
+use core::cell::{Cell, RefCell};
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use super::Recording;
+use super::channels::{Channels, Outlet};
+use mrroc_core::cell::Layout;
+use mrroc_core::console::complain;
+use mrroc_core::model::fault::ProcessId;
+use mrroc_core::link::Nanos;
+use mrroc_core::model::wire::WORDS;
+use mrroc_core::observe::witness::{IMAGE_WORDS, What, Witness};
+
+/// Records that the ring holds: a second of two robots and a sensor at 1 kHz.
+const LENGTH: usize = 8192;
+
+/// How long the thread sleeps when there is nothing to write.
+const REST: Duration = Duration::from_millis(2);
+
+/// How often what was written is handed on, so that a process that is killed leaves all but the last of it.
+const FLUSH: Duration = Duration::from_secs(1);
+
+/// How long a thread that does not get on is waited for, under the virtual clock and at the end.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+const _: () = assert!(IMAGE_WORDS <= WORDS);
+
+/// What a process has shown.
+#[derive(Clone, Copy)]
+pub(super) struct Record {
+    pub time: Nanos,
+    pub by: ProcessId,
+    pub what: What,
+    len: usize,
+    words: [u64; WORDS],
+}
+
+impl Record {
+    fn new(time: Nanos, by: ProcessId, what: &What, words: &[u64]) -> Record {
+        let mut record = Record { time, by, what: *what, len: words.len().min(WORDS), words: [0; WORDS] };
+        record.words[..record.len].copy_from_slice(&words[..record.len]);
+        record
+    }
+
+    pub fn words(&self) -> &[u64] {
+        &self.words[..self.len]
+    }
+}
+
+/// What a full ring means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pace {
+    #[cfg_attr(
+        not(all(feature = "processes", target_os = "linux")),
+        allow(dead_code, reason = "of processes")
+    )]
+    /// Time goes on: what finds no room is dropped.
+    Real,
+    /// Time stands still: there will be room, unless the thread is stuck.
+    Virtual,
+}
+
+/// What both ends of the ring know.
+#[derive(Default)]
+struct Shared {
+    /// Records that the thread has taken, and messages that it has written.
+    taken: AtomicU64,
+    written: AtomicU64,
+    /// Records that found no room, or no file.
+    dropped: AtomicU64,
+    closing: AtomicBool,
+}
+
+/// Shows a run to a thread that writes it down.
+pub(crate) struct Recorder {
+    ring: RefCell<Producer<Record>>,
+    shared: Arc<Shared>,
+    thread: RefCell<Option<JoinHandle<()>>>,
+    pace: Pace,
+    recording: Recording,
+    /// What the thread had taken when it was given up.
+    stuck: Cell<Option<u64>>,
+}
+
+/// Opens where messages go. It may block for ever: the thread does it.
+pub(super) type Open = Box<dyn FnOnce() -> io::Result<Box<dyn Outlet>> + Send>;
+
+impl Recorder {
+    /// Begins to record; `open` says where to.
+    pub(super) fn begin(
+        recording: &Recording,
+        layout: Layout,
+        pace: Pace,
+        open: Open,
+    ) -> io::Result<Recorder> {
+        let (mut ring, mut taken) = RingBuffer::new(LENGTH);
+        // Every page is there before the first step.
+        let blank = Record::new(0, ProcessId::MP, &What::Late { step: 0 }, &[]);
+        while ring.push(blank).is_ok() {}
+        while taken.pop().is_ok() {}
+        let shared = Arc::new(Shared::default());
+        let thread = Thread {
+            ring: taken,
+            shared: Arc::clone(&shared),
+            channels: Channels::of(layout),
+            name: recording.file.display().to_string(),
+        };
+        let thread =
+            std::thread::Builder::new().name("recorder".to_owned()).spawn(move || thread.run(open))?;
+        let (ring, thread, stuck) = (RefCell::new(ring), RefCell::new(Some(thread)), Cell::new(None));
+        Ok(Recorder { ring, shared, thread, pace, recording: recording.clone(), stuck })
+    }
+
+    /// Whether the recording is to have it.
+    fn is_asked_for(&self, by: ProcessId, what: &What) -> bool {
+        let among = |names: &Option<Vec<String>>, name: &str| {
+            names.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
+        };
+        match what {
+            What::Image { .. } => by.name.is_none_or(|name| among(&self.recording.robots, name.as_str())),
+            What::Order { robot, .. } => among(&self.recording.robots, robot.as_str()),
+            What::Reading { sensor, .. } => among(&self.recording.sensors, sensor.as_str()),
+            What::Step { .. }
+            | What::Abort { .. }
+            | What::Late { .. }
+            | What::Found { .. }
+            | What::Fault { .. }
+            | What::End { .. } => true,
+        }
+    }
+
+    /// Waits until the ring has room, as long as the thread gets on.
+    fn make_room(&self, ring: &Producer<Record>) {
+        let (mut since, mut seen) = (Instant::now(), self.shared.taken.load(Ordering::Acquire));
+        while ring.is_full() && self.stuck.get() != Some(seen) {
+            let taken = self.shared.taken.load(Ordering::Acquire);
+            if taken != seen {
+                (since, seen) = (Instant::now(), taken);
+            } else if since.elapsed() > PATIENCE {
+                self.stuck.set(Some(seen));
+            }
+            std::thread::sleep(Duration::from_micros(50));
+        }
+    }
+
+    /// Waits for the thread to write the rest, as long as it gets on.
+    pub fn finish(&self) {
+        let Some(thread) = self.thread.take() else { return };
+        self.shared.closing.store(true, Ordering::Release);
+        let progress = || {
+            let Shared { taken, written, .. } = &*self.shared;
+            (taken.load(Ordering::Acquire), written.load(Ordering::Acquire))
+        };
+        let (mut since, mut seen) = (Instant::now(), progress());
+        while !thread.is_finished() {
+            let now = progress();
+            if now != seen {
+                (since, seen) = (Instant::now(), now);
+            } else if since.elapsed() > PATIENCE {
+                let lost = self.ring.borrow().buffer().capacity() - self.ring.borrow().slots();
+                let lost = lost as u64 + self.shared.dropped.load(Ordering::Acquire);
+                let file = self.recording.file.display();
+                complain(&format!("warning: {file}: nothing more can be written: {lost} records are lost"));
+                return;
+            }
+            std::thread::sleep(Duration::from_micros(200));
+        }
+    }
+}
+
+impl Witness for Recorder {
+    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+        if !self.is_asked_for(by, what) {
+            return;
+        }
+        let mut ring = self.ring.borrow_mut();
+        if self.pace == Pace::Virtual && ring.is_full() {
+            self.make_room(&ring);
+        }
+        if ring.push(Record::new(time, by, what, words)).is_err() {
+            self.shared.dropped.fetch_add(1, Ordering::AcqRel);
+        }
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+/// The writing end.
+struct Thread {
+    ring: Consumer<Record>,
+    shared: Arc<Shared>,
+    channels: Channels,
+    /// What messages call the file.
+    name: String,
+}
+
+impl Thread {
+    fn run(mut self, open: Open) {
+        let mut outlet = open().map_err(|error| self.warn(&error)).ok();
+        let mut flushed = Instant::now();
+        let mut warned = false;
+        loop {
+            // In this order: what was pushed before the end is written.
+            let closing = self.shared.closing.load(Ordering::Acquire);
+            while let Ok(record) = self.ring.pop() {
+                self.shared.taken.fetch_add(1, Ordering::AcqRel);
+                self.write(&record, &mut outlet);
+            }
+            let dropped = self.shared.dropped.load(Ordering::Acquire);
+            if dropped > 0 && outlet.is_some() && !core::mem::replace(&mut warned, true) {
+                complain(&format!("warning: {}: writing is too slow: records are dropped", self.name));
+            }
+            if closing {
+                break;
+            }
+            if flushed.elapsed() > FLUSH {
+                flushed = Instant::now();
+                self.attempt(&mut outlet, |outlet| outlet.flush());
+            }
+            std::thread::sleep(REST);
+        }
+        let count = |counter: &AtomicU64| counter.load(Ordering::Acquire);
+        let (written, dropped) = (count(&self.shared.written), count(&self.shared.dropped));
+        self.attempt(&mut outlet, |outlet| outlet.finish(written, dropped));
+        let dropped = count(&self.shared.dropped);
+        if dropped > 0 {
+            complain(&format!("warning: {}: {dropped} of {} records are lost", self.name, written + dropped));
+        }
+    }
+
+    /// Writes a record, or counts it where nothing can be written any more.
+    fn write(&mut self, record: &Record, outlet: &mut Option<Box<dyn Outlet>>) {
+        let put = outlet.as_mut().map(|outlet| self.channels.put(record, &mut **outlet));
+        let counter = match put {
+            Some(Ok(())) => &self.shared.written,
+            Some(Err(_)) | None => &self.shared.dropped,
+        };
+        counter.fetch_add(1, Ordering::AcqRel);
+        if let Some(Err(error)) = put {
+            self.warn(&error);
+            *outlet = None;
+        }
+    }
+
+    fn attempt(
+        &self,
+        outlet: &mut Option<Box<dyn Outlet>>,
+        work: impl FnOnce(&mut dyn Outlet) -> io::Result<()>,
+    ) {
+        if let Some(Err(error)) = outlet.as_mut().map(|outlet| work(&mut **outlet)) {
+            self.warn(&error);
+            *outlet = None;
+        }
+    }
+
+    /// Once: after it nothing more is written.
+    fn warn(&self, error: &io::Error) {
+        complain(&format!("warning: {}: cannot be written: {error}; the run goes on unrecorded", self.name));
+    }
+}

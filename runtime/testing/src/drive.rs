@@ -1,0 +1,133 @@
+//! Drives that fail: a joint that is blocked or stiff, a drive that trips, an encoder that lies.
+
+use core::time::Duration;
+
+use mrroc_core::model::driver::{DriveFault, Driver, Measured, Regulators};
+use mrroc_core::model::joints::JointVector;
+use mrroc_core::model::robot::Robot;
+
+/// How a joint's drive fails. Joints are counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveTrouble {
+    /// The joint stays where it is.
+    Blocked,
+    /// In each servo period the joint comes this share nearer to its demand, 0 to 1.
+    Friction(f64),
+    /// The drive trips, and applies its brake.
+    Trip,
+    /// The encoder gives no number.
+    EncoderNan,
+    /// The encoder says what it said last.
+    EncoderStuck,
+}
+
+/// Drives of which one fails from a servo period on.
+///
+/// ```
+/// use mrroc::RobotSetup;
+/// use mrroc::testing::{DriveTrouble, FaultyDrive};
+/// use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+///
+/// let arm = SimulatedIrp6::new(Irp6::nominal(), &Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+/// // The second joint is blocked from the 300th servo period on.
+/// let drives = FaultyDrive::<Irp6, _>::new(arm, DriveTrouble::Blocked, 1, 300);
+/// let setup = RobotSetup::new("irp6", Irp6::nominal(), drives);
+/// ```
+pub struct FaultyDrive<R: Robot, D> {
+    drives: D,
+    trouble: DriveTrouble,
+    joint: usize,
+    from: u64,
+    ticks: u64,
+    /// What the encoders said last, and where the failing joint is \[rad or m\].
+    said: Measured<R::Joints>,
+    at: f64,
+}
+
+impl<R: Robot, D: Driver<R>> FaultyDrive<R, D> {
+    /// `joint` of `drives` fails in servo period `from`, counted from 1, and in all after it.
+    ///
+    /// # Panics
+    /// When the robot has no such joint.
+    pub fn new(drives: D, trouble: DriveTrouble, joint: usize, from: u64) -> Self {
+        assert!(joint < R::Joints::LEN, "joint {joint} of {}", R::Joints::LEN);
+        let said = drives.measured();
+        FaultyDrive { at: said.position[joint], drives, trouble, joint, from, ticks: 0, said }
+    }
+}
+
+impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
+    fn period(&self) -> Duration {
+        self.drives.period()
+    }
+
+    fn measured(&self) -> Measured<R::Joints> {
+        self.said
+    }
+
+    fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
+        self.ticks += 1;
+        let (joint, fails) = (self.joint, self.ticks >= self.from);
+        let mut told = *demanded;
+        match self.trouble {
+            DriveTrouble::Trip if fails => {
+                let (actual, limit) = (30.0, 25.0);
+                return Err(DriveFault { joint, what: "motor current", actual, limit, unit: "A" });
+            }
+            DriveTrouble::Blocked if fails => told[joint] = self.at,
+            DriveTrouble::Friction(share) if fails => {
+                told[joint] = self.at + (demanded[joint] - self.at) * share.clamp(0.0, 1.0);
+            }
+            DriveTrouble::Trip
+            | DriveTrouble::Blocked
+            | DriveTrouble::Friction(_)
+            | DriveTrouble::EncoderNan
+            | DriveTrouble::EncoderStuck => {}
+        }
+        self.at = told[joint];
+        let mut measured = self.drives.tick(&told)?;
+        match self.trouble {
+            DriveTrouble::EncoderNan if fails => measured.position[joint] = f64::NAN,
+            DriveTrouble::EncoderStuck if fails => {
+                measured.position[joint] = self.said.position[joint];
+                measured.velocity[joint] = 0.0;
+            }
+            DriveTrouble::Trip
+            | DriveTrouble::Blocked
+            | DriveTrouble::Friction(_)
+            | DriveTrouble::EncoderNan
+            | DriveTrouble::EncoderStuck => {}
+        }
+        self.said = measured;
+        Ok(measured)
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.drives.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.drives.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.drives.switch_on()
+    }
+
+    fn is_simulated(&self) -> bool {
+        self.drives.is_simulated()
+    }
+
+    fn brake(&mut self) -> Measured<R::Joints> {
+        self.said = self.drives.brake();
+        self.said
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.drives.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.drives.choose_regulators(sets);
+    }
+}

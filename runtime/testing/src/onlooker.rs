@@ -1,0 +1,171 @@
+//! Watches what a robot's drives are told: whether it is within the limits, and when the robot moves.
+//!
+//! In: the position demanded of the drives, servo period by servo period. Out: the first demand that no drive should
+//! have got, and the episodes of motion. Velocity and acceleration are the differences of what the drives got, over the
+//! time that passed: servo periods that an EDP which was late left out are no demands (SAFETY.md, row 11). The runtime's
+//! own figures are not asked.
+
+use mrroc_core::link::Nanos;
+
+/// What a robot's drives may be told.
+#[derive(Clone, Debug)]
+pub(crate) struct Bounds {
+    pub lower: Vec<f64>,
+    pub upper: Vec<f64>,
+    pub velocity: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    pub servo: Nanos,
+}
+
+/// What one robot's drives were told in a trial.
+#[derive(Clone, Debug)]
+pub(crate) struct Onlooker {
+    pub name: String,
+    bounds: Bounds,
+    last: Vec<f64>,
+    velocity: Vec<f64>,
+    ticks: u64,
+    /// The end of the last servo period \[ns\], and the time from the one before it \[s\].
+    told: Nanos,
+    lasted: f64,
+    /// When the robot began to move, and when it stood again, time and again \[ns\].
+    pub episodes: Vec<(Nanos, Nanos)>,
+    /// What was wrong first.
+    pub wrong: Option<String>,
+}
+
+/// The share of a limit, and the size of a round-off beside a position [rad or m], that differences are off by.
+const SHARE: f64 = 1e-9;
+const ROUND_OFF: f64 = 1e-15;
+
+impl Onlooker {
+    pub fn new(name: &str, bounds: Bounds) -> Onlooker {
+        let velocity = vec![0.0; bounds.lower.len()];
+        let (last, episodes) = (Vec::new(), Vec::new());
+        let lasted = bounds.servo as f64 * 1e-9;
+        Onlooker {
+            name: name.to_owned(),
+            bounds,
+            last,
+            velocity,
+            ticks: 0,
+            told: 0,
+            lasted,
+            episodes,
+            wrong: None,
+        }
+    }
+
+    /// The position demanded last [rad or m].
+    pub fn last(&self) -> &[f64] {
+        &self.last
+    }
+
+    /// The drives get `demanded` for the end of a servo period \[ns\].
+    pub fn see(&mut self, end: Nanos, demanded: &[f64]) {
+        if self.last.is_empty() {
+            (self.last, self.told) = (demanded.to_vec(), end.saturating_sub(self.bounds.servo));
+        }
+        let servo = self.bounds.servo as f64 * 1e-9;
+        let dt = (end.saturating_sub(self.told) as f64 * 1e-9).max(servo);
+        // Between the middles of the times over which the two velocities are means.
+        let between = (dt + self.lasted) / 2.0;
+        let mut moves = false;
+        for (i, &q) in demanded.iter().enumerate() {
+            let velocity = (q - self.last[i]) / dt;
+            let acceleration = (velocity - self.velocity[i]) / between;
+            moves |= velocity != 0.0;
+            let round_off = ROUND_OFF * (1.0 + q.abs());
+            let is_within = |x: f64, limit: f64, error: f64| x.abs() <= limit * (1.0 + SHARE) + error;
+            let bounds = &self.bounds;
+            let says = if !q.is_finite() {
+                Some("not a number")
+            } else if q < bounds.lower[i] - round_off || q > bounds.upper[i] + round_off {
+                Some("position beyond its limit")
+            } else if !is_within(velocity, bounds.velocity[i], 2.0 * round_off / dt) {
+                Some("velocity beyond its limit")
+            } else if self.ticks > 1
+                && !is_within(acceleration, bounds.acceleration[i], 4.0 * round_off / (servo * servo))
+            {
+                Some("acceleration beyond its limit")
+            } else {
+                None
+            };
+            if let (Some(says), None) = (says, &self.wrong) {
+                let (name, joint, time) = (&self.name, i + 1, end as f64 * 1e-9);
+                self.wrong = Some(format!(
+                    "{name} joint {joint} at {time:.4} s: {says}: {q}, {velocity}/s, {acceleration}/s²"
+                ));
+            }
+            (self.last[i], self.velocity[i]) = (q, velocity);
+        }
+        self.ticks += 1;
+        let began = self.told.max(end.saturating_sub((dt * 1e9).round() as Nanos));
+        (self.told, self.lasted) = (end, dt);
+        if moves {
+            match self.episodes.last_mut() {
+                Some((_, stood)) if *stood >= began => *stood = end,
+                Some(_) | None => self.episodes.push((began, end)),
+            }
+        }
+    }
+
+    /// The servo period \[ns\].
+    pub fn servo(&self) -> Nanos {
+        self.bounds.servo
+    }
+
+    /// When the robot moved last \[ns\].
+    pub fn stood(&self) -> Nanos {
+        self.episodes.last().map_or(0, |&(_, stood)| stood)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn onlooker() -> Onlooker {
+        let bounds = Bounds {
+            lower: vec![-1.0],
+            upper: vec![1.0],
+            velocity: vec![1.0],
+            acceleration: vec![10.0],
+            servo: 1_000_000,
+        };
+        Onlooker::new("g", bounds)
+    }
+
+    fn seen(demands: &[f64]) -> Onlooker {
+        let mut onlooker = onlooker();
+        for (i, &q) in demands.iter().enumerate() {
+            onlooker.see((i as u64 + 1) * 1_000_000, &[q]);
+        }
+        onlooker
+    }
+
+    #[test]
+    fn what_no_drive_should_get_is_seen() {
+        for (demands, says) in [
+            (&[0.0, 0.0, f64::NAN][..], "not a number"),
+            (&[0.999_999, 0.999_999, 1.000_001], "position"),
+            // 1.1 m/s; 11 m/s².
+            (&[0.0, 0.0, 1.1e-3], "velocity"),
+            (&[0.0, 0.0, 0.0, 1.1e-5], "acceleration"),
+        ] {
+            let wrong = seen(demands).wrong.expect(says);
+            assert!(wrong.contains(says), "{wrong}");
+        }
+        // 10 m/s² and not more.
+        let u = |i: i32| 5e-6 * f64::from(i * i);
+        let demands: Vec<_> = [0.0].into_iter().chain((0..50).map(u)).collect();
+        assert_eq!(seen(&demands).wrong, None);
+    }
+
+    #[test]
+    fn episodes_are_when_the_robot_moves() {
+        let onlooker = seen(&[0.0, 0.0, 1e-6, 2e-6, 2e-6, 2e-6, 1e-6]);
+        assert_eq!(onlooker.episodes, [(2_000_000, 4_000_000), (6_000_000, 7_000_000)]);
+        assert_eq!(onlooker.stood(), 7_000_000);
+    }
+}

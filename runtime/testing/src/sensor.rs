@@ -1,0 +1,119 @@
+//! A virtual sensor that fails, in the words of PX4's failure injection.
+
+use std::collections::VecDeque;
+
+use super::random::Random;
+use mrroc_core::model::fault::{Fault, FaultKind};
+use mrroc_core::model::image::Sensor;
+use mrroc_core::control::vsp::{ReadingOrder, VirtualSensor};
+use mrroc_core::model::wire::{WORDS, Wire};
+
+type ReadingOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Reading;
+type ConfigurationOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Configuration;
+
+/// How a sensor that reads a `T` fails.
+#[derive(Clone, Copy, Debug)]
+pub enum SensorFault<T> {
+    /// It does not.
+    Ok,
+    /// It gives nothing: [`FaultKind::SensorFailed`].
+    Off,
+    /// It reads what it read last.
+    Stuck,
+    /// Its reading is of random bits; what they do not spell is [`FaultKind::SensorFailed`].
+    Garbage,
+    /// It reads something else.
+    Wrong(fn(T) -> T),
+    /// It reads anew in every so many steps, at least 1, and says the same in between.
+    Slow(u32),
+    /// It reads what was so many readings ago.
+    Delayed(u32),
+    /// It is off and on again at random, half of the time.
+    Intermittent,
+}
+
+/// A sensor that fails from one step on, for some steps.
+///
+/// ```
+/// use mrroc::testing::{FaultySensor, SensorFault};
+/// # use mrroc::{Fault, Payload, ReadingOrder, Sensor, SensorSetup, VirtualSensor};
+/// # #[derive(Clone, Copy, Payload)] struct Metres { x: f64 }
+/// # struct Distance;
+/// # impl Sensor for Distance { const KIND: &'static str = "distance"; type Reading = Metres; type Configuration = (); }
+/// # struct Laser;
+/// # impl VirtualSensor for Laser {
+/// #     type Kind = Distance;
+/// #     fn aggregate(&mut self, order: &ReadingOrder<()>) -> Result<Metres, Fault> { Ok(Metres { x: order.step as f64 }) }
+/// # }
+/// let laser = FaultySensor::new(Laser, SensorFault::Wrong(|at| Metres { x: at.x + 0.1 }), 500, 20);
+/// let setup = SensorSetup::new("laser", laser);
+/// ```
+pub struct FaultySensor<V: VirtualSensor> {
+    sensor: V,
+    fault: SensorFault<ReadingOf<V>>,
+    from: u64,
+    steps: u64,
+    random: Random,
+    last: Option<ReadingOf<V>>,
+    past: VecDeque<ReadingOf<V>>,
+}
+
+impl<V: VirtualSensor> FaultySensor<V> {
+    /// `sensor` fails in step `from` and the `steps - 1` after it.
+    pub fn new(sensor: V, fault: SensorFault<ReadingOf<V>>, from: u64, steps: u64) -> Self {
+        let (random, last, past) = (Random::new(from), None, VecDeque::new());
+        FaultySensor { sensor, fault, from, steps, random, last, past }
+    }
+
+    /// With a seed for what is random; without one the step is the seed.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.random = Random::new(seed);
+        self
+    }
+
+    fn garbage(&mut self) -> Result<ReadingOf<V>, Fault> {
+        let mut words = [0; WORDS];
+        words.fill_with(|| self.random.next());
+        ReadingOf::<V>::get(&words).map_err(|_| failed("garbage"))
+    }
+
+    fn fail(&mut self, step: u64, reading: ReadingOf<V>) -> Result<ReadingOf<V>, Fault> {
+        match self.fault {
+            SensorFault::Ok => Ok(reading),
+            SensorFault::Off => Err(failed("off")),
+            SensorFault::Stuck => Ok(self.last.unwrap_or(reading)),
+            SensorFault::Garbage => self.garbage(),
+            SensorFault::Wrong(wrong) => Ok(wrong(reading)),
+            SensorFault::Slow(every) if (step - self.from).is_multiple_of(u64::from(every.max(1))) => {
+                Ok(reading)
+            }
+            SensorFault::Slow(_) => Ok(self.last.unwrap_or(reading)),
+            SensorFault::Delayed(_) => Ok(self.past.front().copied().unwrap_or(reading)),
+            SensorFault::Intermittent if self.random.below(2) == 0 => Err(failed("off")),
+            SensorFault::Intermittent => Ok(reading),
+        }
+    }
+}
+
+fn failed(text: &str) -> Fault {
+    Fault::new(FaultKind::SensorFailed).text(text)
+}
+
+impl<V: VirtualSensor> VirtualSensor for FaultySensor<V> {
+    type Kind = V::Kind;
+
+    fn aggregate(&mut self, order: &ReadingOrder<ConfigurationOf<V>>) -> Result<ReadingOf<V>, Fault> {
+        let reading = self.sensor.aggregate(order)?;
+        if let SensorFault::Delayed(readings) = self.fault {
+            self.past.push_back(reading);
+            while self.past.len() > readings as usize + 1 {
+                self.past.pop_front();
+            }
+        }
+        let fails = (self.from..self.from.saturating_add(self.steps)).contains(&order.step);
+        let reading = if fails { self.fail(order.step, reading)? } else { reading };
+        self.last = Some(reading);
+        Ok(reading)
+    }
+}

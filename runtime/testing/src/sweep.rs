@@ -1,0 +1,253 @@
+//! A sweep: one fault after the other, in one step of a cell's program after the other.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::case::{Case, Injected, LinkFault, Press};
+use super::forks::{Forks, end_copy};
+use super::report::SweepReport;
+use super::stage::Lasting;
+use super::trial::{Part, Trial, attempt};
+use super::verdict::{Verdict, judge};
+use mrroc_core::cell::{Cell, CellError};
+
+/// What a sweep does to every process, to every link, or by the operator.
+enum Deed<'c> {
+    Kill,
+    Stall(u32),
+    Link(LinkFault, u32),
+    Press(Press),
+    Own(&'static str, Box<dyn Fn(u64) -> Cell + Sync + 'c>),
+}
+
+/// How long a run without a fault goes on: to its end.
+const UNDISTURBED: Lasting = Lasting { afterwards: 0, most: u64::MAX, watched: u64::MAX };
+
+/// Runs a cell once for every fault in every step, and asks of each run what SAFETY.md promises.
+///
+/// The example of the [module](super) shows one.
+pub struct Sweep<'c> {
+    cell: Box<dyn Fn() -> Cell + Sync + 'c>,
+    deeds: Vec<Deed<'c>>,
+    every: u64,
+    seed: u64,
+    threads: usize,
+    end_tolerance: f64,
+    watched: Option<u64>,
+}
+
+impl<'c> Sweep<'c> {
+    /// A sweep of what `cell` makes, the same cell each time.
+    #[must_use]
+    pub fn new(cell: impl Fn() -> Cell + Sync + 'c) -> Sweep<'c> {
+        let cell = Box::new(cell);
+        Sweep { cell, deeds: Vec::new(), every: 1, seed: 1, threads: 1, end_tolerance: 1e-6, watched: None }
+    }
+
+    /// Does each fault in every `every`-th step only. Different faults begin in different steps, so that together they
+    /// still come in all of them.
+    #[must_use]
+    pub fn every(mut self, every: u64) -> Self {
+        self.every = every.max(1);
+        self
+    }
+
+    /// The seed of all that is random, 1 unless told otherwise.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// How many runs go on at a time, 1 unless told otherwise.
+    #[must_use]
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = threads.max(1);
+        self
+    }
+
+    /// Goes through the program once and copies the run where each fault begins, for which the process is forked: a case
+    /// then costs the steps after its fault alone. What goes on after a fault is watched for `watched` steps, and at least
+    /// for as long as stops take; where it would end is not asked. As many copies run at a time as the sweep has
+    /// [threads](Self::threads). Cells of [`own`](Self::own) faults are run whole. On Unix only: elsewhere each case fails.
+    #[must_use]
+    pub fn forking(mut self, watched: u64) -> Self {
+        self.watched = Some(watched);
+        self
+    }
+
+    /// How far from the undisturbed run's end a run may end that no fault stopped, 1e-6 in each joint [rad or m] unless
+    /// told otherwise. A program whose end depends on when it reads its sensors has its own.
+    #[must_use]
+    pub fn end_tolerance(mut self, tolerance: f64) -> Self {
+        self.end_tolerance = tolerance;
+        self
+    }
+
+    /// Kills each process.
+    #[must_use]
+    pub fn kills(self) -> Self {
+        self.with(Deed::Kill)
+    }
+
+    /// Stalls each process for so many steps.
+    #[must_use]
+    pub fn stalls(self, steps: u32) -> Self {
+        self.with(Deed::Stall(steps))
+    }
+
+    /// Does something to so many steps of each direction of each link.
+    #[must_use]
+    pub fn links(self, fault: LinkFault, steps: u32) -> Self {
+        self.with(Deed::Link(fault, steps))
+    }
+
+    /// Lets the operator press a button.
+    #[must_use]
+    pub fn presses(self, press: Press) -> Self {
+        self.with(Deed::Press(press))
+    }
+
+    /// Runs what `cell` makes for a step in place of the sweep's own cell: the same cell with a fault that begins in that
+    /// step, or in that servo period. Names are the sweep's rows, each once.
+    #[must_use]
+    pub fn own(self, name: &'static str, cell: impl Fn(u64) -> Cell + Sync + 'c) -> Self {
+        self.with(Deed::Own(name, Box::new(cell)))
+    }
+
+    fn with(mut self, deed: Deed<'c>) -> Self {
+        self.deeds.push(deed);
+        self
+    }
+
+    /// Runs all cases.
+    #[must_use]
+    pub fn run(self) -> SweepReport {
+        let mut report = SweepReport::new(self.seed);
+        let calm = match attempt((self.cell)(), Part::Calm, UNDISTURBED) {
+            Ok(calm) if calm.outcome.is_ok() => calm,
+            Ok(Trial { outcome: Err(error), .. }) | Err(error) => {
+                report.undisturbed(format!("the undisturbed run ends with `{error}`"));
+                return report;
+            }
+            Ok(_) => return report,
+        };
+        if let Some(wrong) = calm.robots.iter().find_map(|robot| robot.wrong.clone()) {
+            report.undisturbed(format!("undisturbed: {wrong}"));
+        }
+        let mut cases = self.cases(&calm);
+        if let Some(watched) = self.watched {
+            let copied = cases.extract_if(.., |case| !matches!(case.injected, Injected::Own(_))).collect();
+            self.try_copies(copied, watched, &calm, &mut report);
+        }
+        let next = AtomicUsize::new(0);
+        let work = || {
+            // Each thread has its own undisturbed run to compare with: cells do not cross threads.
+            let mut report = SweepReport::new(self.seed);
+            let Ok(calm) = attempt((self.cell)(), Part::Calm, UNDISTURBED) else { return report };
+            while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
+                report.add(case, self.try_one(case, &calm));
+            }
+            report
+        };
+        std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..self.threads.min(cases.len())).map(|_| scope.spawn(work)).collect();
+            for worker in workers {
+                match worker.join() {
+                    Ok(part) => report.absorb(part),
+                    Err(_) => report.undisturbed("a run panicked".to_owned()),
+                }
+            }
+        });
+        report
+    }
+
+    /// Does each case to a copy of one run.
+    fn try_copies(&self, cases: Vec<Case>, watched: u64, calm: &Trial, report: &mut SweepReport) {
+        let lasting = self.lasting(calm);
+        let watched = watched.max(2 * lasting.afterwards);
+        let forks = Forks::new(cases, Lasting { watched, ..lasting }, self.threads);
+        let run = std::process::id();
+        let tried = catch_unwind(AssertUnwindSafe(|| {
+            let trial = attempt((self.cell)(), Part::Copied(forks), UNDISTURBED)?;
+            let verdict = trial.case.map(|case| judge(&case, &trial, calm, self.end_tolerance));
+            Ok::<_, CellError>((trial, verdict))
+        }));
+        if let Ok(Ok((trial, Some(verdict)))) = tried {
+            trial.forks.tell(&verdict);
+        } else if std::process::id() != run {
+            end_copy();
+        } else {
+            match tried {
+                Ok(Ok((trial, _))) => {
+                    for (case, verdict) in trial.forks.verdicts() {
+                        report.add(&case, verdict);
+                    }
+                }
+                Ok(Err(error)) => report.undisturbed(error.to_string()),
+                Err(_) => report.undisturbed("the run panicked".to_owned()),
+            }
+        }
+    }
+
+    /// Runs one case again, as a report named it, and says what it came to.
+    #[must_use]
+    pub fn repeat(&self, case: &Case) -> SweepReport {
+        let mut report = SweepReport::new(self.seed);
+        match attempt((self.cell)(), Part::Calm, UNDISTURBED) {
+            Ok(calm) => report.add(case, self.try_one(case, &calm)),
+            Err(error) => report.undisturbed(error.to_string()),
+        }
+        report
+    }
+
+    fn try_one(&self, case: &Case, calm: &Trial) -> Verdict {
+        match attempt(self.cell_of(case), Part::One(*case), self.lasting(calm)) {
+            Ok(trial) => judge(case, &trial, calm, self.end_tolerance),
+            Err(error) => Verdict::Broken(error.to_string()),
+        }
+    }
+
+    fn lasting(&self, calm: &Trial) -> Lasting {
+        let steps = calm.over / calm.step;
+        // Longer than any stop, so that what would move again after it is seen.
+        let afterwards = calm.stop_steps.max(calm.rate_steps) + 50;
+        Lasting { afterwards, most: 3 * steps + 4 * afterwards + 5000, watched: u64::MAX }
+    }
+
+    /// The cell of a case.
+    fn cell_of(&self, case: &Case) -> Cell {
+        let own = self.deeds.iter().find_map(|deed| match deed {
+            Deed::Own(name, cell) if case.injected == Injected::Own(name) => Some(cell(case.at)),
+            Deed::Own(..) | Deed::Kill | Deed::Stall(_) | Deed::Link(..) | Deed::Press(_) => None,
+        });
+        own.unwrap_or_else(|| (self.cell)())
+    }
+
+    fn cases(&self, calm: &Trial) -> Vec<Case> {
+        let steps = calm.over / calm.step;
+        let mut injected = Vec::new();
+        for deed in &self.deeds {
+            match deed {
+                Deed::Kill => injected.extend(calm.processes.iter().map(|&who| Injected::Kill(who))),
+                &Deed::Stall(steps) => {
+                    injected.extend(calm.processes.iter().map(|&who| Injected::Stall(who, steps)));
+                }
+                &Deed::Link(fault, steps) => {
+                    injected.extend(calm.channels.iter().map(|&at| Injected::Link(at, fault, steps)));
+                }
+                &Deed::Press(press) => injected.push(Injected::Press(press)),
+                &Deed::Own(name, _) => injected.push(Injected::Own(name)),
+            }
+        }
+        let mut cases = Vec::new();
+        for (i, injected) in injected.into_iter().enumerate() {
+            let first = 1 + i as u64 % self.every;
+            for at in (first..=steps).step_by(self.every as usize) {
+                let seed = self.seed.wrapping_mul(0x9e37_79b9).wrapping_add(cases.len() as u64);
+                cases.push(Case { injected, at, seed });
+            }
+        }
+        cases
+    }
+}

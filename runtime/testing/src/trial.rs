@@ -1,0 +1,134 @@
+//! A trial: a cell run on the memory link with a fault, and everything that its drives were told.
+
+use core::time::Duration;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::case::{Case, Channel, Injected, Press};
+use super::forks::Forks;
+use super::link::FaultyLink;
+use super::onlooker::Onlooker;
+use super::stage::{Lasting, Stage};
+use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
+use mrroc_core::model::fault::ProcessId;
+use mrroc_core::link::Nanos;
+use mrroc_core::link::memory::Scheduler;
+use mrroc_core::operator::Operator;
+
+/// What came of a trial.
+pub(super) struct Trial {
+    /// How the programs ended; a process that was killed reports nothing.
+    pub outcome: Result<RunReport, CellError>,
+    pub robots: Vec<Onlooker>,
+    pub processes: Vec<ProcessId>,
+    pub channels: Vec<Channel>,
+    /// Whether the fault had anything to be done to.
+    pub hit: bool,
+    /// Whether it had to be given up: it would not have ended.
+    pub endless: bool,
+    /// Whether it was watched for long enough and not to its end.
+    pub cut: bool,
+    /// What was done to it, and its copies.
+    pub case: Option<Case>,
+    pub forks: Forks,
+    /// When the MP's program was over, or gone \[ns\].
+    pub over: Nanos,
+    /// The cell's step \[ns\].
+    pub step: Nanos,
+    /// Steps in which all robots stand after the cause of a stop, by their limits and the budget of missing demands.
+    pub stop_steps: u64,
+    /// Steps in which robots stop on their path: their rate falls.
+    pub rate_steps: u64,
+}
+
+/// What is done to the cell of a trial.
+pub(super) enum Part {
+    /// Nothing.
+    Calm,
+    One(Case),
+    /// Nothing, but for what is done to its copies.
+    Copied(Forks),
+}
+
+/// Runs a cell with a fault, or without one. A copy of the run returns from here too.
+///
+/// # Errors
+/// What is wrong with the cell's set-up.
+pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Trial, CellError> {
+    cell.check()?;
+    let step = cell.step_length();
+    let nanos = step.as_nanos() as Nanos;
+    let is_press = |case: Case| matches!(case.injected, Injected::Press(_));
+    let (case, forks) = match part {
+        Part::Calm => (None, None),
+        Part::One(case) => (Some(case), None),
+        Part::Copied(forks) => (None, Some(forks)),
+    };
+    let presses = forks.is_some() || case.is_some_and(is_press);
+    let stage = Rc::new(Stage::new(case, nanos, lasting));
+    if let Some(forks) = forks {
+        *stage.forks.borrow_mut() = forks;
+    }
+    if presses {
+        let stage = Rc::clone(&stage);
+        cell = cell.also_on_step(move |step, operator| {
+            let Some(Case { injected: Injected::Press(press), at, .. }) = stage.case.get() else { return };
+            if play(press, at, step, operator) {
+                stage.hits.set(1);
+            }
+        });
+    }
+    let mut onlookers = Vec::new();
+    for robot in cell.robots_mut() {
+        let onlooker = Rc::new(RefCell::new(Onlooker::new(robot.name(), robot.bounds())));
+        robot.show(Rc::clone(&onlooker));
+        onlookers.push(onlooker);
+    }
+    let (rate_steps, stop_steps) = (cell.rate_steps(), cell.stop_steps());
+    let mut scheduler = Scheduler::new();
+    let assembly = cell.put_on(&mut FaultyLink { scheduler: &mut scheduler, stage: Rc::clone(&stage) })?;
+    let time = scheduler.run();
+    let killed = |process: &ProcessId| stage.kills(*process);
+    let outcomes = assembly.outcomes.take();
+    let told: Vec<_> = outcomes.into_iter().filter(|(process, _)| !killed(process)).collect();
+    let outcome = match time {
+        Err(stuck) => Err(stuck.into()),
+        Ok(time) => first_cause(&told)
+            .map(|()| RunReport { steps: assembly.steps.get(), time: Duration::from_nanos(time) })
+            .map_err(CellError::from),
+    };
+    let robots = onlookers.iter().map(|onlooker| onlooker.borrow().clone()).collect();
+    Ok(Trial {
+        outcome,
+        robots,
+        processes: stage.processes.take(),
+        channels: stage.channels.take(),
+        case: stage.case.get(),
+        forks: stage.forks.take(),
+        hit: stage.hits.get() > 0 || matches!(case, Some(Case { injected: Injected::Own(_), .. })),
+        endless: stage.given_up.get(),
+        cut: stage.cut.get(),
+        over: stage.over.get().unwrap_or(stage.now.get()),
+        step: nanos,
+        stop_steps,
+        rate_steps,
+    })
+}
+
+/// What the operator does in a step; whether there is anything to be done to.
+fn play(press: Press, at: u64, step: u64, operator: &Operator) -> bool {
+    let running = operator.is_running();
+    match press {
+        Press::SuspendAndResume(_) if step == at => operator.suspend(),
+        Press::SuspendAndResume(steps) if step == at + u64::from(steps) => operator.resume(),
+        Press::Abort if step == at => operator.abort(),
+        Press::Stop if step == at => operator.protective_stop(),
+        Press::Everything if step == at => {
+            operator.suspend();
+            operator.abort();
+            operator.resume();
+        }
+        Press::SuspendAndResume(_) | Press::Abort | Press::Stop | Press::Everything => return false,
+    }
+    running
+}

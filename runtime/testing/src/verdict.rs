@@ -1,0 +1,161 @@
+//! What is asked of every trial, whatever the fault.
+//!
+//! In: a trial and the undisturbed run. Out: whether the program ended as if nothing had been, or stopped in order, and
+//! after how many steps all robots stood; or which promise was broken.
+
+use super::case::{Case, Injected, LinkFault};
+use super::trial::Trial;
+use mrroc_core::cell::CellError;
+use mrroc_core::model::fault::{FaultKind, ProcessId, Role};
+use mrroc_core::link::Nanos;
+use mrroc_core::safety::stopping::missed_step_budget;
+
+/// What came of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Verdict {
+    /// There was nothing that the fault could be done to: it came after the end.
+    Void,
+    /// The program ended well, where it ends undisturbed.
+    Survived,
+    /// All robots stood after so many steps, of so many allowed.
+    Stopped { steps: u64, bound: u64 },
+    /// A promise was broken.
+    Broken(String),
+}
+
+impl Verdict {
+    /// As a copy of a run tells it.
+    pub fn to_line(&self) -> String {
+        match self {
+            Verdict::Void => "void".to_owned(),
+            Verdict::Survived => "survived".to_owned(),
+            Verdict::Stopped { steps, bound } => format!("stopped {steps} {bound}"),
+            Verdict::Broken(what) => format!("broken {what}"),
+        }
+    }
+
+    /// What a copy told, if it was whole.
+    pub fn from_line(line: &str) -> Option<Verdict> {
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        match word {
+            "void" => Some(Verdict::Void),
+            "survived" => Some(Verdict::Survived),
+            "stopped" => {
+                let (steps, bound) = rest.split_once(' ')?;
+                Some(Verdict::Stopped { steps: steps.parse().ok()?, bound: bound.parse().ok()? })
+            }
+            "broken" => Some(Verdict::Broken(rest.to_owned())),
+            _ => None,
+        }
+    }
+}
+
+/// Steps between what a process does and the next one's reading of it, and until drives are told.
+const MESSAGES: u64 = 4;
+
+pub(super) fn judge(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64) -> Verdict {
+    if let Some(wrong) = trial.robots.iter().find_map(|robot| robot.wrong.clone()) {
+        return Verdict::Broken(wrong);
+    }
+    if trial.endless {
+        return Verdict::Broken("the cell does not end".to_owned());
+    }
+    if trial.cut {
+        return if trial.hit { Verdict::Survived } else { Verdict::Void };
+    }
+    let fault = match &trial.outcome {
+        Err(CellError::Fault(fault)) => Some(fault),
+        Err(other) => return Verdict::Broken(format!("the cell ends with `{other}`")),
+        // With its MP a cell has no one to say how the program ended.
+        Ok(_) if case.injected == Injected::Kill(ProcessId::MP) && trial.hit => None,
+        Ok(_) if !trial.hit => return Verdict::Void,
+        Ok(_) => return at_the_end(case, trial, calm, end_tolerance),
+    };
+    if let Some(fault) = fault.filter(|_| case.injected != Injected::Kill(ProcessId::MP)) {
+        if is_forged(case) {
+            return Verdict::Stopped { steps: 0, bound: 0 };
+        }
+        let silent = matches!(fault.kind(), FaultKind::CellClosed | FaultKind::StoppedByCell);
+        if silent || fault.process().is_none() || fault.step().is_none() {
+            return Verdict::Broken(format!("the cause is not reported: {fault}"));
+        }
+    }
+    // Noticed in this step: the cause lies a budget of missing demands before it, and not before the fault.
+    let budget = u64::from(missed_step_budget(core::time::Duration::from_nanos(trial.step))) + 1;
+    let noticed = fault.and_then(|fault| fault.step()).unwrap_or(case.at);
+    let cause = case.at.max(noticed.saturating_sub(budget));
+    stands(case, trial, (cause, noticed))
+}
+
+/// A program that ended well left its robots where it always does.
+fn at_the_end(case: &Case, trial: &Trial, calm: &Trial, tolerance: f64) -> Verdict {
+    if is_forged(case) {
+        return Verdict::Survived;
+    }
+    for (robot, calm) in trial.robots.iter().zip(&calm.robots) {
+        for (i, (q, calm)) in robot.last().iter().zip(calm.last()).enumerate() {
+            // NaN is no small difference.
+            let is_there = (q - calm).abs() <= tolerance;
+            if !is_there {
+                let (name, joint) = (&robot.name, i + 1);
+                return Verdict::Broken(format!("{name} joint {joint} ends at {q} in place of {calm}"));
+            }
+        }
+    }
+    Verdict::Survived
+}
+
+/// All robots stand within the bound, and then for good: none that stood when the fault was noticed begins to move.
+fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
+    let step = trial.step;
+    // A rate that falls takes its own time, and drives lie behind their demands.
+    let is_sound = matches!(&trial.outcome, Err(CellError::Fault(fault)) if fault.leaves_demands_sound());
+    let on_path = is_sound || matches!(case.injected, Injected::Press(_));
+    let stop = trial.stop_steps;
+    let mut worst = (0, stop + MESSAGES);
+    for robot in &trial.robots {
+        // One without an EDP is its drives' to brake; one whose EDP stood still brakes when it goes on.
+        let from = match case.injected {
+            Injected::Kill(ProcessId { role: Role::Edp, name }) if is_of(robot, name) => continue,
+            Injected::Stall(ProcessId { role: Role::Edp, name }, _) if is_of(robot, name) => case.end(),
+            _ => cause,
+        };
+        let bound = if on_path { (trial.rate_steps + delay(trial).div_ceil(step)).max(stop) } else { stop }
+            + MESSAGES;
+        let steps = robot.stood().div_ceil(step).saturating_sub(from);
+        if steps > bound {
+            let name = &robot.name;
+            return Verdict::Broken(format!("{name} stands {steps} steps after the cause, bound {bound}"));
+        }
+        if steps * worst.1 > worst.0 * bound {
+            worst = (steps, bound);
+        }
+        // On its path a robot that has only begun its motion becomes faster before it becomes slower.
+        let settling = if on_path { bound } else { MESSAGES };
+        let settled: Nanos = (noticed.max(case.at) + settling) * step + delay(trial);
+        if let Some((began, _)) =
+            robot.episodes.iter().find(|(began, _)| *began > settled && *began > from * step)
+        {
+            let name = &robot.name;
+            let steps = began / step - noticed;
+            return Verdict::Broken(format!(
+                "{name} begins to move {steps} steps after the fault was noticed"
+            ));
+        }
+    }
+    Verdict::Stopped { steps: worst.0, bound: worst.1 }
+}
+
+/// Whether a sender says what is not so: then neither the cause nor the end is what it should be.
+fn is_forged(case: &Case) -> bool {
+    matches!(case.injected, Injected::Link(_, LinkFault::Forge, _))
+}
+
+/// What drives lie behind their demands at most \[ns\]: two steps and two of the slowest servo periods.
+fn delay(trial: &Trial) -> Nanos {
+    2 * trial.step + 2 * trial.robots.iter().map(|robot| robot.servo()).max().unwrap_or(0)
+}
+
+fn is_of(robot: &super::onlooker::Onlooker, name: Option<mrroc_core::model::name::Name>) -> bool {
+    name.is_some_and(|name| name.as_str() == robot.name)
+}
