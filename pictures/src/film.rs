@@ -5,7 +5,8 @@ use std::io;
 use std::path::Path;
 use std::rc::Rc;
 
-use mrroc::{Cell, Observation, Pose, Recorder};
+use mrroc::{Cell, Observation, Pose};
+use mrroc_launch::Recorder;
 
 use crate::block::Block;
 use crate::page;

@@ -2,7 +2,8 @@
 
 use core::f64::consts::PI;
 
-use mrroc::{CellError, CoupledLimit, Kinds, Robot, RobotEntry, RobotSetup};
+use mrroc::{CellError, CoupledLimit, Robot, RobotSetup};
+use mrroc_launch::cell_file::{Kinds, RobotEntry};
 use nalgebra::SVector;
 
 use crate::conveyor::Conveyor;

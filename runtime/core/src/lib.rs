@@ -57,53 +57,193 @@
 // The macros write absolute paths, here as in a user's crate.
 extern crate self as mrroc;
 
-pub mod cell;
+// The layers, from the bottom up; a test of the workspace reads the imports and lets none point upwards.
 pub mod console;
-mod control;
-pub mod link;
 mod model;
-pub mod observe;
-pub mod operator;
 mod safety;
-#[cfg(test)]
-mod slide;
 pub mod suggestion;
 
-pub use cell::{Cell, CellError, RobotSetup, RunReport, SensorSetup};
-pub use control::ecp::Ecp;
-pub use control::mp::Mp;
-pub use control::guard::RobotView;
-pub use control::transparent::Transparent;
-pub use link::memory::Stuck;
-pub use model::class::{Class, Level, Uses};
-pub use model::demand::Demand;
-pub use model::driver::{DriveFault, Driver, Homing, Measured, Regulators, Search};
-pub use model::fault::{Excess, Fault, FaultClass, FaultKind, ProcessId, Role};
-pub use model::generator::{Condition, Generator};
-pub use model::image::{Reading, RobotImage, RobotState, Sensor, SensorImage, State};
-pub use model::joints::{JointVector, MAX_JOINTS};
-pub use model::list::{
-    AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
-    SensorList, SensorsEach, SensorsOf,
-};
-pub use model::name::{BadName, MAX_NAME, Name};
-pub use model::payload::{Nudge, Order, Payload};
-pub use model::plausible::Plausible;
-pub use model::pose::{AngleAxis, Pose, Zyz};
-pub use model::robot::{CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, Robot};
-pub use model::sensor::{EffectorState, ReadingOrder, VirtualSensor, VspMode};
-pub use model::shape::Shape;
-pub use model::step::{Always, Step, Tick};
-pub use model::time::{Clock, Nanos};
-pub use model::wire::{BadWords, WORDS, Wire};
-pub use model::wrench::Wrench;
-pub use observe::recording::{NotRecorded, Recording};
-pub use observe::servo::{Observation, ServoRecord};
-pub use observe::shown::Shown;
-pub use operator::{BadSpeed, Operator};
-pub use safety::latch::{AfterFault, Latch, LatchRefusal};
+pub mod operator;
+
+pub mod link;
+
+pub mod observe;
+
+mod control;
+
+pub mod cell;
+
+/// What a program names most: `use mrroc::prelude::*;`.
+pub mod prelude {
+    pub use crate::cell::{Cell, CellError, RobotSetup, SensorSetup};
+    pub use crate::fault::Fault;
+    pub use crate::generator::{Always, Demand, Step, Tick};
+    pub use crate::payload::{Order, Payload};
+    pub use crate::pose::Pose;
+    pub use crate::program::{Ecp, Mp};
+    pub use crate::robot::{Robot, State};
+    pub use crate::sensor::{Reading, ReadingOrder, Sensor, VirtualSensor};
+    pub use crate::{condition, generator};
+}
+
+/// Robots: models, limits, images, and the drives that move them.
+pub mod robot {
+    pub use crate::control::guard::RobotView;
+    pub use crate::model::driver::{
+        DriveFault, Driver, Homing, Measured, Regulators, Search,
+    };
+    pub use crate::model::image::{RobotImage, RobotState, State};
+    pub use crate::model::joints::{JointVector, MAX_JOINTS};
+    pub use crate::model::robot::{CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, Robot};
+}
+
+/// Virtual sensors: what they read, and how they are ordered.
+pub mod sensor {
+    pub use crate::model::image::{Reading, Sensor, SensorImage};
+    pub use crate::model::plausible::Plausible;
+    pub use crate::model::sensor::{EffectorState, ReadingOrder, VirtualSensor, VspMode};
+}
+
+/// Generators and conditions: what they demand, what they take, and for which robots and sensors.
+pub mod generator {
+    pub use crate::control::transparent::Transparent;
+    pub use crate::model::class::{Class, Level, Uses};
+    pub use crate::model::demand::Demand;
+    pub use crate::model::generator::{Condition, Generator};
+    pub use crate::model::list::{
+        AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
+        SensorList, SensorsEach, SensorsOf,
+    };
+    pub use crate::model::step::{Always, Step, Tick};
+}
+
+/// What an MP orders, and how values become words of a message.
+pub mod payload {
+    pub use crate::model::payload::{Nudge, Order, Payload};
+    pub use crate::model::shape::Shape;
+    pub use crate::model::wire::{BadWords, WORDS, Wire, layout_hash};
+}
+
+/// Poses, their representations, and wrenches.
+pub mod pose {
+    pub use crate::model::pose::{AngleAxis, Pose, Zyz};
+    pub use crate::model::wrench::Wrench;
+}
+
+/// Faults: what went wrong, in which process, and what it means.
+pub mod fault {
+    pub use crate::model::fault::{Excess, Fault, FaultClass, FaultKind, FaultWords, ProcessId, Role};
+    pub use crate::model::name::{BadName, MAX_NAME, Name};
+}
+
+/// What a recording gives back in a replay, in place of drives, sensors and the operator.
+pub mod replay {
+    pub use crate::control::replay::*;
+}
+
+/// What a program is given: the MP's side and an ECP's.
+pub mod program {
+    pub use crate::control::ecp::Ecp;
+    pub use crate::control::mp::Mp;
+}
+
+pub use nalgebra;
+
+// COMPAT
+pub use cell::Cell;
+pub use cell::CellError;
+pub use cell::RobotSetup;
+pub use cell::SensorSetup;
+pub use cell::RunReport;
+pub use cell::AfterFault;
+pub use robot::RobotView;
+pub use robot::DriveFault;
+pub use robot::Driver;
+pub use robot::Homing;
+pub use robot::Measured;
+pub use robot::Regulators;
+pub use robot::Search;
+pub use robot::RobotImage;
+pub use robot::RobotState;
+pub use robot::State;
+pub use robot::JointVector;
+pub use robot::MAX_JOINTS;
+pub use robot::CoupledLimit;
+pub use robot::InterpolationSpace;
+pub use robot::JointKind;
+pub use robot::Limits;
+pub use robot::NoInverse;
+pub use robot::Robot;
+pub use sensor::Reading;
+pub use sensor::Sensor;
+pub use sensor::SensorImage;
+pub use sensor::Plausible;
+pub use sensor::EffectorState;
+pub use sensor::ReadingOrder;
+pub use sensor::VirtualSensor;
+pub use sensor::VspMode;
+pub use generator::Transparent;
+pub use generator::Class;
+pub use generator::Level;
+pub use generator::Uses;
+pub use generator::Demand;
+pub use generator::Condition;
+pub use generator::Generator;
+pub use generator::AnyRobots;
+pub use generator::Language;
+pub use generator::Motion;
+pub use generator::RobotHandle;
+pub use generator::RobotList;
+pub use generator::Robots;
+pub use generator::RobotsEach;
+pub use generator::RobotsOf;
+pub use generator::SensorHandle;
+pub use generator::SensorList;
+pub use generator::SensorsEach;
+pub use generator::SensorsOf;
+pub use generator::Always;
+pub use generator::Step;
+pub use generator::Tick;
+pub use payload::Nudge;
+pub use payload::Order;
+pub use payload::Payload;
+pub use payload::Shape;
+pub use payload::BadWords;
+pub use payload::WORDS;
+pub use payload::Wire;
+pub use pose::AngleAxis;
+pub use pose::Pose;
+pub use pose::Zyz;
+pub use pose::Wrench;
+pub use fault::Excess;
+pub use fault::Fault;
+pub use fault::FaultClass;
+pub use fault::FaultKind;
+pub use fault::ProcessId;
+pub use fault::Role;
+pub use fault::BadName;
+pub use fault::MAX_NAME;
+pub use fault::Name;
+pub use program::Ecp;
+pub use program::Mp;
+pub use operator::Operator;
+pub use operator::BadSpeed;
+pub use operator::Latch;
+pub use operator::LatchRefusal;
+pub use link::Clock;
+pub use link::Nanos;
+pub use link::Stuck;
+pub use observe::ServoRecord;
+pub use observe::Observation;
+pub use observe::Shown;
+pub use observe::Recording;
+pub use observe::NotRecorded;
+// END
 
 pub use mrroc_macros::{Payload, condition, generator};
+
+#[cfg(test)]
+mod slide;
 
 #[doc(hidden)]
 #[path = "private.rs"]

@@ -1,7 +1,7 @@
 //! What was probably meant by a word that is not known: for messages about names of robots, sensors, keys and options.
 
 /// What was probably meant by a word, if anything.
-pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+pub fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let likeness = |known: &str| strsim::jaro_winkler(&word.to_lowercase(), &known.to_lowercase());
     // One letter wrong, missing, or two in the wrong order: in short words a great part of them.
     let slip = |known: &&&str| strsim::damerau_levenshtein(word, known) == 1 && known.len() > 2;
@@ -16,7 +16,7 @@ pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
 }
 
 /// "did you mean", and all that there is.
-pub(crate) fn suggestion(word: &str, known: &[impl AsRef<str>], what_there_is: &str) -> String {
+pub fn suggestion(word: &str, known: &[impl AsRef<str>], what_there_is: &str) -> String {
     let known: Vec<_> = known.iter().map(AsRef::as_ref).collect();
     let all = known.join(", ");
     match nearest(word, &known) {

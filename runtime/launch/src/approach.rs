@@ -7,11 +7,11 @@
 use std::cell::RefCell;
 use std::fmt;
 
-use mrroc_core::cell::{JointLayout, Layout};
-use mrroc_core::model::fault::ProcessId;
-use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::observe::layout::{JointLayout, Layout};
+use mrroc_core::fault::ProcessId;
+use mrroc_core::robot::MAX_JOINTS;
 use mrroc_core::link::Nanos;
-use mrroc_core::model::name::Name;
+use mrroc_core::fault::Name;
 use mrroc_core::observe::witness::{What, Witness};
 
 /// What one joint came to [rad or m, s].
@@ -68,7 +68,7 @@ pub(crate) struct Approach {
 
 impl Approach {
     pub fn of(layout: Layout) -> Approach {
-        let empty = |robot: &mrroc_core::cell::RobotLayout| Vec::with_capacity(robot.joints.len());
+        let empty = |robot: &mrroc_core::observe::layout::RobotLayout| Vec::with_capacity(robot.joints.len());
         let courses = RefCell::new(layout.robots.iter().map(empty).collect());
         Approach { layout, courses }
     }
@@ -134,7 +134,7 @@ impl fmt::Display for Approach {
 mod tests {
     use super::*;
     use mrroc_core::cell::{Cell, RobotSetup};
-    use mrroc_core::model::fault::Role;
+    use mrroc_core::fault::Role;
     use mrroc_core::slide::{Exact, Slide};
     use core::time::Duration;
 

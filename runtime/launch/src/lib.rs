@@ -2,23 +2,14 @@
 //!
 //! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
 
+mod approach;
+pub mod cell_file;
 mod dry_run;
-#[cfg(all(feature = "processes", target_os = "linux"))]
-mod operating;
 mod options;
-mod outcome;
-mod patience;
-#[cfg(all(feature = "processes", target_os = "linux"))]
-mod processes;
-#[cfg(not(all(feature = "processes", target_os = "linux")))]
-#[path = "no_processes.rs"]
-mod processes;
+pub mod outcome;
+mod parts;
+pub mod patience;
 mod program;
-#[cfg(feature = "recording")]
-mod replaying;
-#[cfg(not(feature = "recording"))]
-#[path = "no_replaying.rs"]
-mod replaying;
 mod running;
 mod table;
 
@@ -26,19 +17,20 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use self::dry_run::{dry_run, dry_run_first};
-use self::options::{HELP, nearest_cell, parse};
-use self::outcome::cell_refused;
-use self::processes::{examine, operate};
-use self::replaying::replay;
-use self::running::{run, watched};
-use self::table::Table;
 use mrroc_core::cell::{Cell, CellError};
-use crate::cell_file::CellFile;
 use mrroc_core::console::{refused, say};
+use mrroc_core::link::Clock;
 
-pub use self::options::Clock;
-pub use self::program::{Launch, Ran};
+use crate::cell_file::CellFile;
+use crate::dry_run::{dry_run, dry_run_first};
+use crate::options::{HELP, nearest_cell, parse};
+use crate::outcome::cell_refused;
+use crate::running::{run, watched};
+use crate::table::Table;
+
+pub use crate::options::Operating;
+pub use crate::parts::{Parts, Processes};
+pub use crate::program::{Launch, Ran};
 
 /// What watches the robots of a run and keeps something of it, such as a picture.
 pub trait Recorder {
@@ -60,31 +52,23 @@ pub trait Recorder {
 /// recorder watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
 /// no picture is drawn.
 ///
-/// ```no_run
-/// # use mrroc::{Cell, CellError, CellFile, Recorder};
-/// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
-/// # fn film() -> impl Recorder { struct R; impl Recorder for R {
-/// #     fn watch(&mut self, cell: Cell) -> Cell { cell }
-/// #     fn save(&mut self, _: &std::path::Path) -> std::io::Result<()> { Ok(()) }
-/// # } R }
-/// # #[allow(unused)]
-/// fn main() -> std::process::ExitCode {
-///     mrroc::launch(cell, film())
-/// }
-/// ```
-pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder: impl Recorder) -> ExitCode {
+pub fn launch(
+    cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>,
+    recorder: impl Recorder,
+    parts: &'static Parts,
+) -> ExitCode {
     let options = match parse(std::env::args_os().skip(1)) {
-        Ok(Some(options)) if options.doctor => return examine(),
+        Ok(Some(options)) if options.doctor => return parts.examine(),
         Ok(Some(options)) => options,
         Ok(None) => return say(HELP),
         Err(error) => return refused(&error),
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
     if let Some(operating) = options.operating {
-        return operate(&path, operating);
+        return parts.operate(&path, operating);
     }
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
-    let checked = assembled.and_then(|mut cell| cell.check().map(|_| cell));
+    let checked = assembled.and_then(|mut cell| cell.check().map(|_| parts.equip(cell)));
     let mut cell = match checked {
         Ok(cell) => cell,
         Err(error) => return cell_refused(&error),
@@ -104,7 +88,7 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
     }
     if options.part.is_none() && options.processes.is_none() {
         return match &options.replay {
-            Some(file) => replay(cell, file, options.partial, options.quiet),
+            Some(file) => parts.replay(cell, file, options.partial, options.quiet),
             None if options.dry_run => dry_run(cell, options.quiet),
             None => run(cell, recorder, &options),
         };
@@ -115,5 +99,5 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder:
     {
         return status;
     }
-    watched(cell, recorder, path, options)
+    watched(cell, recorder, path, options, parts)
 }

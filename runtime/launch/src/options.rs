@@ -7,9 +7,10 @@ use std::path::{Path, PathBuf};
 
 use lexopt::prelude::*;
 
+use mrroc_core::link::Clock;
 use mrroc_core::operator::button::{Button, NoButton};
-use mrroc_core::model::fault::{ProcessId, Role};
-use mrroc_core::model::name::Name;
+use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::fault::Name;
 use mrroc_core::suggestion::suggestion;
 
 pub(super) const HELP: &str = "\
@@ -97,21 +98,16 @@ pub(super) struct Options {
     pub(super) part: Option<(ProcessId, PathBuf)>,
 }
 
-/// Whose time processes run in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Clock {
-    /// The machine's.
-    Real,
-    /// The launcher's virtual clock, in lock-step: the same demands to the bit as on the memory link.
-    Virtual,
-}
-
 /// What an operator wants of a cell that runs already.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Operating {
+pub enum Operating {
+    /// What it does, once.
     Status,
+    /// Press a button.
     Press(Button),
+    /// Any of these, line by line.
     Console,
+    /// All of it as a screen.
     View,
 }
 

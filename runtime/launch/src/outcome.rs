@@ -8,10 +8,10 @@ use std::process::ExitCode;
 
 use mrroc_core::cell::{CellError, RunReport};
 use mrroc_core::console::{complain, say};
-use mrroc_core::model::fault::Fault;
+use mrroc_core::fault::Fault;
 
 /// Says which fault stopped the cell, and what to do about it.
-pub(super) fn stopped(fault: &Fault) -> ExitCode {
+pub fn stopped(fault: &Fault) -> ExitCode {
     match fault.help() {
         Some(help) => report(&format!("{fault}\n help: {help}")),
         None => report(fault),
@@ -20,7 +20,7 @@ pub(super) fn stopped(fault: &Fault) -> ExitCode {
 }
 
 /// Says how long a run took, and where its picture is.
-pub(super) fn tell(report: &RunReport, picture: Option<&Path>) -> ExitCode {
+pub fn tell(report: &RunReport, picture: Option<&Path>) -> ExitCode {
     let (seconds, steps) = (report.time.as_secs_f64(), report.steps);
     if steps == 0 {
         note("nothing moved: the program returned before a Move or a Wait");
@@ -30,7 +30,7 @@ pub(super) fn tell(report: &RunReport, picture: Option<&Path>) -> ExitCode {
 }
 
 /// Tells of all that is wrong with a cell.
-pub(super) fn cell_refused(error: &CellError) -> ExitCode {
+pub fn cell_refused(error: &CellError) -> ExitCode {
     match error {
         CellError::Several(errors) => errors.iter().for_each(|one| report(one)),
         one => report(one),
@@ -38,10 +38,10 @@ pub(super) fn cell_refused(error: &CellError) -> ExitCode {
     ExitCode::from(2)
 }
 
-pub(super) fn report(error: &dyn Display) {
+pub fn report(error: &dyn Display) {
     complain(&format!("error: {error}"));
 }
 
-pub(super) fn note(text: &str) {
+pub fn note(text: &str) {
     complain(&format!("note: {text}"));
 }

@@ -10,18 +10,18 @@ use super::outcome::note;
 use mrroc_core::operator::Operator;
 
 /// Whoever waits for a run that may have no end is told of it, ever more seldom.
-pub(super) struct Patience {
+pub struct Patience {
     since: Instant,
     next: Duration,
 }
 
 impl Patience {
-    pub(super) fn new() -> Patience {
+    pub fn new() -> Patience {
         Patience { since: Instant::now(), next: Duration::from_secs(10) }
     }
 
     /// A hook that looks at the wall clock now and then.
-    pub(super) fn notes(mut self) -> impl FnMut(u64, &Operator) {
+    pub fn notes(mut self) -> impl FnMut(u64, &Operator) {
         move |step, _| {
             if step % 1024 == 0
                 && let Some(text) = self.after(self.since.elapsed(), step)

@@ -7,58 +7,34 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use super::options::{AskedRecording, Clock, operates, parse, split_part, split_recording};
-use super::processes::{examine, launch_processes, operate, take_part};
-use super::replaying::replay;
+use super::options::{AskedRecording, operates, parse, split_part, split_recording};
+use super::parts::Parts;
+use mrroc_core::link::Clock;
 use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::refused;
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 
 /// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
 ///
 /// As processes, the launcher starts the program again for each of them, with the same arguments. So the program reads them
 /// and puts its cell together before it asks who it is, and moves and writes nothing until then.
-///
-/// ```no_run
-/// # fn cell(quick: bool) -> mrroc::Cell { mrroc::Cell::new(std::time::Duration::from_millis(2)) }
-/// use mrroc::{Clock, Launch, Ran};
-///
-/// fn main() -> std::process::ExitCode {
-///     let mut launch = Launch::new(std::env::args_os().skip(1));
-///     if let Some(status) = launch.operate() {
-///         return status;
-///     }
-///     let mut quick = false;
-///     for argument in launch.arguments().to_vec() {
-///         match argument.to_str() {
-///             Some("--quick") => quick = true,
-///             Some("--processes") => launch = launch.processes(Clock::Real),
-///             _ => return std::process::ExitCode::from(2),
-///         }
-///     }
-///     match launch.run(cell(quick)) {
-///         Ok(Ran::Here(report) | Ran::Processes(report)) => println!("{} steps", report.steps),
-///         Ok(Ran::Part(status)) => return status,
-///         Err(error) => eprintln!("{error}"),
-///     }
-///     std::process::ExitCode::SUCCESS
-/// }
-/// ```
 #[derive(Clone, Debug)]
 pub struct Launch {
     /// Which process of a cell this one is, and in which session, as its launcher started it.
-    pub(super) part: Option<(ProcessId, PathBuf)>,
+    pub part: Option<(ProcessId, PathBuf)>,
     /// What the processes are started with.
-    pub(super) arguments: Vec<OsString>,
+    pub arguments: Vec<OsString>,
     /// What of a recording the command line asks for.
     pub(super) recording: Option<AskedRecording>,
-    pub(super) clock: Option<Clock>,
+    pub clock: Option<Clock>,
     /// How long a process looks for messages before it sleeps \[ns\].
-    pub(super) spin: u64,
-    pub(super) cell: Option<PathBuf>,
-    pub(super) quiet: bool,
+    pub spin: u64,
+    pub cell: Option<PathBuf>,
+    pub quiet: bool,
     /// Whether the program watches robots and keeps something of the run.
-    pub(super) watching: bool,
+    pub watching: bool,
+    /// What the program was built with.
+    pub(super) parts: &'static Parts,
 }
 
 /// What became of a run.
@@ -78,10 +54,10 @@ pub enum Ran {
 impl Launch {
     /// From the arguments after the program's name. On the memory link, unless told otherwise or started by a launcher.
     #[must_use]
-    pub fn new(arguments: impl IntoIterator<Item = OsString>) -> Launch {
+    pub fn new(arguments: impl IntoIterator<Item = OsString>, parts: &'static Parts) -> Launch {
         let (part, arguments) = split_part(arguments.into_iter().collect());
         let (recording, arguments) = split_recording(arguments);
-        Launch { part, arguments, recording, clock: None, spin: 0, cell: None, quiet: false, watching: false }
+        Launch { part, arguments, recording, clock: None, spin: 0, cell: None, quiet: false, watching: false, parts }
     }
 
     /// The arguments that are the program's own: without `replay FILE` before them, and `--record FILE` among them.
@@ -146,11 +122,11 @@ impl Launch {
             Err(error) => return Some(refused(&error)),
         };
         if options.doctor {
-            return Some(examine());
+            return Some(self.parts.examine());
         }
         let file = options.cell.or_else(|| self.cell.clone()).map_or_else(std::env::current_exe, Ok);
         Some(match file {
-            Ok(file) => operate(&file, options.operating?),
+            Ok(file) => self.parts.operate(&file, options.operating?),
             Err(error) => refused(&error),
         })
     }
@@ -163,7 +139,7 @@ impl Launch {
     }
 
     /// Whether this is the plant of a program that watches.
-    pub(super) fn is_watched_plant(&self) -> bool {
+    pub fn is_watched_plant(&self) -> bool {
         self.watching && matches!(self.part, Some((ProcessId::PLANT, _)))
     }
 
@@ -178,22 +154,23 @@ impl Launch {
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up, or why processes cannot run it, before anything moves; or the first
     /// cause of a stop.
-    pub fn run(self, mut cell: Cell) -> Result<Ran, CellError> {
+    pub fn run(self, cell: Cell) -> Result<Ran, CellError> {
+        let mut cell = self.parts.equip(cell);
         if let Some((process, session)) = &self.part {
             cell.check()?;
-            return take_part(cell, *process, session, &self);
+            return self.parts.take_part(cell, *process, session, &self);
         }
         match &self.recording {
             Some(AskedRecording::Replay(file)) => {
                 cell.check()?;
-                return Ok(Ran::Part(replay(cell, file, false, self.quiet)));
+                return Ok(Ran::Part(self.parts.replay(cell, file, false, self.quiet)));
             }
             Some(AskedRecording::Record(file)) => cell = cell.record_to(file),
             None => {}
         }
         match self.clock {
             None => cell.run().map(Ran::Here),
-            Some(clock) => launch_processes(cell, clock, self),
+            Some(_) => self.parts.launch(cell, self),
         }
     }
 }
@@ -203,7 +180,7 @@ mod tests {
     use super::*;
 
     fn launch(arguments: &[&str]) -> Launch {
-        Launch::new(arguments.iter().map(OsString::from))
+        Launch::new(arguments.iter().map(OsString::from), &Parts { recorder: None, replay: None, processes: None })
     }
 
     #[test]

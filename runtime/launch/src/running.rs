@@ -11,10 +11,10 @@ use std::time::Duration;
 use super::options::Options;
 use super::outcome::{cell_refused, note, report, stopped, tell};
 use super::patience::Patience;
-use super::{Launch, Ran, Recorder};
+use super::{Launch, Parts, Ran, Recorder};
 use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::refused;
-use mrroc_core::model::fault::Fault;
+use mrroc_core::fault::Fault;
 
 /// How long a process may compute at a stretch: planning takes seconds, an endless loop for ever.
 const STUCK: Duration = Duration::from_secs(60);
@@ -44,11 +44,12 @@ pub(super) fn watched(
     mut recorder: impl Recorder,
     path: PathBuf,
     options: Options,
+    parts: &'static Parts,
 ) -> ExitCode {
     let Options { part, processes: clock, spin, quiet, .. } = options.clone();
     let arguments = std::env::args_os().skip(1).collect();
     let watching = options.picture.is_some();
-    let launch = Launch { part, arguments, recording: None, clock, spin, cell: Some(path), quiet, watching };
+    let launch = Launch { part, arguments, recording: None, clock, spin, cell: Some(path), quiet, watching, parts };
     let draws = launch.is_here();
     // Found out now, and by the launcher alone.
     if let Some(picture) = options.picture.as_ref().filter(|_| !launch.is_part())

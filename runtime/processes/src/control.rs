@@ -10,12 +10,12 @@ use std::os::unix::net::UnixStream;
 use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
 use mrroc_core::operator::button::Button;
-use mrroc_core::model::fault::{Fault, FaultWords, ProcessId, Role};
+use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use crate::iceoryx::{Clock, Seal};
-use mrroc_core::model::name::Name;
-use mrroc_core::control::plant::Rest;
-use mrroc_core::model::wire::{BadWords, Wire};
+use mrroc_core::fault::Name;
+use mrroc_core::cell::Rest;
+use mrroc_core::payload::{BadWords, Wire};
 
 /// Words of a frame.
 const WORDS: usize = 32;
@@ -257,7 +257,7 @@ impl Control {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_core::model::fault::FaultKind;
+    use mrroc_core::fault::FaultKind;
 
     #[test]
     fn every_frame_comes_out_as_it_went_in_and_the_end_of_the_stream_is_an_error() {

@@ -15,11 +15,11 @@ use super::control::{Control, Frame};
 use super::figures::Figures;
 use super::scheduling::Lacks;
 use super::session::Session;
-use mrroc_core::model::fault::{Fault, FaultKind, ProcessId, Role};
+use mrroc_core::fault::{Fault, FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use crate::iceoryx::{Clock, Seal};
-use mrroc_core::control::plant::Rest;
-use mrroc_core::cell::realtime::Permission;
+use mrroc_core::cell::Rest;
+use mrroc_core::cell::Permission;
 
 /// How long a process may take to set itself up: a loaded machine is no reason to give up.
 const SETTING_UP: Duration = Duration::from_secs(30);

@@ -13,7 +13,7 @@ use std::time::Duration;
 use hdrhistogram::Histogram;
 
 use super::control::{Control, Frame};
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use crate::iceoryx::Samples;
 use mrroc_core::link::{Nanos, Sample};
 
@@ -26,7 +26,7 @@ const LONGEST: u64 = 60_000_000_000;
 
 /// How a time is spread \[ns\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Spread {
+pub struct Spread {
     /// How often it was taken.
     pub count: u64,
     pub p50: Nanos,
@@ -36,7 +36,7 @@ pub(crate) struct Spread {
 
 /// What is known of a process since the cell began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Figures {
+pub struct Figures {
     /// How late steps of the MP and servo periods of an EDP or of the plant began.
     pub late: Spread,
     /// Own time for a step, a servo period, an order or a reading.

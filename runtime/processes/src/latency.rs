@@ -20,19 +20,19 @@ use rustix::thread::futex;
 
 use super::control::{Control, Frame};
 use super::scheduling::ask;
-use mrroc_core::model::fault::{ProcessId, Role};
+use mrroc_core::fault::{ProcessId, Role};
 use crate::iceoryx::{Clock, Fabric, RealTime, Seal, monotonic};
 use mrroc_core::link::{Link, Waiter};
 use mrroc_core::link::message::{Kind, Message, OrderKind};
-use mrroc_core::model::name::Name;
-use mrroc_core::cell::realtime::{Permission, Realtime};
+use mrroc_core::fault::Name;
+use mrroc_core::cell::{Permission, Realtime};
 
 const WARM_UP: usize = 500;
 const SAMPLES: usize = 5000;
 const ROUNDS: usize = 5;
 const KINDS: [&str; 4] = ["mrroc", "iceoryx2", "futex", "socket"];
 /// Of an envelope \[bytes\].
-const SIZE: usize = 8 * (4 + 11 + mrroc_core::model::wire::WORDS);
+const SIZE: usize = 8 * (4 + 11 + mrroc_core::payload::WORDS);
 const SEAL: Seal = Seal { session: 1, epoch: 1 };
 /// What tells a test to be the answering process: the kind, the cores, the folder.
 const PEER: &str = "MRROC_LATENCY_PEER";

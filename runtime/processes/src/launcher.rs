@@ -22,13 +22,12 @@ use super::figures::table;
 use super::room::{self, NoRoom};
 use super::session::{CellLock, Session, SessionError};
 use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
-use mrroc_core::model::fault::{Fault, ProcessId, Role};
+use mrroc_core::fault::{Fault, ProcessId, Role};
 use crate::iceoryx::{Clock, Fabric, monotonic};
 use mrroc_core::link::memory::Scheduler;
 use mrroc_core::link::{Link, Nanos, Waiter};
-use mrroc_core::control::plant::Rest;
-use mrroc_recording::Pace;
-use mrroc_recording::relay::Relay;
+use mrroc_core::cell::Rest;
+use mrroc_core::observe::NotRecorded;
 
 /// How often a launch is tried whose processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -82,6 +81,7 @@ pub(crate) enum Launched {
 /// [`LaunchError`]: what was refused, before anything moves; or the first cause of a stop.
 pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let stop = cell.stop_limit();
+    let recorder = cell.recorder();
     let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
     // The launcher's own look at the cell: it runs no part of it.
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
@@ -92,12 +92,13 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let mut epoch = 1;
     loop {
         let session = lock.session()?;
-        let relay = match &recording {
-            Some((recording, layout)) => {
-                let pace = if plan.clock == Clock::Real { Pace::Real } else { Pace::Virtual };
-                Some(Relay::listen(session.folder(), recording, layout, pace).map_err(CellError::from)?)
+        let relay = match (&recording, recorder) {
+            (None, _) => None,
+            (Some(_), None) => return Err(CellError::from(NotRecorded::NoFeature).into()),
+            (Some((recording, layout)), Some(recorder)) => {
+                let listening = recorder.listen(recording, layout, session.folder(), plan.clock);
+                Some(listening.map_err(CellError::from)?)
             }
-            None => None,
         };
         let board = make_board(plan.clock, &session, fabric.places().len())?;
         match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
@@ -111,9 +112,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 let teller = if plan.watched { crew.plant_over() } else { None };
                 crew.reap(teller, Instant::now() + CLOSING);
                 // All have said what they had to say.
-                if let Some(relay) = relay {
-                    relay.finish();
-                }
+                drop(relay);
                 let figures = crew.figures();
                 if !plan.quiet && !figures.is_empty() {
                     eprint!("{}", table(&figures));
@@ -341,7 +340,7 @@ fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError
             all: crew.0.clone(),
             place,
         };
-        scheduler.body(place, Box::new(move |waiter| proxy.run(waiter)))?;
+        scheduler.body(place, Box::new(move |host| proxy.run(host.waiter)))?;
     }
     let time = scheduler.run()?;
     let death = death.take();

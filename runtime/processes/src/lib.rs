@@ -6,6 +6,7 @@
 //! [`scheduling`] asks the machine for priorities, cores and memory, [`room`] whether there is room, and [`doctor`] what it can
 //! do.
 
+#![cfg(target_os = "linux")]
 #![allow(
     clippy::disallowed_methods,
     reason = "launchers and consoles are no part of control, nor is a process whose cell is gone"
@@ -17,22 +18,22 @@ mod crew;
 mod desk;
 mod doctor;
 mod figures;
+mod iceoryx;
 #[cfg(test)]
 mod latency;
 mod launcher;
 mod member;
+mod operating;
 mod panel;
+mod part;
+#[doc(hidden)]
+pub mod readers;
 mod room;
 mod scheduling;
 mod session;
 
-pub(crate) use crew::Plan;
-#[cfg(feature = "view")]
-pub(crate) use desk::{Asks, Hears, RobotPicture};
-pub(crate) use desk::{Caller, Heard, MAX_REQUEST, Picture, Reply, Request};
-pub(crate) use doctor::examine;
-pub(crate) use figures::Figures;
-pub(crate) use launcher::{LaunchError, Launched, launch};
-pub(crate) use member::{NoPart, run};
-#[cfg(all(feature = "view", test))]
-pub(crate) use {desk::ProcessPicture, figures::Spread};
+pub use desk::{
+    Asks, Caller, Heard, Hears, MAX_REQUEST, Picture, ProcessPicture, Reply, Request, RobotPicture,
+};
+pub use figures::{Figures, Spread};
+pub use part::{OverSharedMemory, View};

@@ -17,11 +17,12 @@ use super::figures::Gauge;
 use super::panel;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, prefix};
-use mrroc_core::cell::{Cell, Observation, RunReport};
-use mrroc_core::model::fault::{Fault, ProcessId, Role};
+use mrroc_core::cell::{Cell, RunReport};
+use mrroc_core::observe::Observation;
+use mrroc_core::fault::{Fault, ProcessId, Role};
 use crate::iceoryx::{Bell, Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show};
-use mrroc_core::link::{Nanos, News, Waiter};
-use mrroc_core::control::mp::MpState;
+use mrroc_core::link::{Host, Nanos, News, Waiter};
+use mrroc_core::operator::state::MpState;
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
@@ -180,13 +181,13 @@ fn take_part(
         (Some(gauge), Some(bell)) => {
             let (heard, ear) = listen(control, bell, has_robot(me)).map_err(Ended::of)?;
             let waiter = RealTime::new(bell, heard, (origin, spin), gauge.samples()).showing(panel.of(me));
-            body(&waiter);
+            body(waiter.host());
             gauge.end();
             (waiter.now(), Some(ear))
         }
         _ => {
             let waiter = LockStep::new(control, fabric.woken());
-            body(&waiter);
+            body(Host::of(&waiter));
             (waiter.now(), None)
         }
     };

@@ -4,11 +4,11 @@
 
 use super::board::PANEL;
 use mrroc_core::operator::button::{Answer, Button, CellState};
-use mrroc_core::cell::Observation;
-use mrroc_core::model::fault::{Fault, FaultWords};
-use mrroc_core::model::joints::MAX_JOINTS;
-use mrroc_core::control::mp::{Doing, MpState};
-use mrroc_core::model::wire::Wire;
+use mrroc_core::observe::Observation;
+use mrroc_core::fault::{Fault, FaultWords};
+use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::operator::state::{Doing, MpState};
+use mrroc_core::payload::Wire;
 
 /// Where the answers, the fault and the name of the generator begin on the panel of an MP.
 const ANSWERS: usize = 7;
@@ -122,7 +122,7 @@ pub(super) fn robot(words: &[u64; PANEL]) -> (f64, Vec<f64>, Vec<f64>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_core::model::fault::{FaultKind, ProcessId};
+    use mrroc_core::fault::{FaultKind, ProcessId};
 
     #[test]
     fn the_state_of_an_mp_is_read_as_it_was_written() {

@@ -209,7 +209,7 @@ impl Membership {
 /// The number of the cell in a file: what its sessions are found by.
 fn number_of(cell: &Path) -> u32 {
     let whole = fs::canonicalize(cell).unwrap_or_else(|_| cell.to_owned());
-    let hash = mrroc_core::model::wire::layout_hash(0, &whole.to_string_lossy());
+    let hash = mrroc_core::payload::layout_hash(0, &whole.to_string_lossy());
     (hash ^ hash >> 32) as u32
 }
 

@@ -9,15 +9,15 @@ use serde_json::{Value, json};
 
 use super::json::{numbers, object, schema, value};
 use super::ring::Record;
-use mrroc_core::cell::Layout;
-use mrroc_core::model::fault::{Fault, FaultKind, FaultWords, ProcessId};
-use mrroc_core::model::image::STATE_WORDS;
-use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::fault::{Fault, FaultKind, FaultWords, ProcessId};
+use mrroc_core::observe::witness::STATE_WORDS;
+use mrroc_core::robot::MAX_JOINTS;
 use mrroc_core::link::Nanos;
 use mrroc_core::link::message::OrderKind;
-use mrroc_core::model::name::Name;
-use mrroc_core::model::shape::Shape;
-use mrroc_core::model::wire::Wire;
+use mrroc_core::fault::Name;
+use mrroc_core::payload::Shape;
+use mrroc_core::payload::Wire;
 use mrroc_core::observe::witness::{Mode, ReadingState, What};
 
 /// Where the messages go.

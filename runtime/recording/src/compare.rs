@@ -7,12 +7,12 @@ use core::cell::{Cell, RefCell};
 use core::fmt;
 use std::rc::Rc;
 
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
-use mrroc_core::model::name::Name;
+use mrroc_core::fault::Name;
 use mrroc_core::observe::witness::{What, Witness};
 
-use super::Tape;
+use mrroc_core::replay::Tape;
 
 /// A demand that is not the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use super::channels::Outlet;
 use super::json::schema;
-use mrroc_core::cell::Layout;
+use mrroc_core::observe::layout::Layout;
 use mrroc_core::link::Nanos;
 
 /// The profile of the files, and the name of the metadata that says what the cell is made of.
@@ -81,7 +81,7 @@ impl McapFile {
 
 /// The robots, as the metadata has them.
 fn robots(layout: &Layout) -> Value {
-    let robot = |robot: &mrroc_core::cell::RobotLayout| {
+    let robot = |robot: &mrroc_core::observe::layout::RobotLayout| {
         let units: Vec<_> = robot.joints.iter().map(|joint| joint.kind.unit(0)).collect();
         json!({"name": robot.name, "kind": robot.kind, "joints": units, "servo_ns": robot.servo.as_nanos() as u64})
     };
@@ -90,7 +90,7 @@ fn robots(layout: &Layout) -> Value {
 
 /// The sensors, as the metadata has them.
 fn sensors(layout: &Layout) -> Value {
-    let sensor = |sensor: &mrroc_core::cell::SensorLayout| json!({"name": sensor.name, "kind": sensor.kind, "of": sensor.of, "reading": schema(sensor.reading)});
+    let sensor = |sensor: &mrroc_core::observe::layout::SensorLayout| json!({"name": sensor.name, "kind": sensor.kind, "of": sensor.of, "reading": schema(sensor.reading)});
     layout.sensors.iter().map(sensor).collect()
 }
 

@@ -6,8 +6,8 @@ use core::fmt::Write;
 
 use serde_json::{Map, Value, json};
 
-use mrroc_core::model::joints::MAX_JOINTS;
-use mrroc_core::model::shape::Shape;
+use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::payload::Shape;
 
 /// A number that JSON may have no word for.
 pub fn number(out: &mut String, x: f64) {
@@ -196,9 +196,9 @@ pub fn object<'a>(properties: impl IntoIterator<Item = (&'a str, Value)>) -> Val
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_core::model::demand::Demand;
-    use mrroc_core::model::pose::Pose;
-    use mrroc_core::model::wire::{WORDS, Wire};
+    use mrroc_core::generator::Demand;
+    use mrroc_core::pose::Pose;
+    use mrroc_core::payload::{WORDS, Wire};
     use proptest::prelude::*;
 
     const MIXED: &Shape = &Shape::Fields(&[

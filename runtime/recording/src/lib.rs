@@ -21,136 +21,40 @@
 //! JSON has no words for numbers that are not finite: they are the texts "NaN", "Infinity", "-Infinity", as in the JSON
 //! form of protocol buffers. Any other number is written with the digits that give it back to the bit.
 
-#[cfg(feature = "recording")]
 mod channels;
-#[cfg(feature = "recording")]
+mod compare;
 mod file;
-#[cfg(feature = "recording")]
 mod json;
-#[cfg(feature = "recording")]
 mod messages;
-#[cfg(feature = "recording")]
 mod reader;
-#[cfg(all(feature = "recording", feature = "processes", target_os = "linux"))]
-pub(crate) mod relay;
-#[cfg(all(not(feature = "recording"), feature = "processes", target_os = "linux"))]
-#[path = "no_relay.rs"]
-pub(crate) mod relay;
-#[cfg(feature = "recording")]
+mod recorder;
+mod relay;
+mod replaying;
 mod ring;
-#[cfg(feature = "recording")]
-mod running;
-#[cfg(not(feature = "recording"))]
-#[path = "without.rs"]
-mod running;
 
-use core::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use mrroc_core::cell::Layout;
+use mrroc_core::observe::recording::Recording;
 
-#[cfg(feature = "recording")]
-pub(crate) use reader::read_bytes;
-#[cfg(feature = "recording")]
+pub use compare::{Compared, Difference};
 pub use reader::{CutOff, NotReplayable};
-#[cfg(all(not(feature = "recording"), feature = "processes", target_os = "linux"))]
-pub(crate) use relay::Pace;
-#[cfg(all(feature = "recording", feature = "processes", target_os = "linux"))]
-pub(crate) use ring::Pace;
-#[cfg(feature = "recording")]
-pub(crate) use ring::Recorder;
-#[cfg(not(feature = "recording"))]
-pub(crate) use running::Recorder;
-#[cfg(feature = "recording")]
-pub use running::ReplayError;
-pub(crate) use running::begin;
+pub use recorder::Mcap;
+pub use replaying::{ReplayError, replay, replay_command};
 
-/// Why a run is not recorded.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum NotRecorded {
-    /// The file cannot be written.
-    #[error("{}: cannot be written: {error}\n help: give another file by --record", file.display())]
-    Unwritable {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        error: String,
-    },
-    /// Of a robot or a sensor that is not there.
-    #[error("the recording asks for {0} `{1}`, which the cell does not have\n help: the cell has: {2}")]
-    NotThere(&'static str, String, String),
-    /// The program was built without the feature.
-    #[error(
-        "this program was built without recording\n help: build it with mrroc's feature `recording`: cargo run --release --features mrroc/recording -- --record run.mcap"
-    )]
-    NoFeature,
+/// Everything, to an MCAP file, which is made or written anew: for [`Cell::record`](mrroc_core::cell::Cell::record).
+pub fn to(file: impl Into<PathBuf>) -> Recording {
+    Recording::to(file).by(&Mcap)
 }
 
-/// What a run is recorded to, and what of it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Recording {
-    pub(crate) file: PathBuf,
-    pub(crate) robots: Option<Vec<String>>,
-    pub(crate) sensors: Option<Vec<String>>,
-}
-
-impl Recording {
-    /// Everything, to a file, which is made or written anew.
-    pub fn to(file: impl Into<PathBuf>) -> Recording {
-        Recording { file: file.into(), robots: None, sensors: None }
-    }
-
-    /// The same, to another file.
-    pub(crate) fn into(self, file: &Path) -> Recording {
-        Recording { file: file.to_owned(), ..self }
-    }
-
-    /// Of the robots only these. A recording without all robots cannot be replayed.
-    #[must_use]
-    pub fn robots<'a>(mut self, names: impl IntoIterator<Item = &'a str>) -> Recording {
-        self.robots = Some(names.into_iter().map(str::to_owned).collect());
-        self
-    }
-
-    /// Of the sensors only these. A recording without all sensors cannot be replayed.
-    #[must_use]
-    pub fn sensors<'a>(mut self, names: impl IntoIterator<Item = &'a str>) -> Recording {
-        self.sensors = Some(names.into_iter().map(str::to_owned).collect());
-        self
-    }
-
-    /// Of a cell, what it is asked to record.
-    #[cfg(feature = "recording")]
-    fn of(&self, mut layout: Layout) -> Layout {
-        let asked = |names: &Option<Vec<String>>, name: &String| {
-            names.as_ref().is_none_or(|names| names.contains(name))
-        };
-        layout.robots.retain(|robot| asked(&self.robots, &robot.name));
-        layout.sensors.retain(|sensor| asked(&self.sensors, &sensor.name));
-        layout
-    }
-
-    /// What it asks for and the cell does not have.
-    pub(crate) fn check(&self, layout: &Layout) -> Vec<NotRecorded> {
-        let robots: Vec<_> = layout.robots.iter().map(|robot| robot.name.clone()).collect();
-        let sensors: Vec<_> = layout.sensors.iter().map(|sensor| sensor.name.clone()).collect();
-        let asked = [("robot", &self.robots, robots), ("sensor", &self.sensors, sensors)];
-        let missing = asked.iter().flat_map(|(what, names, there)| {
-            let names = names.iter().flatten().filter(|name| !there.contains(name));
-            names.map(|name| NotRecorded::NotThere(what, name.clone(), there.join(", ")))
-        });
-        missing.collect()
-    }
-}
-
-impl fmt::Display for Recording {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.file.display())?;
-        for (what, names) in [("robots", &self.robots), ("sensors", &self.sensors)] {
-            if let Some(names) = names {
-                write!(f, ", {what} {}", if names.is_empty() { "none".to_owned() } else { names.join(" ") })?;
-            }
-        }
-        Ok(())
-    }
+/// Reads a recording of this cell, for fuzzing. Nothing here is promised to stay.
+///
+/// # Errors
+/// What is wrong with it.
+#[doc(hidden)]
+pub fn read_bytes(cell: &mrroc_core::cell::Cell, bytes: &[u8]) -> Result<(), String> {
+    let layout = cell.layout();
+    let read = |cut_off| {
+        reader::read_bytes(bytes, &layout, cut_off).map(drop).map_err(|wrong| wrong.to_string())
+    };
+    read(CutOff::Taken).and_then(|()| read(CutOff::Refused))
 }

@@ -12,15 +12,15 @@ use serde_json::Value;
 use super::file::REAL_TIME;
 use super::json::{as_number, words};
 use super::reader::{CutOff, Wrong};
-use mrroc_core::cell::Layout;
-use mrroc_core::model::fault::{ProcessId, Role};
-use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::robot::MAX_JOINTS;
 use mrroc_core::link::Nanos;
-use mrroc_core::model::name::Name;
-use mrroc_core::control::replay::readings::RecordedReading;
-use mrroc_core::control::replay::script::ScriptedStep;
-use mrroc_core::control::replay::{ReadingTape, RecordedImage, RobotTape, Script, Tape};
-use mrroc_core::model::shape::Shape;
+use mrroc_core::fault::Name;
+use mrroc_core::replay::readings::RecordedReading;
+use mrroc_core::replay::script::ScriptedStep;
+use mrroc_core::replay::{ReadingTape, RecordedImage, RobotTape, Script, Tape};
+use mrroc_core::payload::Shape;
 use mrroc_core::observe::witness::ReadingState;
 
 /// What has been read so far.

@@ -14,8 +14,8 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 
 use super::file::{END, PROFILE, VERSION};
 use super::messages::Messages;
-use mrroc_core::cell::Layout;
-use mrroc_core::control::replay::Tape;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::replay::Tape;
 
 /// The largest record or chunk that is read \[bytes\]; those of a recording have a quarter of a megabyte.
 const LARGEST: usize = 1 << 20;

@@ -17,11 +17,12 @@ use std::time::{Duration, Instant};
 
 use super::channels::Outlet;
 use super::file::{McapFile, REAL_TIME, can_be_written};
-use super::ring::{Pace, Recorder};
-use super::{NotRecorded, Recording};
-use mrroc_core::cell::{Cell, Layout};
+use super::ring::RunRecorder;
+use mrroc_core::observe::recording::{NotRecorded, Recording};
+use mrroc_core::link::Clock;
+use mrroc_core::observe::layout::Layout;
 use mrroc_core::console::complain;
-use mrroc_core::model::fault::{ProcessId, Role};
+use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
 
 /// The longest message \[bytes\]: one is some thousand bytes long.
@@ -34,30 +35,35 @@ const REST: Duration = Duration::from_millis(50);
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// The socket of a session, named by the time that its processes run in.
-fn socket(folder: &Path, pace: Pace) -> PathBuf {
-    folder.join(match pace {
-        Pace::Real => "record.real",
-        Pace::Virtual => "record.virtual",
+fn socket(folder: &Path, clock: Clock) -> PathBuf {
+    folder.join(match clock {
+        Clock::Real => "record.real",
+        Clock::Virtual => "record.virtual",
     })
 }
 
 /// Joins the recording of a session, if it is recorded and this process has anything to show.
-pub(crate) fn join(cell: &Cell, process: ProcessId, folder: &Path) -> Option<Rc<Recorder>> {
+pub(crate) fn join(
+    recording: Option<&Recording>,
+    layout: &Layout,
+    process: ProcessId,
+    folder: &Path,
+) -> Option<Rc<RunRecorder>> {
     if !matches!(process.role, Role::Mp | Role::Ecp | Role::Edp) {
         return None;
     }
-    let (path, pace) = [Pace::Real, Pace::Virtual]
-        .map(|pace| (socket(folder, pace), pace))
+    let (path, clock) = [Clock::Real, Clock::Virtual]
+        .map(|clock| (socket(folder, clock), clock))
         .into_iter()
         .find(|(path, _)| path.exists())?;
-    let recording = cell.recording().cloned().unwrap_or_else(|| Recording::to("the recording"));
+    let recording = recording.cloned().unwrap_or_else(|| Recording::to("the recording"));
     let open = Box::new(move || {
         let socket = UnixDatagram::unbound()?;
         socket.connect(&path)?;
         Ok(Box::new(Sender { socket, topics: Vec::new(), frame: Vec::new() }) as Box<dyn Outlet>)
     });
     // One that cannot be recorded runs all the same.
-    let begun = Recorder::begin(&recording, recording.of(cell.layout()), pace, open);
+    let begun = RunRecorder::begin(&recording, recording.of(layout.clone()), clock, open);
     begun
         .map(Rc::new)
         .inspect_err(|error| complain(&format!("warning: {process}: not recorded: {error}")))
@@ -159,13 +165,13 @@ impl Relay {
         folder: &Path,
         recording: &Recording,
         layout: &Layout,
-        pace: Pace,
+        clock: Clock,
     ) -> Result<Relay, NotRecorded> {
-        let file = recording.file.clone();
+        let file = recording.file().to_owned();
         let unwritable =
             |error: io::Error| NotRecorded::Unwritable { file: file.clone(), error: error.to_string() };
         can_be_written(&file).map_err(unwritable)?;
-        let socket = UnixDatagram::bind(socket(folder, pace)).map_err(unwritable)?;
+        let socket = UnixDatagram::bind(socket(folder, clock)).map_err(unwritable)?;
         socket.set_read_timeout(Some(REST)).map_err(unwritable)?;
         let (closing, received) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
         let receiver = Receiver {
@@ -178,16 +184,11 @@ impl Relay {
             name: file.display().to_string(),
         };
         let (path, layout) = (file.clone(), recording.of(layout.clone()));
-        let link = if pace == Pace::Real { REAL_TIME } else { "processes under the virtual clock" };
+        let link = if clock == Clock::Real { REAL_TIME } else { "processes under the virtual clock" };
         let run = move || receiver.run(&path, &layout, link);
         let thread =
             std::thread::Builder::new().name("recorder".to_owned()).spawn(run).map_err(unwritable)?;
         Ok(Relay { closing, received, thread: Some(thread), file })
-    }
-
-    /// Writes what has come, and closes the file.
-    pub fn finish(self) {
-        drop(self);
     }
 }
 

@@ -17,13 +17,14 @@ use std::time::{Duration, Instant};
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use super::Recording;
+use mrroc_core::link::Clock;
+use mrroc_core::observe::recording::{Recording, RunRecord};
 use super::channels::{Channels, Outlet};
-use mrroc_core::cell::Layout;
+use mrroc_core::observe::layout::Layout;
 use mrroc_core::console::complain;
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
-use mrroc_core::model::wire::WORDS;
+use mrroc_core::payload::WORDS;
 use mrroc_core::observe::witness::{IMAGE_WORDS, What, Witness};
 
 /// Records that the ring holds: a second of two robots and a sensor at 1 kHz.
@@ -62,19 +63,6 @@ impl Record {
     }
 }
 
-/// What a full ring means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Pace {
-    #[cfg_attr(
-        not(all(feature = "processes", target_os = "linux")),
-        allow(dead_code, reason = "of processes")
-    )]
-    /// Time goes on: what finds no room is dropped.
-    Real,
-    /// Time stands still: there will be room, unless the thread is stuck.
-    Virtual,
-}
-
 /// What both ends of the ring know.
 #[derive(Default)]
 struct Shared {
@@ -87,11 +75,11 @@ struct Shared {
 }
 
 /// Shows a run to a thread that writes it down.
-pub(crate) struct Recorder {
+pub(crate) struct RunRecorder {
     ring: RefCell<Producer<Record>>,
     shared: Arc<Shared>,
     thread: RefCell<Option<JoinHandle<()>>>,
-    pace: Pace,
+    clock: Clock,
     recording: Recording,
     /// What the thread had taken when it was given up.
     stuck: Cell<Option<u64>>,
@@ -100,14 +88,14 @@ pub(crate) struct Recorder {
 /// Opens where messages go. It may block for ever: the thread does it.
 pub(super) type Open = Box<dyn FnOnce() -> io::Result<Box<dyn Outlet>> + Send>;
 
-impl Recorder {
+impl RunRecorder {
     /// Begins to record; `open` says where to.
     pub(super) fn begin(
         recording: &Recording,
         layout: Layout,
-        pace: Pace,
+        clock: Clock,
         open: Open,
-    ) -> io::Result<Recorder> {
+    ) -> io::Result<RunRecorder> {
         let (mut ring, mut taken) = RingBuffer::new(LENGTH);
         // Every page is there before the first step.
         let blank = Record::new(0, ProcessId::MP, &What::Late { step: 0 }, &[]);
@@ -118,23 +106,20 @@ impl Recorder {
             ring: taken,
             shared: Arc::clone(&shared),
             channels: Channels::of(layout),
-            name: recording.file.display().to_string(),
+            name: recording.file().display().to_string(),
         };
         let thread =
             std::thread::Builder::new().name("recorder".to_owned()).spawn(move || thread.run(open))?;
         let (ring, thread, stuck) = (RefCell::new(ring), RefCell::new(Some(thread)), Cell::new(None));
-        Ok(Recorder { ring, shared, thread, pace, recording: recording.clone(), stuck })
+        Ok(RunRecorder { ring, shared, thread, clock, recording: recording.clone(), stuck })
     }
 
     /// Whether the recording is to have it.
     fn is_asked_for(&self, by: ProcessId, what: &What) -> bool {
-        let among = |names: &Option<Vec<String>>, name: &str| {
-            names.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
-        };
         match what {
-            What::Image { .. } => by.name.is_none_or(|name| among(&self.recording.robots, name.as_str())),
-            What::Order { robot, .. } => among(&self.recording.robots, robot.as_str()),
-            What::Reading { sensor, .. } => among(&self.recording.sensors, sensor.as_str()),
+            What::Image { .. } => by.name.is_none_or(|name| self.recording.has_robot(name.as_str())),
+            What::Order { robot, .. } => self.recording.has_robot(robot.as_str()),
+            What::Reading { sensor, .. } => self.recording.has_sensor(sensor.as_str()),
             What::Step { .. }
             | What::Abort { .. }
             | What::Late { .. }
@@ -159,7 +144,7 @@ impl Recorder {
     }
 
     /// Waits for the thread to write the rest, as long as it gets on.
-    pub fn finish(&self) {
+    fn wait_for_the_rest(&self) {
         let Some(thread) = self.thread.take() else { return };
         self.shared.closing.store(true, Ordering::Release);
         let progress = || {
@@ -174,7 +159,7 @@ impl Recorder {
             } else if since.elapsed() > PATIENCE {
                 let lost = self.ring.borrow().buffer().capacity() - self.ring.borrow().slots();
                 let lost = lost as u64 + self.shared.dropped.load(Ordering::Acquire);
-                let file = self.recording.file.display();
+                let file = self.recording.file().display();
                 complain(&format!("warning: {file}: nothing more can be written: {lost} records are lost"));
                 return;
             }
@@ -183,13 +168,19 @@ impl Recorder {
     }
 }
 
-impl Witness for Recorder {
+impl RunRecord for RunRecorder {
+    fn finish(&self) {
+        self.wait_for_the_rest();
+    }
+}
+
+impl Witness for RunRecorder {
     fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
         if !self.is_asked_for(by, what) {
             return;
         }
         let mut ring = self.ring.borrow_mut();
-        if self.pace == Pace::Virtual && ring.is_full() {
+        if self.clock == Clock::Virtual && ring.is_full() {
             self.make_room(&ring);
         }
         if ring.push(Record::new(time, by, what, words)).is_err() {
@@ -198,7 +189,7 @@ impl Witness for Recorder {
     }
 }
 
-impl Drop for Recorder {
+impl Drop for RunRecorder {
     fn drop(&mut self) {
         self.finish();
     }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 
 /// A direction of a link between two processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

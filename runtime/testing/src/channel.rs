@@ -15,7 +15,7 @@ use mrroc_core::link::envelope::{Envelope, Seal};
 use mrroc_core::link::numbering::{self, Heard};
 use mrroc_core::link::{Board, Client, Nanos, Server};
 use mrroc_core::link::message::Message;
-use mrroc_core::model::wire::WORDS;
+use mrroc_core::payload::WORDS;
 
 /// Messages that a channel remembers, to send an old one again.
 const REMEMBERED: usize = 64;

@@ -12,7 +12,8 @@
 //! - it ends.
 //!
 //! ```
-//! use mrroc::testing::{LinkFault, Press, Sweep};
+//! # extern crate mrroc_core as mrroc;
+//! use mrroc_testing::{LinkFault, Press, Sweep};
 //! use mrroc::{Cell, Demand, RobotSetup, Step, Tick, generator};
 //! use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 //!
@@ -74,8 +75,6 @@ mod stage;
 mod sweep;
 mod trial;
 mod verdict;
-
-pub(crate) use onlooker::{Bounds, Onlooker};
 
 pub use case::{Case, Channel, Injected, LinkFault, Press};
 pub use drive::{DriveTrouble, FaultyDrive};

@@ -6,9 +6,9 @@ use std::rc::Rc;
 use super::case::Channel;
 use super::channel::{Direction, FaultyBoard, faulty_port};
 use super::stage::{NEVER, Stage};
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::memory::{Scheduler, Stuck};
-use mrroc_core::link::{Board, Body, Client, Closed, Link, Nanos, News, Server, Waiter};
+use mrroc_core::link::{Board, Body, Client, Closed, Host, Link, Nanos, Server, Waiter};
 
 /// The memory link under a case.
 pub(super) struct FaultyLink<'s> {
@@ -48,10 +48,10 @@ impl Link for FaultyLink<'_> {
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
         let (stage, process) = (Rc::clone(&self.stage), self.process(place));
         let close = self.scheduler.closer();
-        let run = move |inner: &dyn Waiter| {
-            let waiter = FaultyWaiter { inner, stage: &stage, place, process, close: &*close };
+        let run = move |host: Host<'_>| {
+            let waiter = FaultyWaiter { inner: host.waiter, stage: &stage, place, process, close: &*close };
             stage.fork();
-            match catch_unwind(AssertUnwindSafe(|| body(&waiter))) {
+            match catch_unwind(AssertUnwindSafe(|| body(Host { waiter: &waiter, ..host }))) {
                 Err(panic) if !panic.is::<Killed>() => resume_unwind(panic),
                 Err(_) => {}
                 Ok(()) => {
@@ -149,9 +149,5 @@ impl Waiter for FaultyWaiter<'_> {
 
     fn wait_closing(&self, until: Nanos) -> Result<(), Closed> {
         self.inner.wait_closing(until)
-    }
-
-    fn news(&self) -> Option<News> {
-        self.inner.news()
     }
 }

@@ -6,6 +6,7 @@
 //! own figures are not asked.
 
 use mrroc_core::link::Nanos;
+use mrroc_core::observe::layout::{JointLayout, RobotLayout};
 
 /// What a robot's drives may be told.
 #[derive(Clone, Debug)]
@@ -15,6 +16,20 @@ pub(crate) struct Bounds {
     pub velocity: Vec<f64>,
     pub acceleration: Vec<f64>,
     pub servo: Nanos,
+}
+
+impl Bounds {
+    /// Of a robot of a cell.
+    pub fn of(robot: &RobotLayout) -> Bounds {
+        let joints = |value: fn(&JointLayout) -> f64| robot.joints.iter().map(value).collect();
+        Bounds {
+            lower: joints(|joint| joint.lower),
+            upper: joints(|joint| joint.upper),
+            velocity: joints(|joint| joint.velocity),
+            acceleration: joints(|joint| joint.acceleration),
+            servo: robot.servo.as_nanos() as Nanos,
+        }
+    }
 }
 
 /// What one robot's drives were told in a trial.

@@ -5,7 +5,7 @@ use core::cell::{Cell, RefCell};
 use super::case::{Case, Channel, Injected, LinkFault};
 use super::forks::Forks;
 use super::random::Random;
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 
 /// How long a trial goes on.

@@ -7,10 +7,10 @@ use std::rc::Rc;
 use super::case::{Case, Channel, Injected, Press};
 use super::forks::Forks;
 use super::link::FaultyLink;
-use super::onlooker::Onlooker;
+use super::onlooker::{Bounds, Onlooker};
 use super::stage::{Lasting, Stage};
 use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::link::memory::Scheduler;
 use mrroc_core::operator::Operator;
@@ -78,12 +78,16 @@ pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Tr
             }
         });
     }
-    let mut onlookers = Vec::new();
-    for robot in cell.robots_mut() {
-        let onlooker = Rc::new(RefCell::new(Onlooker::new(robot.name(), robot.bounds())));
-        robot.show(Rc::clone(&onlooker));
-        onlookers.push(onlooker);
-    }
+    let layout = cell.layout();
+    let onlookers: Rc<[RefCell<Onlooker>]> =
+        layout.robots.iter().map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot)))).collect();
+    let seeing = Rc::clone(&onlookers);
+    let mut cell = cell.watch(move |seen| {
+        // A time that a servo period ends at, in nanoseconds again.
+        let end = (seen.time * 1e9).round() as Nanos;
+        let of_robot = seeing.iter().find(|onlooker| onlooker.borrow().name == seen.robot);
+        of_robot.into_iter().for_each(|onlooker| onlooker.borrow_mut().see(end, seen.demanded));
+    });
     let (rate_steps, stop_steps) = (cell.rate_steps(), cell.stop_steps());
     let mut scheduler = Scheduler::new();
     let assembly = cell.put_on(&mut FaultyLink { scheduler: &mut scheduler, stage: Rc::clone(&stage) })?;

@@ -6,9 +6,9 @@
 use super::case::{Case, Injected, LinkFault};
 use super::trial::Trial;
 use mrroc_core::cell::CellError;
-use mrroc_core::model::fault::{FaultKind, ProcessId, Role};
+use mrroc_core::fault::{FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
-use mrroc_core::safety::stopping::missed_step_budget;
+use mrroc_core::link::patience::missed_step_budget;
 
 /// What came of a case.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,6 +156,6 @@ fn delay(trial: &Trial) -> Nanos {
     2 * trial.step + 2 * trial.robots.iter().map(|robot| robot.servo()).max().unwrap_or(0)
 }
 
-fn is_of(robot: &super::onlooker::Onlooker, name: Option<mrroc_core::model::name::Name>) -> bool {
+fn is_of(robot: &super::onlooker::Onlooker, name: Option<mrroc_core::fault::Name>) -> bool {
     name.is_some_and(|name| name.as_str() == robot.name)
 }

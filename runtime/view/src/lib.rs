@@ -24,7 +24,7 @@ const LOOK: Duration = Duration::from_millis(25);
 ///
 /// # Errors
 /// There is no terminal to draw on, or the desk says what it never says.
-pub(crate) fn view(caller: Caller) -> io::Result<()> {
+pub fn view(caller: Caller) -> io::Result<()> {
     let Caller { mut asks, hears } = caller;
     asks.ask(&Request::Watch)?;
     let heard = listen(hears)?;

@@ -18,16 +18,12 @@ use crate::control::sensing::Sensing;
 use crate::observe::witness::{Tap, What};
 
 /// What the processes of a cell leave behind.
-pub(crate) struct Assembly {
+pub struct Assembly {
     /// How their programs ended.
     pub outcomes: Outcomes,
     /// Steps that the MP began.
     pub steps: Rc<core::cell::Cell<u64>>,
     /// How robots in the plant came to a standstill whose commands had stopped.
-    #[cfg_attr(
-        not(all(feature = "processes", target_os = "linux")),
-        allow(dead_code, reason = "told to the launcher")
-    )]
     pub rests: Rests,
 }
 
@@ -36,7 +32,7 @@ impl Cell {
     ///
     /// # Errors
     /// [`CellError`]: what is wrong with the set-up.
-    pub(crate) fn put_on(mut self, link: &mut dyn Link) -> Result<Assembly, CellError> {
+    pub fn put_on(mut self, link: &mut dyn Link) -> Result<Assembly, CellError> {
         let names = self.check()?;
         self.assemble(&names, link)
     }

@@ -148,7 +148,7 @@ pub enum CellError {
 
 impl CellError {
     /// All that is wrong with a set-up as one error.
-    pub(crate) fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
+    pub fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
         match errors.pop() {
             None => Ok(()),
             Some(only) if errors.is_empty() => Err(only),

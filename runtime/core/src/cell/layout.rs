@@ -2,7 +2,6 @@
 //!
 //! In: set-ups. Out: names, kinds, periods, modes and limits, and how long each joint's stop takes.
 
-use core::time::Duration;
 
 use crate::model::joints::JointVector;
 use crate::model::robot::Robot;
@@ -13,7 +12,7 @@ use super::Cell;
 
 impl Cell {
     /// What the cell is made of. Nothing need be right with it.
-    pub(crate) fn layout(&self) -> Layout {
+    pub fn layout(&self) -> Layout {
         Layout {
             step: self.step,
             stop_time: self.stop_time,

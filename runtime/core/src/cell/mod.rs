@@ -26,14 +26,11 @@ use crate::link::watchdog::Watchdog;
 use crate::control::mp::{Mp, StepHook};
 use crate::model::name::Name;
 use crate::operator::Operator;
-use crate::cell::realtime::Realtime;
 
 use crate::control::replay::Tape;
 use crate::model::robot::Robot;
-use crate::observe::layout::Layout;
 use crate::observe::recording::{NotRecorded, Recorder, Recording, RunRecord};
 use crate::observe::servo::Observation;
-use crate::safety::latch::AfterFault;
 use crate::safety::stopping::STOP_TIME;
 use crate::model::sensor::VirtualSensor;
 use crate::observe::witness::Witness;
@@ -41,9 +38,13 @@ use crate::observe::witness::Witness;
 use robot::SharedObserver;
 use sensor::AnySensor;
 
-pub(crate) use robot::AnyRobot;
+pub use robot::AnyRobot;
 
 pub use error::CellError;
+pub use crate::safety::latch::AfterFault;
+pub use realtime::{Permission, Realtime};
+pub use crate::control::plant::{Rest, Rests};
+pub use assembly::Assembly;
 pub use robot::RobotSetup;
 pub use sensor::SensorSetup;
 
@@ -181,24 +182,24 @@ impl Cell {
     }
 
     /// The same without the observers that it has.
-    pub(crate) fn unobserved(mut self) -> Cell {
+    pub fn unobserved(mut self) -> Cell {
         self.robots.iter_mut().for_each(|robot| robot.unwatch());
         self
     }
 
     /// Lets observers look at simulated drives in the plant.
-    pub(crate) const fn watched_in_plant(mut self) -> Cell {
+    pub const fn watched_in_plant(mut self) -> Cell {
         self.watched_in_plant = true;
         self
     }
 
     /// Adds a robot of any kind.
-    pub(crate) fn push_robot(&mut self, robot: Box<dyn AnyRobot>) {
+    pub fn push_robot(&mut self, robot: Box<dyn AnyRobot>) {
         self.robots.push(robot);
     }
 
     /// The cell does not run without these sensors.
-    pub(crate) fn expect_sensors<'a>(mut self, names: impl Iterator<Item = &'a str>) -> Cell {
+    pub fn expect_sensors<'a>(mut self, names: impl Iterator<Item = &'a str>) -> Cell {
         self.expected_sensors.extend(names.map(str::to_owned));
         self
     }
@@ -219,7 +220,7 @@ impl Cell {
     }
 
     /// Adds a hook to the one that there is.
-    pub(crate) fn also_on_step(mut self, mut hook: impl FnMut(u64, &Operator) + 'static) -> Cell {
+    pub fn also_on_step(mut self, mut hook: impl FnMut(u64, &Operator) + 'static) -> Cell {
         let mut own = self.hook.take();
         self.on_step(move |step, operator| {
             if let Some(own) = &mut own {
@@ -266,35 +267,35 @@ impl Cell {
     }
 
     /// Its robots, for a trial to watch.
-    pub(crate) fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
+    pub fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
         self.robots.iter_mut().map(|robot| &mut **robot)
     }
 
     /// The length of a step.
-    pub(crate) const fn step_length(&self) -> Duration {
+    pub const fn step_length(&self) -> Duration {
         self.step
     }
 
     /// Steps within which every robot must stand after a stop began.
-    pub(crate) fn stop_steps(&self) -> u64 {
+    pub fn stop_steps(&self) -> u64 {
         let servos = self.robots.iter().map(|robot| robot.servo_period());
         let delay = crate::control::interpolation::delay(self.step, servos).unwrap_or_default();
         self.robots.iter().map(|robot| robot.stop_steps(self.step, delay)).max().unwrap_or(0)
     }
 
     /// Steps in which the rate falls from the planned one to a standstill.
-    pub(crate) fn rate_steps(&self) -> u64 {
+    pub fn rate_steps(&self) -> u64 {
         // A float becomes the nearest integer that there is.
         (1.0 / (self.rate_change * self.step.as_secs_f64())).ceil() as u64
     }
 
     /// How long a stop of one of its robots may take.
-    pub(crate) const fn stop_limit(&self) -> Duration {
+    pub const fn stop_limit(&self) -> Duration {
         self.stop_time
     }
 
     /// What its processes ask of the machine.
-    pub(crate) const fn realtime(&self) -> Option<&Realtime> {
+    pub const fn realtime(&self) -> Option<&Realtime> {
         self.realtime.as_ref()
     }
 
@@ -307,7 +308,7 @@ impl Cell {
     }
 
     /// Asks this of the machine for its processes.
-    pub(crate) fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
+    pub fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
         self.realtime = realtime;
         self
     }
@@ -337,35 +338,40 @@ impl Cell {
     }
 
     /// Records nothing.
-    pub(crate) fn unrecorded(mut self) -> Cell {
+    pub fn unrecorded(mut self) -> Cell {
         self.recording = None;
         self
     }
 
     /// Lets no run in real time begin before a dry run has gone well.
-    pub(crate) const fn demand_dry_run(mut self) -> Cell {
+    pub const fn demand_dry_run(mut self) -> Cell {
         self.dry_run = true;
         self
     }
 
     /// Whether a dry run comes before one in real time.
-    pub(crate) const fn demands_dry_run(&self) -> bool {
+    pub const fn demands_dry_run(&self) -> bool {
         self.dry_run
     }
 
     /// What it is recorded to.
-    pub(crate) const fn recording(&self) -> Option<&Recording> {
+    pub const fn recording(&self) -> Option<&Recording> {
         self.recording.as_ref()
     }
 
+    /// What records it.
+    pub fn recorder(&self) -> Option<&'static dyn Recorder> {
+        self.recorder
+    }
+
     /// Shows what happens in the cell's processes to a witness.
-    pub(crate) fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
+    pub fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
         self.witnesses.push(witness);
         self
     }
 
     /// Answers from a recording in place of drives, sensors and the operator. The recording is of this cell.
-    pub(crate) fn replaying(mut self, tape: Rc<Tape>) -> Cell {
+    pub fn replaying(mut self, tape: Rc<Tape>) -> Cell {
         let step = self.step;
         for robot in &mut self.robots {
             if let Some(recorded) = tape.robot(robot.name()) {
@@ -400,7 +406,7 @@ impl Cell {
     }
 
     /// Runs a cell in which nothing is wrong.
-    pub(crate) fn run_on_memory(self, names: &[Name]) -> Result<RunReport, CellError> {
+    pub fn run_on_memory(self, names: &[Name]) -> Result<RunReport, CellError> {
         let mut scheduler = Scheduler::new();
         let patience = self.watchdog;
         let assembly = self.assemble(names, &mut scheduler)?;
@@ -415,7 +421,7 @@ impl Cell {
     }
 
     /// The robots' names, when nothing is wrong with the set-up.
-    pub(crate) fn check(&mut self) -> Result<Vec<Name>, CellError> {
+    pub fn check(&mut self) -> Result<Vec<Name>, CellError> {
         if self.step.is_zero() {
             return Err(CellError::Step);
         }
@@ -475,7 +481,7 @@ impl Cell {
 }
 
 /// The MP's fault, or else the first of an ECP's.
-pub(crate) fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault> {
+pub fn first_cause(outcomes: &[(ProcessId, Result<(), Fault>)]) -> Result<(), Fault> {
     let mp = outcomes.iter().filter(|(process, _)| process.role == Role::Mp);
     let others = outcomes.iter().filter(|(process, _)| process.role != Role::Mp);
     for (process, outcome) in mp.chain(others) {

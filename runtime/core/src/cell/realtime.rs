@@ -6,11 +6,11 @@
 use crate::model::fault::{ProcessId, Role};
 
 /// The highest priority that may be asked for: above it are the kernel's own threads.
-pub(crate) const MAX_PRIORITY: u8 = 95;
+pub const MAX_PRIORITY: u8 = 95;
 
 /// What to do when the machine does not permit what is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Permission {
+pub enum Permission {
     /// Nothing runs.
     Required,
     /// The cell runs without it, and says so.
@@ -19,7 +19,7 @@ pub(crate) enum Permission {
 
 /// What the processes of a cell ask of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Realtime {
+pub struct Realtime {
     pub permission: Permission,
     /// Priority under SCHED_FIFO, from 1 to [`MAX_PRIORITY`].
     pub priority: u8,

@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use super::layout::joints;
 use crate::observe::layout::RobotLayout;
-use crate::observe::servo::{Frames, Observation};
+use crate::observe::servo::Observation;
 use super::{CellError, Outcomes, limits};
 use crate::model::driver::{Driver, Homing};
 use crate::control::ecp::{Ecp, Pace};
@@ -22,7 +22,6 @@ use crate::model::joints::JointVector;
 use crate::safety::latch::Gate;
 use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
-use crate::model::time::Nanos;
 use crate::model::name::Name;
 use crate::control::overruns::Timed;
 use crate::model::payload::Nudge;
@@ -30,7 +29,7 @@ use crate::control::plant::Site;
 use crate::model::pose::Pose;
 use crate::control::replay::RobotTape;
 use crate::control::replay::drives::recorded;
-use crate::model::robot::{JointKind, NoInverse, Robot};
+use crate::model::robot::{NoInverse, Robot};
 use crate::control::sensing::Sensing;
 use crate::observe::shown::{AnyShown, Shown};
 use crate::safety::stopping::stop_steps;
@@ -72,7 +71,7 @@ impl<R: Robot> RobotSetup<R> {
     }
 
     /// Whether its drives know where it is.
-    pub(crate) fn is_homed(&self) -> bool {
+    pub fn is_homed(&self) -> bool {
         matches!(self.drives, Drives::Homed(_))
     }
 
@@ -122,7 +121,7 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
-    pub(crate) fn rename(&mut self, name: &str) {
+    pub fn rename(&mut self, name: &str) {
         name.clone_into(&mut self.name);
     }
 
@@ -146,7 +145,7 @@ impl<R: Robot> RobotSetup<R> {
 }
 
 /// Where a robot's processes are.
-pub(crate) struct Place {
+pub struct Place {
     pub name: Name,
     pub ecp: usize,
     pub step: Duration,
@@ -161,7 +160,7 @@ pub(crate) struct Place {
 pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 
 /// A robot of any kind.
-pub(crate) trait AnyRobot {
+pub trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     fn watch(&mut self, observer: SharedObserver);
     fn unwatch(&mut self);

@@ -5,19 +5,15 @@ use crate::model::sensor::CONFIGURATION_WORDS;
 use crate::model::sensor::EffectorState;
 use crate::model::sensor::ReadingOrder;
 use crate::model::sensor::VirtualSensor;
-use core::time::Duration;
 use std::rc::Rc;
 
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::Sensor;
-use crate::model::joints::MAX_JOINTS;
 use crate::link::{Board, Closed, Sample, Server, Waiter};
 use crate::model::time::Nanos;
 use crate::link::message::{Kind, Message};
 use crate::control::plant_sensor::PlantSensor;
-use crate::model::pose::Pose;
-use crate::model::shape::Shape;
-use crate::model::wire::{BadWords, WORDS, Wire};
+use crate::model::wire::Wire;
 
 /// Where a VSP gets its orders.
 pub(crate) enum Orders {

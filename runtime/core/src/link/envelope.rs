@@ -1,8 +1,6 @@
 //! A message between processes: plain words, whatever they hold, so that a foreign or damaged one is an error and never
 //! undefined behaviour. A sum over all words tells of damage: a damaged message is a lost one.
 
-#[cfg(all(feature = "processes", target_os = "linux"))]
-use iceoryx2::prelude::ZeroCopySend;
 
 use crate::safety::rate::RateHeadroom;
 use crate::link::message::{Header, Kind, Message, OrderKind, RequestKind};
@@ -10,7 +8,7 @@ use crate::safety::braking::BrakingLaw;
 use crate::model::wire::{BadWords, WORDS};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
-pub(crate) const LAYOUT: u64 = 3;
+pub const LAYOUT: u64 = 3;
 
 /// Words of a message's head.
 const HEAD: usize = 14;
@@ -44,7 +42,7 @@ const KINDS: [Kind; 17] = [
 
 /// What every message of a cell's run carries: messages of another run, or of an earlier attempt to start it, are none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Seal {
+pub struct Seal {
     /// Number of the session, drawn at random by its launcher.
     pub session: u64,
     /// The launcher's attempts to start it, counted from 1.
@@ -54,9 +52,7 @@ pub(crate) struct Seal {
 /// A message between processes, as it lies in shared memory.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(all(feature = "processes", target_os = "linux"), derive(ZeroCopySend))]
-#[cfg_attr(all(feature = "processes", target_os = "linux"), type_name("mrroc::Envelope"))]
-pub(crate) struct Envelope {
+pub struct Envelope {
     layout: u64,
     session: u64,
     epoch: u64,
@@ -72,10 +68,6 @@ pub(crate) struct Envelope {
 
 impl Envelope {
     /// No message.
-    #[cfg_attr(
-        not(all(feature = "processes", target_os = "linux")),
-        allow(dead_code, reason = "what boards show before they are written")
-    )]
     pub const EMPTY: Envelope = Envelope {
         layout: 0,
         session: 0,
@@ -201,7 +193,7 @@ impl Envelope {
     }
 
     /// These words under a seal of their own, head first: whole, whatever they say.
-    pub(crate) fn of_words(words: &[u64]) -> Envelope {
+    pub fn of_words(words: &[u64]) -> Envelope {
         let mut words = words.iter().copied();
         let mut next = || words.next().unwrap_or(0);
         let (head, body) = (core::array::from_fn(|_| next()), core::array::from_fn(|_| next()));
@@ -212,12 +204,12 @@ impl Envelope {
     }
 
     /// The words of its head and of its body that count.
-    pub(crate) fn words(&self) -> (&[u64], &[u64]) {
+    pub fn words(&self) -> (&[u64], &[u64]) {
         (&self.head, &self.body[..(self.head[LEN_WORD] as usize).min(WORDS)])
     }
 
     /// The same with bits of one of its words turned round, counted from the seal's.
-    pub(crate) fn damaged(mut self, word: u64, bits: u64) -> Envelope {
+    pub fn damaged(mut self, word: u64, bits: u64) -> Envelope {
         let counts = HEAD + (self.head[LEN_WORD] as usize).min(WORDS);
         match word as usize % (6 + counts) {
             0 => self.layout ^= bits,

@@ -96,7 +96,6 @@ impl Scheduler {
     }
 
     /// Wakes the processes at places, one bit each, for messages that did not go through this link.
-    #[cfg(all(feature = "processes", target_os = "linux"))]
     pub fn waker(&self) -> Box<dyn Fn(u64)> {
         let shared = Rc::clone(&self.shared);
         Box::new(move |places| shared.ready.set(shared.ready.get() | places))

@@ -16,10 +16,10 @@ use std::rc::Rc;
 use crate::model::fault::ProcessId;
 use crate::link::message::Message;
 
-use crate::model::time::Nanos;
+pub use crate::model::time::{Clock, Nanos};
 use crate::operator::console::{Console, NoConsole};
 
-use memory::Stuck;
+pub use memory::Stuck;
 
 /// The cell is closing: the process returns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

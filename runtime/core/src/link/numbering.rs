@@ -11,7 +11,7 @@ use crate::link::message::Message;
 
 /// The asking end.
 #[derive(Debug)]
-pub(crate) struct Asking {
+pub struct Asking {
     seal: Seal,
     /// Ordinal of the last request, counted from 1, and how often it was sent.
     sequence: Cell<u64>,
@@ -64,7 +64,7 @@ impl Asking {
 /// What a server does with an envelope.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "it is looked at where it was made")]
-pub(crate) enum Heard {
+pub enum Heard {
     /// It is a new request.
     New,
     /// It asks again for an answer that was given: this one.
@@ -75,7 +75,7 @@ pub(crate) enum Heard {
 
 /// The answering end.
 #[derive(Debug)]
-pub(crate) struct Answering {
+pub struct Answering {
     seal: Seal,
     /// Ordinal of the request taken last, counted from 1, and in which attempt it was heard last.
     sequence: Cell<u64>,

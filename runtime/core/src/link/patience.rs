@@ -3,11 +3,11 @@
 use core::time::Duration;
 
 use super::{Client, Closed, Nanos, Waiter};
-use crate::safety::stopping::missed_step_budget;
+pub use crate::safety::stopping::missed_step_budget;
 
 /// How long an answer may take, and after which time without one it is asked for again \[ns\].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Patience {
+pub struct Patience {
     pub most: Nanos,
     pub again: Nanos,
 }
@@ -28,7 +28,7 @@ impl Patience {
 
 /// A wait for answers to requests of one time.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Waiting {
+pub struct Waiting {
     until: Nanos,
     /// When the request is sent again, and after which time again \[ns\].
     next: Nanos,

@@ -122,7 +122,7 @@ impl FaultKind {
 }
 
 /// The message of an operator's protective stop.
-pub(crate) const BY_OPERATOR: &str = "by the operator";
+pub const BY_OPERATOR: &str = "by the operator";
 
 /// A short text that travels with a fault: what the program or a panic said, cut at 120 bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -254,19 +254,19 @@ impl Fault {
     }
 
     /// A fault that ends an instruction, or the cell, in order: no robot moves, and none has to be stopped.
-    pub(crate) fn orderly(kind: FaultKind) -> Fault {
+    pub fn orderly(kind: FaultKind) -> Fault {
         let mut fault = Fault::new(kind);
         fault.0.orderly = true;
         fault
     }
 
     /// Whether the runtime ended an instruction by it at standstill.
-    pub(crate) fn is_orderly(&self) -> bool {
+    pub fn is_orderly(&self) -> bool {
         self.0.orderly
     }
 
     /// The fault that user code threw: a kind that only the runtime can know of is the program's own then.
-    pub(crate) fn thrown_by_program(mut self) -> Fault {
+    pub fn thrown_by_program(mut self) -> Fault {
         self.0.orderly = false;
         if self.kind().is_the_runtimes() {
             self.0.text = Text::new(&format!("the program threw `{:?}`: {}", self.kind(), self.message()));
@@ -276,7 +276,7 @@ impl Fault {
     }
 
     /// The fault for which a guard stops the cell.
-    pub(crate) fn of_guard(self) -> Fault {
+    pub fn of_guard(self) -> Fault {
         let mut fault = self.thrown_by_program();
         if fault.kind() == FaultKind::Program {
             fault.0.kind = FaultKind::ProtectiveStop;
@@ -285,18 +285,18 @@ impl Fault {
     }
 
     /// Whether it is of a sensor that answers, without a reading to move by: robots can stop on their paths for it.
-    pub(crate) fn leaves_demands_sound(&self) -> bool {
+    pub fn leaves_demands_sound(&self) -> bool {
         let of_sensor = self.process().is_some_and(|process| process.role == Role::Vsp);
         of_sensor && !self.is_orderly() && !matches!(self.kind(), FaultKind::PeerLost | FaultKind::Message)
     }
 
     /// The operator's protective stop.
-    pub(crate) fn of_operator() -> Fault {
+    pub fn of_operator() -> Fault {
         Fault::new(FaultKind::ProtectiveStop).in_process(ProcessId::MP).text(BY_OPERATOR)
     }
 
     /// What a drive gave up for.
-    pub(crate) fn of_drive(trip: &crate::model::driver::DriveFault) -> Fault {
+    pub fn of_drive(trip: &crate::model::driver::DriveFault) -> Fault {
         let fault = Fault::new(FaultKind::DriveFault).text(trip.what).at_joint(trip.joint);
         fault.exceeds(trip.actual, trip.limit, trip.unit)
     }
@@ -315,7 +315,7 @@ impl Fault {
     }
 
     /// Says that the first demand of a motion met it.
-    pub(crate) fn of_first_demand(mut self) -> Fault {
+    pub fn of_first_demand(mut self) -> Fault {
         self.0.first = true;
         self
     }
@@ -446,7 +446,7 @@ impl std::error::Error for Fault {}
 
 /// A fault on the wire.
 #[derive(Clone, Copy)]
-pub(crate) struct FaultWords(Report);
+pub struct FaultWords(Report);
 
 impl From<&Fault> for FaultWords {
     fn from(fault: &Fault) -> Self {
@@ -532,10 +532,10 @@ impl Wire for FaultWords {
 const _: () = assert!(FaultWords::LEN <= WORDS, "a fault fits into a message");
 
 /// What unwinds a program that will not end otherwise: no panic of its own.
-pub(crate) struct Ended(pub &'static str);
+pub struct Ended(pub &'static str);
 
 /// The fault that a panic of a program or a sensor becomes.
-pub(crate) fn panicked(panic: &(dyn core::any::Any + Send)) -> Fault {
+pub fn panicked(panic: &(dyn core::any::Any + Send)) -> Fault {
     if let Some(Ended(text)) = panic.downcast_ref() {
         return Fault::thrown(text);
     }

@@ -90,7 +90,7 @@ impl<R: Robot> fmt::Debug for RobotImage<R> {
     }
 }
 
-pub(crate) const STATE_WORDS: usize = 2 * MAX_JOINTS + 7;
+pub const STATE_WORDS: usize = 2 * MAX_JOINTS + 7;
 
 impl<R: Robot> Wire for RobotState<R> {
     const LEN: usize = STATE_WORDS;

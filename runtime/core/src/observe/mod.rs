@@ -8,3 +8,7 @@ pub mod recording;
 pub mod servo;
 pub mod shown;
 pub mod witness;
+
+pub use recording::{NotRecorded, Recording};
+pub use servo::{Observation, ServoRecord};
+pub use shown::Shown;

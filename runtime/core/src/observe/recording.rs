@@ -123,14 +123,23 @@ impl Recording {
         self.recorder
     }
 
+    /// Whether it is to have the robot of this name.
+    #[must_use]
+    pub fn has_robot(&self, name: &str) -> bool {
+        self.robots.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
+    }
+
+    /// Whether it is to have the sensor of this name.
+    #[must_use]
+    pub fn has_sensor(&self, name: &str) -> bool {
+        self.sensors.as_ref().is_none_or(|names| names.iter().any(|known| known == name))
+    }
+
     /// Of a cell, what it is asked to record.
     #[must_use]
     pub fn of(&self, mut layout: Layout) -> Layout {
-        let asked = |names: &Option<Vec<String>>, name: &String| {
-            names.as_ref().is_none_or(|names| names.contains(name))
-        };
-        layout.robots.retain(|robot| asked(&self.robots, &robot.name));
-        layout.sensors.retain(|sensor| asked(&self.sensors, &sensor.name));
+        layout.robots.retain(|robot| self.has_robot(&robot.name));
+        layout.sensors.retain(|sensor| self.has_sensor(&sensor.name));
         layout
     }
 

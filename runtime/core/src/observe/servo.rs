@@ -33,12 +33,12 @@ pub struct Observation<'a> {
     pub measured: &'a [f64],
     /// What kind each joint is.
     pub joints: &'a [JointKind],
-    pub(crate) frames: &'a Frames<'a>,
-    pub(crate) tool: Pose,
+    pub frames: &'a Frames<'a>,
+    pub tool: Pose,
 }
 
 /// Shows a visitor the frames of a robot's links.
-pub(crate) type Frames<'a> = dyn Fn(&mut dyn FnMut(&Pose)) + 'a;
+pub type Frames<'a> = dyn Fn(&mut dyn FnMut(&Pose)) + 'a;
 
 impl Observation<'_> {
     /// Visits the frames of the links at the measured joints, `X_WL`, from the base to the flange, and the tool's, `X_WE`,

@@ -78,7 +78,7 @@ impl<T: Wire> Shown<T> {
 }
 
 /// A shown value of any type.
-pub(crate) trait AnyShown {
+pub trait AnyShown {
     /// From the process that sets it to the one that reads it.
     fn pass_on(&self, board: Rc<dyn Board>);
 }

@@ -6,7 +6,7 @@
 use std::rc::Rc;
 
 use crate::model::fault::{Fault, FaultWords, ProcessId};
-use crate::model::image::STATE_WORDS;
+pub use crate::model::image::STATE_WORDS;
 use crate::model::time::Nanos;
 use crate::link::message::OrderKind;
 use crate::model::name::Name;
@@ -14,12 +14,11 @@ use crate::model::shape::Shape;
 use crate::model::wire::Wire;
 
 /// Words of what an image is shown as: the demanded state, the measured one, the tool.
-pub(crate) const IMAGE_WORDS: usize = 2 * STATE_WORDS + 7;
+pub const IMAGE_WORDS: usize = 2 * STATE_WORDS + 7;
 
 /// What happened. The words beside it are named with each.
-#[cfg_attr(not(feature = "recording"), allow(dead_code, reason = "most of it is for recordings"))]
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum What {
+pub enum What {
     /// The MP begins a step; path time and real time of it \[s\], and what the operator wants. No words.
     Step {
         step: u64,
@@ -60,7 +59,7 @@ pub(crate) enum What {
 
 /// What an EDP does in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mode {
+pub enum Mode {
     Holding,
     Moving,
     /// The demand did not come: the path goes on.
@@ -71,7 +70,7 @@ pub(crate) enum Mode {
 
 /// What a process has collected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ReadingState {
+pub enum ReadingState {
     /// A reading.
     There,
     /// Nothing yet.
@@ -83,7 +82,7 @@ pub(crate) enum ReadingState {
 }
 
 /// Who watches.
-pub(crate) trait Witness {
+pub trait Witness {
     /// A process shows something at a time of the cell.
     fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]);
 
@@ -95,7 +94,7 @@ pub(crate) trait Witness {
 
 /// Where a process shows what happens in it.
 #[derive(Clone)]
-pub(crate) struct Tap {
+pub struct Tap {
     process: ProcessId,
     witnesses: Rc<[Rc<dyn Witness>]>,
 }

@@ -10,7 +10,7 @@ use crate::operator::Operator;
 
 /// A button of the console.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Button {
+pub enum Button {
     /// All robots stop on their paths, and the cell is latched.
     Stop,
     /// All robots stop on their paths, and the instruction ends.
@@ -30,7 +30,7 @@ pub(crate) enum Button {
 /// A word that is no button.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what}\n help: {help}")]
-pub(crate) struct NoButton {
+pub struct NoButton {
     pub what: String,
     pub help: String,
 }
@@ -129,7 +129,7 @@ impl fmt::Display for Button {
 
 /// What a cell does, as far as it matters to its operator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum CellState {
+pub enum CellState {
     /// No Move or Wait of the MP is at work.
     #[default]
     Idle,
@@ -194,7 +194,7 @@ impl CellState {
 
 /// What became of a button that was pressed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Answer {
+pub struct Answer {
     /// The number that it was pressed under; 0 for none.
     pub number: u64,
     /// The step that carried it out or refused it.
@@ -207,7 +207,7 @@ pub(crate) struct Answer {
 
 impl Operator {
     /// Carries out a button in a state of the cell; whether it was. Pressed twice it changes nothing more.
-    pub(crate) fn press(&self, button: Button, state: CellState) -> bool {
+    pub fn press(&self, button: Button, state: CellState) -> bool {
         use CellState::{Aborting, Acknowledged, Latched, Running, Suspended};
         match (button, state) {
             (Button::Stop, state) => {
@@ -237,7 +237,7 @@ impl Operator {
     }
 
     /// The state of a cell.
-    pub(crate) fn state(&self) -> CellState {
+    pub fn state(&self) -> CellState {
         match self.latch() {
             Latch::Clear => {}
             Latch::Stopping => return CellState::Stopping,

@@ -68,7 +68,7 @@ const FULL: u64 = 1.0_f64.to_bits();
 pub struct BadSpeed(pub f64);
 
 impl Operator {
-    pub(crate) fn new() -> Operator {
+    pub fn new() -> Operator {
         Operator::default()
     }
 
@@ -128,7 +128,7 @@ impl Operator {
     }
 
     /// The protective stop that was pressed since it was asked for last.
-    pub(crate) fn take_protective_stop(&self) -> bool {
+    pub fn take_protective_stop(&self) -> bool {
         self.panel.protective.swap(false, Ordering::AcqRel)
     }
 
@@ -186,12 +186,12 @@ impl Operator {
         self.panel.given_up.store(true, Ordering::Release);
     }
 
-    pub(crate) fn has_given_up(&self) -> bool {
+    pub fn has_given_up(&self) -> bool {
         self.panel.given_up.load(Ordering::Acquire)
     }
 
     /// Something happened to the latch.
-    pub(crate) fn meet(&self, event: Event) -> Result<(), LatchRefusal> {
+    pub fn meet(&self, event: Event) -> Result<(), LatchRefusal> {
         let latching = &self.panel.latching;
         let mut word = latching.load(Ordering::Acquire);
         loop {
@@ -204,17 +204,17 @@ impl Operator {
     }
 
     /// All robots stand for a cause, or as far as they can be brought to.
-    pub(crate) fn show_cause(&self, cause: &Fault) {
+    pub fn show_cause(&self, cause: &Fault) {
         self.report(|report| report.cause = Some(cause.clone()));
     }
 
     /// What forbids a reset now, or made the last one fail.
-    pub(crate) fn show_persisting(&self, persisting: Option<Fault>) {
+    pub fn show_persisting(&self, persisting: Option<Fault>) {
         self.report(|report| report.persisting = persisting);
     }
 
     /// The programs start again: nothing is latched any more.
-    pub(crate) fn forget(&self) {
+    pub fn forget(&self) {
         self.report(|report| *report = Report::default());
     }
 
@@ -223,22 +223,22 @@ impl Operator {
         look(&mut self.panel.report.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    pub(crate) fn is_aborting(&self) -> bool {
+    pub fn is_aborting(&self) -> bool {
         self.panel.stage.load(Ordering::Acquire) == ABORTING
     }
 
     /// An instruction begins, or takes over from the one before it with its abort.
-    pub(crate) fn begin(&self) {
+    pub fn begin(&self) {
         let _ = self.panel.stage.compare_exchange(IDLE, RUNNING, Ordering::AcqRel, Ordering::Acquire);
     }
 
     /// The instruction is over, at standstill; whether it was being aborted.
-    pub(crate) fn end(&self) -> bool {
+    pub fn end(&self) -> bool {
         self.panel.stage.swap(IDLE, Ordering::AcqRel) == ABORTING
     }
 
     /// The rate that the operator wants now.
-    pub(crate) fn wanted_rate(&self) -> f64 {
+    pub fn wanted_rate(&self) -> f64 {
         if self.is_suspended() || self.is_aborting() { 0.0 } else { self.speed() }
     }
 }

@@ -9,3 +9,5 @@ mod handle;
 pub mod state;
 
 pub use handle::{BadSpeed, Operator};
+
+pub use crate::safety::latch::{Latch, LatchRefusal};

@@ -15,7 +15,7 @@ use crate::safety::braking::SHARE;
 pub(crate) const STOP_TIME: Duration = Duration::from_millis(600);
 
 /// Missed steps that an EDP bridges before it brakes: 20 ms of steps (`L` of SAFETY.md).
-pub(crate) fn missed_step_budget(step: Duration) -> u32 {
+pub fn missed_step_budget(step: Duration) -> u32 {
     let step = step.as_nanos().max(1);
     u32::try_from(20_000_000_u128.div_ceil(step)).unwrap_or(u32::MAX)
 }

@@ -5,10 +5,10 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc_core::cell::CellError;
-use mrroc_core::model::joints::JointVector;
-use mrroc_core::model::pose::Pose;
-use mrroc_core::model::robot::Robot;
-use mrroc_core::control::vsp::VspMode;
+use mrroc_core::robot::JointVector;
+use mrroc_core::pose::Pose;
+use mrroc_core::robot::Robot;
+use mrroc_core::sensor::VspMode;
 
 use super::error::Source;
 

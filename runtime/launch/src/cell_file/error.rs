@@ -1,5 +1,6 @@
 //! What is wrong with a cell file: where, what, and what to write.
 
+use mrroc_core::cell::CellError;
 use mrroc_core::suggestion::nearest;
 use core::fmt;
 use core::ops::Range;
@@ -105,5 +106,11 @@ impl Source {
         let what = format!("the program asks for [{table}.{name}], which is not there");
         let at = self.file.clone();
         CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
+    }
+}
+
+impl From<CellFileError> for CellError {
+    fn from(error: CellFileError) -> CellError {
+        CellError::File(error.to_string())
     }
 }

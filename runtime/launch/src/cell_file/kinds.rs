@@ -1,7 +1,7 @@
 //! The kinds of robots that a cell file may name.
 
 use mrroc_core::cell::{AnyRobot, CellError, RobotSetup};
-use mrroc_core::model::robot::Robot;
+use mrroc_core::robot::Robot;
 
 use super::entry::RobotEntry;
 

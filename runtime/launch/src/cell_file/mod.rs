@@ -49,10 +49,10 @@ use std::path::Path;
 use std::rc::Rc;
 
 use mrroc_core::cell::{AfterFault, Cell, CellError, SensorSetup};
-use mrroc_core::model::image::Sensor;
-use mrroc_core::cell::realtime::Realtime;
-use mrroc_recording::Recording;
-use mrroc_core::control::vsp::VirtualSensor;
+use mrroc_core::sensor::Sensor;
+use mrroc_core::cell::Realtime;
+use mrroc_core::observe::Recording;
+use mrroc_core::sensor::VirtualSensor;
 
 pub use entry::RobotEntry;
 pub use error::CellFileError;

@@ -4,16 +4,17 @@ use core::ops::{Range, RangeInclusive};
 use core::time::Duration;
 use std::rc::Rc;
 
-use nalgebra::Translation3;
+use mrroc_core::nalgebra::Translation3;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use mrroc_core::cell::AfterFault;
-use mrroc_core::model::name::Name;
-use mrroc_core::model::pose::{Pose, Zyz};
-use mrroc_core::cell::realtime::{MAX_PRIORITY, Permission, Realtime};
-use mrroc_recording::Recording;
-use mrroc_core::control::vsp::VspMode;
+use mrroc_core::fault::Name;
+use mrroc_core::pose::{Pose, Zyz};
+use mrroc_core::cell::realtime::MAX_PRIORITY;
+use mrroc_core::cell::{Permission, Realtime};
+use mrroc_core::observe::Recording;
+use mrroc_core::sensor::VspMode;
 
 use super::CellFile;
 use super::entry::{At, RobotEntry, SensorEntry};

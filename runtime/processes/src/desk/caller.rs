@@ -10,7 +10,7 @@ use crate::session::{SessionError, sessions_of};
 
 /// No cell is there to be operated.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum NoCell {
+pub enum NoCell {
     /// Nobody runs it.
     #[error(
         "no processes run the cell of {0}\n help: start it in another terminal: --processes; --cell FILE names another one"
@@ -27,16 +27,16 @@ pub(crate) enum NoCell {
 }
 
 /// A connection to the desk of a running cell: its two directions.
-pub(crate) struct Caller {
+pub struct Caller {
     pub asks: Asks,
     pub hears: Hears,
 }
 
 /// What a console asks by.
-pub(crate) struct Asks(UnixStream);
+pub struct Asks(UnixStream);
 
 /// What it hears by.
-pub(crate) struct Hears(BufReader<UnixStream>);
+pub struct Hears(BufReader<UnixStream>);
 
 impl Caller {
     /// Connects to the cell of the file at `cell`.

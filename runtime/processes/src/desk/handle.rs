@@ -15,7 +15,7 @@ use std::thread::JoinHandle;
 
 use super::service::{SOCKET, Service};
 use mrroc_core::operator::button::Button;
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::figures::Figures;

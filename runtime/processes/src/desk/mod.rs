@@ -14,13 +14,7 @@ mod presses;
 mod protocol;
 mod service;
 
-pub(crate) use caller::Caller;
-#[cfg(feature = "view")]
-pub(crate) use caller::{Asks, Hears};
+pub use caller::{Asks, Caller, Hears};
 pub(super) use handle::Desk;
-pub(crate) use picture::Picture;
-#[cfg(all(feature = "view", test))]
-pub(crate) use picture::ProcessPicture;
-#[cfg(feature = "view")]
-pub(crate) use picture::RobotPicture;
-pub(crate) use protocol::{Heard, MAX_REQUEST, Reply, Request};
+pub use picture::{Picture, ProcessPicture, RobotPicture};
+pub use protocol::{Heard, MAX_REQUEST, Reply, Request};

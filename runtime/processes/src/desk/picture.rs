@@ -8,19 +8,19 @@ use core::fmt::{self, Write};
 use core::str::{FromStr, SplitAsciiWhitespace};
 
 use mrroc_core::operator::button::CellState;
-use mrroc_core::model::joints::MAX_JOINTS;
+use mrroc_core::robot::MAX_JOINTS;
 use mrroc_core::link::memory::MAX_PROCESSES;
-use mrroc_core::control::mp::Doing;
+use mrroc_core::operator::state::Doing;
 use crate::figures::{FIGURES_WORDS, Figures};
 
 /// A line that is no part of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no part of a picture")]
-pub(crate) struct BadPicture(String);
+pub struct BadPicture(String);
 
 /// What a cell looks like.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Picture {
+pub struct Picture {
     pub state: CellState,
     /// The step of the MP, and its period \[ns\].
     pub step: u64,
@@ -42,7 +42,7 @@ pub(crate) struct Picture {
 
 /// One process.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct ProcessPicture {
+pub struct ProcessPicture {
     /// `ecp left`.
     pub name: String,
     pub pid: u32,
@@ -54,7 +54,7 @@ pub(crate) struct ProcessPicture {
 
 /// One robot.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct RobotPicture {
+pub struct RobotPicture {
     pub name: String,
     /// Time of the servo period \[s\].
     pub time: f64,

@@ -19,7 +19,7 @@ use super::picture::Picture;
 use mrroc_core::operator::button::Button;
 
 /// The longest request, its end not counted \[bytes\].
-pub(crate) const MAX_REQUEST: usize = 80;
+pub const MAX_REQUEST: usize = 80;
 
 /// The longest line of an answer \[bytes\].
 const MAX_ANSWER: usize = 4096;
@@ -29,7 +29,7 @@ const MAX_LINES: usize = 1000;
 
 /// What a console asks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Request {
+pub enum Request {
     Status,
     Watch,
     Take,
@@ -80,7 +80,7 @@ impl fmt::Display for Request {
 
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Reply {
+pub enum Reply {
     /// It was carried out: what happened, in which step.
     Done(String),
     /// It was not: why.
@@ -101,7 +101,7 @@ impl fmt::Display for Reply {
 
 /// What a console hears.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Heard {
+pub enum Heard {
     Reply(Reply),
     Picture(Picture),
 }
@@ -159,7 +159,7 @@ mod tests {
     use super::super::picture::{ProcessPicture, RobotPicture};
     use super::*;
     use mrroc_core::operator::button::CellState;
-    use mrroc_core::control::mp::Doing;
+    use mrroc_core::operator::state::Doing;
     use crate::figures::{FIGURES_WORDS, Figures};
     use proptest::prelude::*;
 

@@ -19,7 +19,7 @@ use super::picture::{Picture, ProcessPicture, RobotPicture};
 use super::presses::Flight;
 use super::protocol::{Reply, Request};
 use mrroc_core::operator::button::{Button, CellState};
-use mrroc_core::model::fault::{ProcessId, Role};
+use mrroc_core::fault::{ProcessId, Role};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::panel::{MpPanel, robot};

@@ -12,12 +12,13 @@ use std::rc::Rc;
 use iceoryx2::prelude::*;
 
 use super::bell::Bell;
-use super::ports::{Answering, Asking, BoardEnd, End, Reads, Rope, Writes};
-use mrroc_core::model::fault::ProcessId;
+use super::ports::{Packet, Answering, Asking, BoardEnd, End, Reads, Rope, Writes};
+use mrroc_core::fault::ProcessId;
+use mrroc_core::link::Clock;
 use mrroc_core::link::envelope::{Envelope, LAYOUT, Seal};
 use mrroc_core::link::memory::{MAX_PROCESSES, Stuck};
 use mrroc_core::link::{Board, Body, Client, Link, Server, Simulation};
-use mrroc_core::model::wire::layout_hash;
+use mrroc_core::payload::layout_hash;
 
 /// The one value of a board.
 const KEY: u64 = 0;
@@ -194,15 +195,6 @@ impl Fabric {
     }
 }
 
-/// Whose time a cell runs in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Clock {
-    /// The machine's monotonic time.
-    Real,
-    /// The launcher's virtual time, in lock-step.
-    Virtual,
-}
-
 /// Makes a board that this process writes.
 fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
     let board = node
@@ -210,7 +202,7 @@ fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
         .blackboard_creator::<u64>()
         .max_readers(1)
         .max_nodes(MAX_PROCESSES)
-        .add::<Envelope>(KEY, Envelope::EMPTY)
+        .add::<Packet>(KEY, Packet(Envelope::EMPTY))
         .create()
         .map_err(LinkError::of(name))?;
     let writer = board.writer_builder().create().map_err(LinkError::of(name))?;

@@ -2,7 +2,7 @@
 //!
 //! In: a cell put together as on any other link, in every one of its processes alike. Out: the part of it that runs
 //! here. A board is a blackboard, a port two of them, and each process has one [`bell`], on which it sleeps.
-//! [`fabric`] puts the cell together, [`ports`] are the ends that are here, [`envelope`](super::envelope) is a message in shared memory,
+//! [`fabric`] puts the cell together, [`ports`] are the ends that are here,
 //! [`waiter`] how a process waits: in real time, or in lock-step under the launcher's virtual clock.
 
 mod bell;
@@ -13,8 +13,9 @@ mod samples;
 mod tests;
 mod waiter;
 
-pub(crate) use super::envelope::Seal;
+pub(crate) use mrroc_core::link::envelope::Seal;
 pub(crate) use bell::Bell;
-pub(crate) use fabric::{Clock, Fabric};
+pub(crate) use fabric::Fabric;
+pub(crate) use mrroc_core::link::Clock;
 pub(crate) use samples::Samples;
 pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Show, monotonic};

@@ -13,7 +13,7 @@ use std::rc::Rc;
 
 use iceoryx2::port::reader::EntryHandle;
 use iceoryx2::port::writer::EntryHandleMut;
-use iceoryx2::prelude::ipc;
+use iceoryx2::prelude::{ZeroCopySend, ipc};
 
 use super::bell::Bell;
 use mrroc_core::link::envelope::{Envelope, Seal};
@@ -21,9 +21,22 @@ use mrroc_core::link::numbering::{self, Heard};
 use mrroc_core::link::{Board, Client, Server};
 use mrroc_core::link::message::Message;
 
+/// An envelope as it lies in shared memory.
+#[derive(Clone, Copy, Debug)]
+#[repr(transparent)]
+pub(super) struct Packet(pub Envelope);
+
+#[expect(unsafe_code, reason = "it says to iceoryx2 that the type may be in shared memory")]
+// SAFETY: an envelope is words, in C's layout: it has no pointer, nothing to drop, and every bit pattern is one.
+unsafe impl ZeroCopySend for Packet {
+    unsafe fn type_name() -> &'static str {
+        "mrroc::Envelope"
+    }
+}
+
 /// The end of a board in shared memory that is written, and the one that is read.
-pub(super) type Writes = EntryHandleMut<ipc::Service, u64, Envelope>;
-pub(super) type Reads = EntryHandle<ipc::Service, u64, Envelope>;
+pub(super) type Writes = EntryHandleMut<ipc::Service, u64, Packet>;
+pub(super) type Reads = EntryHandle<ipc::Service, u64, Packet>;
 
 /// Wakes the process at the other end.
 pub(super) enum Rope {
@@ -62,7 +75,7 @@ impl PortEnd {
 
     /// Shows an envelope and wakes its reader.
     fn show(&self, envelope: Envelope) {
-        self.writes.update_with_copy(envelope);
+        self.writes.update_with_copy(Packet(envelope));
         if let Some((_, rope)) = self.other.get() {
             rope.pull();
         }
@@ -70,7 +83,7 @@ impl PortEnd {
 
     /// Looks at what the other side shows, once it has made its own board.
     fn look<T>(&self, looks: impl FnOnce(&Envelope) -> T) -> Option<T> {
-        self.other.get().map(|(reads, _)| looks(&reads.get()))
+        self.other.get().map(|(reads, _)| looks(&reads.get().0))
     }
 }
 
@@ -169,7 +182,7 @@ impl Board for End<BoardEnd> {
     fn write(&self, message: &Message) {
         if let Some(BoardEnd::Writes(entry, seal, shown)) = self.0.get() {
             shown.set(shown.get() + 1);
-            entry.update_with_copy(Envelope::seal(message, *seal, shown.get()));
+            entry.update_with_copy(Packet(Envelope::seal(message, *seal, shown.get())));
         }
     }
 
@@ -177,7 +190,7 @@ impl Board for End<BoardEnd> {
         match self.0.get() {
             Some(BoardEnd::Reads(entry, seal)) => {
                 let shown = entry.get();
-                shown.is_under(*seal) && shown.open(message).is_ok()
+                shown.0.is_under(*seal) && shown.0.open(message).is_ok()
             }
             Some(BoardEnd::Writes(..)) | None => false,
         }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use super::{Clock, Fabric, Seal};
-use mrroc_core::model::fault::ProcessId;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::{Board, Client, Link, Server};
 use mrroc_core::link::message::{Kind, Message};
 

@@ -12,8 +12,9 @@ use rustix::time::Timespec;
 use super::bell::Bell;
 use super::samples::Samples;
 use mrroc_core::operator::button::Button;
-use mrroc_core::link::{Closed, Nanos, News, Sample, Waiter};
-use mrroc_core::control::mp::MpState;
+use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Notices, Sample, Waiter};
+use mrroc_core::operator::console::Console;
+use mrroc_core::operator::state::MpState;
 
 const NANOS: u64 = 1_000_000_000;
 
@@ -103,6 +104,11 @@ impl RealTime {
         self
     }
 
+    /// All that a process has of the link.
+    pub fn host(&self) -> Host<'_> {
+        Host { waiter: self, meter: self, notices: self, console: self }
+    }
+
     /// Whether the bell has rung since this was asked last.
     fn has_rung(&self) -> bool {
         let rings = self.bell.rings();
@@ -150,15 +156,21 @@ impl Waiter for RealTime {
         let _ = clock_nanosleep_absolute(ClockId::Monotonic, &until);
         Ok(())
     }
+}
 
+impl Meter for RealTime {
     fn sample(&self, sample: Sample) {
         self.samples.push(sample);
     }
+}
 
+impl Notices for RealTime {
     fn news(&self) -> Option<News> {
         self.news.take()
     }
+}
 
+impl Console for RealTime {
     fn pressed(&self, kind: usize) -> Option<(u64, Button)> {
         self.pressed.get(kind)?.take()
     }

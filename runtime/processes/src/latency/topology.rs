@@ -10,11 +10,11 @@ use rustix::mm::{MapFlags, ProtFlags, mmap};
 use rustix::thread::futex;
 
 use super::{SEAL, SIZE, folder, waiter};
-use mrroc_core::model::fault::{ProcessId, Role};
+use mrroc_core::fault::{ProcessId, Role};
 use crate::iceoryx::{Clock, Fabric};
 use mrroc_core::link::{Client, Link, Server, Waiter};
 use mrroc_core::link::message::{Kind, Message, OrderKind};
-use mrroc_core::model::name::Name;
+use mrroc_core::fault::Name;
 
 /// The most robots.
 pub const ROBOTS: usize = 4;
@@ -99,7 +99,7 @@ pub fn ours((place, robots): (usize, usize), of: u32, barrier: &dyn Fn()) -> Box
     // The node lives as long as the process.
     std::mem::forget(fabric);
     let mut message = Message::new(Kind::Order(OrderKind::Step));
-    message.header.len = mrroc_core::model::wire::WORDS as u32;
+    message.header.len = mrroc_core::payload::WORDS as u32;
     Box::new(Ours { lines: mine, waiter, message })
 }
 

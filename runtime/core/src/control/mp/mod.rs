@@ -27,7 +27,7 @@ use crate::model::fault::{Ended, Fault, FaultKind, FaultWords, ProcessId};
 use crate::safety::rate::Feed;
 use crate::control::guard::Guard;
 use crate::model::image::{RobotImage, Sensor};
-use crate::link::{News, Waiter};
+use crate::link::News;
 use crate::model::time::Nanos;
 use crate::model::list::{RobotHandle, SensorHandle};
 use crate::operator::Operator;

@@ -5,8 +5,7 @@
 
 use crate::operator::state::Doing;
 use crate::operator::button::{Answer, Button, CellState};
-use crate::model::fault::{Fault, FaultWords};
-use crate::model::time::Nanos;
+use crate::model::fault::Fault;
 
 use super::Mp;
 

@@ -41,7 +41,7 @@ use sensors::Sensor;
 
 /// How a robot came to a standstill after its commands had stopped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Rest {
+pub struct Rest {
     /// Its EDP.
     pub edp: ProcessId,
     /// Steps from the servo period of its last command to the one in which its brakes were applied.
@@ -51,7 +51,7 @@ pub(crate) struct Rest {
 }
 
 /// What the plant leaves behind.
-pub(crate) type Rests = Rc<RefCell<Vec<Rest>>>;
+pub type Rests = Rc<RefCell<Vec<Rest>>>;
 
 /// A robot's drives or a simulated sensor, of any kind.
 trait Part {

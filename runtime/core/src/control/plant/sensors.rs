@@ -3,9 +3,7 @@
 //! In: the orders that its VSP has taken, as they are. Out: the readings, with which the VSP answers its requesters.
 
 use super::{Part, Rest};
-use crate::model::fault::{Fault, FaultKind, ProcessId};
-use crate::link::patience::Patience;
-use crate::link::{Client, Closed, Server, Waiter};
+use crate::link::{Client, Server};
 use crate::model::time::Nanos;
 use crate::link::message::Message;
 use crate::model::sensor::VirtualSensor;

@@ -103,7 +103,7 @@ impl<R: Robot> AnyHoming<R> for RecordedHoming<R> {
 }
 
 /// The drives of a robot, replaced by what a recording says of them.
-pub(crate) fn recorded<R: Robot>(drives: &Drives<R>, tape: Rc<RobotTape>, step: Duration) -> Drives<R> {
+pub fn recorded<R: Robot>(drives: &Drives<R>, tape: Rc<RobotTape>, step: Duration) -> Drives<R> {
     let period = drives.period();
     let times = Times { step: step.as_nanos() as Nanos, servo: period.as_nanos() as Nanos };
     match drives {

@@ -4,9 +4,9 @@
 //! operator's wishes, the steps in which the MP began and those whose demands came too late. Out: the same programs, which
 //! see the same; and the first step, robot and joint whose demand differs, if any does ([`compare`]).
 
-pub(crate) mod drives;
-pub(crate) mod readings;
-pub(crate) mod script;
+pub mod drives;
+pub mod readings;
+pub mod script;
 
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -16,12 +16,12 @@ use crate::model::joints::MAX_JOINTS;
 use crate::model::time::Nanos;
 use crate::model::name::Name;
 
-pub(crate) use readings::ReadingTape;
-pub(crate) use script::Script;
+pub use readings::ReadingTape;
+pub use script::Script;
 
 /// One step of a robot, as its EDP saw it begin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct RecordedImage {
+pub struct RecordedImage {
     /// Joint positions that were demanded [rad or m].
     pub demanded: [f64; MAX_JOINTS],
     /// What the encoders had read before [rad or m], [rad/s or m/s].
@@ -31,7 +31,7 @@ pub(crate) struct RecordedImage {
 
 /// The steps of one robot, without a gap.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct RobotTape {
+pub struct RobotTape {
     pub name: Name,
     pub joints: usize,
     /// When its drives were found, if they had to look for their reference marks \[ns\].
@@ -64,7 +64,7 @@ impl RobotTape {
 }
 
 /// What a recording holds of a run.
-pub(crate) struct Tape {
+pub struct Tape {
     pub robots: Vec<Rc<RobotTape>>,
     pub readings: Vec<Rc<ReadingTape>>,
     pub script: Rc<Script>,

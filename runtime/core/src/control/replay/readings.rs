@@ -10,7 +10,7 @@ use crate::observe::witness::ReadingState;
 
 /// What was collected once.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct RecordedReading {
+pub struct RecordedReading {
     /// The step in which it was collected, and the one in which it was taken.
     pub step: u64,
     pub taken: u64,
@@ -33,7 +33,7 @@ impl RecordedReading {
 
 /// What a process collected of a sensor.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct ReadingTape {
+pub struct ReadingTape {
     pub sensor: Name,
     pub by: ProcessId,
     pub readings: Vec<RecordedReading>,

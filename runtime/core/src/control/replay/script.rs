@@ -5,7 +5,7 @@ use crate::operator::Operator;
 
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ScriptedStep {
+pub struct ScriptedStep {
     pub step: u64,
     /// The operator's speed, as a share of the plan.
     pub speed: f64,
@@ -23,7 +23,7 @@ pub(crate) struct ScriptedStep {
 
 /// The steps of a run, in their order.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Script(pub Vec<ScriptedStep>);
+pub struct Script(pub Vec<ScriptedStep>);
 
 impl Script {
     fn at(&self, step: u64) -> Option<&ScriptedStep> {

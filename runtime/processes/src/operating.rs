@@ -7,14 +7,17 @@ use std::io::{self, BufRead};
 use std::path::Path;
 use std::process::ExitCode;
 
-use super::options::Operating;
-use super::outcome::report;
+use mrroc_launch::Operating;
+use mrroc_launch::outcome::report;
 use mrroc_core::console::{refused, say};
-use mrroc_core::control::mp::Doing;
-use mrroc_processes::{Caller, Figures, Heard, Picture, Reply, Request};
+use mrroc_core::operator::state::Doing;
+
+use crate::desk::{Caller, Heard, Picture, Reply, Request};
+use crate::figures::Figures;
+use crate::part::View;
 
 /// Asks the cell of the file at `cell`.
-pub(super) fn operate(cell: &Path, operating: Operating) -> ExitCode {
+pub(super) fn operate(cell: &Path, operating: Operating, view: Option<View>) -> ExitCode {
     let caller = match Caller::find(cell) {
         Ok(caller) => caller,
         Err(error) => return refused(&error),
@@ -23,27 +26,24 @@ pub(super) fn operate(cell: &Path, operating: Operating) -> ExitCode {
         Operating::Status => once(caller, &Request::Status),
         Operating::Press(button) => once(caller, &Request::Press(button)),
         Operating::Console => converse(caller),
-        Operating::View => view(caller),
+        Operating::View => show(caller, view),
     }
 }
 
-#[cfg(feature = "view")]
-fn view(caller: Caller) -> ExitCode {
-    match mrroc_view::view(caller) {
+fn show(caller: Caller, view: Option<View>) -> ExitCode {
+    let Some(view) = view else {
+        return refused(
+            &"this program was built without the view\n help: build it with mrroc's feature `view`: \
+              cargo run --release --features mrroc/view -- view",
+        );
+    };
+    match view(caller) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             report(&error);
             ExitCode::FAILURE
         }
     }
-}
-
-#[cfg(not(feature = "view"))]
-fn view(_: Caller) -> ExitCode {
-    refused(
-        &"this program was built without the view\n help: build it with mrroc's feature `view`: \
-          cargo run --release --features mrroc/view -- view",
-    )
 }
 
 /// One request, and what came of it.

@@ -1,0 +1,96 @@
+//! The optional parts of a program: crates that record, replay, or run a cell as processes.
+//!
+//! The command line knows them as plain function pointers and traits, so that none of them needs a `cfg` here; the facade
+//! `mrroc` says which ones a program was built with.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use mrroc_core::cell::{Cell, CellError};
+use mrroc_core::fault::ProcessId;
+use mrroc_core::observe::recording::{NotRecorded, Recorder};
+
+use crate::options::Operating;
+use mrroc_core::console::refused as refuse;
+use crate::program::{Launch, Ran};
+
+/// What a program was built with.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Parts {
+    /// Records runs: `--record FILE`, `[recording]` of `cell.toml`.
+    pub recorder: Option<&'static dyn Recorder>,
+    /// Replays a recording on a cell: `replay FILE`. The last two arguments: `--partial` and `--quiet`.
+    pub replay: Option<fn(Cell, &Path, bool, bool) -> ExitCode>,
+    /// Runs cells as processes of the operating system: `--processes`.
+    pub processes: Option<&'static dyn Processes>,
+}
+
+/// Cells as processes of the operating system.
+pub trait Processes: core::fmt::Debug + Sync {
+    /// Says what this machine can do for processes.
+    fn examine(&self) -> ExitCode;
+
+    /// Asks the cell of the file at `cell`, which runs already.
+    fn operate(&self, cell: &Path, operating: Operating) -> ExitCode;
+
+    /// Runs one process of a cell for its launcher.
+    ///
+    /// # Errors
+    /// In a plant that is watched: the first cause of a stop.
+    fn take_part(&self, cell: Cell, process: ProcessId, session: &Path, how: &Launch)
+    -> Result<Ran, CellError>;
+
+    /// Runs all processes of a cell.
+    ///
+    /// # Errors
+    /// [`CellError`]: what was refused, before anything moves; or the first cause of a stop.
+    fn launch(&self, cell: Cell, how: Launch) -> Result<Ran, CellError>;
+}
+
+const NO_PROCESSES: &str = "this program was built without processes\n help: on Linux, build it with mrroc's feature `processes`: \
+                            cargo run --release --features mrroc/processes -- --processes";
+
+impl Parts {
+    pub(crate) fn examine(&self) -> ExitCode {
+        self.processes.map_or_else(|| refuse(&NO_PROCESSES), |processes| processes.examine())
+    }
+
+    pub(crate) fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {
+        self.processes.map_or_else(|| refuse(&NO_PROCESSES), |processes| processes.operate(cell, operating))
+    }
+
+    pub(crate) fn take_part(
+        &self,
+        cell: Cell,
+        process: ProcessId,
+        session: &Path,
+        how: &Launch,
+    ) -> Result<Ran, CellError> {
+        match self.processes {
+            Some(processes) => processes.take_part(cell, process, session, how),
+            None => Ok(Ran::Part(refuse(&format!("{process}: {NO_PROCESSES}")))),
+        }
+    }
+
+    pub(crate) fn launch(&self, cell: Cell, how: Launch) -> Result<Ran, CellError> {
+        match self.processes {
+            Some(processes) => processes.launch(cell, how),
+            None => Err(CellError::Processes(NO_PROCESSES.to_owned())),
+        }
+    }
+
+    pub(crate) fn replay(&self, cell: Cell, file: &Path, partial: bool, quiet: bool) -> ExitCode {
+        match self.replay {
+            Some(replay) => replay(cell, file, partial, quiet),
+            None => refuse(&NotRecorded::NoFeature),
+        }
+    }
+
+    /// The cell with what can record it.
+    pub(crate) fn equip(&self, cell: Cell) -> Cell {
+        match self.recorder {
+            Some(recorder) => cell.recorded_by(recorder),
+            None => cell,
+        }
+    }
+}

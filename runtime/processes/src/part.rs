@@ -1,0 +1,112 @@
+//! Processes as a part of a program: what the command line asks of them.
+//!
+//! In: an assembled cell and the options. Out: the run of all its processes, or of the one that this is.
+
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+use std::rc::Rc;
+
+use mrroc_core::cell::{Cell, CellError, Permission};
+use mrroc_core::console::{refused, say};
+use mrroc_core::fault::ProcessId;
+use mrroc_core::link::Clock;
+use mrroc_core::observe::recording::Recorder;
+use mrroc_core::observe::witness::Witness;
+use mrroc_launch::patience::Patience;
+use mrroc_launch::{Launch, Operating, Processes, Ran};
+
+use crate::crew::Plan;
+use crate::desk::Caller;
+use crate::doctor::examine;
+use crate::launcher::{LaunchError, Launched, launch};
+use crate::member::{NoPart, run};
+use crate::operating::operate;
+
+/// Shows a running cell on a screen until the operator quits.
+pub type View = fn(Caller) -> io::Result<()>;
+
+/// Cells as processes over shared memory.
+#[derive(Clone, Copy, Debug)]
+pub struct OverSharedMemory {
+    /// What records their runs.
+    pub recorder: Option<&'static dyn Recorder>,
+    /// The operator's view, if the program was built with it.
+    pub view: Option<View>,
+}
+
+impl Processes for OverSharedMemory {
+    fn examine(&self) -> ExitCode {
+        say(&examine())
+    }
+
+    fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {
+        operate(cell, operating, self.view)
+    }
+
+    fn take_part(
+        &self,
+        cell: Cell,
+        process: ProcessId,
+        session: &Path,
+        how: &Launch,
+    ) -> Result<Ran, CellError> {
+        take_part(self.recorder, cell, process, session, how)
+    }
+
+    fn launch(&self, cell: Cell, how: Launch) -> Result<Ran, CellError> {
+        launch_processes(cell, how)
+    }
+}
+
+/// Runs one process of a cell for its launcher.
+///
+/// # Errors
+/// In a plant that is watched: the first cause of a stop.
+fn take_part(
+    recorder: Option<&'static dyn Recorder>,
+    mut cell: Cell,
+    process: ProcessId,
+    session: &Path,
+    how: &Launch,
+) -> Result<Ran, CellError> {
+    if how.is_watched_plant() {
+        cell = cell.watched_in_plant();
+    }
+    if !how.quiet {
+        cell = cell.also_on_step(Patience::new().notes());
+    }
+    let record = recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));
+    if let Some(record) = &record {
+        cell = cell.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
+    }
+    let ran = run(cell, process, session, how.watching);
+    // What the launcher's thread has not got yet.
+    record.iter().for_each(|record| record.finish());
+    Ok(Ran::Part(match ran {
+        Ok(Some(Ok(report))) => return Ok(Ran::Here(report)),
+        Ok(Some(Err(fault))) => return Err(fault.into()),
+        Ok(None) => ExitCode::SUCCESS,
+        Err(NoPart::NoLauncher(_)) if session.is_dir() => ExitCode::FAILURE,
+        Err(error @ NoPart::NoLauncher(_)) => refused(&error),
+        // The launcher says it.
+        Err(NoPart::Told(_)) => ExitCode::FAILURE,
+    }))
+}
+
+/// Runs all processes of a cell.
+fn launch_processes(cell: Cell, how: Launch) -> Result<Ran, CellError> {
+    let refused = |error: &dyn core::fmt::Display| CellError::Processes(error.to_string());
+    let clock = how.clock.unwrap_or(Clock::Virtual);
+    let file = how.cell.map_or_else(std::env::current_exe, Ok).map_err(|error| refused(&error))?;
+    let permission = cell.realtime().map_or(Permission::BestEffort, |realtime| realtime.permission);
+    let Launch { arguments, spin, quiet, watching: watched, .. } = how;
+    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet, watched };
+    match launch(cell, &plan) {
+        Ok(Launched::Ran(report)) => Ok(Ran::Processes(report)),
+        Ok(Launched::Told(status)) => Ok(Ran::Part(ExitCode::from(status))),
+        Err(LaunchError::Cell(error)) => Err(error),
+        Err(error) => Err(refused(&error)),
+    }
+}
+

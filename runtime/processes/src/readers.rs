@@ -1,0 +1,26 @@
+//! What consoles and the console server write to one another, read back: for fuzzing. Nothing here is promised to stay.
+
+use crate::desk::{Heard, MAX_REQUEST, Request};
+
+/// What an operator's console writes to a cell's desk, and what the desk writes to it.
+///
+/// # Panics
+/// When what was read is written as something else, or an answer is more than a line.
+pub fn operator(bytes: &[u8]) {
+    // The desk reads no longer ones.
+    for line in bytes.split(|byte| *byte == b'\n').filter(|line| line.len() <= MAX_REQUEST) {
+        match Request::read(line) {
+            Ok(request) => assert_eq!(Request::read(request.to_string().as_bytes()), Ok(request)),
+            Err(refused) => assert!(!refused.is_empty() && !refused.contains('\n'), "{refused}"),
+        }
+    }
+    let mut rest = bytes;
+    while let Ok(Some(heard)) = Heard::read(&mut rest) {
+        if let Heard::Picture(picture) = heard {
+            let text = picture.to_string();
+            let again = Heard::read(&mut text.as_bytes());
+            let is_same = matches!(&again, Ok(Some(Heard::Picture(again))) if again.to_string() == text);
+            assert!(is_same, "{again:?} of {text}");
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The optional parts that this program was built with: the one place that features decide.
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use mrroc_core::cell::{Cell, CellError};
+use mrroc_launch::cell_file::CellFile;
+use mrroc_launch::{Launch, Parts, Recorder};
+
+#[cfg(feature = "recording")]
+const RECORDING: Parts = Parts {
+    recorder: Some(&mrroc_recording::Mcap),
+    replay: Some(mrroc_recording::replay_command),
+    processes: None,
+};
+#[cfg(not(feature = "recording"))]
+const RECORDING: Parts = Parts { recorder: None, replay: None, processes: None };
+
+#[cfg(all(feature = "processes", target_os = "linux"))]
+const PROCESSES: Option<&'static dyn mrroc_launch::Processes> =
+    Some(&mrroc_processes::OverSharedMemory { recorder: RECORDING.recorder, view: VIEW });
+#[cfg(not(all(feature = "processes", target_os = "linux")))]
+const PROCESSES: Option<&'static dyn mrroc_launch::Processes> = None;
+
+#[cfg(all(feature = "view", target_os = "linux"))]
+const VIEW: Option<mrroc_processes::View> = Some(mrroc_view::view);
+#[cfg(all(feature = "processes", not(feature = "view"), target_os = "linux"))]
+const VIEW: Option<mrroc_processes::View> = None;
+
+static PARTS: Parts = Parts { processes: PROCESSES, ..RECORDING };
+
+/// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
+///
+/// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
+/// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
+/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
+/// recorder watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
+/// no picture is drawn.
+///
+/// ```no_run
+/// # use mrroc::launch::Recorder;
+/// # use mrroc::{Cell, CellError, CellFile};
+/// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
+/// # fn film() -> impl Recorder { struct R; impl Recorder for R {
+/// #     fn watch(&mut self, cell: Cell) -> Cell { cell }
+/// #     fn save(&mut self, _: &std::path::Path) -> std::io::Result<()> { Ok(()) }
+/// # } R }
+/// # #[allow(unused)]
+/// fn main() -> std::process::ExitCode {
+///     mrroc::launch(cell, film())
+/// }
+/// ```
+pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder: impl Recorder) -> ExitCode {
+    mrroc_launch::launch(cell, recorder, &PARTS)
+}
+
+/// How a task program with a command line of its own runs its cell, from the arguments after the program's name;
+/// [`launch`] is for all others.
+///
+/// As processes, the launcher starts the program again for each of them, with the same arguments. So the program reads them
+/// and puts its cell together before it asks who it is, and moves and writes nothing until then.
+///
+/// ```no_run
+/// # fn cell(quick: bool) -> mrroc::Cell { mrroc::Cell::new(std::time::Duration::from_millis(2)) }
+/// use mrroc::Clock;
+/// use mrroc::launch::{Ran, program};
+///
+/// fn main() -> std::process::ExitCode {
+///     let mut launch = program(std::env::args_os().skip(1));
+///     if let Some(status) = launch.operate() {
+///         return status;
+///     }
+///     let mut quick = false;
+///     for argument in launch.arguments().to_vec() {
+///         match argument.to_str() {
+///             Some("--quick") => quick = true,
+///             Some("--processes") => launch = launch.processes(Clock::Real),
+///             _ => return std::process::ExitCode::from(2),
+///         }
+///     }
+///     match launch.run(cell(quick)) {
+///         Ok(Ran::Here(report) | Ran::Processes(report)) => println!("{} steps", report.steps),
+///         Ok(Ran::Part(status)) => return status,
+///         Err(error) => eprintln!("{error}"),
+///     }
+///     std::process::ExitCode::SUCCESS
+/// }
+/// ```
+#[must_use]
+pub fn program(arguments: impl IntoIterator<Item = OsString>) -> Launch {
+    Launch::new(arguments, &PARTS)
+}
