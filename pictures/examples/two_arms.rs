@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use mrroc::{Cell, Demand, Pose, Recorder, RobotSetup, State, Step, Tick, generator};
+use mrroc::{Cell, Demand, Pose, RobotSetup, RunPicture, State, Step, Tick, generator};
 use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::{Translation3, Vector3};

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use mrroc::{Cell, Observation, Pose};
-use mrroc_launch::Recorder;
+use mrroc_launch::RunPicture;
 
 use crate::block::Block;
 use crate::page;
@@ -19,7 +19,7 @@ use crate::take::Take;
 ///
 /// ```no_run
 /// # fn cell() -> mrroc::Cell { mrroc::Cell::new(std::time::Duration::from_millis(2)) }
-/// use mrroc::Recorder;
+/// use mrroc::RunPicture;
 /// use mrroc_pictures::Film;
 ///
 /// let mut film = Film::new();
@@ -70,7 +70,7 @@ impl Film {
     }
 }
 
-impl Recorder for Film {
+impl RunPicture for Film {
     fn watch(&mut self, cell: Cell) -> Cell {
         let (takes, blocks) = (Rc::clone(&self.takes), Rc::clone(&self.blocks));
         let left_out = Rc::clone(&self.left_out);

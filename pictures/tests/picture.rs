@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 use std::time::Duration;
 
 use mrroc::{
-    Cell, Demand, DriveFault, Driver, JointKind, Limits, Measured, NoInverse, Pose, Recorder, Robot,
-    RobotSetup, State, Step, Tick, generator,
+    Cell, Demand, DriveFault, Driver, JointKind, Limits, Measured, NoInverse, Pose, Robot, RobotSetup,
+    RunPicture, State, Step, Tick, generator,
 };
 use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};

@@ -62,7 +62,7 @@ pub use mrroc_testing as testing;
 
 /// The command line of a task program.
 pub mod launch {
-    pub use mrroc_launch::{Launch, Ran, Recorder};
+    pub use mrroc_launch::{Launch, Ran, RunPicture};
 
     pub use crate::parts::{launch, program};
 }

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_launch::cell_file::CellFile;
-use mrroc_launch::{Launch, Parts, Recorder};
+use mrroc_launch::{Launch, Parts, RunPicture};
 
 #[cfg(feature = "recording")]
 const RECORDING: Parts = Parts {
@@ -34,14 +34,14 @@ static PARTS: Parts = Parts { processes: PROCESSES, ..RECORDING };
 /// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
 /// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
 /// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
-/// recorder watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
+/// picture watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
 /// no picture is drawn.
 ///
 /// ```no_run
-/// # use mrroc::launch::Recorder;
+/// # use mrroc::launch::RunPicture;
 /// # use mrroc::{Cell, CellError, CellFile};
 /// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
-/// # fn film() -> impl Recorder { struct R; impl Recorder for R {
+/// # fn film() -> impl RunPicture { struct R; impl RunPicture for R {
 /// #     fn watch(&mut self, cell: Cell) -> Cell { cell }
 /// #     fn save(&mut self, _: &std::path::Path) -> std::io::Result<()> { Ok(()) }
 /// # } R }
@@ -50,8 +50,8 @@ static PARTS: Parts = Parts { processes: PROCESSES, ..RECORDING };
 ///     mrroc::launch(cell, film())
 /// }
 /// ```
-pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, recorder: impl Recorder) -> ExitCode {
-    mrroc_launch::launch(cell, recorder, &PARTS)
+pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, picture: impl RunPicture) -> ExitCode {
+    mrroc_launch::launch(cell, picture, &PARTS)
 }
 
 /// How a task program with a command line of its own runs its cell, from the arguments after the program's name;

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use mrroc::{
     Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp, Payload,
-    Reading, ReadingOrder, Recorder, RobotSetup, Sensor, State, Step, Tick, VirtualSensor, condition,
+    Reading, ReadingOrder, RobotSetup, RunPicture, Sensor, State, Step, Tick, VirtualSensor, condition,
     generator,
 };
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
@@ -140,7 +140,7 @@ impl Driver<Irp6> for Recorded {
 /// Draws nothing.
 struct Nothing;
 
-impl Recorder for Nothing {
+impl RunPicture for Nothing {
     fn watch(&mut self, cell: Cell) -> Cell {
         cell
     }

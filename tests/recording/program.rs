@@ -8,7 +8,7 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use mrroc::{Cell, CellError, CellFile, Recorder};
+use mrroc::{Cell, CellError, CellFile, RunPicture};
 
 use cell::{Change, Counting, programmed};
 
@@ -29,7 +29,7 @@ fn assemble(file: &CellFile) -> Result<Cell, CellError> {
 /// Draws nothing.
 struct Nothing;
 
-impl Recorder for Nothing {
+impl RunPicture for Nothing {
     fn watch(&mut self, cell: Cell) -> Cell {
         cell
     }

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use mrroc::{
     Cell, CellError, CellFile, Demand, Ecp, Fault, Mp, Operator, Order, Payload, Reading, ReadingOrder,
-    Recorder, Sensor, State, Step, Tick, VirtualSensor, generator,
+    RunPicture, Sensor, State, Step, Tick, VirtualSensor, generator,
 };
 use mrroc_robots::{Irp6, Six};
 
@@ -45,7 +45,7 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
 /// Draws nothing.
 struct Nothing;
 
-impl Recorder for Nothing {
+impl RunPicture for Nothing {
     fn watch(&mut self, cell: Cell) -> Cell {
         cell
     }

@@ -1,6 +1,6 @@
 //! The command line of a task program: finds `cell.toml`, runs the cell, says how it ended.
 //!
-//! In: what the program makes of a [`CellFile`], and a [`Recorder`]. Out: a run, a picture of it, and an exit status.
+//! In: what the program makes of a [`CellFile`], and a [`RunPicture`]. Out: a run, that picture, and an exit status.
 
 mod approach;
 pub mod cell_file;
@@ -32,8 +32,8 @@ pub use crate::options::Operating;
 pub use crate::parts::{Parts, Processes};
 pub use crate::program::{Launch, Ran};
 
-/// What watches the robots of a run and keeps something of it, such as a picture.
-pub trait Recorder {
+/// A picture of a run: watches its robots, and is saved when it is over.
+pub trait RunPicture {
     /// Begins to watch every robot of the cell.
     fn watch(&mut self, cell: Cell) -> Cell;
 
@@ -49,12 +49,12 @@ pub trait Recorder {
 /// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
 /// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
 /// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
-/// recorder watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
+/// picture watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
 /// no picture is drawn.
 ///
 pub fn launch(
     cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>,
-    recorder: impl Recorder,
+    picture: impl RunPicture,
     parts: &'static Parts,
 ) -> ExitCode {
     let options = match parse(std::env::args_os().skip(1)) {
@@ -90,7 +90,7 @@ pub fn launch(
         return match &options.replay {
             Some(file) => parts.replay(cell, file, options.partial, options.quiet),
             None if options.dry_run => dry_run(cell, options.quiet),
-            None => run(cell, recorder, &options),
+            None => run(cell, picture, &options),
         };
     }
     if options.part.is_none()
@@ -99,5 +99,5 @@ pub fn launch(
     {
         return status;
     }
-    watched(cell, recorder, path, options, parts)
+    watched(cell, picture, path, options, parts)
 }

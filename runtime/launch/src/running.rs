@@ -1,6 +1,6 @@
 //! A cell with what watches it, from the command line: on the memory link, or as processes.
 //!
-//! In: an assembled cell, its recorder and the options. Out: a run, a picture of it, and an exit status.
+//! In: an assembled cell, a picture of its run and the options. Out: the run, its picture, and an exit status.
 
 use std::fs::OpenOptions;
 use std::io;
@@ -11,7 +11,7 @@ use std::time::Duration;
 use super::options::Options;
 use super::outcome::{cell_refused, note, report, stopped, tell};
 use super::patience::Patience;
-use super::{Launch, Parts, Ran, Recorder};
+use super::{Launch, Parts, Ran, RunPicture};
 use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::refused;
 use mrroc_core::fault::Fault;
@@ -20,20 +20,20 @@ use mrroc_core::fault::Fault;
 const STUCK: Duration = Duration::from_secs(60);
 
 /// Runs the cell to its end, and draws what moved unless told not to.
-pub(super) fn run(mut cell: Cell, mut recorder: impl Recorder, options: &Options) -> ExitCode {
-    if let Some(picture) = &options.picture {
+pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Options) -> ExitCode {
+    if let Some(file) = &options.picture {
         // Found out now, not after a long run.
-        if let Err(error) = OpenOptions::new().append(true).create(true).open(picture) {
-            return refused(&unwritable(picture, &error));
+        if let Err(error) = OpenOptions::new().append(true).create(true).open(file) {
+            return refused(&unwritable(file, &error));
         }
-        cell = recorder.watch(cell);
+        cell = picture.watch(cell);
     }
     if !options.quiet {
         cell = cell.also_on_step(Patience::new().notes());
     }
     match cell.end_when_stuck(STUCK).run() {
-        Ok(report) => conclude(Ok(report), recorder, options),
-        Err(CellError::Fault(fault)) => conclude(Err(fault), recorder, options),
+        Ok(report) => conclude(Ok(report), picture, options),
+        Err(CellError::Fault(fault)) => conclude(Err(fault), picture, options),
         Err(error) => cell_refused(&error),
     }
 }
@@ -41,7 +41,7 @@ pub(super) fn run(mut cell: Cell, mut recorder: impl Recorder, options: &Options
 /// Runs the cell as processes, or the one of them that this is: the plant draws, for it has the simulated robots.
 pub(super) fn watched(
     mut cell: Cell,
-    mut recorder: impl Recorder,
+    mut picture: impl RunPicture,
     path: PathBuf,
     options: Options,
     parts: &'static Parts,
@@ -52,19 +52,19 @@ pub(super) fn watched(
     let launch = Launch { part, arguments, recording: None, clock, spin, cell: Some(path), quiet, watching, parts };
     let draws = launch.is_here();
     // Found out now, and by the launcher alone.
-    if let Some(picture) = options.picture.as_ref().filter(|_| !launch.is_part())
-        && let Err(error) = OpenOptions::new().append(true).create(true).open(picture)
+    if let Some(file) = options.picture.as_ref().filter(|_| !launch.is_part())
+        && let Err(error) = OpenOptions::new().append(true).create(true).open(file)
     {
-        return refused(&unwritable(picture, &error));
+        return refused(&unwritable(file, &error));
     }
     if draws {
         // The program's own observers look on in the EDPs.
-        cell = recorder.watch(cell.unobserved());
+        cell = picture.watch(cell.unobserved());
     }
     match launch.run(cell) {
         Ok(Ran::Part(status)) => status,
-        Ok(Ran::Here(report)) => conclude(Ok(report), recorder, &options),
-        Err(CellError::Fault(fault)) if draws => conclude(Err(fault), recorder, &options),
+        Ok(Ran::Here(report)) => conclude(Ok(report), picture, &options),
+        Err(CellError::Fault(fault)) if draws => conclude(Err(fault), picture, &options),
         Ok(Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
         Ok(Ran::Processes(report)) => {
             if watching {
@@ -78,11 +78,11 @@ pub(super) fn watched(
 }
 
 /// Draws what moved, and says how the run ended.
-fn conclude(outcome: Result<RunReport, Fault>, mut recorder: impl Recorder, options: &Options) -> ExitCode {
+fn conclude(outcome: Result<RunReport, Fault>, mut picture: impl RunPicture, options: &Options) -> ExitCode {
     let drawn = options
         .picture
         .as_ref()
-        .map_or(Ok(()), |picture| recorder.save(picture).map_err(|error| unwritable(picture, &error)));
+        .map_or(Ok(()), |file| picture.save(file).map_err(|error| unwritable(file, &error)));
     let ended = match outcome {
         Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(report) => tell(&report, options.picture.as_deref().filter(|_| drawn.is_ok())),
@@ -97,7 +97,7 @@ fn conclude(outcome: Result<RunReport, Fault>, mut recorder: impl Recorder, opti
     }
 }
 
-fn unwritable(picture: &Path, error: &io::Error) -> String {
-    let picture = picture.display();
-    format!("{picture}: cannot be written: {error}\n help: give another file by --picture, or --no-picture")
+fn unwritable(file: &Path, error: &io::Error) -> String {
+    let file = file.display();
+    format!("{file}: cannot be written: {error}\n help: give another file by --picture, or --no-picture")
 }

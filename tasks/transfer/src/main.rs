@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc::console::{complain, refused, say};
-use mrroc::{CellError, CellFile, CellFileError, Launch, Ran, Recorder, RunReport};
+use mrroc::{CellError, CellFile, CellFileError, Launch, Ran, RunPicture, RunReport};
 use mrroc_pictures::Film;
 use transfer::options::{HELP, Options, Talk, parse};
 use transfer::pictures::{film, filmed, plot};

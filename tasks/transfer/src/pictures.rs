@@ -1,6 +1,6 @@
 //! Pictures of the runs: the arms with the bar, moving; and what the bar bears, over time.
 
-use mrroc::{Cell, CellError, CellFile, Recorder};
+use mrroc::{Cell, CellError, CellFile, RunPicture};
 use mrroc_pictures::{Film, Line, Plot};
 
 use crate::places::{EDGES, TABLE_EDGES, table};
