@@ -65,7 +65,7 @@ fn what_is_refused_moves_nothing_and_ends_with_status_2() {
     let folder = project("no-picture", CELL);
     let told = error(&run(&folder, &["--picture", "no/such/folder/a.svg"]), 2);
     assert!(told.contains("cannot be written"), "{told}");
-    assert!(error(&run(&folder, &["--pictures"]), 2).contains("did you mean `--picture`?"));
+    assert!(error(&run(&folder, &["--pictures"]), 2).contains("a similar argument exists: '--picture'"));
     fs::remove_file(folder.join("cell.toml")).expect("was there");
     // A cell.toml above the project is another's.
     fs::write(folder.parent().expect("a folder").join("cell.toml"), CELL).expect("a file");

@@ -23,8 +23,8 @@ use mrroc_core::link::Clock;
 
 use crate::cell_file::CellFile;
 use crate::dry_run::{dry_run, dry_run_first};
-use crate::options::{HELP, nearest_cell, parse};
-use crate::outcome::cell_refused;
+use crate::options::{Word, nearest_cell, parse};
+use crate::outcome::{answered, cell_refused};
 use crate::running::{run, watched};
 use crate::table::Table;
 
@@ -58,14 +58,16 @@ pub fn launch(
     parts: &'static Parts,
 ) -> ExitCode {
     let options = match parse(std::env::args_os().skip(1)) {
-        Ok(Some(options)) if options.doctor => return parts.examine(),
-        Ok(Some(options)) => options,
-        Ok(None) => return say(HELP),
-        Err(error) => return refused(&error),
+        Ok(options) => options,
+        Err(answer) => return answered(&answer),
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
-    if let Some(operating) = options.operating {
-        return parts.operate(&path, operating);
+    match &options.word {
+        Some(Word::Doctor) => return parts.examine(),
+        Some(Word::Operating(word)) => {
+            return word.read().map_or_else(|error| refused(&error), |operating| parts.operate(&path, operating));
+        }
+        Some(Word::Replay { .. }) | None => {}
     }
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
     let checked = assembled.and_then(|mut cell| cell.check().map(|_| parts.equip(cell)));
@@ -73,11 +75,12 @@ pub fn launch(
         Ok(cell) => cell,
         Err(error) => return cell_refused(&error),
     };
-    if let Some(file) = &options.record {
+    if let Some(file) = &options.recording.file {
         cell = cell.record_to(file);
     }
+    let clock = options.clock();
     if options.check {
-        let link = match options.processes {
+        let link = match clock {
             None => "memory, under the virtual clock",
             Some(Clock::Virtual) => "iceoryx2, under the virtual clock",
             Some(Clock::Real) => "iceoryx2, in real time",
@@ -86,15 +89,15 @@ pub fn launch(
         let well = format!("{}: nothing is wrong with the cell\n\n{table}", path.display());
         return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
     }
-    if options.part.is_none() && options.processes.is_none() {
-        return match &options.replay {
-            Some(file) => parts.replay(cell, file, options.partial, options.quiet),
-            None if options.dry_run => dry_run(cell, options.quiet),
-            None => run(cell, picture, &options),
+    if options.part.is_none() && clock.is_none() {
+        return match &options.word {
+            Some(Word::Replay { file, partial }) => parts.replay(cell, file, *partial, options.quiet),
+            _ if options.dry_run => dry_run(cell, options.quiet),
+            _ => run(cell, picture, &options),
         };
     }
     if options.part.is_none()
-        && (options.dry_run || (cell.demands_dry_run() && options.processes == Some(Clock::Real)))
+        && (options.dry_run || (cell.demands_dry_run() && clock == Some(Clock::Real)))
         && let Err(status) = dry_run_first(&path, options.quiet)
     {
         return status;

@@ -1,101 +1,137 @@
 //! The options of a task program.
 //!
-//! In: the command line. Out: what it asks for, or what is wrong with it.
+//! In: the command line. Out: what it asks for, or what there is to say instead: the help, or what is wrong with it.
 
 use std::ffi::{OsStr, OsString};
+use std::iter;
 use std::path::{Path, PathBuf};
 
-use lexopt::prelude::*;
+use clap::error::ErrorKind;
+use clap::{Args, Command, Parser, Subcommand};
 
 use mrroc_core::link::Clock;
 use mrroc_core::operator::button::{Button, NoButton};
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::fault::Name;
-use mrroc_core::suggestion::suggestion;
 
-pub(super) const HELP: &str = "\
-Runs the cell of cell.toml with simulated robots and draws what moved.
-
-Options:
-  --cell FILE      the cell [default: the project's cell.toml]
-  --picture FILE   the picture [default: picture.svg]
-  --no-picture     draw nothing
-  --check          put the cell together and print it as a table, but run
-                   nothing
-  --dry-run        run the whole program under the virtual clock and say how
-                   near it comes to the limits; with --processes, start them
-                   only if it keeps them
-  --record FILE    record every step to an MCAP file (feature `recording`)
-  replay FILE      run the programs again on what a recording says of robots,
-                   sensors and operator, and compare the demands; identical:
-                   exit status 0, different: 1
-  --partial        replay a recording that was cut off as far as it goes
-  --processes      run every process of the cell as one of the operating
-                   system, in real time (feature `processes`, Linux); draws
-                   what is simulated
-  --virtual        the same in lock-step under the virtual clock
-  --spin US        with --processes: time that a process looks for messages
-                   before it sleeps [default: 0]; for machines with more cores
-                   than the cell has processes
-  doctor           say what this machine can do for --processes; takes 10 s
-  -q, --quiet      print errors only
-  -h, --help       print this text
-
-From another terminal, to the same cell while it runs by --processes:
-  status           say what it does
-  suspend          stop all robots on their paths
-  resume           go on
-  speed 50%        slow down or speed up on the path, 0% to 100% of the plan
-  abort            stop on the path and end the instruction
-  stop             stop on the path for good, as after a fault
-  acknowledge, reset
-                   after a fault: take notice of it, then start again, in a cell
-                   whose file says after_fault = \"await reset\"
-  console          any of these, line by line; take and release keep the control
-                   from others meanwhile
-  view             all of it as a screen with keys (feature `view`)
-Everybody may stop and abort; the rest is for one console at a time.
+const AFTER_HELP: &str = "\
+From status on, the commands ask the same cell from another terminal, while it
+runs by --processes. Everybody may stop and abort; the rest is for one console
+at a time.
 
 Exit status: 0 if the programs ended well, 1 after a fault, 2 if the cell or
 the command line was refused; then nothing has moved. From another terminal: 0
 if it was done, 1 if it was refused, 2 if no such cell runs, 3 if it will be
 done when the program, which computes, moves or waits again.
-";
 
-const NAMES: [&str; 12] = [
-    "--cell",
-    "--picture",
-    "--no-picture",
-    "--check",
-    "--dry-run",
-    "--record",
-    "--partial",
-    "--processes",
-    "--virtual",
-    "--spin",
-    "--quiet",
-    "--help",
-];
+Examples:
+  cargo run                             run the cell, draw picture.svg
+  cargo run -- --dry-run                how near does it come to the limits?
+  cargo run --release -- --processes    in real time
+  cargo run --release -- speed 50%      the same cell, from another terminal";
 
 /// What the command line asks for.
-#[derive(Clone)]
+#[derive(Clone, Debug, Parser)]
+#[command(
+    about = "Runs the cell of cell.toml with simulated robots and draws what moved",
+    after_help = AFTER_HELP,
+    args_override_self = true,
+    disable_help_subcommand = true,
+    max_term_width = 80
+)]
 pub(super) struct Options {
+    /// The cell [default: the project's cell.toml].
+    #[arg(long, value_name = "FILE", global = true)]
     pub(super) cell: Option<PathBuf>,
-    pub(super) picture: Option<PathBuf>,
+    /// The picture.
+    #[arg(long, value_name = "FILE", default_value = "picture.svg", overrides_with = "no_picture")]
+    picture: PathBuf,
+    /// Draw nothing.
+    #[arg(long, overrides_with = "picture")]
+    no_picture: bool,
+    /// Put the cell together and print it as a table, but run nothing.
+    #[arg(long)]
     pub(super) check: bool,
+    /// Run the whole program under the virtual clock and say how near it comes to the limits; with --processes, start
+    /// them only if it keeps them.
+    #[arg(long)]
     pub(super) dry_run: bool,
-    pub(super) record: Option<PathBuf>,
-    pub(super) replay: Option<PathBuf>,
-    pub(super) partial: bool,
+    #[command(flatten)]
+    pub(super) recording: RecordingOption,
+    /// Print errors only.
+    #[arg(short, long, global = true)]
     pub(super) quiet: bool,
-    pub(super) processes: Option<Clock>,
-    pub(super) doctor: bool,
-    /// What a cell that runs already is asked.
-    pub(super) operating: Option<Operating>,
-    /// How long a process looks for messages before it sleeps \[ns\].
+    /// Run every process of the cell as one of the operating system, in real time (feature `processes`, Linux); draws what
+    /// is simulated.
+    #[arg(long, help_heading = "Processes")]
+    processes: bool,
+    /// The same in lock-step under the virtual clock.
+    #[arg(long = "virtual", help_heading = "Processes")]
+    lock_step: bool,
+    /// With --processes: time that a process looks for messages before it sleeps, in microseconds; for machines with more
+    /// cores than the cell has processes.
+    #[arg(long, value_name = "US", default_value = "0", value_parser = nanoseconds, help_heading = "Processes")]
     pub(super) spin: u64,
+    #[command(subcommand)]
+    pub(super) word: Option<Word>,
     /// Which process of a cell this one is, and in which session, as its launcher started it.
+    #[arg(skip)]
     pub(super) part: Option<(ProcessId, PathBuf)>,
+}
+
+/// Where a run is recorded.
+#[derive(Clone, Debug, Args)]
+pub(super) struct RecordingOption {
+    /// Record every step to an MCAP file (feature `recording`).
+    #[arg(long = "record", value_name = "FILE")]
+    pub(super) file: Option<PathBuf>,
+}
+
+/// What is asked for instead of a run.
+#[derive(Clone, Debug, Subcommand)]
+pub(super) enum Word {
+    /// Run the programs again on what a recording says of robots, sensors and operator, and compare the demands;
+    /// identical: exit status 0, different: 1.
+    Replay {
+        /// The recording.
+        file: PathBuf,
+        /// Replay a recording that was cut off as far as it goes.
+        #[arg(long)]
+        partial: bool,
+    },
+    /// Say what this machine can do for --processes; takes 10 s.
+    Doctor,
+    #[command(flatten)]
+    Operating(OperatingWord),
+}
+
+/// What an operator writes to a cell that runs already.
+#[derive(Clone, Debug, Subcommand)]
+pub(super) enum OperatingWord {
+    /// Say what the cell does.
+    Status,
+    /// Stop all robots on their paths.
+    Suspend,
+    /// Go on.
+    Resume,
+    /// Slow down or speed up on the path.
+    Speed {
+        /// Share of the planned speed, 0% to 100%.
+        #[arg(value_name = "PERCENT")]
+        share: Vec<String>,
+    },
+    /// Stop on the path and end the instruction.
+    Abort,
+    /// Stop on the path for good, as after a fault.
+    Stop,
+    /// Take notice of a fault, in a cell whose file says after_fault = "await reset".
+    Acknowledge,
+    /// Start again, after `acknowledge`.
+    Reset,
+    /// Any of these, line by line; `take` and `release` keep the control from others meanwhile.
+    Console,
+    /// All of it as a screen with keys (feature `view`).
+    View,
 }
 
 /// What an operator wants of a cell that runs already.
@@ -111,111 +147,76 @@ pub enum Operating {
     View,
 }
 
-/// A command line that cannot be followed.
-#[derive(Debug, thiserror::Error)]
-#[error("{what}\n help: {help}")]
-pub(super) struct BadOption {
-    what: String,
-    help: String,
-}
+impl Options {
+    /// The file of the picture, unless none is wanted.
+    pub(super) fn picture(&self) -> Option<&Path> {
+        (!self.no_picture).then_some(&*self.picture)
+    }
 
-pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options>, BadOption> {
-    let bad = |what: String, help: &str| BadOption { what, help: help.to_owned() };
-    let mut parser = lexopt::Parser::from_args(arguments);
-    let mut options = Options {
-        cell: None,
-        picture: Some(PathBuf::from("picture.svg")),
-        check: false,
-        dry_run: false,
-        record: None,
-        replay: None,
-        partial: false,
-        quiet: false,
-        processes: None,
-        doctor: false,
-        operating: None,
-        spin: 0,
-        part: None,
-    };
-    let (mut role, mut session) = (Vec::new(), None);
-    let next = |parser: &mut lexopt::Parser| {
-        parser.value().map(PathBuf::from).map_err(|error| bad(error.to_string(), "give a file"))
-    };
-    while let Some(argument) = parser.next().map_err(|error| bad(error.to_string(), "see --help"))? {
-        match argument {
-            Short('h') | Long("help") => return Ok(None),
-            Short('q') | Long("quiet") => options.quiet = true,
-            Long("check") => options.check = true,
-            Long("dry-run") => options.dry_run = true,
-            Long("record") => options.record = Some(next(&mut parser)?),
-            Long("partial") => options.partial = true,
-            Long("processes") => options.processes = options.processes.or(Some(Clock::Real)),
-            Long("virtual") => options.processes = Some(Clock::Virtual),
-            Long("spin") => {
-                let value = parser.value().ok().and_then(|value| value.parse::<u32>().ok());
-                let wrong = || bad("--spin is no number of microseconds".to_owned(), "write --spin 20");
-                options.spin = 1000 * u64::from(value.ok_or_else(wrong)?);
-            }
-            Long("session") => session = Some(next(&mut parser)?),
-            Long("no-picture") => options.picture = None,
-            Long("cell") => options.cell = Some(next(&mut parser)?),
-            Long("picture") => options.picture = Some(next(&mut parser)?),
-            Long(name) => {
-                let help = suggestion(&format!("--{name}"), &NAMES, "the options are");
-                return Err(BadOption { what: format!("no option --{name}"), help });
-            }
-            Short(letter) => return Err(bad(format!("no option -{letter}"), "see --help")),
-            Value(value) if value == "doctor" => options.doctor = true,
-            Value(value) if value == "replay" => options.replay = Some(next(&mut parser)?),
-            Value(word) if options.operating.is_none() && role.is_empty() && operates(&word) => {
-                let rest = parser.raw_args().map_err(|error| bad(error.to_string(), "see --help"))?;
-                options.operating = Some(read_operating(&word, rest)?);
-            }
-            Value(value) if role.len() < 2 && is_role(&role, &value) => role.push(value),
-            Value(value) => {
-                let word = value.to_string_lossy();
-                let words: Vec<_> = ["replay", "doctor"].into_iter().chain(words()).collect();
-                let help = suggestion(&word, &words, "words are");
-                return Err(bad(format!("`{word}` is not asked for"), &help));
-            }
+    /// Whether the cell runs as processes of the operating system, and in whose time.
+    pub(super) fn clock(&self) -> Option<Clock> {
+        match (self.processes, self.lock_step) {
+            (_, true) => Some(Clock::Virtual),
+            (true, false) => Some(Clock::Real),
+            (false, false) => None,
         }
     }
-    if let Some(process) = read_role(&role) {
-        let help = "processes are started by the launcher: --processes";
-        let session = session.ok_or_else(|| bad(format!("`{process}` is not asked for"), help))?;
-        options.part = Some((process, session));
+}
+
+impl OperatingWord {
+    /// What it asks for; the speed may stand in two words, `50 %`.
+    ///
+    /// # Errors
+    /// No speed.
+    pub(super) fn read(&self) -> Result<Operating, NoButton> {
+        Ok(Operating::Press(match self {
+            OperatingWord::Status => return Ok(Operating::Status),
+            OperatingWord::Console => return Ok(Operating::Console),
+            OperatingWord::View => return Ok(Operating::View),
+            OperatingWord::Suspend => Button::Suspend,
+            OperatingWord::Resume => Button::Resume,
+            OperatingWord::Speed { share } => Button::read("speed", &share.join(" "))?,
+            OperatingWord::Abort => Button::Abort,
+            OperatingWord::Stop => Button::Stop,
+            OperatingWord::Acknowledge => Button::Acknowledge,
+            OperatingWord::Reset => Button::Reset,
+        }))
     }
-    Ok(Some(options))
 }
 
-/// Whether a word is for a cell that runs already.
-pub(super) fn operates(word: &OsStr) -> bool {
-    words().any(|known| word == OsStr::new(known))
+/// Reads the arguments after the program's name.
+///
+/// # Errors
+/// What there is to say instead: the help, or what is wrong with them.
+pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, clap::Error> {
+    let (part, arguments) = split_part(arguments.into_iter().collect());
+    if let Some(word) = arguments.first().filter(|word| is_role(&[], word)) {
+        let word = word.display();
+        let text =
+            format!("`{word}` is not asked for\n help: processes are started by the launcher: --processes\n");
+        return Err(clap::Error::raw(ErrorKind::InvalidSubcommand, text));
+    }
+    let program = std::env::args_os().next().unwrap_or_default();
+    let options = Options::try_parse_from(iter::once(program).chain(arguments))?;
+    Ok(Options { part, ..options })
 }
 
-/// All such words.
-fn words() -> impl Iterator<Item = &'static str> {
-    ["status", "console", "view"].into_iter().chain(Button::WORDS)
+/// What to write to a cell that runs already, and the options that are not a program's own, for its help.
+pub(super) fn help_beside_own() -> String {
+    let command = Word::augment_subcommands(RecordingOption::augment_args(Command::new("")));
+    let command = command.disable_help_flag(true).disable_help_subcommand(true).max_term_width(80);
+    command.help_template("{all-args}").render_help().to_string().trim_end().to_owned()
 }
 
-/// Reads it, with the speed that may come after it: `50%` or `50 %`.
-fn read_operating(word: &OsStr, mut rest: lexopt::RawArgs<'_>) -> Result<Operating, BadOption> {
-    Ok(match word.to_str().unwrap_or_default() {
-        "status" => Operating::Status,
-        "console" => Operating::Console,
-        "view" => Operating::View,
-        word => {
-            let mut value = String::new();
-            while word == "speed"
-                && rest.peek().is_some_and(|next| !next.to_string_lossy().starts_with("--"))
-                && !value.ends_with('%')
-            {
-                value.extend(rest.next().map(|next| next.to_string_lossy().into_owned()));
-            }
-            let bad = |error: NoButton| BadOption { what: error.what, help: error.help };
-            Operating::Press(Button::read(word, &value).map_err(bad)?)
-        }
-    })
+/// Whether a word is asked for instead of a run.
+pub(super) fn is_word(word: &OsStr) -> bool {
+    word.to_str().is_some_and(Word::has_subcommand)
+}
+
+/// Microseconds, as nanoseconds.
+fn nanoseconds(text: &str) -> Result<u64, &'static str> {
+    let micros = text.parse::<u32>().map_err(|_| "write a whole number of microseconds: --spin 20")?;
+    Ok(1000 * u64::from(micros))
 }
 
 /// Whether a word goes on with what a process is called: `mp`, `ecp NAME`.
@@ -293,36 +294,67 @@ pub(super) fn nearest_cell() -> PathBuf {
 mod tests {
     use super::*;
 
-    fn parsed(arguments: &[&str]) -> Result<Option<Options>, String> {
+    fn parsed(arguments: &[&str]) -> Result<Options, String> {
         parse(arguments.iter().map(OsString::from)).map_err(|error| error.to_string())
+    }
+
+    fn options(arguments: &[&str]) -> Options {
+        parsed(arguments).expect("right")
     }
 
     #[test]
     fn options_say_which_cell_runs_and_where_the_picture_goes() {
-        let options =
-            parsed(&["--cell", "a/b.toml", "--picture=c.svg", "-q"]).expect("right").expect("no help");
-        assert_eq!(options.cell, Some(PathBuf::from("a/b.toml")));
-        assert_eq!(options.picture, Some(PathBuf::from("c.svg")));
-        assert!(options.quiet && !options.check);
-        let options = parsed(&["--no-picture", "--check"]).expect("right").expect("no help");
-        assert!(options.picture.is_none() && options.check);
-        assert!(parsed(&["-h"]).expect("right").is_none());
+        let told = options(&["--cell", "a/b.toml", "--picture=c.svg", "-q"]);
+        assert_eq!(told.cell, Some(PathBuf::from("a/b.toml")));
+        assert_eq!(told.picture(), Some(Path::new("c.svg")));
+        assert!(told.quiet && !told.check);
+        let told = options(&["--no-picture", "--check"]);
+        assert!(told.picture().is_none() && told.check);
+        // The last one counts.
+        assert_eq!(options(&["--no-picture", "--picture", "c.svg"]).picture(), Some(Path::new("c.svg")));
+        assert_eq!(options(&["--picture", "c.svg", "--no-picture"]).picture(), None);
+        assert_eq!(options(&["--cell", "a", "--cell", "b"]).cell, Some(PathBuf::from("b")));
+        assert_eq!(options(&[]).picture(), Some(Path::new("picture.svg")));
+        let help = parse(["-h".into()]).expect_err("help");
+        assert_eq!(help.kind(), ErrorKind::DisplayHelp);
     }
 
     #[test]
     fn an_option_that_there_is_not_is_refused_with_the_one_that_was_meant() {
         for (arguments, told) in [
-            (&["--pictur", "x"][..], "did you mean `--picture`?"),
-            (&["--cell"], "give a file"),
-            (&["run"], "`run` is not asked for"),
-            (&["sttus"], "did you mean `status`?"),
-            (&["ecp", "left"], "`ecp left` is not asked for"),
-            (&["mp", "left", "--session", "x"], "`left` is not asked for"),
-            (&["--processes", "--spin"], "--spin is no number of microseconds"),
-            (&["-x"], "no option -x"),
+            (&["--pictur", "x"][..], "a similar argument exists: '--picture'"),
+            (&["--cell"], "a value is required for '--cell <FILE>'"),
+            (&["replay"], "<FILE>"),
+            (&["run"], "unrecognized subcommand 'run'"),
+            (&["sttus"], "a similar subcommand exists: 'status'"),
+            (
+                &["ecp", "left"],
+                "`ecp` is not asked for\n help: processes are started by the launcher: --processes",
+            ),
+            (&["mp", "left", "--session", "x"], "`mp` is not asked for"),
+            (&["--processes", "--spin"], "a value is required for '--spin <US>'"),
+            (&["--spin", "1.5"], "write a whole number of microseconds: --spin 20"),
+            (&["-x"], "unexpected argument '-x'"),
         ] {
-            let error = parsed(arguments).err().expect("refused");
-            assert!(error.contains(told) && error.contains("\n help: "), "{error}");
+            let error = parse(arguments.iter().map(OsString::from)).expect_err("refused");
+            assert_eq!(error.exit_code(), 2);
+            assert!(error.to_string().contains(told), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_help_fits_a_terminal_and_shows_every_word() {
+        let help = parsed(&["--help"]).expect_err("help");
+        for text in [help, help_beside_own()] {
+            assert!(text.lines().all(|line| line.len() <= 80), "{text}");
+            for word in
+                ["replay", "doctor", "status", "console", "view", "--record"].iter().chain(&Button::WORDS)
+            {
+                assert!(
+                    text.lines().any(|line| line.trim_start().starts_with(word)),
+                    "{word} is not in\n{text}"
+                );
+            }
         }
     }
 
@@ -344,39 +376,58 @@ mod tests {
 
     #[test]
     fn a_launcher_tells_a_process_who_it_is_and_a_user_whose_time_processes_run_in() {
-        let options = |arguments: &[&str]| parsed(arguments).expect("right").expect("no help");
         let part =
             options(&["edp", "left", "--session", "s", "--cell", "c", "--quiet"]).part.expect("a part");
         assert_eq!((part.0.to_string().as_str(), part.1), ("edp left", PathBuf::from("s")));
         assert_eq!(options(&["mp", "--session", "s"]).part.expect("a part").0, ProcessId::MP);
-        assert_eq!(options(&[]).processes, None);
-        assert_eq!(options(&["--processes"]).processes, Some(Clock::Real));
+        assert_eq!(options(&[]).clock(), None);
+        assert_eq!(options(&["--processes"]).clock(), Some(Clock::Real));
         for both in [&["--virtual"][..], &["--processes", "--virtual"], &["--virtual", "--processes"]] {
-            assert_eq!(options(both).processes, Some(Clock::Virtual));
+            assert_eq!(options(both).clock(), Some(Clock::Virtual));
         }
         assert_eq!(options(&["--processes", "--spin", "20"]).spin, 20_000);
-        assert!(options(&["doctor"]).doctor && !options(&[]).doctor);
+        assert!(matches!(options(&["doctor"]).word, Some(Word::Doctor)));
+    }
+
+    #[test]
+    fn a_replay_may_take_what_there_is_of_a_recording() {
+        for (arguments, taken) in [
+            (&["replay", "a.mcap"][..], false),
+            (&["--no-picture", "replay", "a.mcap", "--partial", "-q"], true),
+        ] {
+            let Some(Word::Replay { file, partial }) = options(arguments).word else {
+                panic!("{arguments:?}")
+            };
+            assert_eq!((file, partial), (PathBuf::from("a.mcap"), taken));
+        }
     }
 
     #[test]
     fn an_operator_says_in_words_what_a_running_cell_is_to_do() {
-        let options = |arguments: &[&str]| parsed(arguments).expect("right").expect("no help");
-        assert_eq!(options(&[]).operating, None);
-        assert_eq!(options(&["status"]).operating, Some(Operating::Status));
-        assert_eq!(options(&["view", "--cell", "c"]).operating, Some(Operating::View));
-        let half = Some(Operating::Press(Button::Speed(0.5)));
+        let asked = |arguments: &[&str]| match parsed(arguments)?.word {
+            Some(Word::Operating(word)) => word.read().map(Some).map_err(|error| error.to_string()),
+            _ => Ok(None),
+        };
+        assert_eq!(asked(&[]), Ok(None));
+        assert_eq!(asked(&["status"]), Ok(Some(Operating::Status)));
+        assert_eq!(asked(&["console"]), Ok(Some(Operating::Console)));
+        assert_eq!(asked(&["view", "--cell", "c"]), Ok(Some(Operating::View)));
+        assert_eq!(options(&["view", "--cell", "c"]).cell, Some(PathBuf::from("c")));
+        let half = Ok(Some(Operating::Press(Button::Speed(0.5))));
         for speed in [&["speed", "50%"][..], &["speed", "50", "%"], &["--cell", "c", "speed", "50%", "-q"]] {
-            assert_eq!(options(speed).operating, half, "{speed:?}");
+            assert_eq!(asked(speed), half, "{speed:?}");
         }
-        assert_eq!(options(&["stop"]).operating, Some(Operating::Press(Button::Stop)));
+        for word in Button::WORDS.into_iter().filter(|word| *word != "speed") {
+            assert_eq!(asked(&[word]), Ok(Some(Operating::Press(Button::read(word, "").expect("a button")))));
+        }
         for (arguments, told) in [
             (&["speed", "fast"][..], "write 0% to 100%"),
             (&["speed"], "write 0% to 100%"),
             (&["speed", "--cell", "c"], "write 0% to 100%"),
-            (&["stop", "now"], "`now` is not asked for"),
-            (&["stop", "abort"], "`abort` is not asked for"),
+            (&["stop", "now"], "unexpected argument 'now'"),
+            (&["stop", "abort"], "unexpected argument 'abort'"),
         ] {
-            let error = parsed(arguments).err().expect("refused");
+            let error = asked(arguments).expect_err("refused");
             assert!(error.contains(told), "{error}");
         }
     }

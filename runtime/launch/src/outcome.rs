@@ -38,6 +38,16 @@ pub fn cell_refused(error: &CellError) -> ExitCode {
     ExitCode::from(2)
 }
 
+/// Prints what there is to say instead of a run: the help that was asked for, or what is wrong with the command line.
+pub fn answered(answer: &clap::Error) -> ExitCode {
+    let text = answer.to_string();
+    if answer.use_stderr() {
+        complain(text.trim_end());
+        return ExitCode::from(2);
+    }
+    say(&text)
+}
+
 pub fn report(error: &dyn Display) {
     complain(&format!("error: {error}"));
 }

@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use super::options::{AskedRecording, operates, parse, split_part, split_recording};
+use super::options::{AskedRecording, Word, help_beside_own, is_word, parse, split_part, split_recording};
+use super::outcome::answered;
 use super::parts::Parts;
 use mrroc_core::link::Clock;
 use mrroc_core::cell::{Cell, CellError, RunReport};
@@ -113,22 +114,37 @@ impl Launch {
     /// machine, `doctor`; `None`: they begin with no such word. The cell is the one of [`cell_file`](Launch::cell_file).
     #[must_use]
     pub fn operate(&self) -> Option<ExitCode> {
-        let first = self.arguments.first()?;
-        if self.is_part() || !(first == "doctor" || operates(first)) {
+        if self.is_part() || !self.arguments.first().is_some_and(|first| is_word(first)) {
             return None;
         }
         let options = match parse(self.arguments.iter().cloned()) {
-            Ok(options) => options?,
-            Err(error) => return Some(refused(&error)),
+            Ok(options) => options,
+            Err(answer) => return Some(answered(&answer)),
         };
-        if options.doctor {
-            return Some(self.parts.examine());
-        }
+        let operating = match options.word? {
+            Word::Doctor => return Some(self.parts.examine()),
+            Word::Replay { .. } => return None,
+            Word::Operating(word) => match word.read() {
+                Ok(operating) => operating,
+                Err(error) => return Some(refused(&error)),
+            },
+        };
         let file = options.cell.or_else(|| self.cell.clone()).map_or_else(std::env::current_exe, Ok);
-        Some(match file {
-            Ok(file) => self.parts.operate(&file, options.operating?),
-            Err(error) => refused(&error),
-        })
+        Some(file.map_or_else(|error| refused(&error), |file| self.parts.operate(&file, operating)))
+    }
+
+    /// What the help of a program with a command line of its own says of the words that [`operate`](Launch::operate) carries
+    /// out, of `replay FILE` and of `--record FILE`: sections to be put below its options.
+    #[must_use]
+    pub fn help() -> String {
+        help_beside_own()
+    }
+
+    /// Prints what `clap` has to say instead of a program's own options: the help or version that was asked for, exit status
+    /// 0, or what is wrong with the command line, exit status 2.
+    #[must_use = "the exit status tells that nothing has moved"]
+    pub fn answer(answer: &clap::Error) -> ExitCode {
+        answered(answer)
     }
 
     /// Whether what watches the robots from here sees everything: the cell runs in this process, all of it, and nothing else

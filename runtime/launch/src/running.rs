@@ -21,7 +21,7 @@ const STUCK: Duration = Duration::from_secs(60);
 
 /// Runs the cell to its end, and draws what moved unless told not to.
 pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Options) -> ExitCode {
-    if let Some(file) = &options.picture {
+    if let Some(file) = options.picture() {
         // Found out now, not after a long run.
         if let Err(error) = OpenOptions::new().append(true).create(true).open(file) {
             return refused(&unwritable(file, &error));
@@ -46,13 +46,22 @@ pub(super) fn watched(
     options: Options,
     parts: &'static Parts,
 ) -> ExitCode {
-    let Options { part, processes: clock, spin, quiet, .. } = options.clone();
-    let arguments = std::env::args_os().skip(1).collect();
-    let watching = options.picture.is_some();
-    let launch = Launch { part, arguments, recording: None, clock, spin, cell: Some(path), quiet, watching, parts };
+    let quiet = options.quiet;
+    let watching = options.picture().is_some();
+    let launch = Launch {
+        part: options.part.clone(),
+        arguments: std::env::args_os().skip(1).collect(),
+        recording: None,
+        clock: options.clock(),
+        spin: options.spin,
+        cell: Some(path),
+        quiet,
+        watching,
+        parts,
+    };
     let draws = launch.is_here();
     // Found out now, and by the launcher alone.
-    if let Some(file) = options.picture.as_ref().filter(|_| !launch.is_part())
+    if let Some(file) = options.picture().filter(|_| !launch.is_part())
         && let Err(error) = OpenOptions::new().append(true).create(true).open(file)
     {
         return refused(&unwritable(file, &error));
@@ -80,12 +89,11 @@ pub(super) fn watched(
 /// Draws what moved, and says how the run ended.
 fn conclude(outcome: Result<RunReport, Fault>, mut picture: impl RunPicture, options: &Options) -> ExitCode {
     let drawn = options
-        .picture
-        .as_ref()
+        .picture()
         .map_or(Ok(()), |file| picture.save(file).map_err(|error| unwritable(file, &error)));
     let ended = match outcome {
         Ok(_) if options.quiet => ExitCode::SUCCESS,
-        Ok(report) => tell(&report, options.picture.as_deref().filter(|_| drawn.is_ok())),
+        Ok(report) => tell(&report, options.picture().filter(|_| drawn.is_ok())),
         Err(fault) => stopped(&fault),
     };
     match drawn {
