@@ -4,7 +4,8 @@
 
 use std::time::Duration;
 
-use mrroc::{Cell, Demand, Pose, RobotSetup, RunPicture, State, Step, Tick, generator};
+use mrroc::cell::RunPicture;
+use mrroc::{Cell, Demand, Pose, RobotSetup, State, Step, Tick, generator};
 use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::{Translation3, Vector3};

@@ -5,8 +5,8 @@ use std::io;
 use std::path::Path;
 use std::rc::Rc;
 
+use mrroc::cell::RunPicture;
 use mrroc::{Cell, Observation, Pose};
-use mrroc_launch::RunPicture;
 
 use crate::block::Block;
 use crate::page;

@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 use std::time::Duration;
 
+use mrroc::cell::RunPicture;
 use mrroc::{
     Cell, Demand, DriveFault, Driver, JointKind, Limits, Measured, NoInverse, Pose, Robot, RobotSetup,
-    RunPicture, State, Step, Tick, generator,
+    State, Step, Tick, generator,
 };
 use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};

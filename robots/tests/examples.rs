@@ -87,12 +87,12 @@ fn every_kind_is_shown() {
 fn the_examples_know_every_kind() {
     for kind in response::KINDS {
         let text = format!("step_ms = 2\nstop_ms = 5000\n[robots.a]\nkind = \"{kind}\"\n");
-        let file = mrroc::CellFile::parse("cell.toml", &text).expect("well-formed");
+        let file = mrroc_launch::cell_file::CellFile::parse("cell.toml", &text).expect("well-formed");
         let Err(why) = file.cell(&mrroc_robots::simulated()) else { panic!("there is no start") };
         assert!(why.to_string().contains("write start"), "{kind}: {why}");
     }
     assert_eq!(response::KINDS, show::KINDS);
-    let file = mrroc::CellFile::parse("cell.toml", "step_ms = 2\n[robots.a]\nkind = \"none\"\n")
+    let file = mrroc_launch::cell_file::CellFile::parse("cell.toml", "step_ms = 2\n[robots.a]\nkind = \"none\"\n")
         .expect("well-formed");
     let Err(why) = file.cell(&mrroc_robots::simulated()) else { panic!("there is no such kind") };
     println!("{why}");

@@ -3,9 +3,9 @@
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use mrroc_core::cell::{Cell, CellError};
+use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_launch::cell_file::CellFile;
-use mrroc_launch::{Launch, Parts, RunPicture};
+use mrroc_launch::{Launch, Parts};
 
 #[cfg(feature = "recording")]
 const RECORDING: Parts = Parts {
@@ -38,7 +38,7 @@ static PARTS: Parts = Parts { processes: PROCESSES, ..RECORDING };
 /// no picture is drawn.
 ///
 /// ```no_run
-/// # use mrroc::launch::RunPicture;
+/// # use mrroc::cell::RunPicture;
 /// # use mrroc::{Cell, CellError, CellFile};
 /// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
 /// # fn film() -> impl RunPicture { struct R; impl RunPicture for R {

@@ -38,7 +38,7 @@ pub fn main() -> ExitCode {
 }
 
 fn run() -> Result<ExitCode, Box<dyn Error>> {
-    let launch = Launch::new(std::env::args_os().skip(1)).quiet();
+    let launch = mrroc::launch::program(std::env::args_os().skip(1)).quiet();
     let words: Vec<_> =
         launch.arguments().iter().skip(2).map(|word| word.to_string_lossy().into_owned()).collect();
     let named = words.last().is_some_and(|link| link == "processes");

@@ -59,13 +59,13 @@ fn the_corpus_of_recordings_has_one_of_this_cell() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("parsers/corpus/recording");
     if std::env::var_os("MRROC_CORPUS").is_some() {
         std::fs::create_dir_all(&folder).expect("a folder");
-        cell().record(mrroc::Recording::to(folder.join("whole.mcap"))).run().expect("runs");
+        cell().record(mrroc::recording::to(folder.join("whole.mcap"))).run().expect("runs");
         let whole = std::fs::read(folder.join("whole.mcap")).expect("recorded");
         std::fs::write(folder.join("cut.mcap"), &whole[..whole.len() * 2 / 3]).expect("written");
     }
     let read = |name: &str| {
         let bytes = std::fs::read(folder.join(name)).expect("in the corpus");
-        mrroc::testing::readers::recording(&cell(), &bytes)
+        mrroc::recording::read_bytes(&cell(), &bytes)
     };
     assert_eq!(read("whole.mcap"), Ok(()));
     assert!(read("cut.mcap").is_err());

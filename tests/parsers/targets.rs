@@ -7,7 +7,6 @@ use mrroc::{BadWords, CellFile, Demand, EffectorState, Name, Pose, WORDS, Wire, 
 use mrroc_generators::teach::Taught;
 use mrroc_robots::{Irp6, Serial, simulated};
 
-#[cfg(feature = "recording")]
 #[path = "recorded.rs"]
 mod recorded;
 
@@ -25,9 +24,8 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("wire", wire),
     ("envelope", envelope),
     #[cfg(target_os = "linux")]
-    ("operator", readers::operator),
-    #[cfg(feature = "recording")]
-    ("recording", recording),
+    ("operator", mrroc::processes::readers::operator),
+        ("recording", recording),
 ];
 
 /// What bad input is answered with must say something.
@@ -82,9 +80,8 @@ pub fn trj(bytes: &[u8]) {
 }
 
 /// A recording of a cell of one robot.
-#[cfg(feature = "recording")]
 pub fn recording(bytes: &[u8]) {
-    told(readers::recording(&recorded::cell(), bytes));
+    told(mrroc::recording::read_bytes(&recorded::cell(), bytes));
 }
 
 /// Words of a message, head and body.

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
 
-use mrroc::Recording;
+
 
 use crate::cell::{Change, arms};
 
@@ -50,7 +50,7 @@ fn a_recorded_step_allocates_nothing() {
         420 => seen.set((seen.get().0, now())),
         _ => {}
     });
-    cell.record(Recording::to(file)).run().expect("keeps the limits");
+    cell.record(mrroc::recording::to(file)).run().expect("keeps the limits");
     let (warm, end) = counts.get();
     assert!(warm > 0, "nothing was counted");
     assert_eq!(end - warm, 0, "allocations in 400 steps");

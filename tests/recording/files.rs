@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use mrroc::{Cell, CutOff, Recording, ReplayError, RobotSetup};
+use mrroc::{Cell, RobotSetup};
+use mrroc::recording::{CutOff, ReplayError, Replay};
 use mrroc_robots::{Irp6, SimulatedIrp6};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 use proptest::prelude::*;
@@ -100,7 +101,7 @@ fn a_recording_of_another_cell_is_refused() {
 #[test]
 fn a_recording_of_one_robot_says_that_the_other_one_is_missing() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("one.mcap");
-    arms(Change::Nothing).record(Recording::to(&file).robots(["left"])).run().expect("keeps the limits");
+    arms(Change::Nothing).record(mrroc::recording::to(&file).robots(["left"])).run().expect("keeps the limits");
     let told = arms(Change::Nothing).replay(&file, CutOff::Refused).map_err(|error| error.to_string());
     assert!(told.as_ref().is_err_and(|told| told.contains("has no robot `right`")), "{told:?}");
 }
@@ -108,10 +109,10 @@ fn a_recording_of_one_robot_says_that_the_other_one_is_missing() {
 #[test]
 fn a_recording_asks_for_what_there_is() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asks.mcap");
-    let asked = Recording::to(&file).robots(["lefd"]).sensors(["counts"]);
+    let asked = mrroc::recording::to(&file).robots(["lefd"]).sensors(["counts"]);
     let told = arms(Change::Nothing).record(asked).run().expect_err("neither is there").to_string();
     assert!(told.contains("robot `lefd`") && told.contains("sensor `counts`"), "{told}");
-    let nowhere = arms(Change::Nothing).record(Recording::to("no/such/folder/a.mcap")).run();
+    let nowhere = arms(Change::Nothing).record(mrroc::recording::to("no/such/folder/a.mcap")).run();
     let told = nowhere.expect_err("there is no such folder").to_string();
     assert!(told.contains("cannot be written") && told.contains("--record"), "{told}");
 }

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// Records a run to a file of this name.
 fn recorded(name: &str) -> PathBuf {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let cell = cell::arms(cell::Change::Nothing).record(mrroc::Recording::to(&file));
+    let cell = cell::arms(cell::Change::Nothing).record(mrroc::recording::to(&file));
     cell.run().expect("keeps the limits");
     file
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
 
-use mrroc::{Observation, Recording};
+use mrroc::Observation;
 
 use crate::cell::{Change, STEP, arms};
 
@@ -32,7 +32,7 @@ fn another_librarys_values_are_those_that_the_drives_got_and_measured() {
                     .expect("a text");
             }
         })
-        .record(Recording::to(&file))
+        .record(mrroc::recording::to(&file))
         .run()
         .expect("keeps the limits");
     fs::write(&values, &*seen.borrow()).expect("a file");

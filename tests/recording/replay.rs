@@ -1,6 +1,7 @@
 //! A replay demands what was demanded, or tells where it does not.
 
-use mrroc::{CutOff, Recording};
+
+use mrroc::recording::{CutOff, Replay};
 
 use crate::cell::{Change, arms};
 use crate::recorded;
@@ -19,7 +20,7 @@ fn the_same_programs_demand_the_same_to_the_bit() {
 fn a_recording_changes_nothing_in_a_run() {
     let file = recorded("unchanged.mcap");
     let bare = arms(Change::Nothing).run().expect("keeps the limits");
-    let recorded = arms(Change::Nothing).record(Recording::to(file)).run().expect("keeps the limits");
+    let recorded = arms(Change::Nothing).record(mrroc::recording::to(file)).run().expect("keeps the limits");
     assert_eq!(bare, recorded);
 }
 
@@ -49,7 +50,7 @@ fn a_protective_stop_of_the_operator_is_made_again_on_the_path() {
             operator.protective_stop();
         }
     });
-    stopped.record(Recording::to(&file)).run().expect_err("it is stopped");
+    stopped.record(mrroc::recording::to(&file)).run().expect_err("it is stopped");
     // Nobody stops it now but the recording.
     let again = arms(Change::Nothing).on_step(|_, _| {}).replay(&file, CutOff::Refused);
     let compared = again.expect("a recording of this cell");

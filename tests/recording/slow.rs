@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use mrroc::{CutOff, Recording, RunReport};
+use mrroc::RunReport;
+use mrroc::recording::{CutOff, Replay};
 
 use crate::cell::{Change, arms};
 
@@ -15,7 +16,7 @@ fn bare() -> RunReport {
 }
 
 fn recorded_to(file: &Path) -> RunReport {
-    arms(Change::Nothing).record(Recording::to(file)).run().expect("a run does not depend on its recording")
+    arms(Change::Nothing).record(mrroc::recording::to(file)).run().expect("a run does not depend on its recording")
 }
 
 #[test]

@@ -133,26 +133,54 @@ impl fmt::Display for Approach {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc_core::cell::{Cell, RobotSetup};
-    use mrroc_core::fault::Role;
-    use mrroc_core::slide::{Exact, Slide};
     use core::time::Duration;
+
+    use mrroc_core::fault::Role;
+    use mrroc_core::observe::witness::Mode;
+    use mrroc_core::observe::layout::RobotLayout;
+    use mrroc_core::robot::{InterpolationSpace, JointKind};
+
+    /// A robot with one joint from -1 m to 1 m, 1 m/s, 10 m/s².
+    fn slide(name: &str, step: Duration) -> RobotLayout {
+        let joint = JointLayout {
+            kind: JointKind::Prismatic,
+            lower: -1.0,
+            upper: 1.0,
+            velocity: 1.0,
+            acceleration: 10.0,
+            jerk: None,
+            following_error: 0.05,
+            braking: 0.1,
+        };
+        RobotLayout {
+            name: name.to_owned(),
+            kind: "slide",
+            servo: step,
+            homed: true,
+            ecp_program: false,
+            space: InterpolationSpace::Joints,
+            joints: vec![joint],
+        }
+    }
 
     #[test]
     fn the_extremes_are_those_of_the_path() {
         let step = Duration::from_millis(2);
-        let still = || Exact::new(step);
-        let layout = Cell::new(step)
-            .robot(RobotSetup::new("arm", Slide::new(), still()))
-            .robot(RobotSetup::new("other", Slide::new(), still()))
-            .layout();
+        let layout = Layout {
+            step,
+            stop_time: Duration::from_millis(600),
+            detection: 0.022,
+            mp_program: true,
+            robots: vec![slide("arm", step), slide("other", step)],
+            sensors: Vec::new(),
+        };
         let approach = Approach::of(layout);
         let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
         let path = |k: f64| 0.1 * (0.004 * k).sin();
         for step in 0..1000 {
             let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
             words[0] = path(f64::from(step)).to_bits();
-            let what = What::Image { step: u64::from(step as u32), mode: mrroc_core::observe::witness::Mode::Moving };
+            let what = What::Image { step: u64::from(step as u32), mode: Mode::Moving };
             approach.see(0, by, &what, &words);
         }
         // q = 0.1 sin(2 t): v = 0.2 cos, a = 0.4 sin, j = 0.8 cos, but for the start, where v jumps from 0: its second

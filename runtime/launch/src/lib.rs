@@ -13,11 +13,10 @@ mod program;
 mod running;
 mod table;
 
-use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use mrroc_core::cell::{Cell, CellError};
+use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
 
@@ -31,18 +30,6 @@ use crate::table::Table;
 pub use crate::options::Operating;
 pub use crate::parts::{Parts, Processes};
 pub use crate::program::{Launch, Ran};
-
-/// A picture of a run: watches its robots, and is saved when it is over.
-pub trait RunPicture {
-    /// Begins to watch every robot of the cell.
-    fn watch(&mut self, cell: Cell) -> Cell;
-
-    /// Writes what was seen to a file; after a fault, too.
-    ///
-    /// # Errors
-    /// The file cannot be written.
-    fn save(&mut self, file: &Path) -> io::Result<()>;
-}
 
 /// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
 ///

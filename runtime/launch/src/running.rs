@@ -11,8 +11,8 @@ use std::time::Duration;
 use super::options::Options;
 use super::outcome::{cell_refused, note, report, stopped, tell};
 use super::patience::Patience;
-use super::{Launch, Parts, Ran, RunPicture};
-use mrroc_core::cell::{Cell, CellError, RunReport};
+use super::{Launch, Parts, Ran};
+use mrroc_core::cell::{Cell, CellError, RunPicture, RunReport};
 use mrroc_core::console::refused;
 use mrroc_core::fault::Fault;
 

@@ -242,9 +242,9 @@ mod tests {
 
     #[test]
     fn a_demand_shows_what_it_demands_and_nothing_that_was_left_in_the_message() {
-        use mrroc_core::slide::Slide;
+        use mrroc_robots::Gripper;
         let mut words = [7; WORDS];
-        Demand::<Slide>::pose(Pose::translation(1.0, 2.0, 3.0)).put(&mut words);
+        Demand::<Gripper>::pose(Pose::translation(1.0, 2.0, 3.0)).put(&mut words);
         let mut text = String::new();
         value(&mut text, &Shape::Demand, &words);
         let expected = json!({"form": "pose", "pose": {

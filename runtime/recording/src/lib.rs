@@ -39,7 +39,7 @@ use mrroc_core::observe::recording::Recording;
 pub use compare::{Compared, Difference};
 pub use reader::{CutOff, NotReplayable};
 pub use recorder::Mcap;
-pub use replaying::{ReplayError, replay, replay_command};
+pub use replaying::{Replay, ReplayError, replay_command};
 
 /// Everything, to an MCAP file, which is made or written anew: for [`Cell::record`](mrroc_core::cell::Cell::record).
 pub fn to(file: impl Into<PathBuf>) -> Recording {

@@ -26,28 +26,35 @@ pub enum ReplayError {
     Cell(#[from] CellError),
 }
 
-/// Runs the cell's programs again on what `file` has recorded, on the memory link: what robots measured, sensors read
-/// and the operator wanted comes from the file, in place of drivers and virtual sensors. Compares every demand with
-/// the recorded one, to the bit, up to the first that differs, or up to a fault that came from outside.
-///
-/// # Errors
-/// [`ReplayError`]: the file is no recording of this cell, or not whole; or what is wrong with the cell.
-pub fn replay(mut cell: Cell, file: impl AsRef<Path>, cut_off: CutOff) -> Result<Compared, ReplayError> {
-    let names = cell.check()?;
-    let recorded = Rc::new(read(file.as_ref(), &cell.layout(), cut_off)?);
-    let comparison = Rc::new(Comparison::with(Rc::clone(&recorded)));
-    let witness: Rc<dyn Witness> = Rc::<Comparison>::clone(&comparison);
-    match cell.replaying(recorded).witnessed_by(witness).run_on_memory(&names) {
-        // How it ends, the comparison tells: a recording may end before its programs do.
-        Ok(_) | Err(CellError::Fault(_)) => Ok(comparison.outcome()),
-        Err(error) => Err(error.into()),
+/// A cell whose programs can be run again on a recording.
+pub trait Replay {
+    /// Runs the cell's programs again on what `file` has recorded, on the memory link: what robots measured, sensors read
+    /// and the operator wanted comes from the file, in place of drivers and virtual sensors. Compares every demand with
+    /// the recorded one, to the bit, up to the first that differs, or up to a fault that came from outside.
+    ///
+    /// # Errors
+    /// [`ReplayError`]: the file is no recording of this cell, or not whole; or what is wrong with the cell.
+    fn replay(self, file: impl AsRef<Path>, cut_off: CutOff) -> Result<Compared, ReplayError>;
+}
+
+impl Replay for Cell {
+    fn replay(mut self, file: impl AsRef<Path>, cut_off: CutOff) -> Result<Compared, ReplayError> {
+        let names = self.check()?;
+        let recorded = Rc::new(read(file.as_ref(), &self.layout(), cut_off)?);
+        let comparison = Rc::new(Comparison::with(Rc::clone(&recorded)));
+        let witness: Rc<dyn Witness> = Rc::<Comparison>::clone(&comparison);
+        match self.replaying(recorded).witnessed_by(witness).run_on_memory(&names) {
+            // How it ends, the comparison tells: a recording may end before its programs do.
+            Ok(_) | Err(CellError::Fault(_)) => Ok(comparison.outcome()),
+            Err(error) => Err(error.into()),
+        }
     }
 }
 
 /// Replays a recording for the command line; `partial`: one that was cut off as far as it goes.
 pub fn replay_command(cell: Cell, file: &Path, partial: bool, quiet: bool) -> ExitCode {
     let cut_off = if partial { CutOff::Taken } else { CutOff::Refused };
-    let compared = match replay(cell, file, cut_off) {
+    let compared = match cell.replay(file, cut_off) {
         Ok(compared) => compared,
         Err(ReplayError::File(error)) => return refused(&error),
         Err(ReplayError::Cell(error)) => return cell_refused(&error),

@@ -35,7 +35,7 @@ const HEIGHT_BOUND: f64 = 0.02;
 const CAPITALS: f64 = 10.0;
 
 fn main() -> ExitCode {
-    let launch = Launch::new(std::env::args_os().skip(1));
+    let launch = mrroc::launch::program(std::env::args_os().skip(1));
     if let Some(status) = launch.operate() {
         return status;
     }

@@ -14,7 +14,7 @@ use transfer::summary::Summary;
 use transfer::variant::Variant;
 
 fn main() -> ExitCode {
-    let launch = Launch::new(std::env::args_os().skip(1));
+    let launch = mrroc::launch::program(std::env::args_os().skip(1));
     if let Some(status) = launch.operate() {
         return status;
     }

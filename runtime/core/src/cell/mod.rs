@@ -6,6 +6,7 @@ mod assembly;
 mod error;
 mod layout;
 mod limits;
+mod picture;
 pub mod realtime;
 #[cfg(test)]
 mod orphans;
@@ -45,6 +46,7 @@ pub use crate::safety::latch::AfterFault;
 pub use realtime::{Permission, Realtime};
 pub use crate::control::plant::{Rest, Rests};
 pub use assembly::Assembly;
+pub use picture::RunPicture;
 pub use robot::RobotSetup;
 pub use sensor::SensorSetup;
 

@@ -1,5 +1,7 @@
 //! An EDP without its ECP.
 
+use crate::link::Host;
+use crate::observe::servo::ServoRecord;
 use core::cell::RefCell;
 use std::rc::Rc;
 
@@ -54,7 +56,7 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
         replayed: None,
     };
     let replies = Rc::default();
-    (Edp::new(config, &Still, Box::new(Replies(Rc::clone(&replies)))), replies)
+    (Edp::new(config, Host::of(&Still), Box::new(Replies(Rc::clone(&replies)))), replies)
 }
 
 #[test]
@@ -121,7 +123,7 @@ impl<'w> Moving<'w> {
             let period = (record.time / servo - 1.5).round() as u64;
             seen.borrow_mut().push((period, record.demanded[0]));
         }));
-        Moving { edp: Edp::new(config, waiter, Box::new(Replies(Rc::default()))), told, step: 0 }
+        Moving { edp: Edp::new(config, Host::of(waiter), Box::new(Replies(Rc::default()))), told, step: 0 }
     }
 
     /// The demand of a step, for which all periods have passed since the one before.

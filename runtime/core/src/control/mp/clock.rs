@@ -153,6 +153,7 @@ impl StepClock {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::link::Nothing;
     use core::cell::Cell;
 
     /// A clock that is where it is told to be, and then jumps to every deadline.

@@ -1,5 +1,6 @@
 //! An MP without robots.
 
+use crate::link::{Host, Waiter};
 use core::cell::Cell;
 
 use super::*;
@@ -26,14 +27,14 @@ impl Waiter for Time {
 /// Begins steps in which the MP works for so long \[ns\]; the step and the fault that it ends with.
 fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     let time = Time::default();
-    let timed = Timed::new(&time);
+    let timed = Timed::new(Host::of(&time));
     let sensing = Sensing {
         ports: Vec::new(),
         patience: Patience { most: STEP, again: STEP },
         tap: Tap::to(Vec::new()),
     };
     let step = Duration::from_nanos(STEP);
-    let mut mp = Mp::new(&timed, Vec::new(), sensing, Operator::new(), None, (step, STEP / 2), 5.0);
+    let mut mp = Mp::new(timed.host(), Vec::new(), sensing, Operator::new(), None, (step, STEP / 2), 5.0);
     for begun in 0..steps {
         if let Err(fault) = mp.begin_step() {
             return Some((begun, fault.kind()));

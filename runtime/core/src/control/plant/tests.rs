@@ -4,7 +4,7 @@ use core::cell::RefCell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use super::command::{Command, Reading, RegulatorSets, Switch};
+use crate::control::command::{Command, Reading, RegulatorSets, Switch};
 use super::drives::{Commands, Drives};
 use super::{Part, Rest};
 use crate::model::driver::{DriveFault, Driver, Measured, Regulators};

@@ -1,5 +1,6 @@
 //! What an EDP makes of single requests.
 
+use crate::observe::servo::ServoRecord;
 use super::*;
 use crate::model::driver::{DriveFault, Driver, Regulators};
 use crate::slide::One;
