@@ -1,57 +1,93 @@
-//! The README's first program compiles, runs and is what the README shows.
+//! The README's program, and those of the book's page about programs, compile, run and are what is shown.
+
+#[path = "../tutorial/support.rs"]
+mod support;
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::time::Duration;
 
 use mrroc::{
-    Cell, Demand, Fault, Mp, Payload, Reading, ReadingOrder, Sensor, SensorSetup, State, Step, Tick,
+    Cell, CellError, CellFile, Demand, Fault, Mp, Payload, Pose, Reading, ReadingOrder, RobotSetup,
+    RunReport, Sensor, SensorSetup, State, Step, Tick, VirtualSensor, condition, generator,
 };
-use mrroc::{VirtualSensor, condition, generator};
-use mrroc_generators::profile::{ProfileCursor, ProfileLimits, Trapezoid};
-use mrroc_tests::{Gantry as Rnt, MS, Turntable as Polycrank, gantry, turntable};
-use nalgebra::{Vector1, Vector3};
+use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+use nalgebra::Translation3;
+use support::{ONE, TWO, extent, file, watched};
 
-// What the README shows begins here.
-#[generator(mp, first = grasp)] // a motion is a step function, and what it returns is demanded
-fn carry(c: &mut Carry, t: Tick) -> Step<(Rnt, Polycrank)> {
-    match c.profile.advance(t.dt) {
-        Some(at) => Step::Next((c.rnt(at.s), c.polycrank(at.s))), // one demand per robot: none can be forgotten
-        None => Step::Done,
-    }
+// ANCHOR: program
+/// Both tools rise by 0.1 m and come down again, in four seconds.
+struct Lift {
+    t: f64, // path time since the start [s]
+}
+
+#[generator(mp)] // a motion is a step function: what it returns is demanded of the robots
+fn lift(c: &mut Lift, t: Tick) -> Step<(Irp6, Irp6)> {
+    c.t += t.dt;
+    let height = 0.05 - 0.05 * (TAU * c.t / 4.0).cos();
+    let up = Pose::translation(0.0, 0.0, -height); // the z axes of the tools point down
+    let demands = (Demand::displacement(up), Demand::displacement(up)); // one per robot: none can be forgotten
+    if c.t < 4.0 { Step::Next(demands) } else { Step::Done }
+}
+
+#[condition(mp)] // a condition says what a Wait waits for
+fn held(v: &Reading<(WristForce,)>) -> bool {
+    v.0.reading().is_some_and(|force| force.newtons > 10.0)
 }
 
 fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
-    let (mut rnt, mut poly) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
+    let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
     let mut force = mp.sensor::<WristForce>("force")?;
-    mp.wait_until((&mut rnt, &mut poly), (&mut force,), Held::for_steps(200))?; // Wait
-    mp.move_robots((&mut rnt, &mut poly), (), Carry::by(0.1))?; // Move
+    mp.wait_until((&mut left, &mut right), (&mut force,), held {})?; // Wait
+    mp.move_robots((&mut left, &mut right), (), Lift { t: 0.0 })?; // Move
     Ok(())
 }
-// What the README shows ends here.
+// ANCHOR_END: program
 
-/// Both robots by the same amount, from where they hold the body.
-struct Carry {
-    profile: ProfileCursor,
-    start: (Vector3<f64>, Vector1<f64>),
+// ANCHOR: block
+/// The tool of one robot rises by 0.1 m and comes down again, wherever its z axis points.
+struct Rise {
+    from: Pose,
+    t: f64,
 }
 
-impl Carry {
-    fn by(distance: f64) -> Self {
-        let limits = ProfileLimits { velocity: 0.2, acceleration: 1.0 };
-        let profile = Trapezoid::new(distance, limits).expect("the limits are positive").cursor();
-        Carry { profile, start: (Vector3::zeros(), Vector1::zeros()) }
+#[generator(ecp)]
+impl Rise {
+    fn first_step(&mut self, e: &State<Irp6>, t: Tick) -> Step<Irp6> {
+        self.from = e.demanded().pose;
+        self.next_step(t)
     }
 
-    fn rnt(&self, s: f64) -> Demand<Rnt> {
-        Demand::joints(self.start.0 + Vector3::x() * s)
-    }
-
-    fn polycrank(&self, s: f64) -> Demand<Polycrank> {
-        Demand::joints(self.start.1 + Vector1::new(s))
+    fn next_step(&mut self, t: Tick) -> Step<Irp6> {
+        self.t += t.dt;
+        let up = Translation3::new(0.0, 0.0, 0.05 - 0.05 * (TAU * self.t / 4.0).cos());
+        if self.t < 4.0 { Step::Next(Demand::pose(up * self.from)) } else { Step::Done }
     }
 }
+// ANCHOR_END: block
 
-fn grasp(c: &mut Carry, e: &State<(Rnt, Polycrank)>, t: Tick) -> Step<(Rnt, Polycrank)> {
-    c.start = (e.0.demanded().joints, e.1.demanded().joints);
-    carry(c, t)
+// ANCHOR: file
+fn run_file(path: &Path) -> Result<RunReport, Box<dyn Error>> {
+    let file = CellFile::read(path)?; // names, kinds, places, the step; mistakes are shown with line and caret
+    let cell = file.cell(&mrroc_robots::simulated())?; // its robots, here simulated
+    let cell = cell.sensor(file.sensor("force", Pull(0.0))?); // what computes its sensor
+    Ok(cell.program(coordinate).run()?) // the program of the MP
 }
+// ANCHOR_END: file
+
+// ANCHOR: by_hand
+fn run_by_hand() -> Result<RunReport, CellError> {
+    let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let arm = |name| RobotSetup::new(name, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start));
+    Cell::new(Duration::from_millis(2))
+        .robot(arm("left"))
+        .robot(arm("right"))
+        .sensor(SensorSetup::new("force", Pull(0.0)))
+        .program(coordinate)
+        .run()
+}
+// ANCHOR_END: by_hand
 
 struct WristForce;
 
@@ -77,48 +113,60 @@ impl VirtualSensor for Pull {
     }
 }
 
-/// More than 10 N for so many steps in a row.
-struct Held {
-    steps: u32,
-    seen: u32,
+/// The two robots of the README and their sensor.
+fn cell_file() -> String {
+    format!("{TWO}[sensors.force]\n")
 }
 
-impl Held {
-    fn for_steps(steps: u32) -> Self {
-        Held { steps, seen: 0 }
-    }
-}
-
-#[condition(mp)]
-fn held(c: &mut Held, v: &Reading<(WristForce,)>) -> bool {
-    let pulls = v.0.reading().is_some_and(|force| force.newtons > 10.0);
-    c.seen = if pulls { c.seen + 1 } else { 0 };
-    c.seen >= c.steps
+/// 100 steps to 10 N, and 4 s of motion in steps of 2 ms.
+fn assert_takes_its_time(report: RunReport) {
+    assert!((2100..=2110).contains(&report.steps), "{}", report.steps);
 }
 
 #[test]
 fn the_program_of_the_readme_runs() {
-    let ((rnt, rnt_trace), (polycrank, polycrank_trace)) = (gantry("rnt"), turntable("polycrank"));
-    let report = Cell::new(MS)
-        .robot(rnt)
-        .robot(polycrank)
-        .sensor(SensorSetup::new("force", Pull(0.0)))
-        .program(coordinate)
-        .run()
-        .expect("nothing is wrong");
-    assert_eq!(rnt_trace.borrow().last().expect("recorded")[0], 0.1);
-    assert_eq!(polycrank_trace.borrow().last().expect("recorded")[0], 0.1);
-    // 100 steps to 10 N, 200 held, and s / v + v / a = 0.7 s of motion.
-    assert!((999..=1005).contains(&report.steps), "{}", report.steps);
+    let file = file(&cell_file());
+    let cell = file.cell(&mrroc_robots::simulated()).expect("known kinds");
+    let cell = cell.sensor(file.sensor("force", Pull(0.0)).expect("it is in the file"));
+    let (cell, paths) = watched(cell.program(coordinate));
+    assert_takes_its_time(cell.run().expect("nothing is wrong"));
+    for robot in ["left", "right"] {
+        let (low, high) = extent(&paths, robot, 2);
+        assert!(low > -1e-3 && (high - 0.1).abs() < 1e-3, "{robot}: {low} {high}");
+        let height = |(name, at): &(String, [f64; 3])| (name == robot).then_some(at[2]);
+        let heights: Vec<_> = paths.borrow().iter().filter_map(height).collect();
+        let (first, last) = (heights.first().expect("seen"), heights.last().expect("seen"));
+        assert!((last - first).abs() < 1e-3, "{robot}: from {first} to {last}");
+    }
+}
+
+#[test]
+fn an_impl_block_moves_a_robot_of_its_own() {
+    let cell = file(ONE).cell(&mrroc_robots::simulated()).expect("a known kind");
+    let (cell, paths) = watched(cell.ecp("arm", |ecp: &mut mrroc::Ecp<Irp6>| {
+        ecp.move_robot((), Rise { from: Pose::identity(), t: 0.0 }).map(drop)
+    }));
+    cell.run().expect("nothing is wrong");
+    let (low, high) = extent(&paths, "arm", 2);
+    assert!(low > -1e-3 && (high - 0.1).abs() < 1e-3, "{low} {high}");
+}
+
+#[test]
+fn a_cell_from_its_file_and_one_by_hand_run_alike() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("readme-cell.toml");
+    std::fs::write(&path, cell_file()).expect("written");
+    let from_file = run_file(&path).expect("nothing is wrong");
+    assert_takes_its_time(from_file);
+    assert_eq!(from_file, run_by_hand().expect("nothing is wrong"));
 }
 
 #[test]
 fn the_readme_shows_this_program() {
     let readme = include_str!("../../README.md");
-    let shown =
-        readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a rust block");
+    let shown: Vec<_> =
+        readme.split("```rust\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     let here = include_str!("main.rs");
-    let begin = here.find("begins here.\n").expect("marked") + "begins here.\n".len();
-    let end = here.find("// What the README shows ends").expect("marked");
-    assert_eq!(shown, &here[begin..end]);
+    let begin = here.find("// ANCHOR: program\n").expect("marked") + "// ANCHOR: program\n".len();
+    let end = here.find("// ANCHOR_END: program").expect("marked");
+    assert_eq!(shown, [&here[begin..end]], "it shows this program and no other Rust");
 }
