@@ -2,7 +2,8 @@
 
 use mrroc::Payload;
 
-/// FILL IN: the phases of the task; an `enum` leaves it to each robot how, a `struct` of numbers leads it step by step.
+/// FILL IN: the phases of the task. With an `enum` each robot decides how to do them; a `struct` of numbers leads it in
+/// every step.
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 pub enum Phase {
     Out,

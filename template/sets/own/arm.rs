@@ -25,7 +25,7 @@ pub fn kinds() -> Kinds {
 }
 
 impl Arm {
-    /// FILL IN: what its joints may be asked to do [m or rad, and per second].
+    /// FILL IN: the limits of its joints [m or rad, and per second].
     pub fn at(base: Pose) -> Self {
         let limits = Limits {
             lower: Joints::repeat(-1.0),

@@ -14,7 +14,7 @@ pub struct MyMotion {
 }
 
 impl MyMotion {
-    /// FILL IN: what the motion is told when it is made.
+    /// FILL IN: the parameters of the motion.
     pub fn new() -> Self {
         MyMotion::default()
     }
