@@ -25,8 +25,12 @@ fn every_code_that_is_shown_is_that_of_its_file() {
 #[test]
 fn every_relative_link_is_there() {
     let book = pages().into_iter().map(|(name, text)| (root().join("docs/src").join(name), text));
-    let top = ["README.md", "ARCHITECTURE.md"].map(|name| (root().join(name), read(root().join(name))));
-    for (path, text) in book.chain(top) {
+    let decisions = std::fs::read_dir(root().join("docs/decisions")).expect("a folder");
+    let decisions = decisions.map(|entry| entry.expect("an entry").path());
+    let beside =
+        ["README.md", "ARCHITECTURE.md", "SAFETY.md", "docs/performance.md", "docs/maintaining/mutants.md"];
+    let beside = beside.map(|name| root().join(name)).into_iter().chain(decisions);
+    for (path, text) in book.chain(beside.map(|path| (path.clone(), read(path)))) {
         for link in links(&text) {
             let there = path.parent().expect("a folder").join(&link).exists();
             assert!(there, "{}: the link to {link} leads nowhere", path.display());
