@@ -69,9 +69,9 @@ impl Rise {
 
 // ANCHOR: file
 fn run_file(path: &Path) -> Result<RunReport, Box<dyn Error>> {
-    let file = CellFile::read(path)?; // names, kinds, places, the step; mistakes are shown with line and caret
+    let file = CellFile::read(path)?; // names, kinds, places, the step
     let cell = file.cell(&mrroc_robots::simulated())?; // its robots, here simulated
-    let cell = cell.sensor(file.sensor("force", Pull(0.0))?); // what computes its sensor
+    let cell = cell.sensor(file.sensor("force", Pull(0.0))?); // `Pull`, a virtual sensor, computes its readings
     Ok(cell.program(coordinate).run()?) // the program of the MP
 }
 // ANCHOR_END: file
