@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use mrroc::cell::RunPicture;
 use mrroc::{
-    Cell, Demand, DriveFault, Driver, JointKind, Limits, Measured, NoInverse, Pose, Robot, RobotSetup,
-    State, Step, Tick, generator,
+    Cell, Demand, DriveFault, Driver, JointKind, Limits, Measured, NoInverse, Pose, Robot, RobotSetup, State,
+    Step, Tick, generator,
 };
 use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};

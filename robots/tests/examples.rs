@@ -92,8 +92,9 @@ fn the_examples_know_every_kind() {
         assert!(why.to_string().contains("write start"), "{kind}: {why}");
     }
     assert_eq!(response::KINDS, show::KINDS);
-    let file = mrroc_launch::cell_file::CellFile::parse("cell.toml", "step_ms = 2\n[robots.a]\nkind = \"none\"\n")
-        .expect("well-formed");
+    let file =
+        mrroc_launch::cell_file::CellFile::parse("cell.toml", "step_ms = 2\n[robots.a]\nkind = \"none\"\n")
+            .expect("well-formed");
     let Err(why) = file.cell(&mrroc_robots::simulated()) else { panic!("there is no such kind") };
     println!("{why}");
     assert!(response::KINDS.iter().all(|kind| why.to_string().contains(kind)), "{why}");

@@ -2,7 +2,8 @@
 
 mod support;
 
-use mrroc::{CellFile, DriveFault, Driver, Homing, Search};
+use mrroc::{DriveFault, Driver, Homing, Search};
+use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Serial,
     Seven, Simulated, Six, Unhomed, homing_conformance, simulated,

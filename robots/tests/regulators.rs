@@ -4,7 +4,8 @@ mod support;
 
 use std::f64::consts::TAU;
 
-use mrroc::{CellFile, Demand, Driver, Regulators, Step, Tick, generator};
+use mrroc::{Demand, Driver, Regulators, Step, Tick, generator};
+use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
     Gripper, Irp6, MotorData, Plant, Polycrank, Regulator, RegulatorSet, SimulatedIrp6, Six, simulated,
 };

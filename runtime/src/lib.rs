@@ -63,14 +63,14 @@ pub use mrroc_testing as testing;
 /// The command line of a task program.
 pub mod launch {
     pub use mrroc_core::cell::RunPicture;
-pub use mrroc_launch::{Launch, Ran};
+    pub use mrroc_launch::{Launch, Ran};
 
     pub use crate::parts::{launch, program};
 }
-pub use parts::launch;
 /// Cells as processes of the operating system.
 #[cfg(all(feature = "processes", target_os = "linux"))]
 pub use mrroc_processes as processes;
+pub use parts::launch;
 
 /// Recordings of a run in an MCAP file, and their replay.
 #[cfg(feature = "recording")]

@@ -25,7 +25,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("envelope", envelope),
     #[cfg(target_os = "linux")]
     ("operator", mrroc::processes::readers::operator),
-        ("recording", recording),
+    ("recording", recording),
 ];
 
 /// What bad input is answered with must say something.

@@ -5,8 +5,6 @@ use std::cell::Cell;
 use std::path::Path;
 use std::rc::Rc;
 
-
-
 use crate::cell::{Change, arms};
 
 struct Counting;

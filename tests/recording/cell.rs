@@ -3,7 +3,10 @@
 
 use std::time::Duration;
 
-use mrroc::{Always, Cell, Demand, Ecp, Fault, Mp, Operator, Order, Payload, Reading, ReadingOrder, RobotSetup, Sensor, SensorSetup, State, Step, Tick, VirtualSensor, VspMode, condition, generator};
+use mrroc::{
+    Always, Cell, Demand, Ecp, Fault, Mp, Operator, Order, Payload, Reading, ReadingOrder, RobotSetup,
+    Sensor, SensorSetup, State, Step, Tick, VirtualSensor, VspMode, condition, generator,
+};
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
 pub const STEP: Duration = Duration::from_millis(2);

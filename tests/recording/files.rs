@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use mrroc::recording::{CutOff, Replay, ReplayError};
 use mrroc::{Cell, RobotSetup};
-use mrroc::recording::{CutOff, ReplayError, Replay};
 use mrroc_robots::{Irp6, SimulatedIrp6};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 use proptest::prelude::*;
@@ -101,7 +101,10 @@ fn a_recording_of_another_cell_is_refused() {
 #[test]
 fn a_recording_of_one_robot_says_that_the_other_one_is_missing() {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("one.mcap");
-    arms(Change::Nothing).record(mrroc::recording::to(&file).robots(["left"])).run().expect("keeps the limits");
+    arms(Change::Nothing)
+        .record(mrroc::recording::to(&file).robots(["left"]))
+        .run()
+        .expect("keeps the limits");
     let told = arms(Change::Nothing).replay(&file, CutOff::Refused).map_err(|error| error.to_string());
     assert!(told.as_ref().is_err_and(|told| told.contains("has no robot `right`")), "{told:?}");
 }

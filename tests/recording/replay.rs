@@ -1,6 +1,5 @@
 //! A replay demands what was demanded, or tells where it does not.
 
-
 use mrroc::recording::{CutOff, Replay};
 
 use crate::cell::{Change, arms};

@@ -16,7 +16,10 @@ fn bare() -> RunReport {
 }
 
 fn recorded_to(file: &Path) -> RunReport {
-    arms(Change::Nothing).record(mrroc::recording::to(file)).run().expect("a run does not depend on its recording")
+    arms(Change::Nothing)
+        .record(mrroc::recording::to(file))
+        .run()
+        .expect("a run does not depend on its recording")
 }
 
 #[test]

@@ -7,12 +7,12 @@
 use std::cell::RefCell;
 use std::fmt;
 
-use mrroc_core::observe::layout::{JointLayout, Layout};
-use mrroc_core::fault::ProcessId;
-use mrroc_core::robot::MAX_JOINTS;
-use mrroc_core::link::Nanos;
 use mrroc_core::fault::Name;
+use mrroc_core::fault::ProcessId;
+use mrroc_core::link::Nanos;
+use mrroc_core::observe::layout::{JointLayout, Layout};
 use mrroc_core::observe::witness::{What, Witness};
+use mrroc_core::robot::MAX_JOINTS;
 
 /// What one joint came to [rad or m, s].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,8 +136,8 @@ mod tests {
     use core::time::Duration;
 
     use mrroc_core::fault::Role;
-    use mrroc_core::observe::witness::Mode;
     use mrroc_core::observe::layout::RobotLayout;
+    use mrroc_core::observe::witness::Mode;
     use mrroc_core::robot::{InterpolationSpace, JointKind};
 
     /// A robot with one joint from -1 m to 1 m, 1 m/s, 10 m/s².

@@ -52,7 +52,9 @@ pub fn launch(
     match &options.word {
         Some(Word::Doctor) => return parts.examine(),
         Some(Word::Operating(word)) => {
-            return word.read().map_or_else(|error| refused(&error), |operating| parts.operate(&path, operating));
+            return word
+                .read()
+                .map_or_else(|error| refused(&error), |operating| parts.operate(&path, operating));
         }
         Some(Word::Replay { .. }) | None => {}
     }

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{Args, Command, Parser, Subcommand};
 
+use mrroc_core::fault::Name;
+use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::operator::button::{Button, NoButton};
-use mrroc_core::fault::{ProcessId, Role};
-use mrroc_core::fault::Name;
 
 const AFTER_HELP: &str = "\
 From status on, the commands ask the same cell from another terminal, while it

@@ -11,8 +11,8 @@ use mrroc_core::fault::ProcessId;
 use mrroc_core::observe::recording::{NotRecorded, Recorder};
 
 use crate::options::Operating;
-use mrroc_core::console::refused as refuse;
 use crate::program::{Launch, Ran};
+use mrroc_core::console::refused as refuse;
 
 /// What a program was built with.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,8 +37,13 @@ pub trait Processes: core::fmt::Debug + Sync {
     ///
     /// # Errors
     /// In a plant that is watched: the first cause of a stop.
-    fn take_part(&self, cell: Cell, process: ProcessId, session: &Path, how: &Launch)
-    -> Result<Ran, CellError>;
+    fn take_part(
+        &self,
+        cell: Cell,
+        process: ProcessId,
+        session: &Path,
+        how: &Launch,
+    ) -> Result<Ran, CellError>;
 
     /// Runs all processes of a cell.
     ///

@@ -10,10 +10,10 @@ use std::time::Duration;
 use super::options::{AskedRecording, Word, help_beside_own, is_word, parse, split_part, split_recording};
 use super::outcome::answered;
 use super::parts::Parts;
-use mrroc_core::link::Clock;
 use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::refused;
 use mrroc_core::fault::ProcessId;
+use mrroc_core::link::Clock;
 
 /// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
 ///
@@ -58,7 +58,17 @@ impl Launch {
     pub fn new(arguments: impl IntoIterator<Item = OsString>, parts: &'static Parts) -> Launch {
         let (part, arguments) = split_part(arguments.into_iter().collect());
         let (recording, arguments) = split_recording(arguments);
-        Launch { part, arguments, recording, clock: None, spin: 0, cell: None, quiet: false, watching: false, parts }
+        Launch {
+            part,
+            arguments,
+            recording,
+            clock: None,
+            spin: 0,
+            cell: None,
+            quiet: false,
+            watching: false,
+            parts,
+        }
     }
 
     /// The arguments that are the program's own: without `replay FILE` before them, and `--record FILE` among them.
@@ -196,7 +206,10 @@ mod tests {
     use super::*;
 
     fn launch(arguments: &[&str]) -> Launch {
-        Launch::new(arguments.iter().map(OsString::from), &Parts { recorder: None, replay: None, processes: None })
+        Launch::new(
+            arguments.iter().map(OsString::from),
+            &Parts { recorder: None, replay: None, processes: None },
+        )
     }
 
     #[test]

@@ -88,9 +88,8 @@ pub(super) fn watched(
 
 /// Draws what moved, and says how the run ended.
 fn conclude(outcome: Result<RunReport, Fault>, mut picture: impl RunPicture, options: &Options) -> ExitCode {
-    let drawn = options
-        .picture()
-        .map_or(Ok(()), |file| picture.save(file).map_err(|error| unwritable(file, &error)));
+    let drawn =
+        options.picture().map_or(Ok(()), |file| picture.save(file).map_err(|error| unwritable(file, &error)));
     let ended = match outcome {
         Ok(_) if options.quiet => ExitCode::SUCCESS,
         Ok(report) => tell(&report, options.picture().filter(|_| drawn.is_ok())),

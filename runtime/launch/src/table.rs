@@ -7,12 +7,12 @@ use core::fmt::{self, Display};
 use std::time::Duration;
 
 use mrroc_core::cell::Cell;
-use mrroc_core::observe::layout::{JointLayout, Layout, RobotLayout, SensorLayout};
-use mrroc_core::fault::{ProcessId, Role};
-use mrroc_core::robot::InterpolationSpace;
-use mrroc_core::fault::Name;
 use mrroc_core::cell::{Permission, Realtime};
+use mrroc_core::fault::Name;
+use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::observe::Recording;
+use mrroc_core::observe::layout::{JointLayout, Layout, RobotLayout, SensorLayout};
+use mrroc_core::robot::InterpolationSpace;
 use mrroc_core::sensor::VspMode;
 
 /// A cell as a table.

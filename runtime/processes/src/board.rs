@@ -1,6 +1,6 @@
 //! The state board of a session: what each of its processes does, in shared memory, for whoever looks on.
 //!
-//! In: plain numbers, by each process on a panel of its own, in every step. Out: the newest of them, in the launcher.
+//! In: plain numbers, by each process in an entry of its own, in every step. Out: the newest of them, in the launcher.
 //! Writing is a few stores and waits for nobody: a sequence number that is odd while numbers change tells a reader to
 //! look again (a sequence lock). A reader that never finds them at rest knows no more than before.
 
@@ -17,20 +17,20 @@ use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 
 use super::session::{SHARED_MEMORY, prefix};
 
-/// Words of a panel, its sequence number not counted.
-pub(super) const PANEL: usize = 79;
+/// Words of an entry, its sequence number not counted.
+pub(super) const ENTRY: usize = 79;
 
 /// How often a reader looks again before it gives up.
 const LOOKS: usize = 1000;
 
 /// The numbers of one process.
 #[repr(C)]
-struct Panel {
+struct Entry {
     sequence: AtomicU64,
-    words: [AtomicU64; PANEL],
+    words: [AtomicU64; ENTRY],
 }
 
-impl Panel {
+impl Entry {
     fn write(&self, words: &[u64]) {
         let sequence = self.sequence.load(Ordering::Relaxed);
         self.sequence.store(sequence.wrapping_add(1), Ordering::Relaxed);
@@ -41,7 +41,7 @@ impl Panel {
         self.sequence.store(sequence.wrapping_add(2), Ordering::Release);
     }
 
-    fn read(&self) -> Option<[u64; PANEL]> {
+    fn read(&self) -> Option<[u64; ENTRY]> {
         (0..LOOKS).find_map(|_| {
             let before = self.sequence.load(Ordering::Acquire);
             let words = core::array::from_fn(|i| self.words[i].load(Ordering::Relaxed));
@@ -56,7 +56,7 @@ impl Panel {
 /// The panels of all processes of a session, by their places.
 #[derive(Debug)]
 pub(super) struct StateBoard {
-    panels: NonNull<Panel>,
+    panels: NonNull<Entry>,
     count: usize,
 }
 
@@ -99,7 +99,7 @@ impl StateBoard {
         Ok(StateBoard { panels, count })
     }
 
-    fn panel(&self, place: usize) -> Option<&Panel> {
+    fn entry(&self, place: usize) -> Option<&Entry> {
         // SAFETY: the mapping holds `count` panels, aligned to a page, of which every byte is a part of an atomic number,
         // and lives as long as the board.
         #[allow(unsafe_code)]
@@ -108,27 +108,27 @@ impl StateBoard {
 
     /// Shows the numbers of the process at a place: it alone does so. What does not fit is not shown.
     pub fn write(&self, place: usize, words: &[u64]) {
-        if let Some(panel) = self.panel(place) {
-            panel.write(words);
+        if let Some(entry) = self.entry(place) {
+            entry.write(words);
         }
     }
 
     /// The numbers shown last by the process at a place; `None` before there are any, or if it died over them.
-    pub fn read(&self, place: usize) -> Option<[u64; PANEL]> {
-        self.panel(place)?.read()
+    pub fn read(&self, place: usize) -> Option<[u64; ENTRY]> {
+        self.entry(place)?.read()
     }
 }
 
 impl Drop for StateBoard {
     fn drop(&mut self) {
-        // SAFETY: what `map` mapped, once; no panel is borrowed any more.
+        // SAFETY: what `map` mapped, once; no entry is borrowed any more.
         #[allow(unsafe_code)]
         let _ = unsafe { munmap(self.panels.as_ptr().cast(), bytes(self.count)) };
     }
 }
 
 fn bytes(count: usize) -> usize {
-    count.max(1) * size_of::<Panel>()
+    count.max(1) * size_of::<Entry>()
 }
 
 fn path(session: u64) -> PathBuf {
@@ -174,11 +174,11 @@ mod tests {
         let board = Board::new(2);
         let open = || StateBoard::open(board.1, 2).expect("a board");
         let (writer, reader) = (open(), open());
-        writer.write(1, &[0; PANEL]);
+        writer.write(1, &[0; ENTRY]);
         let over = &AtomicBool::new(false);
         std::thread::scope(|scope| {
             scope.spawn(move || {
-                (1..100_000).for_each(|number| writer.write(1, &[number; PANEL]));
+                (1..100_000).for_each(|number| writer.write(1, &[number; ENTRY]));
                 over.store(true, Ordering::Release);
             });
             scope.spawn(move || {

@@ -9,12 +9,12 @@ use std::os::unix::net::UnixStream;
 
 use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
-use mrroc_core::operator::button::Button;
+use crate::iceoryx::{Clock, Seal};
+use mrroc_core::cell::Rest;
+use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::link::Nanos;
-use crate::iceoryx::{Clock, Seal};
-use mrroc_core::fault::Name;
-use mrroc_core::cell::Rest;
+use mrroc_core::operator::button::Button;
 use mrroc_core::payload::{BadWords, Wire};
 
 /// Words of a frame.

@@ -10,7 +10,7 @@ use rustix::system::uname;
 use rustix::thread::{ClockId, clock_nanosleep_absolute, sched_getaffinity};
 use rustix::time::Timespec;
 
-use super::room::free_shared_memory;
+use super::capacity::free_shared_memory;
 use super::scheduling::set_priority;
 use super::session::{SHARED_MEMORY, base};
 use crate::iceoryx::monotonic;
@@ -24,7 +24,7 @@ const PERIOD: u64 = 1_000_000;
 /// The priority that is tried.
 const PRIORITY: u8 = 50;
 
-/// Shared memory that a cell of eight processes takes, with room to spare \[bytes\].
+/// Shared memory that a cell of eight processes takes, with capacity to spare \[bytes\].
 const ENOUGH: u64 = 64 << 20;
 
 /// What was found: one line each, and what to change.

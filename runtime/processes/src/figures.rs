@@ -13,8 +13,8 @@ use std::time::Duration;
 use hdrhistogram::Histogram;
 
 use super::control::{Control, Frame};
-use mrroc_core::fault::ProcessId;
 use crate::iceoryx::Samples;
+use mrroc_core::fault::ProcessId;
 use mrroc_core::link::{Nanos, Sample};
 
 /// How often the ring is emptied, and after how many times figures are told.

@@ -20,12 +20,12 @@ use rustix::thread::futex;
 
 use super::control::{Control, Frame};
 use super::scheduling::ask;
-use mrroc_core::fault::{ProcessId, Role};
 use crate::iceoryx::{Clock, Fabric, RealTime, Seal, monotonic};
-use mrroc_core::link::{Link, Waiter};
-use mrroc_core::link::message::{Kind, Message, OrderKind};
-use mrroc_core::fault::Name;
 use mrroc_core::cell::{Permission, Realtime};
+use mrroc_core::fault::Name;
+use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::link::message::{Kind, Message, OrderKind};
+use mrroc_core::link::{Link, Waiter};
 
 const WARM_UP: usize = 500;
 const SAMPLES: usize = 5000;
@@ -360,7 +360,7 @@ fn round_trips_of_every_kind() {
 fn waiter(fabric: &Fabric) -> RealTime {
     let hears_nothing = std::sync::mpsc::channel().1;
     let samples = std::sync::Arc::new(crate::iceoryx::Samples::new());
-    RealTime::new(fabric.bell().expect("made"), hears_nothing, (0, 0), samples)
+    RealTime::new(fabric.wake_futex().expect("made"), hears_nothing, (0, 0), samples)
 }
 
 /// Where raw samples go.

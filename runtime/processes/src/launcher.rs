@@ -15,18 +15,18 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::board::StateBoard;
+use super::capacity::{self, NoRoom};
+use super::console_server::ConsoleServer;
 use super::control::Frame;
-use super::crew::{Crew, Member, NoStart, Over, Plan};
-use super::desk::Desk;
 use super::figures::table;
-use super::room::{self, NoRoom};
+use super::process_set::{Member, NoStart, Over, Plan, ProcessSet};
 use super::session::{CellLock, Session, SessionError};
+use crate::iceoryx::{Clock, Fabric, monotonic};
+use mrroc_core::cell::Rest;
 use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
 use mrroc_core::fault::{Fault, ProcessId, Role};
-use crate::iceoryx::{Clock, Fabric, monotonic};
 use mrroc_core::link::memory::Scheduler;
 use mrroc_core::link::{Link, Nanos, Waiter};
-use mrroc_core::cell::Rest;
 use mrroc_core::observe::NotRecorded;
 
 /// How often a launch is tried whose processes die while they start.
@@ -47,7 +47,7 @@ pub(crate) enum LaunchError {
     /// What is wrong with the cell, or the first cause of a stop.
     #[error(transparent)]
     Cell(#[from] CellError),
-    /// The machine has no room for it.
+    /// The machine has no capacity for it.
     #[error(transparent)]
     Room(#[from] NoRoom),
     /// It has no session.
@@ -57,11 +57,11 @@ pub(crate) enum LaunchError {
     #[error(transparent)]
     Start(#[from] NoStart),
     /// It has no state board.
-    #[error("no shared memory for the cell's state: {0}\n help: make room in /dev/shm")]
+    #[error("no shared memory for the cell's state: {0}\n help: make capacity in /dev/shm")]
     Board(std::io::Error),
     /// Its operator cannot reach it.
     #[error("the operator's socket cannot be made: {0}")]
-    Desk(std::io::Error),
+    ConsoleServer(std::io::Error),
     /// Signals cannot be heard.
     #[error("signals cannot be heard: {0}")]
     Signals(#[from] std::io::Error),
@@ -87,7 +87,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell)?;
-    room::check(fabric.places().len() + fabric.ways())?;
+    capacity::check(fabric.places().len() + fabric.ways())?;
     let signals = Signals::hear()?;
     let mut epoch = 1;
     loop {
@@ -101,26 +101,29 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
             }
         };
         let board = make_board(plan.clock, &session, fabric.places().len())?;
-        match Crew::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
-            Ok(crew) => {
+        match ProcessSet::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
+            Ok(process_set) => {
                 let run = match board {
-                    Some(board) => {
-                        supervise(&crew, &signals, &open_desk(&session, board, &crew)?, (stop, plan.watched))
-                    }
-                    None => pace(&crew, &signals, stop)?,
+                    Some(board) => supervise(
+                        &process_set,
+                        &signals,
+                        &open_desk(&session, board, &process_set)?,
+                        (stop, plan.watched),
+                    ),
+                    None => pace(&process_set, &signals, stop)?,
                 };
-                let teller = if plan.watched { crew.plant_over() } else { None };
-                crew.reap(teller, Instant::now() + CLOSING);
+                let teller = if plan.watched { process_set.plant_over() } else { None };
+                process_set.reap(teller, Instant::now() + CLOSING);
                 // All have said what they had to say.
                 drop(relay);
-                let figures = crew.figures();
+                let figures = process_set.figures();
                 if !plan.quiet && !figures.is_empty() {
                     eprint!("{}", table(&figures));
                 }
                 let (steps, time) = (run.steps, run.time);
                 let outcome = run.outcome();
                 if outcome.is_err() && !plan.quiet {
-                    crew.0.iter().for_each(|member| member.rests.borrow().iter().for_each(tell_rest));
+                    process_set.0.iter().for_each(|member| member.rests.borrow().iter().for_each(tell_rest));
                 }
                 let told =
                     teller.and_then(|plant| plant.conclude(steps, time.as_nanos() as Nanos, outcome.clone()));
@@ -145,9 +148,13 @@ fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<S
 }
 
 /// Where the operator's consoles connect.
-fn open_desk(session: &Session, board: StateBoard, crew: &Crew) -> Result<Desk, LaunchError> {
-    let seats = crew.0.iter().map(|member| (member.id, member.pid()));
-    Desk::open(session.folder(), board, seats).map_err(LaunchError::Desk)
+fn open_desk(
+    session: &Session,
+    board: StateBoard,
+    process_set: &ProcessSet,
+) -> Result<ConsoleServer, LaunchError> {
+    let seats = process_set.0.iter().map(|member| (member.id, member.pid()));
+    ConsoleServer::open(session.folder(), board, seats).map_err(LaunchError::ConsoleServer)
 }
 
 /// What became of a run.
@@ -160,9 +167,12 @@ struct Run {
 }
 
 impl Run {
-    fn of(crew: &Crew, death: Option<Fault>, time: Option<Nanos>) -> Run {
-        let overs: Vec<_> =
-            crew.0.iter().filter_map(|member| Some((member.id, member.over.borrow().clone()?))).collect();
+    fn of(process_set: &ProcessSet, death: Option<Fault>, time: Option<Nanos>) -> Run {
+        let overs: Vec<_> = process_set
+            .0
+            .iter()
+            .filter_map(|member| Some((member.id, member.over.borrow().clone()?)))
+            .collect();
         let mp = overs.iter().find(|(id, _)| *id == ProcessId::MP).map(|(_, over)| over);
         let time = time.or_else(|| mp.map(|over| over.time)).unwrap_or(0);
         Run {
@@ -208,21 +218,27 @@ impl Signals {
 }
 
 /// Runs a cell in real time: hears who is gone and who has ended, until all have.
-fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, watched): (Duration, bool)) -> Run {
-    crew.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
+fn supervise(
+    process_set: &ProcessSet,
+    signals: &Signals,
+    console_server: &ConsoleServer,
+    (stop, watched): (Duration, bool),
+) -> Run {
+    process_set.tell(&Frame::Go { origin: monotonic() + HEAD_START.as_nanos() as Nanos });
     let mut death: Option<Fault> = None;
     let (mut aborting, mut closing): (Option<Instant>, Option<Instant>) = (None, None);
     let close = |closing: &mut Option<Instant>| {
         closing.get_or_insert_with(|| {
-            crew.tell(&Frame::Close);
+            process_set.tell(&Frame::Close);
             Instant::now() + stop + CLOSING
         });
     };
     loop {
         let waits = |member: &Member| watched && member.id.role == Role::Plant && member.is_over();
-        let left: Vec<_> = crew.0.iter().filter(|member| !member.gone.get() && !waits(member)).collect();
+        let left: Vec<_> =
+            process_set.0.iter().filter(|member| !member.gone.get() && !waits(member)).collect();
         if left.is_empty() {
-            return Run::of(crew, death, None);
+            return Run::of(process_set, death, None);
         }
         let rest = closing.or(aborting).map(|until| until.saturating_duration_since(Instant::now()));
         if rest == Some(Duration::ZERO) {
@@ -238,17 +254,17 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, watched): (Dura
             }
             continue;
         }
-        let (signalled, spoke) = wait(&left, signals, desk, rest);
+        let (signalled, spoke) = wait(&left, signals, console_server, rest);
         if signalled {
-            crew.tell_mp(&Frame::Abort);
+            process_set.tell_mp(&Frame::Abort);
             aborting.get_or_insert(Instant::now() + stop + ABORTING);
         }
-        desk.presses().for_each(|press| crew.tell_mp(&press));
+        console_server.presses().for_each(|press| process_set.tell_mp(&press));
         for member in spoke {
             match member.control.receive() {
                 Ok(Frame::Over { steps, time, outcome }) => {
                     member.over.replace(Some(Over { steps, time, outcome }));
-                    desk.ended(member.id);
+                    console_server.ended(member.id);
                     if member.id == ProcessId::MP {
                         close(&mut closing);
                     }
@@ -256,12 +272,12 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, watched): (Dura
                 Ok(Frame::Rested(rest)) => member.rests.borrow_mut().push(rest),
                 Ok(Frame::Figures(figures)) => {
                     member.figures.set(Some(figures));
-                    desk.measured(member.id, figures);
+                    console_server.measured(member.id, figures);
                 }
                 Ok(_) => {}
                 Err(_) => {
                     let how = member.reap();
-                    desk.ended(member.id);
+                    console_server.ended(member.id);
                     if member.over.borrow().is_some() {
                         continue;
                     }
@@ -274,7 +290,7 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, watched): (Dura
                         }
                         Role::Ecp | Role::Edp | Role::Plant => {
                             death.get_or_insert(member.death(&how));
-                            crew.tell_mp(&Frame::Lost(member.id));
+                            process_set.tell_mp(&Frame::Lost(member.id));
                         }
                     }
                 }
@@ -287,14 +303,14 @@ fn supervise(crew: &Crew, signals: &Signals, desk: &Desk, (stop, watched): (Dura
 fn wait<'a>(
     left: &[&'a Rc<Member>],
     signals: &Signals,
-    desk: &Desk,
+    console_server: &ConsoleServer,
     time: Option<Duration>,
 ) -> (bool, Vec<&'a Rc<Member>>) {
     let mut all: Vec<_> = left
         .iter()
         .map(|member| PollFd::from_borrowed_fd(member.control.descriptor(), PollFlags::IN))
         .collect();
-    all.push(PollFd::from_borrowed_fd(desk.descriptor(), PollFlags::IN));
+    all.push(PollFd::from_borrowed_fd(console_server.descriptor(), PollFlags::IN));
     all.push(PollFd::from_borrowed_fd(signals.wakes.as_fd(), PollFlags::IN));
     let time = time.and_then(|time| Timespec::try_from(time).ok());
     if poll(&mut all, time.as_ref()).is_err() {
@@ -324,12 +340,12 @@ fn tell_rest(rest: &Rest) {
 
 /// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes the processes instead of
 /// coroutines, one at a time and in the same order, so that they do the same.
-fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
-    crew.tell(&Frame::Go { origin: 0 });
+fn pace(process_set: &ProcessSet, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
+    process_set.tell(&Frame::Go { origin: 0 });
     let mut scheduler = Scheduler::new();
-    let places: Vec<_> = crew.0.iter().map(|member| scheduler.place(member.id)).collect();
+    let places: Vec<_> = process_set.0.iter().map(|member| scheduler.place(member.id)).collect();
     let death = Rc::new(core::cell::RefCell::new(None));
-    for (member, place) in crew.0.iter().zip(places) {
+    for (member, place) in process_set.0.iter().zip(places) {
         let proxy = Proxy {
             member: Rc::clone(member),
             wake: scheduler.waker(),
@@ -337,14 +353,14 @@ fn pace(crew: &Crew, signals: &Signals, stop: Duration) -> Result<Run, CellError
             stopped: Arc::clone(&signals.came),
             death: Rc::clone(&death),
             stop: stop.as_nanos() as Nanos,
-            all: crew.0.clone(),
+            all: process_set.0.clone(),
             place,
         };
         scheduler.body(place, Box::new(move |host| proxy.run(host.waiter)))?;
     }
     let time = scheduler.run()?;
     let death = death.take();
-    Ok(Run::of(crew, death, Some(time)))
+    Ok(Run::of(process_set, death, Some(time)))
 }
 
 /// Stands for a process in the scheduler of the launcher.

@@ -1,9 +1,9 @@
 //! Processes of the operating system: one executable is every process of a cell, and the launcher that starts them.
 //!
-//! [`launcher`] starts a [`session`], its [`crew`] of processes, each a [`member`] that puts the whole cell together and
-//! runs its own part of it; [`control`] is what they tell each other besides the messages of the cell; [`desk`] is where the
-//! operator's consoles connect, and [`board`] where processes show what they do, each on its [`panel`];
-//! [`scheduling`] asks the machine for priorities, cores and memory, [`room`] whether there is room, and [`doctor`] what it can
+//! [`launcher`] starts a [`session`], its [`process_set`], each a [`member`] that puts the whole cell together and
+//! runs its own part of it; [`control`] is what they tell each other besides the messages of the cell; [`console_server`] is where the
+//! operator's consoles connect, and [`board`] where processes show what they do, each in its [`entry`];
+//! [`scheduling`] asks the machine for priorities, cores and memory, [`capacity`] whether there is enough memory and files for it, and [`doctor`] what it can
 //! do.
 
 #![cfg(target_os = "linux")]
@@ -13,10 +13,11 @@
 )]
 
 mod board;
+mod capacity;
+mod console_server;
 mod control;
-mod crew;
-mod desk;
 mod doctor;
+mod entry;
 mod figures;
 mod iceoryx;
 #[cfg(test)]
@@ -24,15 +25,14 @@ mod latency;
 mod launcher;
 mod member;
 mod operating;
-mod panel;
 mod part;
+mod process_set;
 #[doc(hidden)]
 pub mod readers;
-mod room;
 mod scheduling;
 mod session;
 
-pub use desk::{
+pub use console_server::{
     Asks, Caller, Heard, Hears, MAX_REQUEST, Picture, ProcessPicture, Reply, Request, RobotPicture,
 };
 pub use figures::{Figures, Spread};

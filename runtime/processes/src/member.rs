@@ -13,22 +13,22 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::board::StateBoard;
 use super::control::{Control, Frame};
+use super::entry;
 use super::figures::Gauge;
-use super::panel;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, prefix};
+use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, WakeFutex};
 use mrroc_core::cell::{Cell, RunReport};
-use mrroc_core::observe::Observation;
 use mrroc_core::fault::{Fault, ProcessId, Role};
-use crate::iceoryx::{Bell, Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show};
 use mrroc_core::link::{Host, Nanos, News, Waiter};
+use mrroc_core::observe::Observation;
 use mrroc_core::operator::state::MpState;
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
 
 /// Stack of the thread that listens to the launcher \[bytes\]: where memory is locked, all of it is there.
-const EAR_STACK: usize = 64 << 10;
+const RECEIVE_STACK: usize = 64 << 10;
 
 /// What a frame of the launcher says. One that says anything else is no launcher, and one that is gone says nothing more.
 fn heard(frame: io::Result<Frame>) -> Heard {
@@ -92,14 +92,14 @@ pub(crate) fn run(
         return Err(NoPart::NoLauncher(me));
     };
     match take_part(cell, me, folder, &control, (seal, clock, spin)) {
-        Ok((over, ear)) => {
+        Ok((over, receiver)) => {
             control.send(&over).map_err(gone)?;
             if !watched || me.role != Role::Plant {
                 return Ok(None);
             }
             give_back_priority();
-            // In real time the ear has it; a launcher that is gone says nothing more.
-            let last = ear.map_or_else(|| control.receive().ok(), |ear| ear.recv().ok());
+            // In real time the receive thread has it; a launcher that is gone says nothing more.
+            let last = receiver.map_or_else(|| control.receive().ok(), |receiver| receiver.recv().ok());
             Ok(last.and_then(concluded))
         }
         Err(Ended::Closed) => Ok(None),
@@ -121,7 +121,7 @@ fn concluded(frame: Frame) -> Option<Concluded> {
     }
 }
 
-/// What a process says at its end, and, in real time, what its ear hears after it.
+/// What a process says at its end, and, in real time, what its receive thread gets after it.
 type LastWords = (Frame, Option<Receiver<Frame>>);
 
 /// Why a process ended before it ran.
@@ -150,8 +150,8 @@ fn take_part(
     }
     let (realtime, step) = (cell.realtime().cloned(), cell.step_length().as_nanos() as Nanos);
     let mut fabric = Fabric::new(me, clock);
-    let panel = Panel::default();
-    let cell = if me.role == Role::Edp { cell.watch(panel.of_robot()) } else { cell };
+    let entry = Entry::default();
+    let cell = if me.role == Role::Edp { cell.watch(entry.of_robot()) } else { cell };
     let assembly = cell.put_on(&mut fabric).map_err(Ended::of)?;
     let Some(body) = fabric.take_body() else {
         return Err(Ended::Refuses("the cell has no such process".to_owned()));
@@ -160,7 +160,7 @@ fn take_part(
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
     if clock == Clock::Real {
-        panel.hang(&fabric, me, seal).map_err(Ended::of)?;
+        entry.open(&fabric, me, seal).map_err(Ended::of)?;
     }
     fabric.connect(seal).map_err(Ended::of)?;
     // Before this thread asks for a priority that the other one is not to have.
@@ -177,13 +177,14 @@ fn take_part(
     };
     say(control, &Frame::Ready { lacks })?;
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
-    let (time, ear) = match (gauge, fabric.bell()) {
-        (Some(gauge), Some(bell)) => {
-            let (heard, ear) = listen(control, bell, has_robot(me)).map_err(Ended::of)?;
-            let waiter = RealTime::new(bell, heard, (origin, spin), gauge.samples()).showing(panel.of(me));
+    let (time, receiver) = match (gauge, fabric.wake_futex()) {
+        (Some(gauge), Some(wake_futex)) => {
+            let (heard, receiver) = listen(control, wake_futex, has_robot(me)).map_err(Ended::of)?;
+            let waiter =
+                RealTime::new(wake_futex, heard, (origin, spin), gauge.samples()).showing(entry.of(me));
             body(waiter.host());
             gauge.end();
-            (waiter.now(), Some(ear))
+            (waiter.now(), Some(receiver))
         }
         _ => {
             let waiter = LockStep::new(control, fabric.woken());
@@ -196,7 +197,7 @@ fn take_part(
     }
     let outcome = assembly.outcomes.borrow().iter().find(|(process, _)| *process == me).cloned();
     let outcome = outcome.map(|(_, outcome)| outcome);
-    Ok((Frame::Over { steps: assembly.steps.get(), time, outcome }, ear))
+    Ok((Frame::Over { steps: assembly.steps.get(), time, outcome }, receiver))
 }
 
 /// Whether a robot brakes by what this process does.
@@ -204,16 +205,16 @@ fn has_robot(me: ProcessId) -> bool {
     matches!(me.role, Role::Edp | Role::Plant)
 }
 
-/// This process's panel of the state board, once the cell is put together and its place is known.
+/// This process's entry on the state board, once the cell is put together and its place is known.
 #[derive(Default)]
-struct Panel(Rc<OnceCell<(StateBoard, usize)>>);
+struct Entry(Rc<OnceCell<(StateBoard, usize)>>);
 
-impl Panel {
-    fn hang(&self, fabric: &Fabric, me: ProcessId, seal: Seal) -> io::Result<()> {
+impl Entry {
+    fn open(&self, fabric: &Fabric, me: ProcessId, seal: Seal) -> io::Result<()> {
         let places = fabric.places();
         let board = StateBoard::open(seal.session, places.len())?;
         if let Some(place) = places.iter().position(|&place| place == me) {
-            // It is hung once.
+            // It is opened once.
             drop(self.0.set((board, place)));
         }
         Ok(())
@@ -221,20 +222,20 @@ impl Panel {
 
     /// Shows every servo period of the robot of this process.
     fn of_robot(&self) -> impl FnMut(&Observation<'_>) + 'static {
-        let panel = Rc::clone(&self.0);
+        let entry = Rc::clone(&self.0);
         move |seen| {
-            if let Some((board, place)) = panel.get() {
-                board.write(*place, &panel::of_robot(seen));
+            if let Some((board, place)) = entry.get() {
+                board.write(*place, &entry::of_robot(seen));
             }
         }
     }
 
     /// Shows every step of an MP.
     fn of(&self, me: ProcessId) -> Option<Show> {
-        let panel = Rc::clone(&self.0);
+        let entry = Rc::clone(&self.0);
         let show = move |state: &MpState| {
-            if let Some((board, place)) = panel.get() {
-                board.write(*place, &panel::of_mp(state));
+            if let Some((board, place)) = entry.get() {
+                board.write(*place, &entry::of_mp(state));
             }
         };
         (me == ProcessId::MP).then(|| -> Show { Box::new(show) })
@@ -245,15 +246,19 @@ fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {
     control.send(frame).map_err(|_| Ended::Closed)
 }
 
-/// Listens to the launcher in a thread of its own, which rings the process's bell: so a step waits in one place. A process
+/// Receives from the launcher in a thread of its own, which wakes the process: so a step waits in one place. A process
 /// with a robot brakes it when the launcher is gone, and ends; one whose drives do not return is ended. What is said of the
 /// run when it is over comes apart.
-fn listen(control: &Control, bell: Bell, has_robot: bool) -> io::Result<(Receiver<Heard>, Receiver<Frame>)> {
+fn listen(
+    control: &Control,
+    wake_futex: WakeFutex,
+    has_robot: bool,
+) -> io::Result<(Receiver<Heard>, Receiver<Frame>)> {
     let control = control.try_clone()?;
     control.wait_for_ever()?;
     let (tells, hears) = channel();
     let (concludes, concluded) = channel();
-    std::thread::Builder::new().name("ear".to_owned()).stack_size(EAR_STACK).spawn(move || {
+    std::thread::Builder::new().name("receive".to_owned()).stack_size(RECEIVE_STACK).spawn(move || {
         loop {
             let frame = match control.receive() {
                 Ok(over @ Frame::Over { .. }) => {
@@ -265,7 +270,7 @@ fn listen(control: &Control, bell: Bell, has_robot: bool) -> io::Result<(Receive
             let gone = frame.is_err();
             // A process that does not listen any more is about to end.
             let _ = tells.send(heard(frame));
-            bell.ring();
+            wake_futex.wake();
             if gone {
                 break;
             }

@@ -7,12 +7,12 @@ use std::io::{self, BufRead};
 use std::path::Path;
 use std::process::ExitCode;
 
-use mrroc_launch::Operating;
-use mrroc_launch::outcome::report;
 use mrroc_core::console::{refused, say};
 use mrroc_core::operator::state::Doing;
+use mrroc_launch::Operating;
+use mrroc_launch::outcome::report;
 
-use crate::desk::{Caller, Heard, Picture, Reply, Request};
+use crate::console_server::{Caller, Heard, Picture, Reply, Request};
 use crate::figures::Figures;
 use crate::part::View;
 

@@ -16,12 +16,12 @@ use mrroc_core::observe::witness::Witness;
 use mrroc_launch::patience::Patience;
 use mrroc_launch::{Launch, Operating, Processes, Ran};
 
-use crate::crew::Plan;
-use crate::desk::Caller;
+use crate::console_server::Caller;
 use crate::doctor::examine;
 use crate::launcher::{LaunchError, Launched, launch};
 use crate::member::{NoPart, run};
 use crate::operating::operate;
+use crate::process_set::Plan;
 
 /// Shows a running cell on a screen until the operator quits.
 pub type View = fn(Caller) -> io::Result<()>;
@@ -76,7 +76,8 @@ fn take_part(
     if !how.quiet {
         cell = cell.also_on_step(Patience::new().notes());
     }
-    let record = recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));
+    let record =
+        recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));
     if let Some(record) = &record {
         cell = cell.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
     }
@@ -109,4 +110,3 @@ fn launch_processes(cell: Cell, how: Launch) -> Result<Ran, CellError> {
         Err(error) => Err(refused(&error)),
     }
 }
-

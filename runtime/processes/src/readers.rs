@@ -1,13 +1,13 @@
 //! What consoles and the console server write to one another, read back: for fuzzing. Nothing here is promised to stay.
 
-use crate::desk::{Heard, MAX_REQUEST, Request};
+use crate::console_server::{Heard, MAX_REQUEST, Request};
 
-/// What an operator's console writes to a cell's desk, and what the desk writes to it.
+/// What an operator's console writes to a cell's console server, and what the server writes to it.
 ///
 /// # Panics
 /// When what was read is written as something else, or an answer is more than a line.
 pub fn operator(bytes: &[u8]) {
-    // The desk reads no longer ones.
+    // The console_server reads no longer ones.
     for line in bytes.split(|byte| *byte == b'\n').filter(|line| line.len() <= MAX_REQUEST) {
         match Request::read(line) {
             Ok(request) => assert_eq!(Request::read(request.to_string().as_bytes()), Ok(request)),

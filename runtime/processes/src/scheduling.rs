@@ -5,8 +5,8 @@ use core::fmt;
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
-use mrroc_core::fault::ProcessId;
 use mrroc_core::cell::Realtime;
+use mrroc_core::fault::ProcessId;
 
 /// What a machine did not give.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -9,16 +9,16 @@ use serde_json::{Value, json};
 
 use super::json::{numbers, object, schema, value};
 use super::ring::Record;
-use mrroc_core::observe::layout::Layout;
+use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultKind, FaultWords, ProcessId};
-use mrroc_core::observe::witness::STATE_WORDS;
-use mrroc_core::robot::MAX_JOINTS;
 use mrroc_core::link::Nanos;
 use mrroc_core::link::message::OrderKind;
-use mrroc_core::fault::Name;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::witness::STATE_WORDS;
+use mrroc_core::observe::witness::{Mode, ReadingState, What};
 use mrroc_core::payload::Shape;
 use mrroc_core::payload::Wire;
-use mrroc_core::observe::witness::{Mode, ReadingState, What};
+use mrroc_core::robot::MAX_JOINTS;
 
 /// Where the messages go.
 pub(super) trait Outlet {

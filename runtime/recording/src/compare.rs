@@ -7,12 +7,12 @@ use core::cell::{Cell, RefCell};
 use core::fmt;
 use std::rc::Rc;
 
+use mrroc_core::fault::Name;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
-use mrroc_core::fault::Name;
 use mrroc_core::observe::witness::{What, Witness};
 
-use mrroc_core::replay::Tape;
+use mrroc_core::replay::RecordedRun;
 
 /// A demand that is not the recorded one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +38,7 @@ impl fmt::Display for Difference {
 
 /// Compares the demands of a replay with a recording's.
 pub(crate) struct Comparison {
-    tape: Rc<Tape>,
+    recorded: Rc<RecordedRun>,
     /// The last step that is compared.
     last: u64,
     /// The last step that the MP began, of those that are compared.
@@ -74,33 +74,34 @@ impl Compared {
 }
 
 impl Comparison {
-    pub fn with(tape: Rc<Tape>) -> Comparison {
-        let last = tape.last();
+    pub fn with(recorded: Rc<RecordedRun>) -> Comparison {
+        let last = recorded.last();
         let (begun, compared, first) = (Cell::new(0), Cell::new(0), RefCell::new(None));
-        Comparison { tape, last, begun, compared, first }
+        Comparison { recorded, last, begun, compared, first }
     }
 
     pub fn outcome(&self) -> Compared {
         let difference = *self.first.borrow();
-        let steps = self.tape.script.0.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
+        let steps =
+            self.recorded.script.0.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
         // The MP may have left out the last steps.
-        let due = self.tape.script.last_until(self.last);
+        let due = self.recorded.script.last_until(self.last);
         let is_short = difference.is_none() && self.begun.get() < due;
         Compared {
             steps: steps as u64,
             images: self.compared.get(),
             difference,
             longer: is_short.then_some(self.last),
-            outside: self.tape.outside.as_ref().map(|(_, text)| text.clone()),
-            end: self.tape.end.clone(),
+            outside: self.recorded.outside.as_ref().map(|(_, text)| text.clone()),
+            end: self.recorded.end.clone(),
         }
     }
 
     /// Compares the demanded joints of an image, which are its first words.
     fn compare(&self, robot: Name, step: u64, words: &[u64]) {
-        let Some(tape) = self.tape.robot(robot.as_str()) else { return };
-        let Some(image) = tape.image(step).filter(|_| step <= self.last) else { return };
-        let pairs = image.demanded.iter().zip(words).take(tape.joints);
+        let Some(recorded) = self.recorded.robot(robot.as_str()) else { return };
+        let Some(image) = recorded.image(step).filter(|_| step <= self.last) else { return };
+        let pairs = image.demanded.iter().zip(words).take(recorded.joints);
         let different = pairs.enumerate().find(|(_, (recorded, word))| recorded.to_bits() != **word);
         let Some((joint, (&recorded, &word))) = different else {
             self.compared.set(self.compared.get() + 1);

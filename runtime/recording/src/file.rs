@@ -15,8 +15,8 @@ use serde_json::{Value, json};
 
 use super::channels::Outlet;
 use super::json::schema;
-use mrroc_core::observe::layout::Layout;
 use mrroc_core::link::Nanos;
+use mrroc_core::observe::layout::Layout;
 
 /// The profile of the files, and the name of the metadata that says what the cell is made of.
 pub(super) const PROFILE: &str = "mrroc";

@@ -6,8 +6,8 @@ use core::fmt::Write;
 
 use serde_json::{Map, Value, json};
 
-use mrroc_core::robot::MAX_JOINTS;
 use mrroc_core::payload::Shape;
+use mrroc_core::robot::MAX_JOINTS;
 
 /// A number that JSON may have no word for.
 pub fn number(out: &mut String, x: f64) {
@@ -197,8 +197,8 @@ pub fn object<'a>(properties: impl IntoIterator<Item = (&'a str, Value)>) -> Val
 mod tests {
     use super::*;
     use mrroc_core::generator::Demand;
-    use mrroc_core::pose::Pose;
     use mrroc_core::payload::{WORDS, Wire};
+    use mrroc_core::pose::Pose;
     use proptest::prelude::*;
 
     const MIXED: &Shape = &Shape::Fields(&[

@@ -53,8 +53,7 @@ pub fn to(file: impl Into<PathBuf>) -> Recording {
 #[doc(hidden)]
 pub fn read_bytes(cell: &mrroc_core::cell::Cell, bytes: &[u8]) -> Result<(), String> {
     let layout = cell.layout();
-    let read = |cut_off| {
-        reader::read_bytes(bytes, &layout, cut_off).map(drop).map_err(|wrong| wrong.to_string())
-    };
+    let read =
+        |cut_off| reader::read_bytes(bytes, &layout, cut_off).map(drop).map_err(|wrong| wrong.to_string());
     read(CutOff::Taken).and_then(|()| read(CutOff::Refused))
 }

@@ -1,4 +1,4 @@
-//! The messages of a recording, from their JSON to a [`Tape`].
+//! The messages of a recording, from their JSON to a [`RecordedRun`].
 //!
 //! In: the metadata, then messages with their topics. Out: for each robot its images without a gap, for each process what it
 //! collected of each sensor, and the MP's steps.
@@ -12,22 +12,22 @@ use serde_json::Value;
 use super::file::REAL_TIME;
 use super::json::{as_number, words};
 use super::reader::{CutOff, Wrong};
-use mrroc_core::observe::layout::Layout;
-use mrroc_core::fault::{ProcessId, Role};
-use mrroc_core::robot::MAX_JOINTS;
-use mrroc_core::link::Nanos;
 use mrroc_core::fault::Name;
+use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::link::Nanos;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::witness::ReadingState;
+use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
 use mrroc_core::replay::script::ScriptedStep;
-use mrroc_core::replay::{ReadingTape, RecordedImage, RobotTape, Script, Tape};
-use mrroc_core::payload::Shape;
-use mrroc_core::observe::witness::ReadingState;
+use mrroc_core::replay::{RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
+use mrroc_core::robot::MAX_JOINTS;
 
 /// What has been read so far.
 pub(super) struct Messages {
-    robots: Vec<RobotTape>,
+    robots: Vec<RecordedRobot>,
     sensors: Vec<(Name, &'static Shape)>,
-    readings: Vec<ReadingTape>,
+    readings: Vec<RecordedReadings>,
     steps: Vec<ScriptedStep>,
     /// Whether demands may have come too late for another reason than in a replay.
     real_time: bool,
@@ -71,7 +71,7 @@ impl Messages {
                 return Err(Wrong::new(what, OTHER_CELL));
             }
             let name = of_cell(&robot.name)?;
-            robots.push(RobotTape {
+            robots.push(RecordedRobot {
                 name,
                 joints,
                 found: None,
@@ -206,9 +206,9 @@ impl Messages {
             _ => return None,
         };
         let (step, taken) = (json["step"].as_u64()?, json["taken"].as_u64().unwrap_or(0));
-        let known = self.readings.iter().position(|tape| tape.sensor == sensor && tape.by == by);
+        let known = self.readings.iter().position(|recorded| recorded.sensor == sensor && recorded.by == by);
         let place = known.unwrap_or_else(|| {
-            self.readings.push(ReadingTape::new(sensor, by));
+            self.readings.push(RecordedReadings::new(sensor, by));
             self.readings.len() - 1
         });
         self.readings[place].readings.push(RecordedReading { step, taken, state, words: spelled });
@@ -216,7 +216,7 @@ impl Messages {
     }
 
     /// All that was read.
-    pub fn finish(mut self, cut_off: CutOff) -> Result<Tape, Wrong> {
+    pub fn finish(mut self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
         for scripted in &mut self.steps {
             scripted.late = self.late.contains(&scripted.step);
             scripted.aborts = self.aborts.contains(&scripted.step);
@@ -228,7 +228,7 @@ impl Messages {
         if let Some(robot) = empty.filter(|_| cut_off == CutOff::Refused) {
             return Err(Wrong::new(format!("has no step of robot `{}`", robot.name), OTHER_CELL));
         }
-        Ok(Tape {
+        Ok(RecordedRun {
             robots: self.robots.into_iter().map(Rc::new).collect(),
             readings: self.readings.into_iter().map(Rc::new).collect(),
             script: Rc::new(Script(self.steps)),

@@ -1,6 +1,6 @@
 //! A recording read back, as far as a replay needs it.
 //!
-//! In: a file, and what the cell is made of. Out: a [`Tape`], or what is wrong with the file. The file may be anything: it
+//! In: a file, and what the cell is made of. Out: a [`RecordedRun`], or what is wrong with the file. The file may be anything: it
 //! is read piece by piece, and no piece of it is larger than [`LARGEST`].
 
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use super::file::{END, PROFILE, VERSION};
 use super::messages::Messages;
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::replay::Tape;
+use mrroc_core::replay::RecordedRun;
 
 /// The largest record or chunk that is read \[bytes\]; those of a recording have a quarter of a megabyte.
 const LARGEST: usize = 1 << 20;
@@ -66,13 +66,17 @@ const DAMAGED: &str =
 ///
 /// # Errors
 /// [`NotReplayable`]: it is no recording, not of this cell, or not whole.
-pub(crate) fn read(file: &Path, layout: &Layout, cut_off: CutOff) -> Result<Tape, NotReplayable> {
-    let tape = File::open(file).map_err(unreadable).and_then(|from| read_from(from, layout, cut_off));
-    tape.map_err(|wrong| wrong.of(file))
+pub(crate) fn read(file: &Path, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, NotReplayable> {
+    let recorded = File::open(file).map_err(unreadable).and_then(|from| read_from(from, layout, cut_off));
+    recorded.map_err(|wrong| wrong.of(file))
 }
 
 /// The same from what is no file.
-pub(crate) fn read_bytes(bytes: &[u8], layout: &Layout, cut_off: CutOff) -> Result<Tape, NotReplayable> {
+pub(crate) fn read_bytes(
+    bytes: &[u8],
+    layout: &Layout,
+    cut_off: CutOff,
+) -> Result<RecordedRun, NotReplayable> {
     read_from(bytes, layout, cut_off).map_err(|wrong| wrong.of(Path::new("bytes")))
 }
 
@@ -80,7 +84,7 @@ fn unreadable(error: std::io::Error) -> Wrong {
     Wrong::new(format!("cannot be read: {error}"), "see whether it is a file, and who may read it")
 }
 
-fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Tape, Wrong> {
+fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
     let options = LinearReaderOptions::default()
         .with_record_length_limit(LARGEST)
         .with_emit_chunks(true)
@@ -253,7 +257,7 @@ impl Taker<'_> {
         }
     }
 
-    fn cut_off(self, cut_off: CutOff) -> Result<Tape, Wrong> {
+    fn cut_off(self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
         let Some(messages) = &self.messages else {
             return Err(Wrong::foreign("ends before it says what it is a recording of"));
         };
@@ -267,7 +271,7 @@ impl Taker<'_> {
         }
     }
 
-    fn finish(self, cut_off: CutOff) -> Result<Tape, Wrong> {
+    fn finish(self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
         let dropped = self.end.and_then(|end| end.metadata.get("dropped")?.parse::<u64>().ok()).unwrap_or(0);
         if dropped > 0 {
             let what = format!("lacks {dropped} records, which were dropped while it was written");

@@ -22,8 +22,9 @@ pub struct Mcap;
 
 impl Recorder for Mcap {
     fn begin(&self, recording: &Recording, layout: &Layout) -> Result<Rc<dyn RunRecord>, NotRecorded> {
-        let unwritable = |error: io::Error| {
-            NotRecorded::Unwritable { file: recording.file().to_owned(), error: error.to_string() }
+        let unwritable = |error: io::Error| NotRecorded::Unwritable {
+            file: recording.file().to_owned(),
+            error: error.to_string(),
         };
         can_be_written(recording.file()).map_err(unwritable)?;
         let file = recording.file().to_owned();

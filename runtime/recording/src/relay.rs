@@ -18,12 +18,12 @@ use std::time::{Duration, Instant};
 use super::channels::Outlet;
 use super::file::{McapFile, REAL_TIME, can_be_written};
 use super::ring::RunRecorder;
-use mrroc_core::observe::recording::{NotRecorded, Recording};
-use mrroc_core::link::Clock;
-use mrroc_core::observe::layout::Layout;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::link::Clock;
 use mrroc_core::link::Nanos;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::recording::{NotRecorded, Recording};
 
 /// The longest message \[bytes\]: one is some thousand bytes long.
 const LONGEST: usize = 128 * 1024;

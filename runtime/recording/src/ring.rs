@@ -17,15 +17,15 @@ use std::time::{Duration, Instant};
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use mrroc_core::link::Clock;
-use mrroc_core::observe::recording::{Recording, RunRecord};
 use super::channels::{Channels, Outlet};
-use mrroc_core::observe::layout::Layout;
 use mrroc_core::console::complain;
 use mrroc_core::fault::ProcessId;
+use mrroc_core::link::Clock;
 use mrroc_core::link::Nanos;
-use mrroc_core::payload::WORDS;
+use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::recording::{Recording, RunRecord};
 use mrroc_core::observe::witness::{IMAGE_WORDS, What, Witness};
+use mrroc_core::payload::WORDS;
 
 /// Records that the ring holds: a second of two robots and a sensor at 1 kHz.
 const LENGTH: usize = 8192;

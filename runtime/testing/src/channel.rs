@@ -12,9 +12,9 @@ use super::case::{Channel, LinkFault};
 use super::random::Random;
 use super::stage::Stage;
 use mrroc_core::link::envelope::{Envelope, Seal};
+use mrroc_core::link::message::Message;
 use mrroc_core::link::numbering::{self, Heard};
 use mrroc_core::link::{Board, Client, Nanos, Server};
-use mrroc_core::link::message::Message;
 use mrroc_core::payload::WORDS;
 
 /// Messages that a channel remembers, to send an old one again.

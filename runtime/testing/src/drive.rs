@@ -2,9 +2,9 @@
 
 use core::time::Duration;
 
-use mrroc_core::robot::{DriveFault, Driver, Measured, Regulators};
 use mrroc_core::robot::JointVector;
 use mrroc_core::robot::Robot;
+use mrroc_core::robot::{DriveFault, Driver, Measured, Regulators};
 
 /// How a joint's drive fails. Joints are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]

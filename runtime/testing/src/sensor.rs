@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 
 use super::random::Random;
 use mrroc_core::fault::{Fault, FaultKind};
+use mrroc_core::payload::{WORDS, Wire};
 use mrroc_core::sensor::Sensor;
 use mrroc_core::sensor::{ReadingOrder, VirtualSensor};
-use mrroc_core::payload::{WORDS, Wire};
 
 type ReadingOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Reading;
 type ConfigurationOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Configuration;

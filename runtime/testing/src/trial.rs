@@ -79,8 +79,11 @@ pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Tr
         });
     }
     let layout = cell.layout();
-    let onlookers: Rc<[RefCell<Onlooker>]> =
-        layout.robots.iter().map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot)))).collect();
+    let onlookers: Rc<[RefCell<Onlooker>]> = layout
+        .robots
+        .iter()
+        .map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot))))
+        .collect();
     let seeing = Rc::clone(&onlookers);
     let mut cell = cell.watch(move |seen| {
         // A time that a servo period ends at, in nanoseconds again.

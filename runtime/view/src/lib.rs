@@ -13,8 +13,8 @@ use std::time::Duration;
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{Event, KeyEventKind, poll, read};
 
-use mrroc_processes::{Asks, Caller, Heard, Hears, Request};
 use keys::{Pressed, meaning};
+use mrroc_processes::{Asks, Caller, Heard, Hears, Request};
 use screen::{Screen, draw};
 
 /// How long the view waits for a key before it looks for a picture.
@@ -23,7 +23,7 @@ const LOOK: Duration = Duration::from_millis(25);
 /// Shows the cell until the operator quits or the cell ends.
 ///
 /// # Errors
-/// There is no terminal to draw on, or the desk says what it never says.
+/// There is no terminal to draw on, or the console server says what it never says.
 pub fn view(caller: Caller) -> io::Result<()> {
     let Caller { mut asks, hears } = caller;
     asks.ask(&Request::Watch)?;
@@ -35,7 +35,7 @@ pub fn view(caller: Caller) -> io::Result<()> {
     outcome
 }
 
-/// Hears the desk in a thread of its own, which ends with the connection.
+/// Hears the console_server in a thread of its own, which ends with the connection.
 fn listen(mut hears: Hears) -> io::Result<Receiver<io::Result<Heard>>> {
     let (sender, heard) = channel();
     std::thread::Builder::new().name("hears".to_owned()).spawn(move || {

@@ -11,8 +11,8 @@ use ratatui::widgets::{Block, Gauge, Paragraph, Row, Table, Wrap};
 
 use super::keys::KEYS;
 use mrroc_core::operator::button::CellState;
-use mrroc_core::robot::MAX_JOINTS;
 use mrroc_core::operator::state::Doing;
+use mrroc_core::robot::MAX_JOINTS;
 use mrroc_processes::{Figures, Picture, Reply, RobotPicture};
 
 /// What there is to see.

@@ -6,16 +6,16 @@ use super::robot::Place;
 use super::sensor::Requesters;
 use super::{Cell, CellError, Outcomes};
 use crate::control::ecp::Pace;
-use crate::model::fault::{ProcessId, Role};
-use crate::link::patience::Patience;
-use crate::link::{Link};
-use crate::model::time::Nanos;
 use crate::control::mp::{Mp, RobotPort};
-use crate::model::name::Name;
 use crate::control::overruns::Timed;
 use crate::control::plant::{Rests, Site};
 use crate::control::sensing::Sensing;
-use crate::observe::witness::{Tap, What};
+use crate::link::Link;
+use crate::link::patience::Patience;
+use crate::model::fault::{ProcessId, Role};
+use crate::model::name::Name;
+use crate::model::time::Nanos;
+use crate::observe::witness::{What, Witnesses};
 
 /// What the processes of a cell leave behind.
 pub struct Assembly {
@@ -49,22 +49,24 @@ impl Cell {
         let mut plant = Site::new(link, self.step, anything, self.watched_in_plant);
 
         let stop_steps = self.stop_steps();
-        let tap = Tap::to(self.witnesses);
-        let mut mp_sensing = Sensing { ports: Vec::new(), patience, tap: tap.of(ProcessId::MP) };
+        let witnesses = Witnesses::to(self.witnesses);
+        let mut mp_sensing = Sensing { ports: Vec::new(), patience, witnesses: witnesses.of(ProcessId::MP) };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
         let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
         let of_ecp = |name: &Name| {
-            let tap = tap.of(ProcessId::new(Role::Ecp, *name));
-            Sensing { ports: Vec::new(), patience: shorter, tap }
+            let witnesses = witnesses.of(ProcessId::new(Role::Ecp, *name));
+            Sensing { ports: Vec::new(), patience: shorter, witnesses }
         };
         let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
         let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
-        let delay =
-            crate::control::interpolation::delay(self.step, self.robots.iter().map(|robot| robot.servo_period()));
+        let delay = crate::control::interpolation::delay(
+            self.step,
+            self.robots.iter().map(|robot| robot.servo_period()),
+        );
         let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
-            tape: self.tape.clone(),
+            recorded: self.recorded.clone(),
             link,
             plant: &mut plant,
             step: self.step,
@@ -91,7 +93,15 @@ impl Cell {
             ));
             let period = self.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };
-            let place = Place { name: *name, ecp, step: self.step, delay, pace, nudged, tap: tap.clone() };
+            let place = Place {
+                name: *name,
+                ecp,
+                step: self.step,
+                delay,
+                pace,
+                nudged,
+                witnesses: witnesses.clone(),
+            };
             robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
         let rests = Rests::default();
@@ -101,14 +111,15 @@ impl Cell {
         let (operator, step, rate_change, mut program) =
             (self.operator, self.step, self.rate_change, self.program);
         let (hook, guard, after_fault) = (self.hook, self.guard, self.after_fault);
-        let script = self.tape.map(|tape| Rc::clone(&tape.script));
+        let script = self.recorded.map(|recorded| Rc::clone(&recorded.script));
         let steps = Rc::new(core::cell::Cell::new(0));
         let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
         link.body(
             mp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let mut mp = Mp::new(timed.host(), ports, mp_sensing, operator, hook, (step, grace), rate_change);
+                let mut mp =
+                    Mp::new(timed.host(), ports, mp_sensing, operator, hook, (step, grace), rate_change);
                 mp.watch_by(guard);
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {
@@ -117,7 +128,7 @@ impl Cell {
                 });
                 counted.set(mp.step());
                 let end = What::End { step: mp.step() };
-                tap.show_fault(host.waiter.now(), &end, outcome.as_ref().err());
+                witnesses.show_fault(host.waiter.now(), &end, outcome.as_ref().err());
                 recorded.borrow_mut().push((ProcessId::MP, outcome));
                 close();
             }),

@@ -2,12 +2,10 @@
 
 use core::time::Duration;
 
-
-use crate::model::fault::Fault;
 use crate::link::memory::Stuck;
+use crate::model::fault::Fault;
 use crate::model::name::{BadName, Name};
 use crate::observe::recording::NotRecorded;
-
 
 /// Why a cell did not run, or did not run to its end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -2,7 +2,6 @@
 //!
 //! In: set-ups. Out: names, kinds, periods, modes and limits, and how long each joint's stop takes.
 
-
 use crate::model::joints::JointVector;
 use crate::model::robot::Robot;
 use crate::observe::layout::{JointLayout, Layout};

@@ -6,10 +6,10 @@ mod assembly;
 mod error;
 mod layout;
 mod limits;
-mod picture;
-pub mod realtime;
 #[cfg(test)]
 mod orphans;
+mod picture;
+pub mod realtime;
 mod robot;
 mod sensor;
 
@@ -20,33 +20,33 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use crate::control::ecp::Ecp;
-use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::control::guard::{Guard, RobotView};
+use crate::control::mp::{Mp, StepHook};
 use crate::link::memory::{MAX_PROCESSES, Pulse, Scheduler};
 use crate::link::watchdog::Watchdog;
-use crate::control::mp::{Mp, StepHook};
+use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::name::Name;
 use crate::operator::Operator;
 
-use crate::control::replay::Tape;
+use crate::control::replay::RecordedRun;
 use crate::model::robot::Robot;
+use crate::model::sensor::VirtualSensor;
 use crate::observe::recording::{NotRecorded, Recorder, Recording, RunRecord};
 use crate::observe::servo::Observation;
-use crate::safety::stopping::STOP_TIME;
-use crate::model::sensor::VirtualSensor;
 use crate::observe::witness::Witness;
+use crate::safety::stopping::STOP_TIME;
 
 use robot::SharedObserver;
 use sensor::AnySensor;
 
 pub use robot::AnyRobot;
 
-pub use error::CellError;
-pub use crate::safety::latch::AfterFault;
-pub use realtime::{Permission, Realtime};
 pub use crate::control::plant::{Rest, Rests};
+pub use crate::safety::latch::AfterFault;
 pub use assembly::Assembly;
+pub use error::CellError;
 pub use picture::RunPicture;
+pub use realtime::{Permission, Realtime};
 pub use robot::RobotSetup;
 pub use sensor::SensorSetup;
 
@@ -91,7 +91,7 @@ pub struct Cell {
     /// Whether observers look at simulated drives where those are, and not in their EDPs.
     watched_in_plant: bool,
     /// What it replays.
-    tape: Option<Rc<Tape>>,
+    recorded: Option<Rc<RecordedRun>>,
     /// What was found wrong while the cell was put together.
     errors: Vec<CellError>,
 }
@@ -119,7 +119,7 @@ impl Cell {
             recorder: None,
             dry_run: false,
             watched_in_plant: false,
-            tape: None,
+            recorded: None,
             errors: Vec::new(),
         }
     }
@@ -373,14 +373,14 @@ impl Cell {
     }
 
     /// Answers from a recording in place of drives, sensors and the operator. The recording is of this cell.
-    pub fn replaying(mut self, tape: Rc<Tape>) -> Cell {
+    pub fn replaying(mut self, recorded: Rc<RecordedRun>) -> Cell {
         let step = self.step;
         for robot in &mut self.robots {
-            if let Some(recorded) = tape.robot(robot.name()) {
-                robot.replay(Rc::clone(recorded), step);
+            if let Some(robot_record) = recorded.robot(robot.name()) {
+                robot.replay(Rc::clone(robot_record), step);
             }
         }
-        self.tape = Some(tape);
+        self.recorded = Some(recorded);
         self
     }
 

@@ -7,16 +7,16 @@ use std::rc::Rc;
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
 use super::{Cell, RobotSetup};
-use crate::model::driver::{DriveFault, Driver, Measured};
-use crate::observe::servo::ServoRecord;
-use crate::model::fault::{Fault, ProcessId};
+use crate::control::mp::Mp;
 use crate::link::memory::{Scheduler, Stuck};
 use crate::link::{Board, Body, Client, Closed, Host, Link, Server, Waiter};
-use crate::model::time::Nanos;
-use crate::control::mp::Mp;
+use crate::model::driver::{DriveFault, Driver, Measured};
+use crate::model::fault::{Fault, ProcessId};
 use crate::model::pose::Pose;
 use crate::model::robot::{JointKind, Limits, NoInverse, Robot};
 use crate::model::step::{Step, Tick};
+use crate::model::time::Nanos;
+use crate::observe::servo::ServoRecord;
 use crate::{Demand, State, generator};
 
 type Six = SVector<f64, 6>;
@@ -177,7 +177,10 @@ impl Link for Upsetting {
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
         // The MP has the first place.
         let (upset, close) = (if place == 0 { self.1 } else { Upset::Dies(u64::MAX) }, self.0.closer());
-        self.0.body(place, Box::new(move |host| body(Host { waiter: &Upsets { inner: host.waiter, upset, close }, ..host })))
+        self.0.body(
+            place,
+            Box::new(move |host| body(Host { waiter: &Upsets { inner: host.waiter, upset, close }, ..host })),
+        )
     }
     fn closer(&self) -> Box<dyn Fn()> {
         self.0.closer()

@@ -7,35 +7,35 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::layout::joints;
-use crate::observe::layout::RobotLayout;
-use crate::observe::servo::Observation;
 use super::{CellError, Outcomes, limits};
-use crate::model::driver::{Driver, Homing};
-use crate::control::ecp::{Ecp, Pace};
 use crate::control::drive::Drive;
+use crate::control::ecp::{Ecp, Pace};
 use crate::control::edp::{Edp, EdpConfig};
-use crate::observe::servo::{Observer, ServoRecord};
-use crate::model::fault::{Fault, ProcessId, Role};
 use crate::control::homing::{Drives, home};
-use crate::model::robot::InterpolationSpace;
-use crate::model::joints::JointVector;
-use crate::safety::latch::Gate;
+use crate::control::overruns::Timed;
+use crate::control::plant::Site;
+use crate::control::replay::RecordedRobot;
+use crate::control::replay::drives::recorded_drives;
+use crate::control::sensing::Sensing;
 use crate::link::memory::Stuck;
 use crate::link::{Link, Server, Waiter};
+use crate::model::driver::{Driver, Homing};
+use crate::model::fault::{Fault, ProcessId, Role};
+use crate::model::joints::JointVector;
 use crate::model::name::Name;
-use crate::control::overruns::Timed;
 use crate::model::payload::Nudge;
-use crate::control::plant::Site;
 use crate::model::pose::Pose;
-use crate::control::replay::RobotTape;
-use crate::control::replay::drives::recorded;
+use crate::model::robot::InterpolationSpace;
 use crate::model::robot::{NoInverse, Robot};
-use crate::control::sensing::Sensing;
+use crate::observe::layout::RobotLayout;
+use crate::observe::servo::Observation;
+use crate::observe::servo::{Observer, ServoRecord};
 use crate::observe::shown::{AnyShown, Shown};
+use crate::safety::latch::Gate;
 use crate::safety::stopping::stop_steps;
 
 use crate::model::wire::Wire;
-use crate::observe::witness::{Tap, What};
+use crate::observe::witness::{What, Witnesses};
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
 
@@ -52,7 +52,7 @@ pub struct RobotSetup<R: Robot> {
     /// What its program shows to observers.
     shown: Vec<Box<dyn AnyShown>>,
     /// What it replays.
-    replayed: Option<Rc<RobotTape>>,
+    replayed: Option<Rc<RecordedRobot>>,
 }
 
 impl<R: Robot> RobotSetup<R> {
@@ -153,7 +153,7 @@ pub struct Place {
     pub delay: Option<Duration>,
     pub pace: Pace,
     pub nudged: bool,
-    pub tap: Tap,
+    pub witnesses: Witnesses,
 }
 
 /// An observer of several robots.
@@ -165,7 +165,7 @@ pub trait AnyRobot {
     fn watch(&mut self, observer: SharedObserver);
     fn unwatch(&mut self);
     /// Its drives read from a recording.
-    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration);
+    fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration);
     fn name(&self) -> &str;
     fn kind(&self) -> TypeId;
     fn kind_name(&self) -> &'static str;
@@ -217,11 +217,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.observers.clear();
     }
 
-    fn replay(&mut self, tape: Rc<RobotTape>, step: Duration) {
+    fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration) {
         // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
         self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
-        self.drives = recorded(&self.drives, Rc::clone(&tape), step);
-        self.replayed = Some(tape);
+        self.drives = recorded_drives(&self.drives, Rc::clone(&recorded), step);
+        self.replayed = Some(recorded);
     }
 
     fn name(&self) -> &str {
@@ -302,7 +302,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         let (client, server) = link.port(place.ecp, edp);
         let (robot, mut observers) = (self.robot, self.observers);
         let (tool, space, following_error) = (self.tool, self.space, self.following_error);
-        let (replayed, tap) = (self.replayed.clone(), place.tap.of(ProcessId::new(Role::Ecp, name)));
+        let (replayed, witnesses) =
+            (self.replayed.clone(), place.witnesses.of(ProcessId::new(Role::Ecp, name)));
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.
@@ -315,12 +316,12 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         }
         let run = move |host: Host<'_>| {
             let waiter = host.waiter;
-            let tap = place.tap.of(process);
+            let witnesses = place.witnesses.of(process);
             let homed = match drives {
                 Ok(drive) => Some((drive, Gate::default())),
                 Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
                     let now = waiter.now();
-                    tap.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    witnesses.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
                     (Drive::Here(driver), gate)
                 }),
             };
@@ -337,7 +338,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     following_error,
                     stop_steps: place.pace.stop_steps,
                     observers,
-                    tap,
+                    witnesses,
                     replayed,
                 };
                 if let Err(fault) = Edp::new(config, host, server).behind(gate).run() {
@@ -348,12 +349,20 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         link.body(edp, Box::new(run))?;
         let (mut program, nudged) = (self.program, place.nudged);
         let process = ProcessId::new(Role::Ecp, name);
-        let (pace, tape) = (place.pace, self.replayed);
+        let (pace, recorded) = (place.pace, self.replayed);
         link.body(
             place.ecp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let mut ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, (tap, tape));
+                let mut ecp = Ecp::<'_, R>::new(
+                    process,
+                    timed.host(),
+                    mp,
+                    client,
+                    sensing,
+                    pace,
+                    (witnesses, recorded),
+                );
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
                         Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

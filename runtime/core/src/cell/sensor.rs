@@ -5,19 +5,19 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use super::CellError;
-use crate::observe::layout::SensorLayout;
+use crate::control::plant::Site;
+use crate::control::replay::RecordedRun;
+use crate::control::sensing::{Sensing, SensorPort, Source};
+use crate::control::vsp::{Aggregator, Boards, Orders, Vsp};
+use crate::link::{Client, Link, Server};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::image::Sensor;
-use crate::link::{Client, Link, Server};
-use crate::model::time::Nanos;
 use crate::model::name::Name;
-use crate::control::plant::Site;
-use crate::control::replay::Tape;
-use crate::control::sensing::{Sensing, SensorPort, Source};
-use crate::model::shape::Shape;
 use crate::model::sensor::{CONFIGURATION_WORDS, VirtualSensor, VspMode};
-use crate::control::vsp::{Aggregator, Boards, Orders, Vsp};
+use crate::model::shape::Shape;
+use crate::model::time::Nanos;
 use crate::model::wire::{WORDS, Wire};
+use crate::observe::layout::SensorLayout;
 
 /// A virtual sensor of a cell.
 pub struct SensorSetup<V: VirtualSensor> {
@@ -83,10 +83,11 @@ impl<V: VirtualSensor> SensorSetup<V> {
     }
 
     /// In place of a process, what a recording says was collected.
-    fn replay(&self, among: &mut Requesters<'_>, tape: &Tape) -> Result<(), CellError> {
+    fn replay(&self, among: &mut Requesters<'_>, recorded: &RecordedRun) -> Result<(), CellError> {
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(among.robots)?;
-        let port = |by| SensorPort::new(name, Self::reads(), robot, Source::Recorded(tape.reading(name, by)));
+        let port =
+            |by| SensorPort::new(name, Self::reads(), robot, Source::Recorded(recorded.reading(name, by)));
         among.mp_sensing.ports.push(port(ProcessId::MP));
         if let Some(robot) = robot {
             let by = ProcessId::new(Role::Ecp, among.robots[robot]);
@@ -107,7 +108,7 @@ pub(super) trait AnySensor {
 /// Who may read a sensor, and where: the MP, and the ECP of the robot that it belongs to.
 pub(super) struct Requesters<'a> {
     /// What a replay says was collected.
-    pub tape: Option<Rc<Tape>>,
+    pub recorded: Option<Rc<RecordedRun>>,
     pub link: &'a mut dyn Link,
     pub plant: &'a mut Site,
     pub step: Duration,
@@ -153,8 +154,8 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
     }
 
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError> {
-        if let Some(tape) = among.tape.clone() {
-            return self.replay(among, &tape);
+        if let Some(recorded) = among.recorded.clone() {
+            return self.replay(among, &recorded);
         }
         let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
         let name = Name::new(&self.name)?;

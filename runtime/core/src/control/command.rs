@@ -1,8 +1,8 @@
 //! What goes between an EDP and the plant, as words: a command for a servo period, and what the encoders read.
 
+use crate::link::message::{Kind, Message};
 use crate::model::driver::{Driver, Measured, Regulators};
 use crate::model::joints::{JointVector, MAX_JOINTS};
-use crate::link::message::{Kind, Message};
 use crate::model::pose::Pose;
 use crate::model::wire::{BadWords, WORDS, Wire};
 

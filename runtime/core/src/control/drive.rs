@@ -5,14 +5,14 @@
 use core::time::Duration;
 use std::rc::Rc;
 
+use crate::control::command::{Command, Reading, RegulatorSets, Switch};
+use crate::link::message::{Kind, Message};
+use crate::link::{Board, Client, Waiter};
 use crate::model::driver::{Driver, Measured, Regulators};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
-use crate::link::{Board, Client, Waiter};
-use crate::model::time::Nanos;
-use crate::link::message::{Kind, Message};
-use crate::control::command::{Command, Reading, RegulatorSets, Switch};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
+use crate::model::time::Nanos;
 
 /// The drives of a robot.
 pub(crate) enum Drive<R: Robot> {

@@ -5,14 +5,14 @@
 
 use core::time::Duration;
 
-use crate::model::driver::{DriveFault, Driver, Homing, Search};
 use crate::control::guarded::guarded;
-use crate::model::fault::{Fault, FaultKind, ProcessId};
-use crate::safety::latch::{Admission, Asked, Gate};
-use crate::link::{Server, Waiter};
-use crate::model::time::Nanos;
 use crate::link::message::{Kind, Message, RequestKind, flag};
+use crate::link::{Server, Waiter};
+use crate::model::driver::{DriveFault, Driver, Homing, Search};
+use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::robot::Robot;
+use crate::model::time::Nanos;
+use crate::safety::latch::{Admission, Asked, Gate};
 
 /// The drives that a robot is set up with.
 pub(crate) enum Drives<R: Robot> {

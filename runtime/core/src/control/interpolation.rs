@@ -18,8 +18,8 @@ use core::time::Duration;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::model::joints::JointVector;
-use crate::model::time::Nanos;
 use crate::model::pose::Pose;
+use crate::model::time::Nanos;
 
 /// The time by which what robots of these servo periods do lies behind their demands: the least at which the demands
 /// that each of them needs have come when its servo period begins. `None` where each takes every demand as it is.

@@ -7,8 +7,8 @@
 use core::cell::Cell;
 use core::time::Duration;
 
-use crate::model::fault::{Fault, FaultKind};
 use crate::link::{Closed, Host, Meter, Sample, Waiter};
+use crate::model::fault::{Fault, FaultKind};
 use crate::model::time::Nanos;
 use crate::safety::stopping::missed_step_budget;
 

@@ -3,21 +3,21 @@
 use core::any::TypeId;
 use std::rc::Rc;
 
-use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
-use crate::model::image::{Reading, Sensor, SensorImage};
+use crate::control::replay::RecordedReadings;
+use crate::control::replay::readings::RecordedReading;
+use crate::control::vsp::Boards;
+use crate::link::message::{Kind, Message};
 use crate::link::patience::{Patience, Waiting};
 use crate::link::{Client, Waiter};
-use crate::model::time::Nanos;
+use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::model::image::{Reading, Sensor, SensorImage};
 use crate::model::list::{SensorHandle, SensorList, SensorsOf};
-use crate::link::message::{Kind, Message};
 use crate::model::name::Name;
-use crate::control::replay::ReadingTape;
-use crate::control::replay::readings::RecordedReading;
-use crate::model::shape::Shape;
-use crate::suggestion::suggestion;
 use crate::model::sensor::{CONFIGURATION_WORDS, MAX_AGE};
-use crate::control::vsp::Boards;
-use crate::observe::witness::{ReadingState, Tap, What};
+use crate::model::shape::Shape;
+use crate::model::time::Nanos;
+use crate::observe::witness::{ReadingState, What, Witnesses};
+use crate::suggestion::suggestion;
 
 /// How a virtual sensor is asked.
 pub(crate) enum Source {
@@ -28,7 +28,7 @@ pub(crate) enum Source {
     /// Free-running: the latest reading, and where it looks for orders.
     NonInteractive(Boards),
     /// In a replay: what the recording says was collected.
-    Recorded(Rc<ReadingTape>),
+    Recorded(Rc<RecordedReadings>),
 }
 
 /// One virtual sensor as a process sees it.
@@ -145,7 +145,7 @@ impl SensorPort {
             Source::NonInteractive(boards) => {
                 self.read = boards.readings.read(&mut self.reply) || self.read;
             }
-            Source::Recorded(tape) => match tape.collect(self.order.header.step) {
+            Source::Recorded(recorded) => match recorded.collect(self.order.header.step) {
                 None | Some(RecordedReading { state: ReadingState::Lost, .. }) => {
                     return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
                 }
@@ -160,7 +160,7 @@ impl SensorPort {
     }
 
     /// Shows what was collected in a step.
-    fn show(&self, collected: &Result<(), Fault>, step: u64, tap: &Tap, now: Nanos) {
+    fn show(&self, collected: &Result<(), Fault>, step: u64, witnesses: &Witnesses, now: Nanos) {
         let state = match collected {
             Ok(()) if self.read => ReadingState::There,
             Ok(()) => ReadingState::None,
@@ -172,7 +172,7 @@ impl SensorPort {
             ReadingState::None | ReadingState::Lost => &[],
         };
         let (sensor, shape, taken) = (self.name, self.shape, self.reply.header.step);
-        tap.show(now, &What::Reading { sensor, step, state, taken, shape }, words);
+        witnesses.show(now, &What::Reading { sensor, step, state, taken, shape }, words);
     }
 
     fn fault(&self, kind: FaultKind) -> Fault {
@@ -186,7 +186,7 @@ pub(crate) struct Sensing {
     /// Of readings, and of other answers.
     pub patience: Patience,
     /// Where what was collected is shown.
-    pub tap: Tap,
+    pub witnesses: Witnesses,
 }
 
 impl Sensing {
@@ -259,7 +259,7 @@ impl Sensing {
         for (i, &index) in sensors.indices().as_ref().iter().enumerate() {
             let port = &mut self.ports[index];
             let collected = port.collect(waiter, waiting);
-            port.show(&collected, step, &self.tap, waiter.now());
+            port.show(&collected, step, &self.witnesses, waiter.now());
             collected?;
             let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
             if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > MAX_AGE) {

@@ -2,9 +2,9 @@
 
 use core::marker::PhantomData;
 
+use crate::control::ecp::Ecp;
 use crate::model::class::{Class, Level, Uses};
 use crate::model::demand::Demand;
-use crate::control::ecp::Ecp;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
 use crate::model::image::{Reading, State};

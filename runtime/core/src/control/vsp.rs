@@ -7,12 +7,12 @@ use crate::model::sensor::ReadingOrder;
 use crate::model::sensor::VirtualSensor;
 use std::rc::Rc;
 
+use crate::control::plant_sensor::PlantSensor;
+use crate::link::message::{Kind, Message};
+use crate::link::{Board, Closed, Sample, Server, Waiter};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::Sensor;
-use crate::link::{Board, Closed, Sample, Server, Waiter};
 use crate::model::time::Nanos;
-use crate::link::message::{Kind, Message};
-use crate::control::plant_sensor::PlantSensor;
 use crate::model::wire::Wire;
 
 /// Where a VSP gets its orders.

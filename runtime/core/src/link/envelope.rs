@@ -1,11 +1,10 @@
 //! A message between processes: plain words, whatever they hold, so that a foreign or damaged one is an error and never
 //! undefined behaviour. A sum over all words tells of damage: a damaged message is a lost one.
 
-
-use crate::safety::rate::RateHeadroom;
 use crate::link::message::{Header, Kind, Message, OrderKind, RequestKind};
-use crate::safety::braking::BrakingLaw;
 use crate::model::wire::{BadWords, WORDS};
+use crate::safety::braking::BrakingLaw;
+use crate::safety::rate::RateHeadroom;
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
 pub const LAYOUT: u64 = 3;

@@ -13,8 +13,8 @@ use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
 use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
-use crate::model::fault::ProcessId;
 use crate::link::message::Message;
+use crate::model::fault::ProcessId;
 
 /// The most processes that one cell can have on this link.
 pub const MAX_PROCESSES: usize = 64;

@@ -1,9 +1,9 @@
 //! The messages between processes: one plain envelope for every link.
 
 use crate::model::fault::{Fault, FaultKind, FaultWords};
-use crate::safety::rate::RateHeadroom;
-use crate::safety::braking::BrakingLaw;
 use crate::model::wire::{WORDS, Wire};
+use crate::safety::braking::BrakingLaw;
+use crate::safety::rate::RateHeadroom;
 
 /// What a message is about, and with it who may send it to whom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,8 +13,8 @@ pub mod watchdog;
 
 use std::rc::Rc;
 
-use crate::model::fault::ProcessId;
 use crate::link::message::Message;
+use crate::model::fault::ProcessId;
 
 pub use crate::model::time::{Clock, Nanos};
 use crate::operator::console::{Console, NoConsole};

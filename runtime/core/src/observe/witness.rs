@@ -5,12 +5,12 @@
 
 use std::rc::Rc;
 
+use crate::link::message::OrderKind;
 use crate::model::fault::{Fault, FaultWords, ProcessId};
 pub use crate::model::image::STATE_WORDS;
-use crate::model::time::Nanos;
-use crate::link::message::OrderKind;
 use crate::model::name::Name;
 use crate::model::shape::Shape;
+use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 
 /// Words of what an image is shown as: the demanded state, the measured one, the tool.
@@ -94,20 +94,20 @@ pub trait Witness {
 
 /// Where a process shows what happens in it.
 #[derive(Clone)]
-pub struct Tap {
+pub struct Witnesses {
     process: ProcessId,
     witnesses: Rc<[Rc<dyn Witness>]>,
 }
 
-impl Tap {
+impl Witnesses {
     /// Shown to these.
-    pub fn to(witnesses: Vec<Rc<dyn Witness>>) -> Tap {
-        Tap { process: ProcessId::MP, witnesses: witnesses.into() }
+    pub fn to(witnesses: Vec<Rc<dyn Witness>>) -> Witnesses {
+        Witnesses { process: ProcessId::MP, witnesses: witnesses.into() }
     }
 
     /// The same for another process.
-    pub fn of(&self, process: ProcessId) -> Tap {
-        Tap { process, witnesses: Rc::clone(&self.witnesses) }
+    pub fn of(&self, process: ProcessId) -> Witnesses {
+        Witnesses { process, witnesses: Rc::clone(&self.witnesses) }
     }
 
     /// Whether anybody watches.

@@ -5,8 +5,8 @@
 
 use core::fmt;
 
-use crate::safety::latch::Latch;
 use crate::operator::Operator;
+use crate::safety::latch::Latch;
 
 /// A button of the console.
 #[derive(Clone, Copy, Debug, PartialEq)]

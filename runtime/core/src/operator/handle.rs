@@ -26,11 +26,11 @@ use crate::safety::latch::{Event, Latch, LatchRefusal, Latching};
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Operator {
-    panel: Arc<Panel>,
+    shared: Arc<Shared>,
 }
 
 #[derive(Debug, Default)]
-struct Panel {
+struct Shared {
     /// Bits of the speed, counted from those of full speed, which is the default.
     speed: AtomicU64,
     suspended: AtomicBool,
@@ -80,24 +80,24 @@ impl Operator {
         if !(0.0..=1.0).contains(&speed) {
             return Err(BadSpeed(speed));
         }
-        self.panel.speed.store(speed.to_bits() ^ FULL, Ordering::Release);
+        self.shared.speed.store(speed.to_bits() ^ FULL, Ordering::Release);
         Ok(())
     }
 
     /// The speed that is set.
     #[must_use]
     pub fn speed(&self) -> f64 {
-        f64::from_bits(self.panel.speed.load(Ordering::Acquire) ^ FULL)
+        f64::from_bits(self.shared.speed.load(Ordering::Acquire) ^ FULL)
     }
 
     /// Stops all robots on their paths; the instruction goes on at [`resume`](Operator::resume).
     pub fn suspend(&self) {
-        self.panel.suspended.store(true, Ordering::Release);
+        self.shared.suspended.store(true, Ordering::Release);
     }
 
     /// Continues a suspended instruction.
     pub fn resume(&self) {
-        self.panel.suspended.store(false, Ordering::Release);
+        self.shared.suspended.store(false, Ordering::Release);
     }
 
     /// Stops all robots on their paths and ends the present instruction with a fault of kind `Aborted`.
@@ -105,37 +105,37 @@ impl Operator {
     /// Refused while nothing [runs](Operator::is_running): there is nothing to abort, and the next instruction is
     /// not aborted for it. Pressed again while it is being carried out, it changes nothing.
     pub fn abort(&self) {
-        let _ = self.panel.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
+        let _ = self.shared.stage.compare_exchange(RUNNING, ABORTING, Ordering::AcqRel, Ordering::Acquire);
     }
 
     /// Whether a Move or a Wait of the MP is at work, or has handed moving robots over to the next one: what can
     /// be aborted.
     #[must_use]
     pub fn is_running(&self) -> bool {
-        self.panel.stage.load(Ordering::Acquire) != IDLE
+        self.shared.stage.load(Ordering::Acquire) != IDLE
     }
 
     /// Whether the cell is suspended.
     #[must_use]
     pub fn is_suspended(&self) -> bool {
-        self.panel.suspended.load(Ordering::Acquire)
+        self.shared.suspended.load(Ordering::Acquire)
     }
 
     /// Stops all robots on their paths and latches the cell, as a guard's protective stop does. It has priority over whatever
     /// else is asked: pressed between two instructions it lets the next one move nothing, pressed during a reset it ends that.
     pub fn protective_stop(&self) {
-        self.panel.protective.store(true, Ordering::Release);
+        self.shared.protective.store(true, Ordering::Release);
     }
 
     /// The protective stop that was pressed since it was asked for last.
     pub fn take_protective_stop(&self) -> bool {
-        self.panel.protective.swap(false, Ordering::AcqRel)
+        self.shared.protective.swap(false, Ordering::AcqRel)
     }
 
     /// Where the cell is between a fault and its restart.
     #[must_use]
     pub fn latch(&self) -> Latch {
-        Latching::from_word(self.panel.latching.load(Ordering::Acquire)).latch
+        Latching::from_word(self.shared.latching.load(Ordering::Acquire)).latch
     }
 
     /// The first cause of the stop, once the robots stand.
@@ -183,16 +183,16 @@ impl Operator {
 
     /// Ends a cell that awaits a reset: it returns with the first cause. Before a fault it makes the next one end the cell.
     pub fn give_up(&self) {
-        self.panel.given_up.store(true, Ordering::Release);
+        self.shared.given_up.store(true, Ordering::Release);
     }
 
     pub fn has_given_up(&self) -> bool {
-        self.panel.given_up.load(Ordering::Acquire)
+        self.shared.given_up.load(Ordering::Acquire)
     }
 
     /// Something happened to the latch.
     pub fn meet(&self, event: Event) -> Result<(), LatchRefusal> {
-        let latching = &self.panel.latching;
+        let latching = &self.shared.latching;
         let mut word = latching.load(Ordering::Acquire);
         loop {
             let (next, outcome) = Latching::from_word(word).meet(event);
@@ -220,21 +220,21 @@ impl Operator {
 
     fn report<T>(&self, look: impl FnOnce(&mut Report) -> T) -> T {
         // A report is whole whatever a thread that held it did.
-        look(&mut self.panel.report.lock().unwrap_or_else(PoisonError::into_inner))
+        look(&mut self.shared.report.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     pub fn is_aborting(&self) -> bool {
-        self.panel.stage.load(Ordering::Acquire) == ABORTING
+        self.shared.stage.load(Ordering::Acquire) == ABORTING
     }
 
     /// An instruction begins, or takes over from the one before it with its abort.
     pub fn begin(&self) {
-        let _ = self.panel.stage.compare_exchange(IDLE, RUNNING, Ordering::AcqRel, Ordering::Acquire);
+        let _ = self.shared.stage.compare_exchange(IDLE, RUNNING, Ordering::AcqRel, Ordering::Acquire);
     }
 
     /// The instruction is over, at standstill; whether it was being aborted.
     pub fn end(&self) -> bool {
-        self.panel.stage.swap(IDLE, Ordering::AcqRel) == ABORTING
+        self.shared.stage.swap(IDLE, Ordering::AcqRel) == ABORTING
     }
 
     /// The rate that the operator wants now.

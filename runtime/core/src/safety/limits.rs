@@ -7,12 +7,12 @@
 
 use core::marker::PhantomData;
 
-use crate::safety::braking::Braking;
 use crate::model::demand::{Coordinates, Demand};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
+use crate::safety::braking::Braking;
 
 use catching_up::CatchingUp;
 use poses::valid_frame;

@@ -15,9 +15,9 @@ use core::ops::{Add, Mul, Sub};
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use crate::safety::rate::{Feed, RateHeadroom};
-use crate::safety::braking::BrakingLaw;
 use crate::model::pose::Pose;
+use crate::safety::braking::BrakingLaw;
+use crate::safety::rate::{Feed, RateHeadroom};
 
 /// The displacement of a step in the world, as a rotation vector \[rad\] and the twist's way \[m\]: `D = exp(turn, way)`.
 #[derive(Clone, Copy, Debug, PartialEq)]

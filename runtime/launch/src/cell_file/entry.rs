@@ -5,8 +5,8 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc_core::cell::CellError;
-use mrroc_core::robot::JointVector;
 use mrroc_core::pose::Pose;
+use mrroc_core::robot::JointVector;
 use mrroc_core::robot::Robot;
 use mrroc_core::sensor::VspMode;
 

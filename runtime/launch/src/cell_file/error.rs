@@ -1,9 +1,9 @@
 //! What is wrong with a cell file: where, what, and what to write.
 
-use mrroc_core::cell::CellError;
-use mrroc_core::suggestion::nearest;
 use core::fmt;
 use core::ops::Range;
+use mrroc_core::cell::CellError;
+use mrroc_core::suggestion::nearest;
 use std::io::ErrorKind;
 
 /// Everything that is wrong with a cell file.

@@ -48,10 +48,10 @@ use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
 
-use mrroc_core::cell::{AfterFault, Cell, CellError, SensorSetup};
-use mrroc_core::sensor::Sensor;
 use mrroc_core::cell::Realtime;
+use mrroc_core::cell::{AfterFault, Cell, CellError, SensorSetup};
 use mrroc_core::observe::Recording;
+use mrroc_core::sensor::Sensor;
 use mrroc_core::sensor::VirtualSensor;
 
 pub use entry::RobotEntry;

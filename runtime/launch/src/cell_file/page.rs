@@ -3,7 +3,7 @@
 use super::CellFile;
 use super::reader::{CELL_KEYS, POSE_KEYS, REALTIME_KEYS, RECORDING_KEYS, ROBOT_KEYS, SENSOR_KEYS};
 
-const PAGE: &str = include_str!("../../../docs/src/cell.md");
+const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
 /// The keys of each table, in the order of the page, and what the page calls it.
 const TABLES: [(&str, &[&str]); 6] = [

@@ -9,11 +9,11 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use mrroc_core::cell::AfterFault;
-use mrroc_core::fault::Name;
-use mrroc_core::pose::{Pose, Zyz};
 use mrroc_core::cell::realtime::MAX_PRIORITY;
 use mrroc_core::cell::{Permission, Realtime};
+use mrroc_core::fault::Name;
 use mrroc_core::observe::Recording;
+use mrroc_core::pose::{Pose, Zyz};
 use mrroc_core::sensor::VspMode;
 
 use super::CellFile;

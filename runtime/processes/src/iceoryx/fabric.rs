@@ -1,7 +1,7 @@
 //! Puts a cell together in one of its processes, and connects the part of it that is here.
 //!
 //! Services are made in two rounds with a barrier between them, which the launcher keeps: first every process makes its
-//! bell, the ports that it answers and the boards that it writes; when all have, each opens what the others
+//! wake_futex, the ports that it answers and the boards that it writes; when all have, each opens what the others
 //! made. So nothing is opened that is not there, and nothing is made twice.
 
 use core::cell::Cell;
@@ -11,8 +11,8 @@ use std::rc::Rc;
 
 use iceoryx2::prelude::*;
 
-use super::bell::Bell;
-use super::ports::{Packet, Answering, Asking, BoardEnd, End, Reads, Rope, Writes};
+use super::ports::{Answering, Asking, BoardEnd, End, Packet, Reads, Waker, Writes};
+use super::wake_futex::WakeFutex;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::link::envelope::{Envelope, LAYOUT, Seal};
@@ -51,8 +51,8 @@ pub(crate) struct Fabric {
     body: Option<Body>,
     /// Places that messages were sent to since the process was resumed, in lock-step.
     woken: Rc<Cell<u64>>,
-    /// What it sleeps on, and the prefix of all bells, in real time.
-    bell: Option<(Bell, String)>,
+    /// What it sleeps on, and the prefix of all futexes, in real time.
+    wake_futex: Option<(WakeFutex, String)>,
     node: Option<Node<ipc::Service>>,
 }
 
@@ -66,7 +66,7 @@ impl Fabric {
             planned: Vec::new(),
             body: None,
             woken: Rc::default(),
-            bell: None,
+            wake_futex: None,
             node: None,
         }
     }
@@ -130,8 +130,8 @@ impl Fabric {
         let me = self.places.iter().position(|&place| place == self.me);
         if let (Clock::Real, Some(me)) = (self.clock, me) {
             // There before anyone can ring.
-            let bell = Bell::create(prefix, me).map_err(LinkError::of("its bell"))?;
-            self.bell = Some((bell, prefix.to_owned()));
+            let wake_futex = WakeFutex::create(prefix, me).map_err(LinkError::of("its wake_futex"))?;
+            self.wake_futex = Some((wake_futex, prefix.to_owned()));
         }
         for (i, planned) in self.planned.iter().enumerate() {
             match planned {
@@ -161,12 +161,12 @@ impl Fabric {
             match planned {
                 Planned::Port { client, server, asking, .. } if self.here(*client) => {
                     if let Some(Asking { end, .. }) = asking.0.get() {
-                        end.meet(open(node, &format!("answer {i}"))?, self.rope(*server)?);
+                        end.meet(open(node, &format!("answer {i}"))?, self.waker(*server)?);
                     }
                 }
                 Planned::Port { client, server, answering, .. } if self.here(*server) => {
                     if let Some(Answering { end, .. }) = answering.0.get() {
-                        end.meet(open(node, &format!("request {i}"))?, self.rope(*client)?);
+                        end.meet(open(node, &format!("request {i}"))?, self.waker(*client)?);
                     }
                 }
                 Planned::Board { reader, end, .. } if self.here(*reader) => {
@@ -179,19 +179,21 @@ impl Fabric {
     }
 
     /// What wakes the process at `place`.
-    fn rope(&self, place: usize) -> Result<Rope, LinkError> {
-        match &self.bell {
-            None => Ok(Rope::Mark(place, Rc::clone(&self.woken))),
+    fn waker(&self, place: usize) -> Result<Waker, LinkError> {
+        match &self.wake_futex {
+            None => Ok(Waker::Mark(place, Rc::clone(&self.woken))),
             Some((_, prefix)) => {
-                let bell = Bell::open(prefix, place);
-                bell.map(Rope::Bell).map_err(LinkError::of("the way to another process's bell"))
+                let wake_futex = WakeFutex::open(prefix, place);
+                wake_futex
+                    .map(Waker::WakeFutex)
+                    .map_err(LinkError::of("the way to another process's wake_futex"))
             }
         }
     }
 
     /// What this process sleeps on, in real time.
-    pub fn bell(&self) -> Option<Bell> {
-        self.bell.as_ref().map(|(bell, _)| *bell)
+    pub fn wake_futex(&self) -> Option<WakeFutex> {
+        self.wake_futex.as_ref().map(|(wake_futex, _)| *wake_futex)
     }
 }
 

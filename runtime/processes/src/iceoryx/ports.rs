@@ -15,11 +15,11 @@ use iceoryx2::port::reader::EntryHandle;
 use iceoryx2::port::writer::EntryHandleMut;
 use iceoryx2::prelude::{ZeroCopySend, ipc};
 
-use super::bell::Bell;
+use super::wake_futex::WakeFutex;
 use mrroc_core::link::envelope::{Envelope, Seal};
+use mrroc_core::link::message::Message;
 use mrroc_core::link::numbering::{self, Heard};
 use mrroc_core::link::{Board, Client, Server};
-use mrroc_core::link::message::Message;
 
 /// An envelope as it lies in shared memory.
 #[derive(Clone, Copy, Debug)]
@@ -39,19 +39,19 @@ pub(super) type Writes = EntryHandleMut<ipc::Service, u64, Packet>;
 pub(super) type Reads = EntryHandle<ipc::Service, u64, Packet>;
 
 /// Wakes the process at the other end.
-pub(super) enum Rope {
-    /// By its bell.
-    Bell(Bell),
+pub(super) enum Waker {
+    /// By its futex.
+    WakeFutex(WakeFutex),
     /// In lock-step: the launcher resumes it. Which place, and the places to be resumed.
     Mark(usize, Rc<Cell<u64>>),
 }
 
-impl Rope {
-    fn pull(&self) {
+impl Waker {
+    fn wake(&self) {
         match self {
             // A peer that is gone is not woken; that it is gone is told by its silence and by the launcher.
-            Rope::Bell(bell) => bell.ring(),
-            Rope::Mark(place, woken) => woken.set(woken.get() | 1 << place),
+            Waker::WakeFutex(wake_futex) => wake_futex.wake(),
+            Waker::Mark(place, woken) => woken.set(woken.get() | 1 << place),
         }
     }
 }
@@ -59,7 +59,7 @@ impl Rope {
 /// One end of a port: the board that it writes, and what is known once the other side has made its own.
 pub(super) struct PortEnd {
     writes: Writes,
-    other: OnceCell<(Reads, Rope)>,
+    other: OnceCell<(Reads, Waker)>,
 }
 
 impl PortEnd {
@@ -68,16 +68,16 @@ impl PortEnd {
     }
 
     /// Connects it with the other side.
-    pub fn meet(&self, reads: Reads, rope: Rope) {
+    pub fn meet(&self, reads: Reads, waker: Waker) {
         // It is met once: each port is looked at once in that round.
-        drop(self.other.set((reads, rope)));
+        drop(self.other.set((reads, waker)));
     }
 
     /// Shows an envelope and wakes its reader.
     fn show(&self, envelope: Envelope) {
         self.writes.update_with_copy(Packet(envelope));
-        if let Some((_, rope)) = self.other.get() {
-            rope.pull();
+        if let Some((_, waker)) = self.other.get() {
+            waker.wake();
         }
     }
 

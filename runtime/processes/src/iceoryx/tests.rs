@@ -5,8 +5,8 @@ use std::rc::Rc;
 
 use super::{Clock, Fabric, Seal};
 use mrroc_core::fault::ProcessId;
-use mrroc_core::link::{Board, Client, Link, Server};
 use mrroc_core::link::message::{Kind, Message};
+use mrroc_core::link::{Board, Client, Link, Server};
 
 const SEAL: Seal = Seal { session: 17, epoch: 1 };
 

@@ -1,4 +1,4 @@
-//! How a process waits: in real time on its bell, or in lock-step for the launcher to resume it.
+//! How a process waits: in real time on its futex, or in lock-step for the launcher to resume it.
 
 use core::cell::Cell;
 use core::num::NonZeroU64;
@@ -9,10 +9,10 @@ use std::sync::mpsc::Receiver;
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::Timespec;
 
-use super::bell::Bell;
 use super::samples::Samples;
-use mrroc_core::operator::button::Button;
+use super::wake_futex::WakeFutex;
 use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Notices, Sample, Waiter};
+use mrroc_core::operator::button::Button;
 use mrroc_core::operator::console::Console;
 use mrroc_core::operator::state::MpState;
 
@@ -54,12 +54,12 @@ pub(crate) enum Heard {
     Close,
 }
 
-/// Waits in real time: sleeps until its bell rings, or until a deadline.
+/// Waits in real time: sleeps until it is woken, or until a deadline.
 pub(crate) struct RealTime {
-    bell: Bell,
-    /// Rings that were heard.
-    rings: Cell<u32>,
-    /// What the launcher says. It comes with a ring.
+    wake_futex: WakeFutex,
+    /// Wake-ups that it has seen.
+    wakes: Cell<u32>,
+    /// What the launcher says. It comes with a wake-up.
     heard: Receiver<Heard>,
     /// When the cell's time began, on the machine's clock, and for how long to listen before sleeping \[ns\].
     origin: Nanos,
@@ -77,7 +77,7 @@ pub(crate) type Show = Box<dyn Fn(&MpState)>;
 
 impl RealTime {
     pub fn new(
-        bell: Bell,
+        wake_futex: WakeFutex,
         heard: Receiver<Heard>,
         (origin, spin): (Nanos, Nanos),
         samples: Arc<Samples>,
@@ -85,8 +85,8 @@ impl RealTime {
         // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
         RealTime {
-            bell,
-            rings: Cell::new(0),
+            wake_futex,
+            wakes: Cell::new(0),
             heard,
             origin,
             spin,
@@ -109,10 +109,10 @@ impl RealTime {
         Host { waiter: self, meter: self, notices: self, console: self }
     }
 
-    /// Whether the bell has rung since this was asked last.
-    fn has_rung(&self) -> bool {
-        let rings = self.bell.rings();
-        self.rings.replace(rings) != rings
+    /// Whether the process was woken since this was asked last.
+    fn was_woken(&self) -> bool {
+        let wakes = self.wake_futex.wakes();
+        self.wakes.replace(wakes) != wakes
     }
 
     /// Takes what the launcher has said.
@@ -136,15 +136,16 @@ impl Waiter for RealTime {
     }
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
-        if !self.closing.get() && !self.has_rung() {
+        if !self.closing.get() && !self.was_woken() {
             if self.spin > 0 {
                 let until = deadline.unwrap_or(Nanos::MAX).min(self.now().saturating_add(self.spin));
-                while self.now() < until && self.bell.rings() == self.rings.get() {
+                while self.now() < until && self.wake_futex.wakes() == self.wakes.get() {
                     core::hint::spin_loop();
                 }
             }
-            self.bell.sleep(self.rings.get(), deadline.map(|deadline| self.origin.saturating_add(deadline)));
-            self.has_rung();
+            self.wake_futex
+                .sleep(self.wakes.get(), deadline.map(|deadline| self.origin.saturating_add(deadline)));
+            self.was_woken();
         }
         self.hear();
         if self.closing.get() { Err(Closed) } else { Ok(()) }

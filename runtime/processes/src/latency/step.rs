@@ -18,9 +18,9 @@ use super::super::control::{Control, Frame};
 use super::super::scheduling::set_priority;
 use super::topology::{MEMORY, ROBOTS, Topology, bare, id, ours};
 use super::{barrier, folder, remove_segments, samples_folder, start};
-use mrroc_core::fault::Role;
 use crate::iceoryx::monotonic;
 use mrroc_core::cell::{Permission, Realtime};
+use mrroc_core::fault::Role;
 
 const WARM_UP: usize = 200;
 const STEPS: usize = 2000;

@@ -10,11 +10,11 @@ use rustix::mm::{MapFlags, ProtFlags, mmap};
 use rustix::thread::futex;
 
 use super::{SEAL, SIZE, folder, waiter};
-use mrroc_core::fault::{ProcessId, Role};
 use crate::iceoryx::{Clock, Fabric};
-use mrroc_core::link::{Client, Link, Server, Waiter};
-use mrroc_core::link::message::{Kind, Message, OrderKind};
 use mrroc_core::fault::Name;
+use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::link::message::{Kind, Message, OrderKind};
+use mrroc_core::link::{Client, Link, Server, Waiter};
 
 /// The most robots.
 pub const ROBOTS: usize = 4;
@@ -107,17 +107,17 @@ pub fn ours((place, robots): (usize, usize), of: u32, barrier: &dyn Fn()) -> Box
 const BODY: usize = SIZE / 4;
 const SLOT: usize = (1 + BODY).next_multiple_of(16);
 /// A process counts what it is sent in a word on a cache line of its own.
-const BELL: usize = 16;
-const SLOTS: usize = BELL * (1 + 2 * ROBOTS);
+const FUTEX: usize = 16;
+const SLOTS: usize = FUTEX * (1 + 2 * ROBOTS);
 const WORDS: usize = SLOTS + 4 * ROBOTS * SLOT;
 /// Of the memory that all processes share \[bytes\].
 pub const MEMORY: u64 = 4 * WORDS as u64;
 
-/// One direction of a line: where the message lies, and whose bell tells of it.
+/// One direction of a line: where the message lies, and whose futex tells of it.
 #[derive(Clone, Copy)]
 struct Way {
     slot: usize,
-    bell: usize,
+    wake_futex: usize,
     ordinal: u32,
 }
 
@@ -126,7 +126,7 @@ pub struct Bare {
     words: &'static [AtomicU32; WORDS],
     /// Out and in.
     lines: Vec<(Way, Way)>,
-    bell: usize,
+    wake_futex: usize,
     heard: u32,
 }
 
@@ -137,8 +137,8 @@ impl Topology for Bare {
         let body = way.slot + 1..=way.slot + BODY;
         self.words[body].iter().for_each(|word| word.store(way.ordinal, Ordering::Relaxed));
         self.words[way.slot].store(way.ordinal, Ordering::Release);
-        self.words[way.bell].fetch_add(1, Ordering::Release);
-        futex::wake(&self.words[way.bell], futex::Flags::empty(), 1).expect("woken");
+        self.words[way.wake_futex].fetch_add(1, Ordering::Release);
+        futex::wake(&self.words[way.wake_futex], futex::Flags::empty(), 1).expect("woken");
     }
 
     fn take(&mut self, line: usize) -> bool {
@@ -153,11 +153,11 @@ impl Topology for Bare {
     }
 
     fn wait(&mut self) {
-        let bell = &self.words[self.bell];
-        while bell.load(Ordering::Acquire) == self.heard {
-            let _ = futex::wait(bell, futex::Flags::empty(), self.heard, None);
+        let wake_futex = &self.words[self.wake_futex];
+        while wake_futex.load(Ordering::Acquire) == self.heard {
+            let _ = futex::wait(wake_futex, futex::Flags::empty(), self.heard, None);
         }
-        self.heard = bell.load(Ordering::Acquire);
+        self.heard = wake_futex.load(Ordering::Acquire);
     }
 }
 
@@ -173,7 +173,7 @@ pub fn bare((place, robots): (usize, usize), shared: &OwnedFd) -> Box<dyn Topolo
     // SAFETY: it is aligned to a page, all of it is atomics, for which every value is one, and it stays.
     #[allow(unsafe_code)]
     let words = unsafe { &*memory.cast::<[AtomicU32; WORDS]>() };
-    let way = |i: usize, to: usize| Way { slot: SLOTS + i * SLOT, bell: BELL * to, ordinal: 0 };
+    let way = |i: usize, to: usize| Way { slot: SLOTS + i * SLOT, wake_futex: FUTEX * to, ordinal: 0 };
     let mut mine = Vec::new();
     for (i, (asks, answers)) in lines(robots).enumerate() {
         let (order, reply) = (way(2 * i, answers), way(2 * i + 1, asks));
@@ -183,5 +183,5 @@ pub fn bare((place, robots): (usize, usize), shared: &OwnedFd) -> Box<dyn Topolo
             mine.push((reply, order));
         }
     }
-    Box::new(Bare { words, lines: mine, bell: BELL * place, heard: 0 })
+    Box::new(Bare { words, lines: mine, wake_futex: FUTEX * place, heard: 0 })
 }

@@ -2,12 +2,12 @@
 //!
 //! In: a request, and the order whose step it belongs to. Out: the EDP's reply, or its fault.
 
+use crate::link::message::{Header, Kind, Message, RequestKind, flag};
+use crate::link::patience::Patience;
+use crate::link::{Client, Waiter};
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotImage;
-use crate::link::patience::Patience;
-use crate::link::{Client, Waiter};
-use crate::link::message::{Header, Kind, Message, RequestKind, flag};
 use crate::model::robot::Robot;
 use crate::model::sensor::EffectorState;
 use crate::model::wire::Wire;

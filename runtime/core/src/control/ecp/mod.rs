@@ -14,18 +14,18 @@ use crate::link::Host;
 use core::time::Duration;
 use std::rc::Rc;
 
+use crate::control::overruns::Overruns;
+use crate::control::replay::RecordedRobot;
+use crate::control::sensing::Sensing;
+use crate::link::message::{OrderKind, RequestKind, flag};
+use crate::link::{Client, Server, Waiter};
 use crate::model::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::model::image::{RobotImage, Sensor};
-use crate::link::{Client, Server, Waiter};
-use crate::model::time::Nanos;
 use crate::model::list::{PayloadType, SensorHandle};
-use crate::link::message::{OrderKind, RequestKind, flag};
-use crate::control::overruns::Overruns;
 use crate::model::payload::{Nudge, Order, Payload};
-use crate::control::replay::RobotTape;
 use crate::model::robot::Robot;
-use crate::control::sensing::Sensing;
-use crate::observe::witness::{Tap, What};
+use crate::model::time::Nanos;
+use crate::observe::witness::{What, Witnesses};
 
 use driver::DriverPort;
 use orders::{Duty, Orders, Phase};
@@ -43,8 +43,8 @@ pub struct Ecp<'w, R: Robot> {
     /// What the MP has been told, or will be, to stop the robot for on its path.
     trouble: Trouble,
     /// Where late steps are shown, and those of a run that is replayed.
-    tap: Tap,
-    replayed: Option<Rc<RobotTape>>,
+    witnesses: Witnesses,
+    replayed: Option<Rc<RecordedRobot>>,
 }
 
 /// What is wrong while demands are sound.
@@ -79,7 +79,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         edp: Box<dyn Client>,
         sensing: Sensing,
         pace: Pace,
-        (tap, replayed): (Tap, Option<Rc<RobotTape>>),
+        (witnesses, replayed): (Witnesses, Option<Rc<RecordedRobot>>),
     ) -> Self {
         Ecp {
             process,
@@ -91,7 +91,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             pace,
             refusals: 0,
             trouble: Trouble::None,
-            tap,
+            witnesses,
             replayed,
         }
     }
@@ -351,10 +351,10 @@ impl<'w, R: Robot> Ecp<'w, R> {
     /// Whether a demand of the open order's step would miss the EDP's ticks, after what took place since `began`.
     fn is_late_since(&self, began: Nanos) -> bool {
         let (now, step) = (self.host.waiter.now(), self.orders.header().step);
-        let was_late = self.replayed.as_ref().is_some_and(|tape| tape.put_off.contains(&step));
+        let was_late = self.replayed.as_ref().is_some_and(|recorded| recorded.put_off.contains(&step));
         let is_late = was_late || now > began && now >= step * self.pace.period + self.pace.grace;
         if is_late {
-            self.tap.show(now, &What::Late { step }, &[]);
+            self.witnesses.show(now, &What::Late { step }, &[]);
         }
         is_late
     }

@@ -4,15 +4,15 @@
 //! Path time that does not pass holds the robot, whatever the generator returns; END makes a generator with a path
 //! of its own slow down on it.
 
+use crate::link::message::{RequestKind, flag};
 use crate::model::demand::Demand;
 use crate::model::fault::Fault;
-use crate::safety::rate::{DEFAULT_CHANGE, Feed};
 use crate::model::generator::Generator;
 use crate::model::image::{Reading, State};
 use crate::model::list::{Motion, SensorList, SensorsOf};
-use crate::link::message::{RequestKind, flag};
 use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};
+use crate::safety::rate::{DEFAULT_CHANGE, Feed};
 
 use super::orders::Duty;
 use super::{Ecp, Trouble};

@@ -11,11 +11,11 @@
 //!     └──────────────────┘                                                       RESET: Latched ▶ Idle
 //! ```
 
-use crate::model::fault::Fault;
-use crate::safety::latch::{Admission, Asked, Gate};
-use crate::link::{Closed, Server, Waiter};
-use crate::model::list::PayloadType;
 use crate::link::message::{Header, Kind, Message, OrderKind, flag};
+use crate::link::{Closed, Server, Waiter};
+use crate::model::fault::Fault;
+use crate::model::list::PayloadType;
+use crate::safety::latch::{Admission, Asked, Gate};
 
 /// Where in the protocol of instructions an ECP is.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! Wait in an ECP, eq. 4: readings and the robot's state in every step, until the condition holds; `e` does not
 //! change.
 
+use crate::link::message::{RequestKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Condition;
 use crate::model::image::{Reading, RobotImage, State};
 use crate::model::list::{AnyRobots, RobotList, SensorList, SensorsOf};
-use crate::link::message::{RequestKind, flag};
 use crate::model::robot::Robot;
 use crate::model::step::Tick;
 

@@ -5,12 +5,12 @@
 
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::robot::InterpolationSpace;
-use crate::safety::limits::AcceptedDemand;
-use crate::model::time::Nanos;
 use crate::model::robot::Robot;
+use crate::model::time::Nanos;
+use crate::safety::limits::AcceptedDemand;
 
-use crate::observe::servo::ServoRecord;
 use crate::control::guarded::guarded;
+use crate::observe::servo::ServoRecord;
 
 use super::{Edp, Mode};
 

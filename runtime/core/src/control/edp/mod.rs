@@ -20,27 +20,26 @@ use crate::observe::servo::Observer;
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::safety::braking::Braking;
+use crate::control::interpolation::Interpolation;
+use crate::control::overruns::Overruns;
+use crate::control::replay::RecordedRobot;
+use crate::control::task_space::TaskSpace;
+use crate::link::message::Message;
+use crate::link::{Closed, Sample, Server, Waiter};
 use crate::model::driver::{Measured, Regulators};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
-use crate::control::interpolation::Interpolation;
-use crate::model::robot::InterpolationSpace;
 use crate::model::joints::JointVector;
+use crate::model::pose::Pose;
+use crate::model::robot::InterpolationSpace;
+use crate::model::robot::Robot;
+use crate::model::time::Nanos;
+use crate::observe::witness::Witnesses;
+use crate::safety::braking::Braking;
+use crate::safety::braking::BrakingLaw;
 use crate::safety::latch::Gate;
 use crate::safety::limits::{AcceptedDemand, Acceptor};
-use crate::link::{Closed, Sample, Server, Waiter};
-use crate::model::time::Nanos;
-use crate::link::message::Message;
-use crate::control::overruns::Overruns;
-use crate::model::pose::Pose;
-use crate::control::replay::RobotTape;
-use crate::model::robot::Robot;
-use crate::safety::stopping::detection_time;
-use crate::control::task_space::TaskSpace;
-use crate::safety::braking::BrakingLaw;
 use crate::safety::screw::{Screw, ScrewBraking};
-use crate::observe::witness::Tap;
-
+use crate::safety::stopping::detection_time;
 
 /// How a robot is set up.
 pub(crate) struct EdpConfig<R: Robot> {
@@ -58,9 +57,9 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub stop_steps: u64,
     pub observers: Vec<Observer<R>>,
     /// Where each step is shown.
-    pub tap: Tap,
+    pub witnesses: Witnesses,
     /// What it replays.
-    pub replayed: Option<Rc<RobotTape>>,
+    pub replayed: Option<Rc<RecordedRobot>>,
 }
 
 #[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
@@ -303,4 +302,3 @@ impl<'w, R: Robot> Edp<'w, R> {
         }
     }
 }
-

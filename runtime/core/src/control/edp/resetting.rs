@@ -2,13 +2,13 @@
 //!
 //! In: a robot that stands, latched. Out: the same robot, whose demands begin where it is; nothing has moved.
 
+use crate::control::interpolation::Interpolation;
+use crate::control::task_space::TaskSpace;
 use crate::model::driver::Regulators;
 use crate::model::fault::{Fault, FaultKind};
-use crate::control::interpolation::Interpolation;
-use crate::safety::limits::Acceptor;
 use crate::model::robot::Robot;
+use crate::safety::limits::Acceptor;
 use crate::safety::stopping::detection_time;
-use crate::control::task_space::TaskSpace;
 
 use crate::control::guarded::guarded;
 

@@ -4,17 +4,17 @@
 //! is accepted or refused here; what becomes of it is [`following`](super::following)'s. What is of another epoch than
 //! the robot's is no request.
 
+use crate::link::message::{Kind, RequestKind, flag};
 use crate::model::demand::{Coordinates, Demand};
 use crate::model::driver::Regulators;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::{RobotImage, RobotState};
-use crate::model::robot::InterpolationSpace;
 use crate::model::joints::JointVector;
-use crate::safety::latch::{Admission, Asked};
-use crate::link::message::{Kind, RequestKind, flag};
+use crate::model::robot::InterpolationSpace;
 use crate::model::robot::Robot;
 use crate::model::wire::Wire;
 use crate::observe::witness::What;
+use crate::safety::latch::{Admission, Asked};
 
 use crate::control::guarded::guarded;
 
@@ -167,13 +167,13 @@ impl<R: Robot> Edp<'_, R> {
     /// Whether a request came too late for its step, or did so in the run that is replayed: then what replaces its demand
     /// is found now.
     fn is_late(&mut self, step: u64) -> bool {
-        let was_late = self.config.replayed.as_ref().is_some_and(|tape| tape.missed.contains(&step));
+        let was_late = self.config.replayed.as_ref().is_some_and(|recorded| recorded.missed.contains(&step));
         if was_late && step >= self.due {
             self.next = Some(self.next_demand());
         }
         let is_late = was_late || step < self.due;
         if is_late {
-            self.config.tap.show(self.host.waiter.now(), &What::Late { step }, &[]);
+            self.config.witnesses.show(self.host.waiter.now(), &What::Late { step }, &[]);
         }
         is_late
     }

@@ -3,11 +3,11 @@
 //! In: the braking law of the last order, the screw of the last step. Out: accepted demands on that screw; where a limit or
 //! the kinematics forbids it, in joint space.
 
-use crate::safety::limits::AcceptedDemand;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
-use crate::safety::stopping::{TOGETHER_BUDGET, missed_step_budget};
+use crate::safety::limits::AcceptedDemand;
 use crate::safety::screw::{Screw, ScrewBraking};
+use crate::safety::stopping::{TOGETHER_BUDGET, missed_step_budget};
 
 use crate::control::guarded::guarded;
 

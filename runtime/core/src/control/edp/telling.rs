@@ -15,7 +15,7 @@ use super::{Edp, Mode};
 impl<R: Robot> Edp<'_, R> {
     /// The step that begins.
     pub(super) fn tell_step(&mut self) {
-        if !self.config.tap.is_watched() {
+        if !self.config.witnesses.is_watched() {
             return;
         }
         let mode = match self.mode {
@@ -28,7 +28,11 @@ impl<R: Robot> Edp<'_, R> {
         // Kinematics are the user's code.
         match guarded(|| self.image_words()) {
             Ok(words) => {
-                self.config.tap.show(self.host.waiter.now(), &What::Image { step: self.due, mode }, &words);
+                self.config.witnesses.show(
+                    self.host.waiter.now(),
+                    &What::Image { step: self.due, mode },
+                    &words,
+                );
             }
             Err(panic) => {
                 self.latch(panic, self.due);
@@ -52,6 +56,6 @@ impl<R: Robot> Edp<'_, R> {
 
     /// The fault that is latched.
     pub(super) fn tell_fault(&self, fault: &Fault, step: u64) {
-        self.config.tap.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
+        self.config.witnesses.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
     }
 }

@@ -8,12 +8,12 @@ use std::rc::Rc;
 use nalgebra::Vector1;
 
 use super::*;
+use crate::link::message::{Kind, OrderKind, RequestKind, flag};
 use crate::model::demand::Demand;
 use crate::model::fault::Role;
-use crate::link::message::{Kind, OrderKind, RequestKind, flag};
 use crate::model::name::Name;
-use crate::slide::{Exact, Slide};
 use crate::model::wire::Wire;
+use crate::slide::{Exact, Slide};
 
 mod answers;
 
@@ -52,7 +52,7 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
         following_error: Vector1::new(1.0),
         stop_steps: 200,
         observers: Vec::new(),
-        tap: crate::observe::witness::Tap::to(Vec::new()),
+        witnesses: crate::observe::witness::Witnesses::to(Vec::new()),
         replayed: None,
     };
     let replies = Rc::default();

@@ -5,10 +5,10 @@
 //! never replayed: its `duration` is the number of periods since the step before it. `dt = rate * duration`.
 
 use crate::link::Meter;
-use crate::safety::rate::Feed;
 use crate::link::{Closed, Sample, Waiter};
-use crate::model::time::Nanos;
 use crate::model::step::Tick;
+use crate::model::time::Nanos;
+use crate::safety::rate::Feed;
 
 /// The steps of a cell.
 pub(super) struct StepClock {

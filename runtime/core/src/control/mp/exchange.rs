@@ -5,18 +5,18 @@
 
 use core::any::TypeId;
 
-use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::control::guard::RobotView;
-use crate::model::image::State;
-use crate::link::{Client};
-use crate::model::time::Nanos;
-use crate::model::list::{PayloadType, RobotList, SensorList, SensorsOf};
+use crate::link::Client;
 use crate::link::message::{Header, Kind, Message, OrderKind, flag};
+use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::model::image::State;
+use crate::model::list::{PayloadType, RobotList, SensorList, SensorsOf};
 use crate::model::name::Name;
-use crate::safety::braking::BrakingLaw;
 use crate::model::sensor::EffectorState;
+use crate::model::time::Nanos;
 use crate::model::wire::{BadWords, Wire};
-use crate::observe::witness::{Tap, What};
+use crate::observe::witness::{What, Witnesses};
+use crate::safety::braking::BrakingLaw;
 
 use super::Mp;
 
@@ -83,10 +83,14 @@ impl RobotPort {
     }
 
     /// Shows the order that it was sent.
-    fn show_order(&self, kind: OrderKind, tap: &Tap, now: Nanos) {
+    fn show_order(&self, kind: OrderKind, witnesses: &Witnesses, now: Nanos) {
         let (robot, PayloadType { name: payload, shape, .. }) = (self.name, self.payload);
         let (step, instruction) = (self.order.header.step, self.order.header.instruction);
-        tap.show(now, &What::Order { robot, step, instruction, kind, payload, shape }, self.order.words());
+        witnesses.show(
+            now,
+            &What::Order { robot, step, instruction, kind, payload, shape },
+            self.order.words(),
+        );
     }
 
     pub(super) fn process(&self) -> ProcessId {
@@ -145,7 +149,7 @@ impl Mp<'_> {
                 header.len = 0;
             }
             robot.client.send(&robot.order);
-            robot.show_order(kind, &self.tap, self.host.waiter.now());
+            robot.show_order(kind, &self.witnesses, self.host.waiter.now());
         }
         let waiting = self.sensing.patience.begin(self.host.waiter);
         let mut first: Option<Fault> = None;

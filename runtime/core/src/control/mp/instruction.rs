@@ -2,10 +2,10 @@
 //!
 //! Each is an exchange that is repeated, step by step, until every robot is where it should be.
 
-use crate::model::fault::{Fault, FaultKind};
-use crate::safety::latch::Event;
-use crate::model::list::PayloadType;
 use crate::link::message::{OrderKind, flag};
+use crate::model::fault::{Fault, FaultKind};
+use crate::model::list::PayloadType;
+use crate::safety::latch::Event;
 
 use super::Mp;
 use super::exchange::RobotPort;

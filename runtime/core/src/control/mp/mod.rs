@@ -9,8 +9,8 @@ mod clock;
 mod exchange;
 mod instruction;
 mod motion;
-mod restart;
 mod operating;
+mod restart;
 mod telling;
 #[cfg(test)]
 mod tests;
@@ -23,21 +23,21 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::control::ecp::MAX_REFUSALS;
-use crate::model::fault::{Ended, Fault, FaultKind, FaultWords, ProcessId};
-use crate::safety::rate::Feed;
 use crate::control::guard::Guard;
-use crate::model::image::{RobotImage, Sensor};
-use crate::link::News;
-use crate::model::time::Nanos;
-use crate::model::list::{RobotHandle, SensorHandle};
-use crate::operator::Operator;
 use crate::control::overruns::Overruns;
 use crate::control::replay::Script;
-use crate::model::robot::Robot;
 use crate::control::sensing::Sensing;
-use crate::suggestion::suggestion;
+use crate::link::News;
+use crate::model::fault::{Ended, Fault, FaultKind, FaultWords, ProcessId};
+use crate::model::image::{RobotImage, Sensor};
+use crate::model::list::{RobotHandle, SensorHandle};
+use crate::model::robot::Robot;
+use crate::model::time::Nanos;
+use crate::observe::witness::Witnesses;
+use crate::operator::Operator;
 use crate::safety::braking::BrakingLaw;
-use crate::observe::witness::Tap;
+use crate::safety::rate::Feed;
+use crate::suggestion::suggestion;
 
 use clock::StepClock;
 pub(crate) use exchange::RobotPort;
@@ -69,7 +69,7 @@ pub struct Mp<'w> {
     epoch: u32,
     /// A process that is gone: without it there is no restart.
     gone: Option<ProcessId>,
-    tap: Tap,
+    witnesses: Witnesses,
     /// Whether the operator was seen to abort in this step.
     aborts: bool,
     /// A replay's steps.
@@ -91,7 +91,7 @@ impl<'w> Mp<'w> {
         let clock = StepClock::new(step.as_nanos() as Nanos, grace, Feed::new(rate_change));
         let (guard, protective, latched) = (None, None, None);
         let (ordinal, refusals, overruns) = (0, 0, Overruns::new(step));
-        let (tap, aborts, script) = (sensing.tap.clone(), false, None);
+        let (witnesses, aborts, script) = (sensing.witnesses.clone(), false, None);
         let shown = MpState::default();
         Mp {
             host,
@@ -110,7 +110,7 @@ impl<'w> Mp<'w> {
             latched,
             refusals,
             overruns,
-            tap,
+            witnesses,
             aborts,
             script,
             shown,
@@ -168,7 +168,10 @@ impl<'w> Mp<'w> {
     /// Begins a step, unless one has begun that no exchange has used.
     fn begin_step(&mut self) -> Result<(), Fault> {
         self.keep_to_script();
-        let begins = self.clock.begin(self.host.waiter, self.host.meter).map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
+        let begins = self
+            .clock
+            .begin(self.host.waiter, self.host.meter)
+            .map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
         if begins {
             self.count_own_time()?;
             // A hook that panics is not called again by the stop that follows.

@@ -2,11 +2,11 @@
 //!
 //! In: the robots' images (`e`), the MP's readings (`v`), the step's path time. Out: one demand or order per robot.
 
+use crate::link::message::{OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
 use crate::model::image::{Reading, State};
 use crate::model::list::{PayloadType, Robots, RobotsOf, SensorList, SensorsOf};
-use crate::link::message::{OrderKind, flag};
 use crate::model::payload::{Nudge, Order};
 use crate::model::step::Step;
 

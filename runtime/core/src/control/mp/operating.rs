@@ -3,9 +3,9 @@
 //! In: the buttons that were pressed since the last step. Out: what became of each, and in which step; and plain numbers
 //! of what the MP does, for whoever looks on from outside: nobody waits for that.
 
-use crate::operator::state::Doing;
-use crate::operator::button::{Answer, Button, CellState};
 use crate::model::fault::Fault;
+use crate::operator::button::{Answer, Button, CellState};
+use crate::operator::state::Doing;
 
 use super::Mp;
 

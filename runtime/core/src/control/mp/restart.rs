@@ -4,10 +4,10 @@
 //! latched the MP asks every robot in every step whether it stands; a reset makes all of them ready, in a new epoch, and
 //! then waits until their drives have held for some steps.
 
-use crate::safety::latch::AfterFault;
-use crate::model::fault::{Fault, FaultKind, ProcessId};
-use crate::safety::latch::{Event, Latch};
 use crate::link::message::{Message, OrderKind, flag};
+use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::safety::latch::AfterFault;
+use crate::safety::latch::{Event, Latch};
 
 use super::exchange::SILENT;
 use crate::operator::state::Doing;
@@ -63,8 +63,9 @@ impl Mp<'_> {
                 outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
             }
             Err(panic) => {
-                let fault =
-                    crate::model::fault::panicked(&*panic).in_process(ProcessId::MP).at_step(self.clock.step());
+                let fault = crate::model::fault::panicked(&*panic)
+                    .in_process(ProcessId::MP)
+                    .at_step(self.clock.step());
                 Err(self.stop(fault))
             }
         };

@@ -5,10 +5,10 @@
 
 use std::rc::Rc;
 
-use crate::model::fault::{Fault, FaultKind};
-use crate::safety::latch::Latch;
 use crate::control::replay::Script;
+use crate::model::fault::{Fault, FaultKind};
 use crate::observe::witness::What;
+use crate::safety::latch::Latch;
 
 use super::Mp;
 
@@ -37,10 +37,10 @@ impl Mp<'_> {
         let step = self.clock.step();
         self.aborts = self.operator.is_aborting();
         let stopping = core::mem::take(&mut self.stopping);
-        if !self.tap.is_watched() {
+        if !self.witnesses.is_watched() {
             return Ok(());
         }
-        if self.tap.is_over(step) {
+        if self.witnesses.is_over(step) {
             self.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
@@ -48,7 +48,7 @@ impl Mp<'_> {
         let (dt, duration) = (self.clock.dt(), self.clock.duration());
         let (aborting, resetting) = (self.aborts, self.operator.latch() == Latch::Resetting);
         let what = What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting };
-        self.tap.show(self.host.waiter.now(), &what, &[]);
+        self.witnesses.show(self.host.waiter.now(), &what, &[]);
         Ok(())
     }
 
@@ -60,7 +60,7 @@ impl Mp<'_> {
         }
         if !self.aborts && self.operator.is_aborting() {
             self.aborts = true;
-            self.tap.show(self.host.waiter.now(), &What::Abort { step }, &[]);
+            self.witnesses.show(self.host.waiter.now(), &What::Abort { step }, &[]);
         }
     }
 
@@ -72,7 +72,7 @@ impl Mp<'_> {
             self.clock.spend();
         }
         if self.clock.is_spent() {
-            self.tap.show(self.host.waiter.now(), &What::Late { step }, &[]);
+            self.witnesses.show(self.host.waiter.now(), &What::Late { step }, &[]);
         }
     }
 
@@ -80,7 +80,7 @@ impl Mp<'_> {
     pub(super) fn tell_stop(&self, fault: &Fault) {
         if self.latched.is_none() {
             let step = self.clock.step();
-            self.tap.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
+            self.witnesses.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
         }
     }
 }

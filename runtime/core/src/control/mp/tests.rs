@@ -4,9 +4,9 @@ use crate::link::{Host, Waiter};
 use core::cell::Cell;
 
 use super::*;
+use crate::control::overruns::Timed;
 use crate::link::Closed;
 use crate::link::patience::Patience;
-use crate::control::overruns::Timed;
 
 const STEP: Nanos = 1_000_000;
 
@@ -31,7 +31,7 @@ fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     let sensing = Sensing {
         ports: Vec::new(),
         patience: Patience { most: STEP, again: STEP },
-        tap: Tap::to(Vec::new()),
+        witnesses: Witnesses::to(Vec::new()),
     };
     let step = Duration::from_nanos(STEP);
     let mut mp = Mp::new(timed.host(), Vec::new(), sensing, Operator::new(), None, (step, STEP / 2), 5.0);

@@ -1,11 +1,11 @@
 //! Wait in the MP, eq. 4: readings and the robots' states in every step, until the condition holds; `e` does not
 //! change.
 
+use crate::link::message::{OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Condition;
 use crate::model::image::{Reading, State};
 use crate::model::list::{RobotsOf, SensorsOf};
-use crate::link::message::{OrderKind, flag};
 use crate::model::payload::Order;
 
 use crate::operator::state::Doing;

@@ -11,17 +11,17 @@
 
 use std::rc::Rc;
 
-use crate::control::command::{Command, Reading, Switch};
 use super::{Part, Rest, stands};
-use crate::model::driver::{Driver, Measured};
-use crate::observe::servo::{Observer, ServoRecord};
+use crate::control::command::{Command, Reading, Switch};
 use crate::control::guarded::guarded;
+use crate::link::message::Message;
+use crate::link::{Board, Server};
+use crate::model::driver::{Driver, Measured};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::joints::JointVector;
-use crate::link::{Board, Server};
-use crate::model::time::Nanos;
-use crate::link::message::Message;
 use crate::model::robot::Robot;
+use crate::model::time::Nanos;
+use crate::observe::servo::{Observer, ServoRecord};
 
 /// Where commands come from and readings go to.
 pub(super) enum Commands {

@@ -23,18 +23,18 @@ use core::cell::RefCell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::model::driver::{Driver, Measured};
 use crate::control::drive::{Drive, PlantDrive, PlantEnd};
-use crate::observe::servo::Observer;
-use crate::model::fault::ProcessId;
+use crate::control::plant_sensor::PlantSensor;
+use crate::control::vsp::{Aggregator, RawSensors};
 use crate::link::memory::Stuck;
 use crate::link::patience::Patience;
 use crate::link::{Board, Closed, Link, Sample, Simulation, Waiter};
-use crate::model::time::Nanos;
+use crate::model::driver::{Driver, Measured};
+use crate::model::fault::ProcessId;
 use crate::model::robot::Robot;
 use crate::model::sensor::VirtualSensor;
-use crate::control::plant_sensor::PlantSensor;
-use crate::control::vsp::{Aggregator, RawSensors};
+use crate::model::time::Nanos;
+use crate::observe::servo::Observer;
 
 use drives::{Commands, Drives};
 use sensors::Sensor;

@@ -3,11 +3,11 @@
 //! In: the orders that its VSP has taken, as they are. Out: the readings, with which the VSP answers its requesters.
 
 use super::{Part, Rest};
-use crate::link::{Client, Server};
-use crate::model::time::Nanos;
-use crate::link::message::Message;
-use crate::model::sensor::VirtualSensor;
 use crate::control::vsp::Aggregator;
+use crate::link::message::Message;
+use crate::link::{Client, Server};
+use crate::model::sensor::VirtualSensor;
+use crate::model::time::Nanos;
 
 /// The plant's end.
 pub(super) struct Sensor<V: VirtualSensor> {
@@ -45,4 +45,3 @@ impl<V: VirtualSensor> Part for Sensor<V> {
         None
     }
 }
-

@@ -4,17 +4,17 @@ use core::cell::RefCell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::control::command::{Command, Reading, RegulatorSets, Switch};
 use super::drives::{Commands, Drives};
 use super::{Part, Rest};
+use crate::control::command::{Command, Reading, RegulatorSets, Switch};
+use crate::link::memory::MemoryBoard;
+use crate::link::message::{Kind, Message};
+use crate::link::{Board, Server};
 use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::model::fault::{FaultKind, ProcessId, Role};
-use crate::link::memory::MemoryBoard;
-use crate::link::{Board, Server};
-use crate::model::time::Nanos;
-use crate::link::message::{Kind, Message};
 use crate::model::name::Name;
 use crate::model::pose::Pose;
+use crate::model::time::Nanos;
 use crate::slide::{One, Slide};
 
 /// Servo period and step: 1 ms, so `L` is 20.

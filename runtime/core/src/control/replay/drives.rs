@@ -7,13 +7,13 @@ use core::marker::PhantomData;
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::control::homing::{AnyHoming, Drives};
+use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::model::joints::JointVector;
-use crate::model::time::Nanos;
 use crate::model::robot::Robot;
+use crate::model::time::Nanos;
 
-use super::RobotTape;
+use super::RecordedRobot;
 
 /// The times that such drives go by \[ns\].
 #[derive(Clone, Copy, Debug)]
@@ -34,19 +34,19 @@ impl Times {
 
 /// The drives.
 struct Recorded<R: Robot> {
-    tape: Rc<RobotTape>,
+    recorded: Rc<RecordedRobot>,
     times: Times,
     ticks: u64,
     robot: PhantomData<fn() -> R>,
 }
 
 impl<R: Robot> Recorded<R> {
-    fn new(tape: Rc<RobotTape>, times: Times) -> Recorded<R> {
-        Recorded { tape, times, ticks: 0, robot: PhantomData }
+    fn new(recorded: Rc<RecordedRobot>, times: Times) -> Recorded<R> {
+        Recorded { recorded, times, ticks: 0, robot: PhantomData }
     }
 
     fn at(&self, step: u64) -> Measured<R::Joints> {
-        match self.tape.nearest(step) {
+        match self.recorded.nearest(step) {
             Some(image) => Measured {
                 position: R::Joints::from_joints(|i| image.position[i]),
                 velocity: R::Joints::from_joints(|i| image.velocity[i]),
@@ -62,7 +62,7 @@ impl<R: Robot> Driver<R> for Recorded<R> {
     }
 
     fn measured(&self) -> Measured<R::Joints> {
-        self.at(self.tape.first)
+        self.at(self.recorded.first)
     }
 
     fn tick(&mut self, _: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
@@ -103,15 +103,19 @@ impl<R: Robot> AnyHoming<R> for RecordedHoming<R> {
 }
 
 /// The drives of a robot, replaced by what a recording says of them.
-pub fn recorded<R: Robot>(drives: &Drives<R>, tape: Rc<RobotTape>, step: Duration) -> Drives<R> {
+pub fn recorded_drives<R: Robot>(
+    drives: &Drives<R>,
+    recorded: Rc<RecordedRobot>,
+    step: Duration,
+) -> Drives<R> {
     let period = drives.period();
     let times = Times { step: step.as_nanos() as Nanos, servo: period.as_nanos() as Nanos };
     match drives {
-        Drives::Homed(_) => Drives::Homed(Box::new(Recorded::new(tape, times))),
+        Drives::Homed(_) => Drives::Homed(Box::new(Recorded::new(recorded, times))),
         Drives::Unhomed(_) => {
             // Drives that were never found are never found again.
-            let first = tape.found.map_or(u64::MAX, |found| found / times.servo.max(1));
-            let drives = Some(Recorded::new(tape, times));
+            let first = recorded.found.map_or(u64::MAX, |found| found / times.servo.max(1));
+            let drives = Some(Recorded::new(recorded, times));
             Drives::Unhomed(Box::new(RecordedHoming { drives, first, ticks: 0, period }))
         }
     }

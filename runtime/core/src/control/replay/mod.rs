@@ -1,6 +1,6 @@
 //! A replay: a recording is fed back on the memory link, and the demands are compared with the recorded ones.
 //!
-//! In: a [`Tape`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, the
+//! In: a [`RecordedRun`], what a recording holds of what came from outside: the encoders' values, the sensors' readings, the
 //! operator's wishes, the steps in which the MP began and those whose demands came too late. Out: the same programs, which
 //! see the same; and the first step, robot and joint whose demand differs, if any does ([`compare`]).
 
@@ -13,10 +13,10 @@ use std::rc::Rc;
 
 use crate::model::fault::ProcessId;
 use crate::model::joints::MAX_JOINTS;
-use crate::model::time::Nanos;
 use crate::model::name::Name;
+use crate::model::time::Nanos;
 
-pub use readings::ReadingTape;
+pub use readings::RecordedReadings;
 pub use script::Script;
 
 /// One step of a robot, as its EDP saw it begin.
@@ -31,7 +31,7 @@ pub struct RecordedImage {
 
 /// The steps of one robot, without a gap.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RobotTape {
+pub struct RecordedRobot {
     pub name: Name,
     pub joints: usize,
     /// When its drives were found, if they had to look for their reference marks \[ns\].
@@ -45,7 +45,7 @@ pub struct RobotTape {
     pub put_off: BTreeSet<u64>,
 }
 
-impl RobotTape {
+impl RecordedRobot {
     /// The image of a step, if it is recorded.
     pub fn image(&self, step: u64) -> Option<&RecordedImage> {
         self.images.get(usize::try_from(step.checked_sub(self.first)?).ok()?)
@@ -64,9 +64,9 @@ impl RobotTape {
 }
 
 /// What a recording holds of a run.
-pub struct Tape {
-    pub robots: Vec<Rc<RobotTape>>,
-    pub readings: Vec<Rc<ReadingTape>>,
+pub struct RecordedRun {
+    pub robots: Vec<Rc<RecordedRobot>>,
+    pub readings: Vec<Rc<RecordedReadings>>,
     pub script: Rc<Script>,
     /// The first fault that did not come from the programs: its step and its text.
     pub outside: Option<(u64, String)>,
@@ -74,16 +74,16 @@ pub struct Tape {
     pub end: Option<Option<String>>,
 }
 
-impl Tape {
+impl RecordedRun {
     /// What is recorded of a robot.
-    pub fn robot(&self, name: &str) -> Option<&Rc<RobotTape>> {
+    pub fn robot(&self, name: &str) -> Option<&Rc<RecordedRobot>> {
         self.robots.iter().find(|robot| robot.name.as_str() == name)
     }
 
     /// What a process collected of a sensor; nothing where nothing is recorded.
-    pub fn reading(&self, sensor: Name, by: ProcessId) -> Rc<ReadingTape> {
-        let found = self.readings.iter().find(|tape| tape.sensor == sensor && tape.by == by);
-        found.map_or_else(|| Rc::new(ReadingTape::new(sensor, by)), Rc::clone)
+    pub fn reading(&self, sensor: Name, by: ProcessId) -> Rc<RecordedReadings> {
+        let found = self.readings.iter().find(|recorded| recorded.sensor == sensor && recorded.by == by);
+        found.map_or_else(|| Rc::new(RecordedReadings::new(sensor, by)), Rc::clone)
     }
 
     /// The last step of which everything is recorded.

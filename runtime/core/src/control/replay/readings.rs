@@ -2,8 +2,8 @@
 
 use core::cell::Cell;
 
-use crate::model::fault::ProcessId;
 use crate::link::message::{Kind, Message};
+use crate::model::fault::ProcessId;
 use crate::model::name::Name;
 use crate::model::wire::WORDS;
 use crate::observe::witness::ReadingState;
@@ -33,16 +33,16 @@ impl RecordedReading {
 
 /// What a process collected of a sensor.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ReadingTape {
+pub struct RecordedReadings {
     pub sensor: Name,
     pub by: ProcessId,
     pub readings: Vec<RecordedReading>,
     next: Cell<usize>,
 }
 
-impl ReadingTape {
-    pub fn new(sensor: Name, by: ProcessId) -> ReadingTape {
-        ReadingTape { sensor, by, readings: Vec::new(), next: Cell::new(0) }
+impl RecordedReadings {
+    pub fn new(sensor: Name, by: ProcessId) -> RecordedReadings {
+        RecordedReadings { sensor, by, readings: Vec::new(), next: Cell::new(0) }
     }
 
     /// What is collected next, if that was in this step.
@@ -59,11 +59,12 @@ mod tests {
 
     #[test]
     fn readings_come_in_their_order_and_in_their_steps() {
-        let mut tape = ReadingTape::new(Name::new("touch").expect("a name"), ProcessId::MP);
+        let mut recorded = RecordedReadings::new(Name::new("touch").expect("a name"), ProcessId::MP);
         let reading =
             |step, word| RecordedReading { step, taken: step, state: ReadingState::There, words: vec![word] };
-        tape.readings = vec![reading(3, 1), reading(3, 2), reading(5, 3)];
-        let collected = [2, 3, 3, 3, 4, 5, 5].map(|step| tape.collect(step).map(|reading| reading.words[0]));
+        recorded.readings = vec![reading(3, 1), reading(3, 2), reading(5, 3)];
+        let collected =
+            [2, 3, 3, 3, 4, 5, 5].map(|step| recorded.collect(step).map(|reading| reading.words[0]));
         assert_eq!(collected, [None, Some(1), Some(2), None, None, Some(3), None]);
     }
 }

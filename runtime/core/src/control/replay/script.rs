@@ -1,7 +1,7 @@
 //! The steps of a recorded run: in which of them the MP began one, and what the operator wanted then.
 
-use crate::safety::latch::Latch;
 use crate::operator::Operator;
+use crate::safety::latch::Latch;
 
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,10 +2,10 @@
 //!
 //! In: a state for the end of a step. Out: the first limit that it breaks, by joint and value.
 
-use crate::safety::braking::stopping_distance;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::joints::JointVector;
 use crate::model::robot::{CoupledLimit, Limits, Robot};
+use crate::safety::braking::stopping_distance;
 
 use super::{Acceptor, RELATIVE, ROUND_OFF};
 

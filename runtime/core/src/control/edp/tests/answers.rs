@@ -1,8 +1,8 @@
 //! What an EDP makes of single requests.
 
-use crate::observe::servo::ServoRecord;
 use super::*;
 use crate::model::driver::{DriveFault, Driver, Regulators};
+use crate::observe::servo::ServoRecord;
 use crate::slide::One;
 
 /// Exact drives with brakes; power that comes back finds the slide where it sagged to meanwhile.

@@ -2,15 +2,15 @@
 //!
 //! In: the state of an MP, or a servo period of a robot. Out: words, and the same again.
 
-use super::board::PANEL;
-use mrroc_core::operator::button::{Answer, Button, CellState};
-use mrroc_core::observe::Observation;
+use super::board::ENTRY;
 use mrroc_core::fault::{Fault, FaultWords};
-use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::observe::Observation;
+use mrroc_core::operator::button::{Answer, Button, CellState};
 use mrroc_core::operator::state::{Doing, MpState};
 use mrroc_core::payload::Wire;
+use mrroc_core::robot::MAX_JOINTS;
 
-/// Where the answers, the fault and the name of the generator begin on the panel of an MP.
+/// Where the answers, the fault and the name of the generator begin in the entry of an MP.
 const ANSWERS: usize = 7;
 const FAULT: usize = ANSWERS + 4 * Button::KINDS;
 const NAME: usize = FAULT + 1 + FaultWords::LEN;
@@ -18,12 +18,12 @@ const NAME: usize = FAULT + 1 + FaultWords::LEN;
 /// Bytes of a name.
 const NAME_BYTES: usize = 72;
 
-const _: () = assert!(NAME + 1 + NAME_BYTES / 8 <= PANEL, "the state of an MP fits on a panel");
-const _: () = assert!(2 + 2 * MAX_JOINTS <= PANEL, "and so does a robot's");
+const _: () = assert!(NAME + 1 + NAME_BYTES / 8 <= ENTRY, "the state of an MP fits on a entry");
+const _: () = assert!(2 + 2 * MAX_JOINTS <= ENTRY, "and so does a robot's");
 
 /// The words of an MP's state.
-pub(super) fn of_mp(state: &MpState) -> [u64; PANEL] {
-    let mut words = [0; PANEL];
+pub(super) fn of_mp(state: &MpState) -> [u64; ENTRY] {
+    let mut words = [0; ENTRY];
     words[..ANSWERS].copy_from_slice(&[
         state.step,
         state.period,
@@ -55,7 +55,7 @@ fn last_word(name: &str) -> &str {
     plain.rsplit("::").next().unwrap_or_default()
 }
 
-/// What the panel of an MP says.
+/// What the entry of an MP says.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MpPanel {
     pub step: u64,
@@ -72,7 +72,7 @@ pub(super) struct MpPanel {
 
 impl MpPanel {
     /// Reads it; what spells nothing is as if it were not there.
-    pub fn read(words: &[u64; PANEL]) -> MpPanel {
+    pub fn read(words: &[u64; ENTRY]) -> MpPanel {
         let state = |word: u64| {
             let place = usize::try_from(word).ok();
             place.and_then(|place| CellState::ALL.get(place)).copied().unwrap_or_default()
@@ -102,8 +102,8 @@ impl MpPanel {
 }
 
 /// The words of a robot's servo period: its time, and its joints as demanded and as measured.
-pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; PANEL] {
-    let mut words = [0; PANEL];
+pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; ENTRY] {
+    let mut words = [0; ENTRY];
     let joints = seen.demanded.len().min(MAX_JOINTS);
     (words[0], words[1]) = (seen.time.to_bits(), joints as u64);
     for (word, q) in words[2..].iter_mut().zip(seen.demanded.iter().chain(seen.measured)) {
@@ -112,8 +112,8 @@ pub(super) fn of_robot(seen: &Observation<'_>) -> [u64; PANEL] {
     words
 }
 
-/// What the panel of an EDP says: the time \[s\], demanded and measured joint positions [rad or m].
-pub(super) fn robot(words: &[u64; PANEL]) -> (f64, Vec<f64>, Vec<f64>) {
+/// What the entry of an EDP says: the time \[s\], demanded and measured joint positions [rad or m].
+pub(super) fn robot(words: &[u64; ENTRY]) -> (f64, Vec<f64>, Vec<f64>) {
     let joints = usize::try_from(words[1]).unwrap_or(0).min(MAX_JOINTS);
     let numbers = |from: usize| words[from..from + joints].iter().map(|word| f64::from_bits(*word)).collect();
     (f64::from_bits(words[0]), numbers(2), numbers(2 + joints))
@@ -151,9 +151,9 @@ mod tests {
 
     #[test]
     fn words_that_spell_nothing_are_read_without_harm() {
-        let read = MpPanel::read(&[u64::MAX; PANEL]);
+        let read = MpPanel::read(&[u64::MAX; ENTRY]);
         assert_eq!((read.doing, read.state, read.fault), (Doing::Nothing, CellState::Idle, None));
         assert!(read.answers.iter().all(|answer| !answer.done));
-        assert_eq!(robot(&[u64::MAX; PANEL]).1.len(), MAX_JOINTS);
+        assert_eq!(robot(&[u64::MAX; ENTRY]).1.len(), MAX_JOINTS);
     }
 }

@@ -1,8 +1,8 @@
-//! A bell: a word in shared memory that whoever has something for a process counts up, and the process sleeps on.
+//! A wake-up futex: a word in shared memory that counts the messages for a process, which sleeps on it.
 //!
-//! In: rings of other processes, and of threads of the own one. Out: a sleep until the next ring, or until a time. A ring
+//! In: wake-ups by other processes, and by threads of this one. Out: a sleep until the next one, or until a time. A wake-up
 //! calls the system only where somebody sleeps. The event service of iceoryx2 is a socket and takes four calls for each
-//! message: see docs/decisions/0014-bells-are-futexes.md.
+//! message: see docs/decisions/0014-a-process-sleeps-on-a-futex.md.
 
 use core::num::NonZeroU32;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -24,18 +24,18 @@ const FOLDER: &str = "/dev/shm";
 /// Bytes of its file.
 const SIZE: usize = size_of::<[AtomicU32; 2]>();
 
-/// A process's bell, or the rope of another one's. It stays mapped for as long as the process lives.
+/// The wake-up futex of this process or of another one. It stays mapped for as long as the process lives.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bell {
-    /// Rings so far, wrapping.
-    rings: &'static AtomicU32,
+pub(crate) struct WakeFutex {
+    /// Wake-ups so far, wrapping.
+    wakes: &'static AtomicU32,
     /// Whether the process sleeps.
     asleep: &'static AtomicU32,
 }
 
-impl Bell {
-    /// Makes the bell of the process at `place` of the session whose shared memory has this prefix.
-    pub fn create(prefix: &str, place: usize) -> io::Result<Bell> {
+impl WakeFutex {
+    /// Makes the wake-up futex of the process at `place` of the session whose shared memory has this prefix.
+    pub fn create(prefix: &str, place: usize) -> io::Result<WakeFutex> {
         let file = OpenOptions::new()
             .read(true)
             .write(true)
@@ -43,19 +43,19 @@ impl Bell {
             .mode(0o600)
             .open(path(prefix, place))?;
         file.set_len(SIZE as u64)?;
-        Bell::map(&file)
+        WakeFutex::map(&file)
     }
 
-    /// Takes the rope of a bell that there is.
-    pub fn open(prefix: &str, place: usize) -> io::Result<Bell> {
+    /// Opens the wake-up futex that another process has made.
+    pub fn open(prefix: &str, place: usize) -> io::Result<WakeFutex> {
         let file = OpenOptions::new().read(true).write(true).open(path(prefix, place))?;
         if file.metadata()?.len() != SIZE as u64 {
-            return Err(io::Error::other("it is no bell"));
+            return Err(io::Error::other("it is no wake-up futex"));
         }
-        Bell::map(&file)
+        WakeFutex::map(&file)
     }
 
-    fn map(file: &File) -> io::Result<Bell> {
+    fn map(file: &File) -> io::Result<WakeFutex> {
         // SAFETY: a new mapping, which is never unmapped, of a file of that size; nobody makes it shorter.
         #[allow(unsafe_code)]
         let memory = unsafe {
@@ -64,37 +64,37 @@ impl Bell {
         };
         // SAFETY: a mapping begins with a page; all of it is atomics, for which every value is one; and it stays.
         #[allow(unsafe_code)]
-        let [rings, asleep] = unsafe { &*memory.cast::<[AtomicU32; 2]>() };
-        Ok(Bell { rings, asleep })
+        let [wakes, asleep] = unsafe { &*memory.cast::<[AtomicU32; 2]>() };
+        Ok(WakeFutex { wakes, asleep })
     }
 
     /// Wakes the process, or keeps it from falling asleep.
-    pub fn ring(self) {
-        // In one order for all: either the process sees the ring, or this sees that it sleeps.
-        self.rings.fetch_add(1, Ordering::SeqCst);
+    pub fn wake(self) {
+        // In one order for all: either the process sees the wake-up, or this sees that it sleeps.
+        self.wakes.fetch_add(1, Ordering::SeqCst);
         if self.asleep.load(Ordering::SeqCst) != 0 {
             // The number of those woken says nothing more: a process that is gone is not woken.
-            let _ = futex::wake(self.rings, futex::Flags::empty(), 1);
+            let _ = futex::wake(self.wakes, futex::Flags::empty(), 1);
         }
     }
 
-    /// Rings so far.
-    pub fn rings(self) -> u32 {
-        self.rings.load(Ordering::SeqCst)
+    /// Wake-ups so far.
+    pub fn wakes(self) -> u32 {
+        self.wakes.load(Ordering::SeqCst)
     }
 
-    /// Sleeps until there are not just so many rings, or until a time of the machine's monotonic clock; it may end sooner.
-    pub fn sleep(self, rings: u32, until: Option<Nanos>) {
+    /// Sleeps until the count of wake-ups is another one, or until a time of the machine's monotonic clock; it may end sooner.
+    pub fn sleep(self, wakes: u32, until: Option<Nanos>) {
         self.asleep.store(1, Ordering::SeqCst);
         let until = until.map(timespec);
-        // Rung meanwhile, interrupted or over: whoever sleeps looks.
-        let _ = futex::wait_bitset(self.rings, futex::Flags::empty(), rings, until.as_ref(), NonZeroU32::MAX);
+        // Woken meanwhile, interrupted or over: whoever sleeps looks.
+        let _ = futex::wait_bitset(self.wakes, futex::Flags::empty(), wakes, until.as_ref(), NonZeroU32::MAX);
         self.asleep.store(0, Ordering::SeqCst);
     }
 }
 
 fn path(prefix: &str, place: usize) -> PathBuf {
-    Path::new(FOLDER).join(format!("{prefix}bell{place}"))
+    Path::new(FOLDER).join(format!("{prefix}wake{place}"))
 }
 
 #[cfg(test)]
@@ -102,18 +102,18 @@ mod tests {
     use super::super::monotonic;
     use super::*;
 
-    /// A bell that ends with its test.
-    struct Hung(String, Bell);
+    /// A wake-up futex that ends with its test.
+    struct Temporary(String, WakeFutex);
 
-    impl Hung {
-        fn new(test: &str) -> Hung {
+    impl Temporary {
+        fn new(test: &str) -> Temporary {
             let prefix = format!("mrroc_test_{}_{test}_", std::process::id());
-            let bell = Bell::create(&prefix, 3).expect("made");
-            Hung(prefix, bell)
+            let wake_futex = WakeFutex::create(&prefix, 3).expect("made");
+            Temporary(prefix, wake_futex)
         }
     }
 
-    impl Drop for Hung {
+    impl Drop for Temporary {
         fn drop(&mut self) {
             let _ = std::fs::remove_file(path(&self.0, 3));
         }
@@ -121,38 +121,38 @@ mod tests {
 
     #[test]
     fn whoever_was_rung_before_it_sleeps_does_not_sleep() {
-        let Hung(prefix, bell) = &Hung::new("before");
-        let rings = bell.rings();
-        Bell::open(prefix, 3).expect("there").ring();
-        bell.sleep(rings, None);
-        assert_eq!(bell.rings(), rings + 1);
+        let Temporary(prefix, wake_futex) = &Temporary::new("before");
+        let wakes = wake_futex.wakes();
+        WakeFutex::open(prefix, 3).expect("there").wake();
+        wake_futex.sleep(wakes, None);
+        assert_eq!(wake_futex.wakes(), wakes + 1);
     }
 
     #[test]
     fn whoever_is_not_rung_sleeps_until_its_time() {
-        let Hung(_, bell) = &Hung::new("time");
+        let Temporary(_, wake_futex) = &Temporary::new("time");
         let until = monotonic() + 2_000_000;
         // It may wake sooner, but not for ever.
         while monotonic() < until {
-            bell.sleep(bell.rings(), Some(until));
+            wake_futex.sleep(wake_futex.wakes(), Some(until));
         }
     }
 
     #[test]
     fn no_ring_is_lost_between_two_that_wake_each_other() {
-        let (Hung(_, ours), Hung(_, theirs)) = (&Hung::new("ours"), &Hung::new("theirs"));
+        let (Temporary(_, ours), Temporary(_, theirs)) = (&Temporary::new("ours"), &Temporary::new("theirs"));
         let (ours, theirs) = (*ours, *theirs);
         let answers = std::thread::spawn(move || {
             for turn in 0..10_000 {
-                while theirs.rings() == turn {
+                while theirs.wakes() == turn {
                     theirs.sleep(turn, None);
                 }
-                ours.ring();
+                ours.wake();
             }
         });
         for turn in 0..10_000 {
-            theirs.ring();
-            while ours.rings() == turn {
+            theirs.wake();
+            while ours.wakes() == turn {
                 ours.sleep(turn, None);
             }
         }
@@ -161,10 +161,10 @@ mod tests {
 
     #[test]
     fn a_bell_is_made_once_and_no_other_file_is_taken_for_one() {
-        let Hung(prefix, _) = &Hung::new("once");
-        assert!(Bell::create(prefix, 3).is_err());
-        assert!(Bell::open(prefix, 4).is_err());
+        let Temporary(prefix, _) = &Temporary::new("once");
+        assert!(WakeFutex::create(prefix, 3).is_err());
+        assert!(WakeFutex::open(prefix, 4).is_err());
         std::fs::write(path(prefix, 3), [0; SIZE + 1]).expect("written");
-        assert!(Bell::open(prefix, 3).is_err());
+        assert!(WakeFutex::open(prefix, 3).is_err());
     }
 }

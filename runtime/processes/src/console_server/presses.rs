@@ -1,6 +1,6 @@
 //! Presses of buttons on their way to the MP and back.
 //!
-//! In: buttons that consoles wait for, and the panel of the MP. Out: one press of each kind at a time, and its answer to all
+//! In: buttons that consoles wait for, and the MP's entry on the state board. Out: one press of each kind at a time, and its answer to all
 //! consoles that wait for it.
 
 use std::io::Write;
@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use super::console::{Asked, Console};
 use super::protocol::Reply;
 use super::service::Service;
-use mrroc_core::operator::button::{Answer, Button, CellState};
 use crate::control::Frame;
+use mrroc_core::operator::button::{Answer, Button, CellState};
 
 /// How long a console waits for its press to be carried out.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -59,7 +59,7 @@ impl Service {
             let Some(button) = self.consoles.iter().find_map(waits) else { continue };
             self.presses_made += 1;
             let number = self.presses_made;
-            // A launcher that is gone closes the desk, too.
+            // A launcher that is gone closes the console_server, too.
             drop(self.presses.send(Frame::Press { number, button }));
             drop(self.waker.write(&[1]));
             self.flights[kind] = Some(Flight { number, button, since: Instant::now() });

@@ -1,4 +1,4 @@
-//! The console's side of the desk: finds the cell that runs, asks and hears.
+//! A console's side of the connection: finds the cell that runs, asks and hears.
 
 use std::io::{self, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
@@ -16,7 +16,7 @@ pub enum NoCell {
         "no processes run the cell of {0}\n help: start it in another terminal: --processes; --cell FILE names another one"
     )]
     NotRun(PathBuf),
-    /// It has no desk.
+    /// It has no console server.
     #[error(
         "the cell of {0} takes no orders now\n help: it is starting or ending, or runs under the virtual clock, which waits for nobody"
     )]
@@ -26,7 +26,7 @@ pub enum NoCell {
     Session(#[from] SessionError),
 }
 
-/// A connection to the desk of a running cell: its two directions.
+/// A connection to the console server of a running cell: its two directions.
 pub struct Caller {
     pub asks: Asks,
     pub hears: Hears,
@@ -59,7 +59,7 @@ impl Caller {
     /// Asks for something, and hears what comes of it.
     ///
     /// # Errors
-    /// The desk is gone, or what came is nothing that a desk says.
+    /// The console_server is gone, or what came is nothing that a console server says.
     pub fn ask(&mut self, request: &Request) -> io::Result<Heard> {
         self.asks.ask(request)?;
         self.hears.hear()
@@ -70,7 +70,7 @@ impl Asks {
     /// Asks for something.
     ///
     /// # Errors
-    /// The desk is gone.
+    /// The console_server is gone.
     pub fn ask(&mut self, request: &Request) -> io::Result<()> {
         self.0.write_all(format!("{request}\n").as_bytes())
     }
@@ -80,7 +80,7 @@ impl Hears {
     /// Waits for the next answer or picture.
     ///
     /// # Errors
-    /// The desk is gone, or what came is nothing that a desk says.
+    /// The console_server is gone, or what came is nothing that a console server says.
     pub fn hear(&mut self) -> io::Result<Heard> {
         let over = || io::Error::new(ErrorKind::UnexpectedEof, "the cell has ended");
         Heard::read(&mut self.0)?.ok_or_else(over)

@@ -1,4 +1,4 @@
-//! One console, as the desk of its cell sees it.
+//! One console, as the server of its cell sees it.
 //!
 //! In: bytes, as they come. Out: requests, one at a time: the next one is read when the one before is answered, so that a
 //! console that asks more than can be answered waits in its own socket and in nobody's memory.

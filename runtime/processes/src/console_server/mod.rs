@@ -1,4 +1,4 @@
-//! The operator's desk: a running cell as its operator's consoles see it.
+//! The console server: a running cell as its operator's consoles see it.
 //!
 //! In: requests of any number of consoles, over a socket in the session's folder. Out: presses of buttons for the MP, one at
 //! a time of each kind; answers that say in which step each was carried out or refused; pictures of the cell.
@@ -15,6 +15,6 @@ mod protocol;
 mod service;
 
 pub use caller::{Asks, Caller, Hears};
-pub(super) use handle::Desk;
+pub(super) use handle::ConsoleServer;
 pub use picture::{Picture, ProcessPicture, RobotPicture};
 pub use protocol::{Heard, MAX_REQUEST, Reply, Request};

@@ -1,7 +1,7 @@
-//! The launcher's handle of the desk.
+//! The launcher's handle of the console_server.
 //!
 //! In: who the processes are, which of them have ended, what they tell of their time. Out: presses of buttons for the MP. The
-//! desk itself is a thread, [`Service`].
+//! console_server itself is a thread, [`Service`].
 
 use std::collections::BTreeSet;
 use std::io::{self, Read};
@@ -14,11 +14,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
 use super::service::{SOCKET, Service};
-use mrroc_core::operator::button::Button;
-use mrroc_core::fault::ProcessId;
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::figures::Figures;
+use mrroc_core::fault::ProcessId;
+use mrroc_core::operator::button::Button;
 
 /// A process of the cell, and whether it is there.
 pub(super) struct Seat {
@@ -28,8 +28,8 @@ pub(super) struct Seat {
     pub figures: Figures,
 }
 
-/// The desk of a running cell.
-pub(in crate) struct Desk {
+/// The console_server of a running cell.
+pub(crate) struct ConsoleServer {
     presses: Receiver<Frame>,
     wakes: UnixStream,
     seats: Arc<Mutex<Vec<Seat>>>,
@@ -38,21 +38,22 @@ pub(in crate) struct Desk {
     thread: Option<JoinHandle<()>>,
 }
 
-impl Desk {
-    /// Opens the desk in a session's folder, for processes by their places with their numbers.
+impl ConsoleServer {
+    /// Opens the console_server in a session's folder, for processes by their places with their numbers.
     ///
     /// # Errors
     /// The socket cannot be made, or the thread.
     pub fn open(
         folder: &Path,
         board: StateBoard,
-        crew: impl Iterator<Item = (ProcessId, u32)>,
-    ) -> io::Result<Desk> {
+        process_set: impl Iterator<Item = (ProcessId, u32)>,
+    ) -> io::Result<ConsoleServer> {
         let path = folder.join(SOCKET);
         let listener = UnixListener::bind(&path)?;
         std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600))?;
         listener.set_nonblocking(true)?;
-        let seats = crew.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
+        let seats =
+            process_set.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
         let seats = Arc::new(Mutex::new(seats));
         let (wakes, waker) = UnixStream::pair()?;
         wakes.set_nonblocking(true)?;
@@ -73,8 +74,9 @@ impl Desk {
             holder: None,
             strangers: BTreeSet::new(),
         };
-        let thread = std::thread::Builder::new().name("desk".to_owned()).spawn(move || service.run())?;
-        Ok(Desk { presses, wakes, seats, open: Some(open), thread: Some(thread) })
+        let thread =
+            std::thread::Builder::new().name("console_server".to_owned()).spawn(move || service.run())?;
+        Ok(ConsoleServer { presses, wakes, seats, open: Some(open), thread: Some(thread) })
     }
 
     /// What to wait on for presses.
@@ -104,7 +106,7 @@ impl Desk {
     }
 }
 
-impl Drop for Desk {
+impl Drop for ConsoleServer {
     fn drop(&mut self) {
         drop(self.open.take());
         if let Some(thread) = self.thread.take() {

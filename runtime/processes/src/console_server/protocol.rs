@@ -1,4 +1,4 @@
-//! What a console and the desk of a cell write to each other: lines of text.
+//! What a console and the console_server of a cell write to each other: lines of text.
 //!
 //! A console asks one thing a line, and reads the answer before it asks the next one:
 //!
@@ -107,10 +107,10 @@ pub enum Heard {
 }
 
 impl Heard {
-    /// Reads the next one; `None` when the desk is gone.
+    /// Reads the next one; `None` when the console_server is gone.
     ///
     /// # Errors
-    /// What is read is nothing that a desk writes.
+    /// What is read is nothing that a console_server writes.
     pub fn read(from: &mut impl BufRead) -> io::Result<Option<Heard>> {
         let bad = |line: &str| {
             let text = format!("`{}` is no answer", line.escape_default());
@@ -158,9 +158,9 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
 mod tests {
     use super::super::picture::{ProcessPicture, RobotPicture};
     use super::*;
+    use crate::figures::{FIGURES_WORDS, Figures};
     use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::state::Doing;
-    use crate::figures::{FIGURES_WORDS, Figures};
     use proptest::prelude::*;
 
     #[test]

@@ -1,8 +1,8 @@
-//! The launcher's side of the desk: a thread that hears all consoles, and passes presses on to the MP.
+//! The launcher's side of the console_server: a thread that hears all consoles, and passes presses on to the MP.
 //!
 //! Of each kind of button one press is under way at a time, and the MP carries out one of each kind in a step: however many
 //! consoles press however often, it hears no more. Presses of one kind and meaning that wait share one press and its
-//! answer. What the MP did is read from its panel of the state board, so that it writes to nobody.
+//! answer. What the MP did is read from its entry on the state board, so that it writes to nobody.
 
 use std::collections::BTreeSet;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -18,11 +18,11 @@ use super::handle::Seat;
 use super::picture::{Picture, ProcessPicture, RobotPicture};
 use super::presses::Flight;
 use super::protocol::{Reply, Request};
-use mrroc_core::operator::button::{Button, CellState};
-use mrroc_core::fault::{ProcessId, Role};
 use crate::board::StateBoard;
 use crate::control::Frame;
-use crate::panel::{MpPanel, robot};
+use crate::entry::{MpPanel, robot};
+use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::operator::button::{Button, CellState};
 
 /// The name of the socket in a session's folder.
 pub(super) const SOCKET: &str = "operator";
@@ -39,7 +39,7 @@ const LOOK: Duration = Duration::from_millis(2);
 /// The time between two pictures.
 const PICTURE: Duration = Duration::from_millis(50);
 
-/// The thread of the desk.
+/// The thread of the console_server.
 pub(super) struct Service {
     pub listener: UnixListener,
     pub end: UnixStream,
@@ -59,7 +59,7 @@ pub(super) struct Service {
 }
 
 impl Service {
-    /// Serves until the handle of the desk goes.
+    /// Serves until the handle of the console_server goes.
     pub fn run(mut self) {
         while self.wait() {
             self.accept();
@@ -76,7 +76,7 @@ impl Service {
         }
     }
 
-    /// Waits until something is to be done; whether the desk is still open.
+    /// Waits until something is to be done; whether the console_server is still open.
     fn wait(&mut self) -> bool {
         let time = self.next_round();
         let mut all = vec![PollFd::new(&self.end, PollFlags::IN), PollFd::new(&self.listener, PollFlags::IN)];

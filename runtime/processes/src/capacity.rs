@@ -1,4 +1,4 @@
-//! What a machine must have room for before a cell's processes start: shared memory and open files (row 35 of SAFETY.md).
+//! What a machine must be able to give before a cell's processes start: shared memory and open files (row 35 of SAFETY.md).
 //!
 //! In: how many ways between processes there are. Out: nothing, or what is too little and what to change. A process that
 //! finds shared memory full when it first writes there is killed, and so is one that cannot open what it needs too late to

@@ -7,11 +7,11 @@
 use core::fmt::{self, Write};
 use core::str::{FromStr, SplitAsciiWhitespace};
 
-use mrroc_core::operator::button::CellState;
-use mrroc_core::robot::MAX_JOINTS;
-use mrroc_core::link::memory::MAX_PROCESSES;
-use mrroc_core::operator::state::Doing;
 use crate::figures::{FIGURES_WORDS, Figures};
+use mrroc_core::link::memory::MAX_PROCESSES;
+use mrroc_core::operator::button::CellState;
+use mrroc_core::operator::state::Doing;
+use mrroc_core::robot::MAX_JOINTS;
 
 /// A line that is no part of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -15,11 +15,11 @@ use super::control::{Control, Frame};
 use super::figures::Figures;
 use super::scheduling::Lacks;
 use super::session::Session;
+use crate::iceoryx::{Clock, Seal};
+use mrroc_core::cell::Permission;
+use mrroc_core::cell::Rest;
 use mrroc_core::fault::{Fault, FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
-use crate::iceoryx::{Clock, Seal};
-use mrroc_core::cell::Rest;
-use mrroc_core::cell::Permission;
 
 /// How long a process may take to set itself up: a loaded machine is no reason to give up.
 const SETTING_UP: Duration = Duration::from_secs(30);
@@ -180,9 +180,9 @@ fn how(status: ExitStatus) -> String {
 }
 
 /// All processes of a launch. Those that are left are ended with it.
-pub(super) struct Crew(pub Vec<Rc<Member>>);
+pub(super) struct ProcessSet(pub Vec<Rc<Member>>);
 
-impl Crew {
+impl ProcessSet {
     /// Starts the processes at `places` and connects them. They wait to be told to go.
     pub fn start(
         places: &[ProcessId],
@@ -190,16 +190,16 @@ impl Crew {
         session: &Session,
         epoch: u64,
         plan: &Plan,
-    ) -> Result<Crew, NoStart> {
-        let mut crew = Crew(Vec::new());
+    ) -> Result<ProcessSet, NoStart> {
+        let mut process_set = ProcessSet(Vec::new());
         for &id in places {
             let member = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
-            crew.0.push(Rc::new(member));
+            process_set.0.push(Rc::new(member));
         }
-        match crew.set_up(fingerprint, (session, epoch), plan) {
-            Ok(()) => Ok(crew),
+        match process_set.set_up(fingerprint, (session, epoch), plan) {
+            Ok(()) => Ok(process_set),
             // One that died explains what another one lacks.
-            Err(error) => Err(crew.first_dead().unwrap_or(error)),
+            Err(error) => Err(process_set.first_dead().unwrap_or(error)),
         }
     }
 
@@ -288,7 +288,7 @@ impl Crew {
     }
 }
 
-impl Drop for Crew {
+impl Drop for ProcessSet {
     fn drop(&mut self) {
         self.0.iter().filter(|member| !member.gone.get()).for_each(|member| member.kill());
     }
