@@ -6,17 +6,10 @@ use mrroc::{CellError, CoupledLimit, Robot, RobotSetup};
 use mrroc_launch::cell_file::{Kinds, RobotEntry};
 use nalgebra::SVector;
 
-use crate::conveyor::Conveyor;
-use crate::drives::Driven;
-use crate::gripper::{Gripper, One};
-use crate::homing::Unhomed;
-use crate::irp6::Irp6;
-use crate::irp6_five::Irp6FiveDof;
-use crate::irp6_track::Irp6Track;
-use crate::kinematics::Kinematics;
-use crate::polycrank::Polycrank;
-use crate::rnt::Rnt;
-use crate::simulated::Simulated;
+use crate::models::{
+    Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt,
+};
+use crate::simulation::{Simulated, Unhomed};
 
 /// The robots of this crate, each simulated from the joint positions that the cell file gives as its `start`, and standing
 /// at its `base`.

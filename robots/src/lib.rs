@@ -1,7 +1,15 @@
 //! Robots for `mrroc`: kinematics, limits, transmissions and simulated plants.
 //!
-//! One robot is one file, with a sketch of its frames, its limits, the constants of its transmission and of its drives,
-//! and where each figure comes from: public facts of MRROC++, or marked "assumed".
+//! | module | what it holds | may use |
+//! |---|---|---|
+//! | [`models`] | robots: kinematics, limits, shapes, motors and transmissions | |
+//! | [`simulation`] | simulated drives, and bodies that simulated arms hold | models |
+//! | [`clearance`] | how near arms come to one another, and to obstacles | models |
+//! | [`conformance`] | what every robot must keep, as tests for robots of this crate and of others | models |
+//!
+//! What is used most has its name here as well. Drives of real robots are crates beside this one (`robots/drivers/`),
+//! which implement `mrroc::Driver` for a model. Every robot's documentation has a sketch of its frames, its limits and
+//! constants, and says where each figure comes from: public facts of MRROC++, or marked "assumed".
 //!
 //! | robot | joints | inverse kinematics |
 //! |---|---|---|
@@ -12,18 +20,6 @@
 //! | [`Polycrank`] | 7, endless | closed form, 8 families; the stretch of the seed kept, or given |
 //! | [`Gripper`], [`Conveyor`] | 1 | one solution |
 //! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms with a spherical wrist, else iteration |
-//!
-//! [`mrroc::Robot`] is what the runtime needs. [`Kinematics`] adds Jacobians, all solutions, goals within limits,
-//! manipulability and the distance to singularities; [`Driven`] says how motors move the joints. What a simulation adds is
-//! layered on top and knows nothing of kinematics:
-//!
-//! ```text
-//! demanded q -> Driven -> Regulator (2 ms, per motor) -> Plant (motor and load) -> encoder
-//!   measured q <------------------- Driven <-------------------------------------'
-//! ```
-//!
-//! [`Simulated`] ties them together as a `mrroc::Driver`. [`conformance`] holds what every robot must keep, as tests for
-//! robots of this crate and of others.
 //!
 //! ```
 //! use mrroc::{Driver, Robot};
@@ -42,41 +38,14 @@
 
 pub mod clearance;
 pub mod conformance;
-mod conveyor;
-mod drives;
-pub mod grasp;
-mod gripper;
-mod homing;
-mod irp6;
-mod irp6_five;
-mod irp6_track;
 mod kinds;
-mod kinematics;
-mod opw;
-mod plant;
-mod polycrank;
-mod regulator;
-mod rnt;
-mod simulated;
-mod sines;
-mod singular;
-mod transmission;
-mod urdf;
-mod wrist;
+pub mod models;
+pub mod simulation;
 
-pub use conveyor::Conveyor;
-pub use drives::{Driven, MotorData, MotorLimits, Overload, Shafts};
-pub use gripper::{Gripper, One};
-pub use homing::Unhomed;
-pub use irp6::{Irp6, Six};
-pub use irp6_five::{Five, Irp6FiveDof};
-pub use irp6_track::{Irp6Track, Seven};
 pub use kinds::simulated;
-pub use kinematics::{Jacobian, Kinematics};
-pub use plant::{Encoder, Plant};
-pub use polycrank::Polycrank;
-pub use regulator::{Gains, Regulator, RegulatorSet};
-pub use rnt::Rnt;
-pub use simulated::{Shaft, Simulated, SimulatedIrp6};
-pub use transmission::{Linear, LinkState, Screw, Transmission};
-pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError};
+pub use models::{
+    Conveyor, Driven, Encoder, Five, Gains, Gripper, Irp6, Irp6FiveDof, Irp6Track, Jacobian, Kinematics,
+    Linear, LinkState, MotorData, MotorLimits, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder,
+    SerialOutline, Seven, Shafts, Six, Transmission, UrdfError,
+};
+pub use simulation::{Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Unhomed, grasp};

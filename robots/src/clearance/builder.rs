@@ -4,13 +4,12 @@ use std::sync::Arc;
 
 use mrroc::{MAX_JOINTS, Name};
 
-use super::capsule::Capsule;
 use super::check::{Clearance, Owned};
 use super::error::ClearanceError;
 use super::obstacle::Obstacle;
-use super::outline::Outline;
 use super::posture::Placement;
 use super::stopping::{Stop, Stopping};
+use crate::models::{Capsule, Outline};
 
 /// A [`Clearance`] being put together.
 #[must_use = "a clearance is made by build"]

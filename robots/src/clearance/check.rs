@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use mrroc::{MAX_JOINTS, RobotView};
 
-use super::capsule::{Capsule, Gap};
 use super::error::{CheckError, ClearanceError, Nearest, Side, TooClose};
+use super::gap::Gap;
 use super::obstacle::Obstacle;
-use super::outline::Link;
 use super::pairs::{Limb, Other, Pair, Unchecked, at_least, possible, without_meaningless};
 use super::posture::{Joints, Placement};
 use super::stopping::{Pace, Stopping};
+use crate::models::{Capsule, Link};
 
 /// A robot or obstacle, and which of its links.
 pub(super) type Owned = (Arc<str>, Arc<str>);

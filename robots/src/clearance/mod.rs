@@ -47,23 +47,22 @@
 // Errors hold both bodies and their points; in a box they would have to be allocated within a step.
 #![allow(clippy::result_large_err)]
 
-pub(crate) mod arms;
 mod builder;
-mod capsule;
 mod check;
 mod dry_run;
 mod error;
+mod gap;
 mod obstacle;
-mod outline;
 mod pairs;
 mod posture;
 mod stopping;
 
 pub use builder::ClearanceBuilder;
-pub use capsule::{Capsule, Gap};
 pub use check::Clearance;
 pub use dry_run::{Closest, DryRun, smallest_distance};
 pub use error::{CheckError, ClearanceError, Nearest, Side, TooClose};
+pub use gap::Gap;
 pub use obstacle::Obstacle;
-pub use outline::{Link, Motion, Outline};
 pub use stopping::{Stop, Stopping};
+
+pub use crate::models::{Capsule, Link, Motion, Outline};

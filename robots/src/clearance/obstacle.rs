@@ -3,7 +3,8 @@
 use mrroc::Pose;
 use nalgebra::{Point3, Vector3};
 
-use super::capsule::{Capsule, Gap};
+use super::gap::Gap;
+use crate::models::Capsule;
 
 /// A body that does not move, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,8 +3,8 @@
 use mrroc::MAX_JOINTS;
 
 use super::obstacle::Obstacle;
-use super::outline::Link;
 use super::posture::{Joints, Placed, Placement};
+use crate::models::Link;
 
 /// Postures of every robot that tell which bodies always overlap and which never meet.
 const POSTURES: usize = 2000;

@@ -3,9 +3,8 @@
 use mrroc::{JointVector, MAX_JOINTS, Name, Pose, Robot};
 use nalgebra::Vector3;
 
-use super::capsule::Capsule;
-use super::outline::{Link, Motion, Outline};
 use super::stopping::{Pace, Stopping};
+use crate::models::{Capsule, Link, Motion, Outline};
 
 /// Joint positions or velocities of a robot of any kind, as the runtime passes them.
 pub(super) type Joints = [f64; MAX_JOINTS];
@@ -194,7 +193,7 @@ impl Placement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Serial, SerialOutline};
+    use crate::models::{Irp6, Irp6FiveDof, Irp6Track, Polycrank, Rnt, Serial, SerialOutline};
     use nalgebra::Point3;
     use proptest::prelude::*;
 

@@ -4,7 +4,7 @@ use mrroc::{JointKind, JointVector, Pose};
 use nalgebra::{DMatrix, SVector, Translation3, Vector3};
 
 use super::{Random, SEED, Violation, ensure};
-use crate::kinematics::{Kinematics, closest};
+use crate::models::{Kinematics, closest};
 
 /// Largest error of a pose that inverse kinematics gives back [m and rad].
 const POSE: f64 = 1e-9;

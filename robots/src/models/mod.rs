@@ -1,0 +1,43 @@
+//! Models of robots: kinematics, limits, shapes, and what is known of their drives. Nothing here has a state or a clock.
+//!
+//! In: joint positions, or a pose of the flange. Out: poses, Jacobians, all solutions of the inverse kinematics, links as
+//! capsules, motor angles. A model serves programs, simulated drives and real drives alike, so it knows none of them.
+//!
+//! | trait | what a robot says by it |
+//! |---|---|
+//! | [`mrroc::Robot`] | limits, `forward`, `inverse`: what the runtime needs |
+//! | [`Kinematics`] | Jacobian, all solutions, distance to singularities |
+//! | [`Driven`] | its motors, and how they move the joints |
+//! | [`Outline`] | its links as [`Capsule`]s, and what moves them |
+//!
+//! A robot is a file, or a folder where it is one of a family or has more to say: `irp6/`, `rnt.rs`, `polycrank.rs`,
+//! `gripper.rs`, `conveyor.rs`; `urdf/` reads any serial chain, and `opw.rs` solves ortho-parallel arms in closed form.
+//! They share `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
+//! `singular.rs` and `sines.rs`.
+
+mod conveyor;
+mod drives;
+mod gripper;
+mod irp6;
+mod kinematics;
+mod opw;
+mod polycrank;
+mod rnt;
+mod shape;
+mod sines;
+mod singular;
+mod urdf;
+mod vectors;
+
+pub use conveyor::Conveyor;
+pub(crate) use drives::GRAVITY;
+pub use drives::{Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts};
+pub use gripper::Gripper;
+pub use irp6::{Irp6, Irp6FiveDof, Irp6Track, Linear, LinkState, Screw, Transmission};
+pub(crate) use kinematics::closest;
+pub use kinematics::{Jacobian, Kinematics};
+pub use polycrank::Polycrank;
+pub use rnt::Rnt;
+pub use shape::{Capsule, Link, Motion, Outline};
+pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError};
+pub use vectors::{Five, One, Seven, Six};

@@ -1,0 +1,191 @@
+//! Simulated drives for a chain read from URDF: one motor a joint, made to fit what the file says of it.
+//!
+//! A URDF knows no motors. These are **assumed**: every joint is driven directly through a gear, by a motor that is as
+//! large as it has to be. With the joint's limits of speed v and acceleration a, its effort E, damping d and friction f:
+//!
+//! ```text
+//! gear          g = min(250 rad/s / v, 500 rad/s² / a)
+//! inertia       J = 1e-4 kg m² + M / g²     M: no posture has a greater inertia about the joint
+//! friction      b = 0.4 J + d / g²,   tau_c = 32 J + f / g          (the IRp-6's column without d and f)
+//! weight        tau_load = dV/dm:  the links' potential energy by the motor's angle, in any posture
+//! current       E / (g k); where no effort above 0 is written, twice what the joint needs at its limits
+//! ```
+//!
+//! The regulators are those of the IRp-6's column, their gains scaled so that their loops cross over as that does. M is a
+//! bound: `(sum of |multiplier| sqrt(I))²` over the joints that move with the coordinate, I taken with every link as far
+//! away as the links between allow. Links without `<inertial>` have no mass, as URDF says; neither have links that are
+//! not between base and tip.
+
+use mrroc::{JointKind, Measured, Pose};
+use nalgebra::{SVector, Vector3};
+
+use super::body::Body;
+use super::chain::{Chain, MOST_SEGMENTS, Mover, Segment};
+use super::serial::Serial;
+use crate::models::drives::{Driven, GRAVITY, Gains, MotorData, MotorLimits, Shafts};
+use crate::models::irp6::Irp6;
+
+/// Fastest speed [rad/s] and acceleration [rad/s²] that gears are chosen for.
+const MOTOR: (f64, f64) = (250.0, 500.0);
+/// What the drives refuse: a little more, for round-off [rad/s].
+const MOTOR_SPEED: f64 = 260.0;
+/// Inertia of a rotor [kg m²].
+const ROTOR: f64 = 1e-4;
+/// Viscous [1/s] and Coulomb friction [rad/s²] of a motor by its inertia.
+const FRICTION: (f64, f64) = (0.4, 32.0);
+/// The drive whose loop these have.
+const COLUMN: MotorData = Irp6::MOTORS[0];
+/// Part of the voltage that is left at full speed, divided by the torque constant and by a fifth more torque [V/(N m/A)].
+const SPARE: f64 = 0.8 * COLUMN.torque_constant * 44.0;
+
+/// The drives of a chain, and the bodies that they carry.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Drives<const N: usize> {
+    motors: [MotorData; N],
+    limits: MotorLimits<N>,
+    gears: SVector<f64, N>,
+    bodies: Vec<Body>,
+}
+
+impl<const N: usize> Drives<N> {
+    /// The drives of `chain`, whose joints are accelerated by at most `acceleration`.
+    pub(super) fn of(chain: &Chain, acceleration: &SVector<f64, N>) -> Self {
+        let gears =
+            SVector::from_fn(|i, _| (MOTOR.0 / chain.movers[i].velocity).min(MOTOR.1 / acceleration[i]));
+        let range = |i: usize| chain.movers[i].range;
+        Self {
+            motors: core::array::from_fn(|i| {
+                motor(&chain.movers[i], gears[i], acceleration[i], &Carried::by(chain, i))
+            }),
+            limits: MotorLimits {
+                lower: core::array::from_fn(|i| gears[i] * range(i).0),
+                upper: core::array::from_fn(|i| gears[i] * range(i).1),
+                speed: MOTOR_SPEED,
+            },
+            gears,
+            bodies: chain.bodies.clone(),
+        }
+    }
+}
+
+/// A motor that fits its joint.
+fn motor(mover: &Mover, gear: f64, acceleration: f64, carried: &Carried) -> MotorData {
+    let inertia = ROTOR + carried.inertia / (gear * gear);
+    let viscous = FRICTION.0 * inertia + mover.damping / (gear * gear);
+    let coulomb = FRICTION.1 * inertia + mover.friction / gear;
+    let needed =
+        inertia * acceleration * gear + carried.weight / gear + viscous * mover.velocity * gear + coulomb;
+    let effort = mover.effort.filter(|effort| *effort > 0.0);
+    // Its loop gain is that of the column; a joint that needs more torque than that gives has less resistance.
+    let alike = COLUMN.resistance * COLUMN.inertia / inertia;
+    let resistance = alike.min(SPARE / needed);
+    let scale = resistance / alike;
+    let Gains { a, b0, b1, feedforward } = COLUMN.gains;
+    MotorData {
+        gains: Gains { a, b0: scale * b0, b1: scale * b1, feedforward },
+        current_limit: effort.map_or(2.0 * needed, |effort| effort / gear) / COLUMN.torque_constant,
+        resistance,
+        inertia,
+        viscous,
+        coulomb,
+        ..COLUMN
+    }
+}
+
+/// What a coordinate carries, whatever the posture.
+struct Carried {
+    /// No posture has a greater inertia about it [kg m² or kg].
+    inertia: f64,
+    /// No posture has a greater effort by the weight [N m or N].
+    weight: f64,
+}
+
+impl Carried {
+    fn by(chain: &Chain, leader: usize) -> Self {
+        let (mut root, mut weight) = (0.0, 0.0);
+        for (s, segment) in chain.segments.iter().enumerate().filter(|(_, one)| one.leader == leader) {
+            let share = segment.multiplier.abs();
+            // How far what follows can be from this joint.
+            let (mut inertia, mut moment, mut away) = (0.0, 0.0, 0.0);
+            for (k, body) in chain.bodies.iter().enumerate().skip(s) {
+                away += if k == s { 0.0 } else { chain.segments[k].X_before.translation.vector.norm() };
+                away += slide(&chain.movers, &chain.segments[k]);
+                let reach = away + body.centre.norm();
+                match segment.kind {
+                    JointKind::Revolute => {
+                        inertia += body.mass * reach * reach + body.spin;
+                        moment += body.mass * reach;
+                    }
+                    JointKind::Prismatic => {
+                        inertia += body.mass;
+                        moment += body.mass;
+                    }
+                }
+            }
+            root += share * f64::sqrt(inertia);
+            weight += share * GRAVITY * moment;
+        }
+        Self { inertia: root * root, weight }
+    }
+}
+
+/// How far a slide is drawn out at most \[m\].
+fn slide(movers: &[Mover], segment: &Segment) -> f64 {
+    let at = |q: f64| (segment.multiplier * q + segment.offset).abs();
+    match segment.kind {
+        JointKind::Revolute => 0.0,
+        JointKind::Prismatic => {
+            movers.get(segment.leader).map_or(0.0, |mover| at(mover.range.0).max(at(mover.range.1)))
+        }
+    }
+}
+
+/// Efforts of the bodies' weight at the coordinates [N m or N], positive against positive motion: the derivatives of the
+/// potential energy, gravity along -z of the world.
+#[allow(non_snake_case)]
+fn efforts<const N: usize>(segments: &[Segment], bodies: &[Body], q: &SVector<f64, N>) -> SVector<f64, N> {
+    let mut axes = [(Vector3::zeros(), Vector3::zeros(), Vector3::zeros()); MOST_SEGMENTS];
+    let mut X_WL = Pose::identity();
+    for ((segment, body), axis) in segments.iter().zip(bodies).zip(&mut axes) {
+        X_WL *= segment.X_before;
+        let (direction, point) = (X_WL.rotation * Vector3::z(), X_WL.translation.vector);
+        let value = segment.multiplier * q[segment.leader] + segment.offset;
+        X_WL *= match segment.kind {
+            JointKind::Revolute => Pose::rotation(Vector3::z() * value),
+            JointKind::Prismatic => Pose::translation(0.0, 0.0, value),
+        };
+        *axis = (direction, point, X_WL.translation.vector + X_WL.rotation * body.centre);
+    }
+    let (mut efforts, mut mass, mut moment) = (SVector::zeros(), 0.0, Vector3::zeros());
+    for ((segment, body), (direction, point, centre)) in segments.iter().zip(bodies).zip(axes).rev() {
+        mass += body.mass;
+        moment += centre * body.mass;
+        let raised = match segment.kind {
+            JointKind::Revolute => direction.cross(&(moment - point * mass)).z,
+            JointKind::Prismatic => direction.z * mass,
+        };
+        efforts[segment.leader] += segment.multiplier * GRAVITY * raised;
+    }
+    efforts
+}
+
+impl<const N: usize> Driven<N> for Serial<N> {
+    fn motor_data(&self) -> &[MotorData; N] {
+        &self.drives.motors
+    }
+
+    fn motor_limits(&self) -> &MotorLimits<N> {
+        &self.drives.limits
+    }
+
+    fn motors(&self, q: &SVector<f64, N>) -> SVector<f64, N> {
+        q.component_mul(&self.drives.gears)
+    }
+
+    fn shafts(&self, angles: &SVector<f64, N>, speeds: &SVector<f64, N>) -> Shafts<N> {
+        let gears = &self.drives.gears;
+        let position = angles.component_div(gears);
+        let loads = efforts(&self.segments, &self.drives.bodies, &position).component_div(gears);
+        Shafts { joints: Measured { position, velocity: speeds.component_div(gears) }, loads }
+    }
+}

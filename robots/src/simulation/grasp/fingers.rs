@@ -1,0 +1,84 @@
+//! A gripper that is a robot of its own, and whose fingers close on the world's body.
+
+use core::time::Duration;
+
+use mrroc::{DriveFault, Driver, Measured, Regulators};
+
+use super::error::{WorldError, positive};
+use super::world::Hand;
+use crate::models::{Gripper, One};
+use crate::simulation::simulated::{Shaft, Simulated};
+
+/// The drive of a [`Gripper`] on an arm's hand: fingers that are asked to close beyond the body's width stop at it and hold
+/// it, if it is between them, which a grasp without a frame of its own (`Grasp::at`) takes for granted; asked to open, they
+/// let it go.
+#[derive(Debug)]
+pub struct Fingers {
+    drive: Simulated<Gripper, 1>,
+    shaft: Shaft<1>,
+    hand: Hand,
+    width: f64,
+}
+
+impl Fingers {
+    /// The fingers of `hand`; the body is `width` \[m\] wide between them.
+    ///
+    /// # Errors
+    /// [`WorldError`] when the width is not above 0.
+    pub fn new(drive: Simulated<Gripper, 1>, hand: Hand, width: f64) -> Result<Self, WorldError> {
+        let width = positive("the body's width", width, "m")?;
+        Ok(Self { shaft: drive.shaft(), drive, hand, width })
+    }
+}
+
+impl Driver<Gripper> for Fingers {
+    fn period(&self) -> Duration {
+        self.drive.period()
+    }
+
+    fn measured(&self) -> Measured<One> {
+        self.drive.measured()
+    }
+
+    fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
+        let closing = demanded[0] < self.width;
+        if !closing && self.hand.is_closed() {
+            self.hand.open();
+            self.drive.unblock(0);
+        }
+        // Where the grasp has a frame on the body and the body is elsewhere, the fingers close on nothing.
+        let touching = closing && self.shaft.state().position[0] <= self.width;
+        if touching && !self.hand.is_closed() && self.hand.close().is_ok() {
+            self.drive.block(0);
+        }
+        self.drive.tick(demanded)
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
+    fn brake(&mut self) -> Measured<One> {
+        self.drive.brake()
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.drive.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.drive.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.drive.switch_on()
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.drive.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.drive.choose_regulators(sets);
+    }
+}
