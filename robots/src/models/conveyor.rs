@@ -15,16 +15,15 @@
 use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Translation3, Vector3};
 
+use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
 use crate::models::vectors::One;
 
 /// A conveyor belt.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Conveyor {
-    X_WB: Pose,
-    X_BW: Pose,
+    base: Base,
     limits: Limits<One>,
 }
 
@@ -50,8 +49,7 @@ impl Conveyor {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            X_WB: Pose::identity(),
-            X_BW: Pose::identity(),
+            base: Base::default(),
             limits: Limits {
                 lower: One::new(-1000.0),
                 upper: One::new(1000.0),
@@ -66,7 +64,7 @@ impl Conveyor {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_base(self, X_WB: Pose) -> Self {
-        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+        Self { base: Base::at(X_WB), ..self }
     }
 }
 
@@ -94,18 +92,18 @@ impl Robot for Conveyor {
     }
 
     fn forward(&self, q: &One) -> Pose {
-        self.X_WB * Translation3::new(q[0], 0.0, 0.0)
+        self.base.X_WB * Translation3::new(q[0], 0.0, 0.0)
     }
 
     /// Visits the frames `X_WL`: B, the mark F.
     fn frames(&self, q: &One, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
+        visit(&self.base.X_WB);
         visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, _near: &One) -> Result<One, NoInverse> {
-        way_along_x(&(self.X_BW * X_WF), Self::OFF).map(One::new)
+        way_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(One::new)
     }
 }
 
@@ -116,7 +114,7 @@ impl Kinematics<1> for Conveyor {
     }
 
     fn jacobian(&self, _q: &One) -> Jacobian<1> {
-        column(&(self.X_WB.rotation * Vector3::x()), &Vector3::zeros())
+        column(&(self.base.X_WB.rotation * Vector3::x()), &Vector3::zeros())
     }
 
     #[allow(non_snake_case)]

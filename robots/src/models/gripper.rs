@@ -21,6 +21,7 @@ use core::f64::consts::TAU;
 use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Translation3, Vector3};
 
+use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
 use crate::models::vectors::One;
@@ -30,10 +31,8 @@ const OPENING: [f64; 3] = [0.074, 1.451_910_074e-5, 2.8313e-9];
 
 /// A two-finger gripper.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Gripper {
-    X_WB: Pose,
-    X_BW: Pose,
+    base: Base,
     limits: Limits<One>,
 }
 
@@ -60,8 +59,7 @@ impl Gripper {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            X_WB: Pose::identity(),
-            X_BW: Pose::identity(),
+            base: Base::default(),
             limits: Limits {
                 lower: One::new(0.053),
                 upper: One::new(0.091),
@@ -76,7 +74,7 @@ impl Gripper {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_base(self, X_WB: Pose) -> Self {
-        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+        Self { base: Base::at(X_WB), ..self }
     }
 }
 
@@ -104,19 +102,19 @@ impl Robot for Gripper {
     }
 
     fn forward(&self, q: &One) -> Pose {
-        self.X_WB * Translation3::new(0.5 * q[0], 0.0, 0.0)
+        self.base.X_WB * Translation3::new(0.5 * q[0], 0.0, 0.0)
     }
 
     /// Visits the frames `X_WL`: B, the other finger, the finger F.
     fn frames(&self, q: &One, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        visit(&(self.X_WB * Translation3::new(-0.5 * q[0], 0.0, 0.0)));
+        visit(&self.base.X_WB);
+        visit(&(self.base.X_WB * Translation3::new(-0.5 * q[0], 0.0, 0.0)));
         visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, _near: &One) -> Result<One, NoInverse> {
-        way_along_x(&(self.X_BW * X_WF), Self::OFF).map(|way| One::new(2.0 * way))
+        way_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(|way| One::new(2.0 * way))
     }
 }
 
@@ -127,7 +125,7 @@ impl Kinematics<1> for Gripper {
     }
 
     fn jacobian(&self, _q: &One) -> Jacobian<1> {
-        column(&(self.X_WB.rotation * Vector3::x() * 0.5), &Vector3::zeros())
+        column(&(self.base.X_WB.rotation * Vector3::x() * 0.5), &Vector3::zeros())
     }
 
     #[allow(non_snake_case)]

@@ -53,6 +53,7 @@ use core::f64::consts::{PI, TAU};
 use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column, doubled};
 use crate::models::sines::sin_cos;
@@ -78,10 +79,8 @@ const JUMP: f64 = 0.5;
 const BESIDE: f64 = 2e-3;
 /// A Polycrank arm.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Polycrank {
-    X_WB: Pose,
-    X_BW: Pose,
+    base: Base,
     limits: Limits<Seven>,
 }
 
@@ -112,8 +111,7 @@ impl Polycrank {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            X_WB: Pose::identity(),
-            X_BW: Pose::identity(),
+            base: Base::default(),
             limits: Limits {
                 lower: Seven::repeat(-10.0 * TAU),
                 upper: Seven::repeat(10.0 * TAU),
@@ -128,7 +126,7 @@ impl Polycrank {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_base(self, X_WB: Pose) -> Self {
-        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+        Self { base: Base::at(X_WB), ..self }
     }
 
     /// How far `q` stretches the arm with the level axes: the redundancy's parameter u \[m\], -0.302 to 0.302.
@@ -225,7 +223,7 @@ impl Robot for Polycrank {
         );
         // R_z(phi) R_x(90 deg) R_z(psi) R_x(90 deg) R_z(q7), multiplied out.
         let rotation = Quaternion::new(-h.0 * plus.0, h.1 * minus.1, h.1 * minus.0, h.0 * plus.1);
-        self.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(rotation))
+        self.base.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(rotation))
     }
 
     /// Visits the frames `X_WL` that the links carry, from base to flange: B, then Denavit-Hartenberg frames 1 to 7; the
@@ -240,7 +238,7 @@ impl Robot for Polycrank {
             (0.060, 0.0, 0.5 * PI),
             (TIP, 0.0, 0.0),
         ];
-        let mut frame = self.X_WB;
+        let mut frame = self.base.X_WB;
         visit(&frame);
         for (i, (d, a, alpha)) in rows.into_iter().enumerate() {
             frame *= Pose::new(Vector3::z() * d, Vector3::z() * q[i]);
@@ -251,7 +249,7 @@ impl Robot for Polycrank {
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Seven) -> Result<Seven, NoInverse> {
-        let heading = Heading::of(&(self.X_BW * X_WF), near)?.nearest(near);
+        let heading = Heading::of(&(self.base.X_BW * X_WF), near)?.nearest(near);
         let (u, elbows) = stretch_and_elbows(near);
         let kept = heading.member(u, elbows, near);
         if kept.share() > 0.0 { self.inverse_past_elbows(X_WF, &heading, u, &kept, near) } else { Ok(kept.q) }
@@ -263,7 +261,7 @@ impl Robot for Polycrank {
     /// [`NoInverse::OutOfReach`] when one of the two arms cannot stretch or fold so far: with its distance and its reach.
     #[allow(non_snake_case)]
     fn inverse_at(&self, X_WF: &Pose, redundancy: f64, near: &Seven) -> Result<Seven, NoInverse> {
-        let heading = Heading::of(&(self.X_BW * X_WF), near)?.nearest(near);
+        let heading = Heading::of(&(self.base.X_BW * X_WF), near)?.nearest(near);
         heading.check(redundancy)?;
         Ok(heading.member(redundancy, stretch_and_elbows(near).1, near).q)
     }
@@ -291,7 +289,7 @@ impl Kinematics<7> for Polycrank {
         let none = Vector3::zeros();
         let z_f = ss * e - cs * k;
         let axes = [(k, from1), (k, from2), (k, from3), (m, from4), (m, from5), (m, from6), (z_f, none)];
-        let turned = self.X_WB.rotation;
+        let turned = self.base.X_WB.rotation;
         Jacobian::from_columns(
             &axes.map(|(axis, arm)| column(&(turned * axis.cross(&arm)), &(turned * axis))),
         )
@@ -299,7 +297,7 @@ impl Kinematics<7> for Polycrank {
 
     #[allow(non_snake_case)]
     fn solutions(&self, X_WF: &Pose, near: &Seven, visit: &mut dyn FnMut(&Seven)) -> Result<(), NoInverse> {
-        let first = Heading::of(&(self.X_BW * X_WF), near)?;
+        let first = Heading::of(&(self.base.X_BW * X_WF), near)?;
         let (u, _) = stretch_and_elbows(near);
         let (mut refused, mut any) = (None, false);
         for heading in [Some(first), first.other()].into_iter().flatten() {

@@ -40,6 +40,7 @@ use core::f64::consts::PI;
 use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
+use crate::models::base::Base;
 use crate::models::drives::{Driven, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::irp6::Irp6;
 use crate::models::kinematics::{Jacobian, Kinematics, closest, column, doubled};
@@ -64,10 +65,8 @@ const WRIST_SINGULAR: f64 = 1e-10;
 
 /// The stand-in for RNT, without tool.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Rnt {
-    X_WB: Pose,
-    X_BW: Pose,
+    base: Base,
     limits: Limits<Six>,
 }
 
@@ -105,8 +104,7 @@ impl Rnt {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            X_WB: Pose::identity(),
-            X_BW: Pose::identity(),
+            base: Base::default(),
             limits: Limits {
                 lower: Six::new(-2.9, 0.35, 0.39, -3.1, -2.0, -6.2),
                 upper: Six::new(2.9, 0.64, 0.715, 3.1, 2.0, 6.2),
@@ -121,7 +119,7 @@ impl Rnt {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_base(self, X_WB: Pose) -> Self {
-        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+        Self { base: Base::at(X_WB), ..self }
     }
 
     /// Elevations \[rad\] of the upper arm and the forearm above the horizontal, as the closed linkages set them; `None`
@@ -275,15 +273,15 @@ impl Robot for Rnt {
         let forwards = (A1 + A2 * upper.x) + (forearm.x * (A3 + z) + forearm.y * x);
         let up = (D1 + A2 * upper.y) + (forearm.y * (A3 + z) - forearm.x * x);
         let position = Translation3::new(c1 * forwards - s1 * y, s1 * forwards + c1 * y, up);
-        self.X_WB * Pose::from_parts(position, rotation)
+        self.base.X_WB * Pose::from_parts(position, rotation)
     }
 
     /// Visits the frames `X_WL` that the links carry, from base to flange: B, column, shoulder O, R, T, elbow E, wrist
     /// centre C, flange. Where the linkages cannot be closed, all but B and the flange are left out.
     fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
+        visit(&self.base.X_WB);
         if let Some(linkage) = Linkage::of(q[1], q[2]) {
-            let arm = self.X_WB * Pose::rotation(Vector3::z() * q[0]);
+            let arm = self.base.X_WB * Pose::rotation(Vector3::z() * q[0]);
             visit(&(arm * Translation3::new(0.0, 0.0, D1)));
             let at = |point: Vector2<f64>, x: &Vector2<f64>| {
                 let turn = Pose::rotation(Vector3::y() * -x.y.atan2(x.x));
@@ -302,7 +300,7 @@ impl Robot for Rnt {
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Six) -> Result<Six, NoInverse> {
         let mut best: Option<(f64, Six)> = None;
-        Self::solve(&(self.X_BW * X_WF), 1.0, 1.0, near, &mut |q| {
+        Self::solve(&(self.base.X_BW * X_WF), 1.0, 1.0, near, &mut |q| {
             // One arm for both wrists: the wrist decides.
             let distance = (q - near).fixed_rows::<3>(3).norm_squared();
             if best.is_none_or(|(least, _)| distance < least) {
@@ -345,7 +343,7 @@ impl Kinematics<6> for Rnt {
             (about5.cross(&tip), about5),
             (Vector3::zeros(), z_f),
         ];
-        let turned = self.X_WB.rotation;
+        let turned = self.base.X_WB.rotation;
         Jacobian::from_columns(
             &columns.map(|(linear, angular)| column(&(turned * linear), &(turned * angular))),
         )
@@ -353,7 +351,7 @@ impl Kinematics<6> for Rnt {
 
     #[allow(non_snake_case)]
     fn solutions(&self, X_WF: &Pose, near: &Six, visit: &mut dyn FnMut(&Six)) -> Result<(), NoInverse> {
-        let X_BF = self.X_BW * X_WF;
+        let X_BF = self.base.X_BW * X_WF;
         let (mut refused, mut any) = (None, false);
         for (side, elbow) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
             let mut visit = |q: &Six| {

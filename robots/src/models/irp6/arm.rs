@@ -50,18 +50,17 @@ use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
 use super::links::{Elbow, Geometry};
 use super::transmission::{Linear, LinkState, Screw, Transmission};
 use super::wrist::{Side, Wrist};
+use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, Gains, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics};
 use crate::models::vectors::Six;
 
 /// An IRp-6 arm on its postument, without gripper.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Irp6 {
     geometry: Geometry,
     transmission: Transmission,
-    X_WB: Pose,
-    X_BW: Pose,
+    base: Base,
     limits: Limits<Six>,
 }
 
@@ -138,8 +137,7 @@ impl Irp6 {
         Self {
             geometry,
             transmission,
-            X_WB: Pose::identity(),
-            X_BW: Pose::identity(),
+            base: Base::default(),
             limits: Limits {
                 lower: Six::new(
                     -170.0 * degrees,
@@ -161,7 +159,7 @@ impl Irp6 {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_base(self, X_WB: Pose) -> Self {
-        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+        Self { base: Base::at(X_WB), ..self }
     }
 
     /// The drives' gears and screws.
@@ -190,7 +188,7 @@ impl Irp6 {
     /// [`Kinematics::solutions`] visits those as well.
     #[allow(non_snake_case)]
     pub fn all_solutions(&self, X_WF: &Pose, near: &Six) -> [Result<Six, NoInverse>; 2] {
-        match Wrist::of(&(self.X_BW * X_WF), Side::Front, near) {
+        match Wrist::of(&(self.base.X_BW * X_WF), Side::Front, near) {
             Err(why) => [Err(why); 2],
             Ok(wrist) => [wrist, wrist.flipped()].map(|wrist| self.geometry.solve(&wrist, Elbow::Up, near)),
         }
@@ -215,21 +213,21 @@ impl Robot for Irp6 {
     }
 
     fn forward(&self, q: &Six) -> Pose {
-        self.X_WB * self.geometry.flange(q)
+        self.base.X_WB * self.geometry.flange(q)
     }
 
     /// Visits the frames `X_WL` that the links carry, from base to flange: B, shoulder (turned by q1), elbow, wrist
     /// pitch T, end of d5 (turned by q5), flange. z of the first two is the column's axis; x of the next three lies
     /// along the link that follows.
     fn frames(&self, q: &Six, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        self.geometry.links(q, &mut |link| visit(&(self.X_WB * link)));
+        visit(&self.base.X_WB);
+        self.geometry.links(q, &mut |link| visit(&(self.base.X_WB * link)));
         visit(&self.forward(q));
     }
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Six) -> Result<Six, NoInverse> {
-        self.geometry.nearest(&(self.X_BW * X_WF), near)
+        self.geometry.nearest(&(self.base.X_BW * X_WF), near)
     }
 }
 
@@ -241,12 +239,12 @@ impl Kinematics<6> for Irp6 {
     }
 
     fn jacobian(&self, q: &Six) -> Jacobian<6> {
-        self.geometry.jacobian(q, &self.X_WB.rotation)
+        self.geometry.jacobian(q, &self.base.X_WB.rotation)
     }
 
     #[allow(non_snake_case)]
     fn solutions(&self, X_WF: &Pose, near: &Six, visit: &mut dyn FnMut(&Six)) -> Result<(), NoInverse> {
-        self.geometry.solutions(&(self.X_BW * X_WF), near, visit)
+        self.geometry.solutions(&(self.base.X_BW * X_WF), near, visit)
     }
 
     /// |det J| = |rho a2 a3 sin(theta3 - theta2) sin(q5)| \[m³\], where rho is the distance of the flange from the

@@ -37,6 +37,7 @@ use nalgebra::{Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector
 use super::arm::{Irp6, arm_shafts, nominal_transmission};
 use super::links::{Elbow, Geometry, two_links};
 use super::transmission::Transmission;
+use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, closest, doubled};
 use crate::models::sines::sin_cos;
@@ -47,12 +48,10 @@ const SHOULDER_SINGULAR: f64 = 1e-9;
 
 /// An IRp-6 arm with five joints.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Irp6FiveDof {
     geometry: Geometry,
     transmission: Transmission,
-    X_WB: Pose,
-    X_BW: Pose,
+    base: Base,
     limits: Limits<Five>,
 }
 
@@ -80,8 +79,7 @@ impl Irp6FiveDof {
         Self {
             geometry: Geometry { d5: 0.095, ..Geometry::NOMINAL },
             transmission: nominal_transmission([-15.9, -5.0, -8.527, 151.31, 314.665, 0.0]),
-            X_WB: Pose::identity(),
-            X_BW: Pose::identity(),
+            base: Base::default(),
             limits: Limits {
                 lower: five(&arm.lower),
                 upper: five(&arm.upper),
@@ -96,7 +94,7 @@ impl Irp6FiveDof {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_base(self, X_WB: Pose) -> Self {
-        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+        Self { base: Base::at(X_WB), ..self }
     }
 
     /// The pose nearest to `X_WF` that five joints can attain: the same point, the tool axis turned the least into the
@@ -106,7 +104,7 @@ impl Irp6FiveDof {
     /// [`NoInverse::Singular`] when the axis is perpendicular to the plane, or the point lies on the column's axis.
     #[allow(non_snake_case)]
     pub fn upright(&self, X_WF: &Pose) -> Result<Pose, NoInverse> {
-        let X_BF = self.X_BW * X_WF;
+        let X_BF = self.base.X_BW * X_WF;
         let p = X_BF.translation.vector;
         let axis = X_BF.rotation * Vector3::z();
         let aside = Unit::try_new(Vector3::new(-p.y, p.x, 0.0), SHOULDER_SINGULAR)
@@ -116,7 +114,7 @@ impl Irp6FiveDof {
             .filter(|_| within.norm() > 1e-9)
             .ok_or(NoInverse::Singular { name: "tool across the arm's plane" })?;
         let rotation = UnitQuaternion::from_rotation_matrix(&turn) * X_BF.rotation;
-        Ok(self.X_WB * Pose::from_parts(X_BF.translation, rotation))
+        Ok(self.base.X_WB * Pose::from_parts(X_BF.translation, rotation))
     }
 
     /// The arm's gears and screws; there is no motor N.
@@ -203,13 +201,13 @@ impl Robot for Irp6FiveDof {
         let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
         let (sine, cosine) = (FRAC_1_SQRT_2 * h5.0, FRAC_1_SQRT_2 * h5.1);
         let roll = Quaternion::new(-sine, cosine, -sine, cosine);
-        self.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(arm * roll))
+        self.base.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(arm * roll))
     }
 
     /// Visits the frames `X_WL` that the links carry, from base to flange: B, shoulder, elbow, T, end of d6, flange.
     fn frames(&self, q: &Five, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        let shoulder = self.X_WB * Translation3::new(0.0, 0.0, Self::D1);
+        visit(&self.base.X_WB);
+        let shoulder = self.base.X_WB * Translation3::new(0.0, 0.0, Self::D1);
         self.geometry.links(&with_sixth(q), &mut |link| visit(&(shoulder * link)));
         visit(&self.forward(q));
     }
@@ -217,7 +215,7 @@ impl Robot for Irp6FiveDof {
     /// Shoulder in front and elbow up, as the linkages force it.
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Five) -> Result<Five, NoInverse> {
-        self.solve(&(self.X_BW * X_WF), false, Elbow::Up, near)
+        self.solve(&(self.base.X_BW * X_WF), false, Elbow::Up, near)
     }
 }
 
@@ -229,13 +227,13 @@ impl Kinematics<5> for Irp6FiveDof {
     }
 
     fn jacobian(&self, q: &Five) -> Jacobian<5> {
-        let arm = self.geometry.jacobian(&with_sixth(q), &self.X_WB.rotation);
+        let arm = self.geometry.jacobian(&with_sixth(q), &self.base.X_WB.rotation);
         arm.fixed_columns::<5>(0).into_owned()
     }
 
     #[allow(non_snake_case)]
     fn solutions(&self, X_WF: &Pose, near: &Five, visit: &mut dyn FnMut(&Five)) -> Result<(), NoInverse> {
-        let X_BF = self.X_BW * X_WF;
+        let X_BF = self.base.X_BW * X_WF;
         let (mut refused, mut any) = (None, false);
         for back in [false, true] {
             for elbow in [Elbow::Up, Elbow::Down] {

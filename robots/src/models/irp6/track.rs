@@ -30,19 +30,18 @@ use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 use super::arm::{Irp6, arm_shafts, nominal_transmission, transmission};
 use super::links::Geometry;
 use super::transmission::{Linear, Transmission};
+use crate::models::base::Base;
 use crate::models::drives::{Driven, Gains, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column};
 use crate::models::vectors::{Seven, Six};
 
 /// An IRp-6 arm on its track, without gripper.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(non_snake_case)]
 pub struct Irp6Track {
     geometry: Geometry,
     track: Linear,
     transmission: Transmission,
-    X_WB: Pose,
-    X_BW: Pose,
+    base: Base,
     limits: Limits<Seven>,
 }
 
@@ -111,8 +110,7 @@ impl Irp6Track {
             geometry,
             track: Linear { synchro, gear: Self::TRACK_GEAR, offset: 0.0 },
             transmission,
-            X_WB: Pose::identity(),
-            X_BW: Pose::identity(),
+            base: Base::default(),
             limits: Limits {
                 lower: with(-0.125, &arm.lower),
                 upper: with(1.21, &arm.upper),
@@ -142,7 +140,7 @@ impl Irp6Track {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_base(self, X_WB: Pose) -> Self {
-        Self { X_WB, X_BW: X_WB.inverse(), ..self }
+        Self { base: Base::at(X_WB), ..self }
     }
 
     /// The arm's gears and screws, behind the track's.
@@ -236,14 +234,14 @@ impl Robot for Irp6Track {
     }
 
     fn forward(&self, q: &Seven) -> Pose {
-        self.X_WB * shifted(&self.geometry.flange(&arm_of(q)), q[0])
+        self.base.X_WB * shifted(&self.geometry.flange(&arm_of(q)), q[0])
     }
 
     /// Visits the frames `X_WL` that the links carry, from base to flange: B, carriage, then the arm's as
     /// [`Irp6::frames`] lists them from the shoulder on.
     fn frames(&self, q: &Seven, visit: &mut dyn FnMut(&Pose)) {
-        visit(&self.X_WB);
-        let carriage = self.X_WB * Translation3::new(0.0, q[0], 0.0);
+        visit(&self.base.X_WB);
+        let carriage = self.base.X_WB * Translation3::new(0.0, q[0], 0.0);
         visit(&carriage);
         self.geometry.links(&arm_of(q), &mut |link| visit(&(carriage * link)));
         visit(&self.forward(q));
@@ -251,7 +249,7 @@ impl Robot for Irp6Track {
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Seven) -> Result<Seven, NoInverse> {
-        let X_BF = self.X_BW * X_WF;
+        let X_BF = self.base.X_BW * X_WF;
         match self.arm_at(&X_BF, near[0], near) {
             Ok(arm) => Ok(joined(near[0], &arm)),
             Err(why) => {
@@ -267,7 +265,7 @@ impl Robot for Irp6Track {
     /// As [`Irp6`]: nothing is moved to make the pose reachable.
     #[allow(non_snake_case)]
     fn inverse_at(&self, X_WF: &Pose, redundancy: f64, near: &Seven) -> Result<Seven, NoInverse> {
-        self.arm_at(&(self.X_BW * X_WF), redundancy, near).map(|arm| joined(redundancy, &arm))
+        self.arm_at(&(self.base.X_BW * X_WF), redundancy, near).map(|arm| joined(redundancy, &arm))
     }
 }
 
@@ -279,16 +277,16 @@ impl Kinematics<7> for Irp6Track {
     }
 
     fn jacobian(&self, q: &Seven) -> Jacobian<7> {
-        let arm = self.geometry.jacobian(&arm_of(q), &self.X_WB.rotation);
+        let arm = self.geometry.jacobian(&arm_of(q), &self.base.X_WB.rotation);
         let mut jacobian = Jacobian::<7>::zeros();
-        jacobian.set_column(0, &column(&(self.X_WB.rotation * Vector3::y()), &Vector3::zeros()));
+        jacobian.set_column(0, &column(&(self.base.X_WB.rotation * Vector3::y()), &Vector3::zeros()));
         jacobian.fixed_columns_mut::<6>(1).copy_from(&arm);
         jacobian
     }
 
     #[allow(non_snake_case)]
     fn solutions(&self, X_WF: &Pose, near: &Seven, visit: &mut dyn FnMut(&Seven)) -> Result<(), NoInverse> {
-        let X_BF = self.X_BW * X_WF;
+        let X_BF = self.base.X_BW * X_WF;
         let at = |track: f64, visit: &mut dyn FnMut(&Seven)| {
             let mut visit_arm = |arm: &Six| visit(&joined(track, arm));
             self.geometry.solutions(&shifted(&X_BF, -track), &arm_of(near), &mut visit_arm)
