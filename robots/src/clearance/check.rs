@@ -75,7 +75,8 @@ impl Clearance {
     /// [`CheckError`], but never that something is too close.
     pub fn nearest(&mut self, states: &[RobotView]) -> Result<Nearest, CheckError> {
         for robot in &mut self.robots {
-            let (joints, robot_name) = (state_of(states, robot)?.demanded.joints, robot.name);
+            let joints = state_of(states, robot)?.demanded.joints;
+            let robot_name = robot.name;
             if !robot.stand(&joints, None) {
                 return Err(CheckError::NoPosture { robot: robot_name });
             }
@@ -96,7 +97,8 @@ impl Clearance {
         joints_of: impl Fn(usize) -> Option<&'a [f64]>,
     ) -> Result<Nearest, CheckError> {
         for (i, robot) in self.robots.iter_mut().enumerate() {
-            let (mut joints, robot_name) = ([0.0; MAX_JOINTS], robot.name);
+            let mut joints = [0.0; MAX_JOINTS];
+            let robot_name = robot.name;
             let given = joints_of(i).ok_or(CheckError::Missing { robot: robot_name })?;
             joints.iter_mut().zip(given).for_each(|(place, value)| *place = *value);
             if !robot.stand(&joints, None) {

@@ -46,7 +46,9 @@ impl Gap {
 /// The points of two segments that are nearest to one another; of parallel ones, one such pair.
 fn nearest_points([a1, b1]: &[Vector3<f64>; 2], [a2, b2]: &[Vector3<f64>; 2]) -> [Vector3<f64>; 2] {
     let (d1, d2, r) = (b1 - a1, b2 - a2, a1 - a2);
-    let (aa, bb, ab) = (d1.norm_squared(), d2.norm_squared(), d1.dot(&d2));
+    let aa = d1.norm_squared();
+    let bb = d2.norm_squared();
+    let ab = d1.dot(&d2);
     let (ar, br) = (d1.dot(&r), d2.dot(&r));
     let inside = |part: f64, whole: f64| if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 };
     // Of parallel segments every s will do; a part of 1e-14 of the product is round-off.

@@ -58,7 +58,8 @@ impl Obstacle {
             Obstacle::HalfSpace { normal, height } => {
                 let heights = capsule.ends.map(|end| normal.dot(&end) - height);
                 let lower = usize::from(heights[1] < heights[0]);
-                let (end, above) = (capsule.ends[lower], heights[lower]);
+                let end = capsule.ends[lower];
+                let above = heights[lower];
                 let points = [end - normal * capsule.radius, end - normal * above];
                 Gap { distance: above - capsule.radius, points }
             }
@@ -92,7 +93,8 @@ fn nearest_to_box(a: &Vector3<f64>, d: &Vector3<f64>, half: &Vector3<f64>) -> Ve
         let p = a + d * t;
         d.dot(&(p - onto_box(&p, half)))
     };
-    let (mut low, mut high) = ((0.0, slope(0.0)), (1.0, slope(1.0)));
+    let mut low = (0.0, slope(0.0));
+    let mut high = (1.0, slope(1.0));
     if low.1 >= 0.0 {
         return *a;
     }

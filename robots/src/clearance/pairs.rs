@@ -140,7 +140,9 @@ fn spread(placement: &Placement, sample: usize) -> Joints {
     const PRIMES: [usize; MAX_JOINTS] = [2, 3, 5, 7, 11, 13, 17, 19];
     placement.shape().between_limits(&|joint| {
         let prime = PRIMES[joint % MAX_JOINTS];
-        let (mut index, mut part, mut digit) = (sample, 0.0, 1.0);
+        let mut index = sample;
+        let mut part = 0.0;
+        let mut digit = 1.0;
         while index > 0 {
             digit /= prime as f64;
             part += digit * (index % prime) as f64;

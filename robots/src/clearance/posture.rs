@@ -62,9 +62,11 @@ impl<O: Outline> Shape for O {
         const TURN: f64 = core::f64::consts::PI;
         let limits = self.robot().limits();
         let q: <O::Robot as Robot>::Joints = JointVector::from_joints(|i| {
-            let (mut lower, mut upper) = (limits.lower[i], limits.upper[i]);
+            let mut lower = limits.lower[i];
+            let mut upper = limits.upper[i];
             if self.robot().joint(i) == mrroc::JointKind::Revolute && lower < -TURN && upper > TURN {
-                (lower, upper) = (-TURN, TURN);
+                lower = -TURN;
+                upper = TURN;
             }
             lower + (upper - lower) * part(i)
         });

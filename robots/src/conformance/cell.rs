@@ -106,7 +106,8 @@ pub fn ticks_once_a_period<R: Robot, D: Driver<R> + 'static>(
         outcome.run().map_err(|why| Violation(format!("steps of {step:?}: {why}")))?;
         let counts = counts.borrow();
         for pair in counts.windows(2) {
-            let (ticks, due) = (pair[1] - pair[0], u64::from(steps * periods));
+            let ticks = pair[1] - pair[0];
+            let due = u64::from(steps * periods);
             ensure(ticks == due, || format!("{ticks} ticks in {steps} steps of {step:?}, {due} are due"))?;
         }
     }
@@ -149,7 +150,8 @@ impl<R: Robot> Sway<R> {
     fn from(robot: &R, start: &R::Joints, until: f64) -> Self {
         let limits = robot.limits();
         let way = R::Joints::from_joints(|i| {
-            let (up, down) = (limits.upper[i] - start[i], start[i] - limits.lower[i]);
+            let up = limits.upper[i] - start[i];
+            let down = start[i] - limits.lower[i];
             let most = (limits.velocity[i] * DURATION / 16.0)
                 .min(limits.acceleration[i] * DURATION * DURATION / (16.0 * TAU));
             if up > down { most.min(0.1 * up) } else { -most.min(0.1 * down) }

@@ -68,12 +68,14 @@ pub fn follows_slowly<R: Robot, D: Driver<R>>(
         let mut driver = make();
         let period = period(&driver);
         // Amplitude a and frequency w with a w = velocity / 4 and a w^2 = acceleration / 4, within a tenth of the range.
-        let (v, a) = (0.25 * limits.velocity[joint], 0.25 * limits.acceleration[joint]);
+        let v = 0.25 * limits.velocity[joint];
+        let a = 0.25 * limits.acceleration[joint];
         let room = (limits.upper[joint] - start[joint]).min(start[joint] - limits.lower[joint]);
         let amplitude = (v * v / a).min(0.1 * room);
         let frequency = (a / amplitude).sqrt().min(v / amplitude);
         let ticks = (TAU / (frequency * period)).ceil() as usize;
-        let (mut worst, mut demanded) = (0.0_f64, *start);
+        let mut worst = 0.0_f64;
+        let mut demanded = *start;
         for k in 1..=ticks {
             let phase = (TAU * k as f64 / ticks as f64).cos();
             demanded[joint] = start[joint] + 0.5 * amplitude * (1.0 - phase);
@@ -180,7 +182,8 @@ pub fn is_deterministic<R: Robot, D: Driver<R>>(
     make: impl Fn() -> D,
     start: &R::Joints,
 ) -> Result<(), Violation> {
-    let (mut first, mut second) = (make(), make());
+    let mut first = make();
+    let mut second = make();
     let limits = robot.limits();
     let period = period(&first);
     for k in 0..1_000_u32 {
@@ -188,7 +191,8 @@ pub fn is_deterministic<R: Robot, D: Driver<R>>(
         let demanded = R::Joints::from_joints(|i| {
             start[i] + 0.1 * rise * limits.velocity[i].min(limits.acceleration[i])
         });
-        let (a, b) = (first.tick(&demanded), second.tick(&demanded));
+        let a = first.tick(&demanded);
+        let b = second.tick(&demanded);
         ensure(a == b, || format!("tick {k}: {a:?} and {b:?}"))?;
     }
     Ok(())

@@ -86,7 +86,8 @@ pub fn searches_alike<R: Robot, H: Homing<R>>(
             let (ticks, drives) = searched(make(start))?.map_err(|fault| Violation(fault.to_string()))?;
             Ok::<_, Violation>((ticks, drives.measured()))
         };
-        let (one, other) = (run()?, run()?);
+        let one = run()?;
+        let other = run()?;
         ensure(one == other, || format!("{one:?} and {other:?}"))?;
     }
     Ok(())

@@ -79,7 +79,8 @@ pub fn inverse_returns_poses<const N: usize, R: Kinematics<N>>(
     count: usize,
 ) -> Result<(), Violation> {
     let mut random = Random(SEED);
-    let (mut worst, mut refused) = (0.0_f64, 0_usize);
+    let mut worst = 0.0_f64;
+    let mut refused = 0_usize;
     for _ in 0..count {
         let q = attainable(robot, &mut random)?;
         let pose = robot.forward(&q);
@@ -174,12 +175,14 @@ pub fn jacobian_is_the_derivative<const N: usize, R: Kinematics<N>>(
             let central = |h: f64| {
                 let mut step = SVector::<f64, N>::zeros();
                 step[i] = h;
-                let (after, before) = (robot.forward(&(q + step)), robot.forward(&(q - step)));
+                let after = robot.forward(&(q + step));
+                let before = robot.forward(&(q - step));
                 let linear = (after.translation.vector - before.translation.vector) / (2.0 * h);
                 (linear, (after.rotation * before.rotation.inverse()).scaled_axis() / (2.0 * h))
             };
             // Two steps cancel the error of the third derivative.
-            let ((linear, angular), (wide_linear, wide_angular)) = (central(H), central(2.0 * H));
+            let (linear, angular) = central(H);
+            let (wide_linear, wide_angular) = central(2.0 * H);
             let linear = (linear * 4.0 - wide_linear) / 3.0;
             let angular = (angular * 4.0 - wide_angular) / 3.0;
             let size = 1.0 + jacobian.column(i).amax();

@@ -156,7 +156,9 @@ pub(crate) fn check_motors<const N: usize>(
     to: &SVector<f64, N>,
     duration: f64,
 ) -> Result<(), CoupledLimit> {
-    let (before, after, limits) = (robot.motors(from), robot.motors(to), robot.motor_limits());
+    let before = robot.motors(from);
+    let after = robot.motors(to);
+    let limits = robot.motor_limits();
     for i in 0..N {
         let (lower, upper) = (limits.lower[i], limits.upper[i]);
         let limit = if after[i] < lower { lower } else { upper };
@@ -166,7 +168,8 @@ pub(crate) fn check_motors<const N: usize>(
         }
         let speed = (after[i] - before[i]).abs() / duration;
         if speed > limits.speed {
-            let (what, limit) = ("speed of the motor", limits.speed);
+            let what = "speed of the motor";
+            let limit = limits.speed;
             return Err(CoupledLimit { joint: i, what, actual: speed, limit, unit: "rad/s" });
         }
     }

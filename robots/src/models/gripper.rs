@@ -151,7 +151,8 @@ impl Driven<1> for Gripper {
     }
 
     fn shafts(&self, angles: &One, speeds: &One) -> Shafts<1> {
-        let ([at_zero, b, c], m) = (OPENING, angles[0]);
+        let [at_zero, b, c] = OPENING;
+        let m = angles[0];
         let position = One::new(at_zero - (b + c * m) * m);
         let velocity = speeds * -(b + 2.0 * c * m);
         Shafts { joints: Measured { position, velocity }, loads: One::zeros() }

@@ -120,7 +120,8 @@ pub(crate) fn column(linear: &Vector3<f64>, angular: &Vector3<f64>) -> SVector<f
 #[allow(non_snake_case)]
 pub(crate) fn way_along_x(X_BF: &Pose, off: f64) -> Result<f64, NoInverse> {
     let p = X_BF.translation.vector;
-    let (aside, turn) = (p.y.hypot(p.z), X_BF.rotation.angle());
+    let aside = p.y.hypot(p.z);
+    let turn = X_BF.rotation.angle();
     let refused = |what, actual, unit| Err(NoInverse::NotAttainable { what, actual, tolerance: off, unit });
     let on_line = p.x.is_finite() && aside <= off;
     if !on_line {

@@ -125,7 +125,8 @@ impl OrthoParallel {
     pub(crate) fn forward(&self, q: &Joints) -> Pose {
         let [o1, o2, o23, o4, o5, o6] = self.offsets;
         let theta23 = q[1] + self.third * q[2] + o23;
-        let (theta4, theta6) = (q[3] + o4, q[5] + o6);
+        let theta4 = q[3] + o4;
+        let theta6 = q[5] + o6;
         let [h1, h23, h5, plus, minus, (s2, c2)] = sin_cos([
             0.5 * (q[0] + o1),
             0.5 * theta23,
@@ -136,7 +137,8 @@ impl OrthoParallel {
         ]);
         let ((s1, c1), (s23, c23)) = (doubled(h1), doubled(h23));
         let (sine, cosine) = self.delta_sin_cos;
-        let (s3, c3) = (s23 * cosine + c23 * sine, c23 * cosine - s23 * sine);
+        let s3 = s23 * cosine + c23 * sine;
+        let c3 = c23 * cosine - s23 * sine;
         let forward = self.a1 + self.l * s2 + self.k * s3;
         let centre =
             Vector3::new(forward * c1 - self.b * s1, forward * s1 + self.b * c1, self.l * c2 + self.k * c3);
@@ -162,7 +164,8 @@ impl OrthoParallel {
     pub(crate) fn inverse(&self, X_WF: &Pose, near: &Joints) -> Result<Joints, NoInverse> {
         let wanted = self.wanted(X_WF);
         let [(s1, c1), (s2, c2)] = sin_cos([near[0] + self.offsets[0], near[1] + self.offsets[1]]);
-        let (at1, at2) = (Direction { sine: s1, cosine: c1 }, Direction { sine: s2, cosine: c2 });
+        let at1 = Direction { sine: s1, cosine: c1 };
+        let at2 = Direction { sine: s2, cosine: c2 };
         let shoulders =
             self.shoulders(&wanted.centre, at1).ok_or_else(|| self.out_of_reach(&wanted.centre))?;
         let (shoulder, other_shoulder) = nearer_first(shoulders, |shoulder| shoulder.theta1.along(at1));
@@ -212,7 +215,8 @@ impl OrthoParallel {
     ) -> Result<(), NoInverse> {
         let wanted = self.wanted(X_WF);
         let refused = || self.out_of_reach(&wanted.centre);
-        let (at1, at2) = (Direction::of(near[0] + self.offsets[0]), Direction::of(near[1] + self.offsets[1]));
+        let at1 = Direction::of(near[0] + self.offsets[0]);
+        let at2 = Direction::of(near[1] + self.offsets[1]);
         let mut none = true;
         for shoulder in distinct(&self.shoulders(&wanted.centre, at1).ok_or_else(refused)?) {
             let Some(elbows) = self.elbows(shoulder, wanted.centre.z, at2) else { continue };
@@ -270,7 +274,8 @@ impl OrthoParallel {
         if square < CENTRE_SINGULAR * CENTRE_SINGULAR {
             return Some([Shoulder { theta1: at, forward: x * at.cosine + y * at.sine }; 2]);
         }
-        let (root, inverse) = (under_root.max(0.0).sqrt(), 1.0 / square);
+        let root = under_root.max(0.0).sqrt();
+        let inverse = 1.0 / square;
         let shoulder = |forward: f64| Shoulder {
             theta1: Direction {
                 sine: (forward * y - b * x) * inverse,
@@ -306,7 +311,8 @@ impl OrthoParallel {
             return Some([elbow(at); 2]);
         }
         let along = 0.5 * (square + (l - k) * (l + k)) / l;
-        let (root, inverse) = (0.5 * heron.max(0.0).sqrt() / l, 1.0 / square);
+        let root = 0.5 * heron.max(0.0).sqrt() / l;
+        let inverse = 1.0 / square;
         let upper = |root: f64| {
             elbow(Direction {
                 sine: (along * across - root * height) * inverse,
@@ -321,15 +327,19 @@ impl OrthoParallel {
     #[inline(always)]
     fn joints(&self, wanted: &Wanted, shoulder: &Shoulder, elbow: &Elbow, near: &Joints) -> [Joints; 2] {
         let [o1, o2, o23, o4, o5, o6] = self.offsets;
-        let (theta1, phi3) = (shoulder.theta1, elbow.phi3);
+        let theta1 = shoulder.theta1;
+        let phi3 = elbow.phi3;
         let (sine, cosine) = self.delta_sin_cos;
-        let (s23, c23) = (phi3.sine * cosine - phi3.cosine * sine, phi3.cosine * cosine + phi3.sine * sine);
+        let s23 = phi3.sine * cosine - phi3.cosine * sine;
+        let c23 = phi3.cosine * cosine + phi3.sine * sine;
         // Columns of R_z(theta4) R_y(theta5) R_z(theta6).
         let [x, y, z] = &wanted.columns;
         let forward = |v: &Vector3<f64>| theta1.cosine * v.x + theta1.sine * v.y;
         let aside = |v: &Vector3<f64>| theta1.cosine * v.y - theta1.sine * v.x;
         let first = |v: &Vector3<f64>| c23 * forward(v) - s23 * v.z;
-        let (z0, z1, z2) = (first(z), aside(z), s23 * forward(z) + c23 * z.z);
+        let z0 = first(z);
+        let z1 = aside(z);
+        let z2 = s23 * forward(z) + c23 * z.z;
         let across = (z0 * z0 + z1 * z1).sqrt();
         let singular = across < WRIST_SINGULAR;
         let theta4 = if singular {
@@ -345,7 +355,9 @@ impl OrthoParallel {
         );
         let q2 = phi2 - o2;
         let q3 = self.third * (phi3 - self.delta - o23 - q2);
-        let (q4, q5, q6) = (theta4 - o4, theta5 - o5, theta6 - o6);
+        let q4 = theta4 - o4;
+        let q5 = theta5 - o5;
+        let q6 = theta6 - o6;
         let arm = [closest(q1 - o1, near[0]), closest(q2, near[1]), closest(q3, near[2])];
         let with = |q4, q5, q6| {
             let wrist = [closest(q4, near[3]), closest(q5, near[4]), closest(q6, near[5])];
@@ -382,7 +394,8 @@ fn nearest([a, b]: [Joints; 2], near: &Joints) -> (Joints, f64) {
         let square = |i: usize| (q[i] - near[i]) * (q[i] - near[i]);
         square(0) + square(1) + square(2) + square(3) + square(4) + square(5)
     };
-    let (off_a, off_b) = (off(&a), off(&b));
+    let off_a = off(&a);
+    let off_b = off(&b);
     if off_b < off_a { (b, off_b) } else { (a, off_a) }
 }
 

@@ -161,7 +161,7 @@ impl Polycrank {
             };
         }
         let stretched = NoInverse::Singular { name: "stretched arms" };
-        let q = heading.between((u, kept), &best.ok_or(stretched)?, elbows, near);
+        let q = heading.between(u, kept, &best.ok_or(stretched)?, elbows, near);
         // The range of u that near lies in has vanished: going on would be a jump into another.
         if (q - near).norm_squared() > JUMP * JUMP && self.is_beside(X_WF, near) {
             Err(stretched)
@@ -211,11 +211,13 @@ impl Robot for Polycrank {
     fn forward(&self, q: &Seven) -> Pose {
         let (q12, q45) = (q[0] + q[1], q[3] + q[4]);
         let (phi, psi) = (q12 + q[2], q45 + q[5]);
-        let (sum, difference) = (0.5 * (phi + q[6]), 0.5 * (phi - q[6]));
+        let sum = 0.5 * (phi + q[6]);
+        let difference = 0.5 * (phi - q[6]);
         let [(s1, c1), (s12, c12), (s4, c4), (s45, c45), (sp, cp), h, plus, minus] =
             sin_cos([q[0], q12, q[3], q45, phi, 0.5 * psi, sum, difference]);
         let (ss, cs) = doubled(h);
-        let (u, v) = (L * (c4 + c45) + TIP * ss, L * (s4 + s45) - TIP * cs);
+        let u = L * (c4 + c45) + TIP * ss;
+        let v = L * (s4 + s45) - TIP * cs;
         let position = Translation3::new(
             A1 * c1 + A2 * c12 + u * cp + ASIDE * sp,
             A1 * s1 + A2 * s12 + u * sp - ASIDE * cp,
@@ -276,9 +278,13 @@ impl Kinematics<7> for Polycrank {
     fn jacobian(&self, q: &Seven) -> Jacobian<7> {
         let (phi, psi) = (q[0] + q[1] + q[2], q[3] + q[4] + q[5]);
         let ((sp, cp), (ss, cs)) = (phi.sin_cos(), psi.sin_cos());
-        let ((s1, c1), (s12, c12)) = (q[0].sin_cos(), (q[0] + q[1]).sin_cos());
-        let ((s4, c4), (s45, c45)) = (q[3].sin_cos(), (q[3] + q[4]).sin_cos());
-        let (e, k, m) = (Vector3::new(cp, sp, 0.0), Vector3::z(), Vector3::new(sp, -cp, 0.0));
+        let (s1, c1) = q[0].sin_cos();
+        let (s12, c12) = (q[0] + q[1]).sin_cos();
+        let (s4, c4) = q[3].sin_cos();
+        let (s45, c45) = (q[3] + q[4]).sin_cos();
+        let e = Vector3::new(cp, sp, 0.0);
+        let k = Vector3::z();
+        let m = Vector3::new(sp, -cp, 0.0);
         // From each axis to the flange.
         let from6 = TIP * (ss * e - cs * k);
         let from5 = from6 + L * (c45 * e + s45 * k);
@@ -299,7 +305,8 @@ impl Kinematics<7> for Polycrank {
     fn solutions(&self, X_WF: &Pose, near: &Seven, visit: &mut dyn FnMut(&Seven)) -> Result<(), NoInverse> {
         let first = Heading::of(&(self.base.X_BW * X_WF), near)?;
         let (u, _) = stretch_and_elbows(near);
-        let (mut refused, mut any) = (None, false);
+        let mut refused = None;
+        let mut any = false;
         for heading in [Some(first), first.other()].into_iter().flatten() {
             match heading.ranges() {
                 Ok(ranges) => {
@@ -307,7 +314,7 @@ impl Kinematics<7> for Polycrank {
                         let kept = heading.member(u, elbows, near);
                         let q = if kept.share() > 0.0 {
                             let least = heading.settle(&ranges, u, elbows, near);
-                            least.map(|least| heading.between((u, &kept), &least, elbows, near))
+                            least.map(|least| heading.between(u, &kept, &least, elbows, near))
                         } else {
                             Some(kept.q)
                         };
@@ -338,10 +345,13 @@ impl Driven<7> for Polycrank {
     }
 
     fn shafts(&self, angles: &Seven, speeds: &Seven) -> Shafts<7> {
-        let (q, qdot) = (angles / Self::GEAR, speeds / Self::GEAR);
+        let q = angles / Self::GEAR;
+        let qdot = speeds / Self::GEAR;
         // Each moment turns with all joints before it, so each joint carries those behind it.
         let [m4, m5, m6] = Self::GRAVITY_MOMENT;
-        let (g4, g5, g6) = (m4 * q[3].cos(), m5 * (q[3] + q[4]).cos(), m6 * (q[3] + q[4] + q[5]).cos());
+        let g4 = m4 * q[3].cos();
+        let g5 = m5 * (q[3] + q[4]).cos();
+        let g6 = m6 * (q[3] + q[4] + q[5]).cos();
         let share = GRAVITY / Self::GEAR;
         let loads = Seven::from([0.0, 0.0, 0.0, share * (g4 + g5 + g6), share * (g5 + g6), share * g6, 0.0]);
         Shafts { joints: Measured { position: q, velocity: qdot }, loads }

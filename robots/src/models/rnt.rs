@@ -138,13 +138,14 @@ impl Rnt {
         Some(Six::new(theta[0], q2, q3, theta[3], theta[4], theta[5]))
     }
 
-    /// The two wrists for a flange turned by `R_BF`, the arm at theta1 and the forearm at `forearm`: first with sin q5
+    /// The two wrists for a flange turned by `R_BF`, the column turned by theta1 (cosine `c1`, sine `s1`) and the forearm at `forearm`: first with sin q5
     /// >= 0; one alone on the singularity, which keeps q4.
     #[inline]
     #[allow(non_snake_case)]
     fn wrists(
         R_BF: &nalgebra::Matrix3<f64>,
-        (c1, s1): (f64, f64),
+        c1: f64,
+        s1: f64,
         forearm: &Vector2<f64>,
         near: &Six,
     ) -> [Option<Wrist>; 2] {
@@ -186,7 +187,8 @@ impl Rnt {
         if distance.is_nan() || distance < SHOULDER_SINGULAR {
             return Err(NoInverse::Singular { name: "shoulder" });
         }
-        let (c1, s1) = (side * centre.x / distance, side * centre.y / distance);
+        let c1 = side * centre.x / distance;
+        let s1 = side * centre.y / distance;
         let reach = Vector2::new(side * distance - A1, centre.z - D1);
         let square = reach.norm_squared();
         let along = (square + A2 * A2 - A3 * A3) / (2.0 * square);
@@ -199,7 +201,7 @@ impl Rnt {
         let forearm = (reach - upper * A2) * (1.0 / A3);
         let (q2, q3) = Linkage::lengths(&upper, &forearm)?;
         let theta1 = s1.atan2(c1);
-        for wrist in Self::wrists(r, (c1, s1), &forearm, near).into_iter().flatten() {
+        for wrist in Self::wrists(r, c1, s1, &forearm, near).into_iter().flatten() {
             visit(&Six::new(
                 closest(theta1, near[0]),
                 q2,
@@ -259,7 +261,8 @@ impl Robot for Rnt {
         let c4 = plus.1 * minus.1 - plus.0 * minus.0;
         // Half of the angle pi/2 - theta3, whose cosine and sine are the forearm's upward and forward parts, as a
         // direction whose length is divided off at the end, meanwhile computed.
-        let (square, part) = (0.5 * (1.0 + forearm.y.abs()), 0.5 * forearm.x);
+        let square = 0.5 * (1.0 + forearm.y.abs());
+        let part = 0.5 * forearm.x;
         let shorten = square.sqrt() * (1.0 / square);
         let (half_cosine, half_sine) =
             if forearm.y >= 0.0 { (square, part) } else { (part.abs(), square.copysign(part)) };
@@ -287,7 +290,8 @@ impl Robot for Rnt {
                 let turn = Pose::rotation(Vector3::y() * -x.y.atan2(x.x));
                 arm * Translation3::new(A1 + point.x, 0.0, D1 + point.y) * turn
             };
-            let (elbow, tip) = (linkage.upper * A2, linkage.rocker * ROCKER);
+            let elbow = linkage.upper * A2;
+            let tip = linkage.rocker * ROCKER;
             visit(&at(Vector2::zeros(), &linkage.upper));
             visit(&at(tip, &linkage.rod));
             visit(&at(elbow - linkage.forearm * TAIL, &linkage.forearm));
@@ -322,9 +326,12 @@ impl Kinematics<6> for Rnt {
         let Some(linkage) = Linkage::of(q[1], q[2]) else {
             return Jacobian::repeat(f64::NAN);
         };
-        let ((s1, c1), (s4, c4), (s5, c5)) = (q[0].sin_cos(), q[3].sin_cos(), q[4].sin_cos());
+        let (s1, c1) = q[0].sin_cos();
+        let (s4, c4) = q[3].sin_cos();
+        let (s5, c5) = q[4].sin_cos();
         let plane = |v: &Vector2<f64>| Vector3::new(c1 * v.x, s1 * v.x, v.y);
-        let (along, down) = (plane(&linkage.forearm), -plane(&left(&linkage.forearm)));
+        let along = plane(&linkage.forearm);
+        let down = -plane(&left(&linkage.forearm));
         let aside = Vector3::new(-s1, c1, 0.0);
         let z_f = c4 * s5 * down + s4 * s5 * aside + c5 * along;
         let tip = D6 * z_f;
@@ -352,7 +359,8 @@ impl Kinematics<6> for Rnt {
     #[allow(non_snake_case)]
     fn solutions(&self, X_WF: &Pose, near: &Six, visit: &mut dyn FnMut(&Six)) -> Result<(), NoInverse> {
         let X_BF = self.base.X_BW * X_WF;
-        let (mut refused, mut any) = (None, false);
+        let mut refused = None;
+        let mut any = false;
         for (side, elbow) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
             let mut visit = |q: &Six| {
                 any = true;
@@ -382,12 +390,14 @@ impl Driven<6> for Rnt {
     /// The weight reaches the actuators through the linkages: by the principle of virtual work.
     fn shafts(&self, angles: &Six, speeds: &Six) -> Shafts<6> {
         let gears = Six::from(Self::GEARS);
-        let (q, velocity) = (angles.component_div(&gears), speeds.component_div(&gears));
+        let q = angles.component_div(&gears);
+        let velocity = speeds.component_div(&gears);
         let mut loads = Six::zeros();
         if let Some(linkage) = Linkage::of(q[1], q[2]) {
             let (theta2, theta3_by_2, theta3_by_3) = linkage.rates(q[1], q[2]);
             let [m2, m3] = Self::GRAVITY_MOMENT;
-            let (upper, forearm) = (GRAVITY * m2 * linkage.upper.x, GRAVITY * m3 * linkage.forearm.x);
+            let upper = GRAVITY * m2 * linkage.upper.x;
+            let forearm = GRAVITY * m3 * linkage.forearm.x;
             loads[1] = (upper * theta2 + forearm * theta3_by_2) / Self::GEARS[1];
             loads[2] = forearm * theta3_by_3 / Self::GEARS[2];
         }

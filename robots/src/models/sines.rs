@@ -95,7 +95,8 @@ fn by_platform(angle: f64) -> (f64, f64) {
 #[inline(always)]
 fn reduced<const L: usize>(angles: [f64; L]) -> [(f64, f64); L] {
     // Two arrays: the compiler then fills each two or four entries at a time.
-    let (mut sines, mut cosines) = ([0.0; L], [0.0; L]);
+    let mut sines = [0.0; L];
+    let mut cosines = [0.0; L];
     for i in 0..L {
         let rounded = angles[i] * core::f64::consts::FRAC_2_PI + ROUNDER;
         let quadrant = rounded.to_bits();

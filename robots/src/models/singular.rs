@@ -40,7 +40,9 @@ pub(crate) fn singular_values<const N: usize>(jacobian: &SMatrix<f64, 6, N>, len
 /// Rotates two columns until they are perpendicular; whether that was needed.
 fn make_perpendicular(columns: &mut [[f64; MAX_JOINTS]; 6], i: usize, j: usize) -> bool {
     let (a, b) = (columns[i], columns[j]);
-    let (aa, bb, ab) = (dot(&a, &a), dot(&b, &b), dot(&a, &b));
+    let aa = dot(&a, &a);
+    let bb = dot(&b, &b);
+    let ab = dot(&a, &b);
     if ab.is_nan() || ab.abs() <= PERPENDICULAR * (aa * bb).sqrt() {
         return false;
     }

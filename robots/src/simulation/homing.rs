@@ -211,7 +211,9 @@ impl<const N: usize, R: Driven<N>> Homing<R> for Unhomed<R, N> {
         }
         self.stage = stage;
         if self.stage == Stage::Resting(REST) {
-            (self.motor, self.stage, self.way) = (self.motor + 1, Stage::Up, 0.0);
+            self.motor += 1;
+            self.stage = Stage::Up;
+            self.way = 0.0;
         }
         Ok(Search::Searching(self))
     }

@@ -66,8 +66,11 @@ impl Regulator {
     /// Largest pulse width either way \[pwm\], which is the full supply voltage (assumed: 8 bits and a sign).
     pub const PWM: f64 = 255.0;
 
-    /// Weights of the newest deviation and of the one before in `eps` where it integrates.
-    const WEIGHTS: (f64, f64) = (1.010, 0.990);
+    /// Weight of the newest deviation in `eps` where it integrates.
+    const NEWEST: f64 = 1.010;
+
+    /// Weight of the deviation before that one.
+    const BEFORE: f64 = 0.990;
 
     /// A regulator at rest that holds its load with the pulse width `holding` \[pwm\].
     #[must_use]
@@ -86,10 +89,9 @@ impl Regulator {
     pub fn choose(&mut self, set: RegulatorSet) {
         self.set = set;
         // What `eps` would be, had this set been at work all the time.
-        let (newest, before) = Self::WEIGHTS;
         self.error = match set {
             RegulatorSet::Usual | RegulatorSet::Soft => {
-                before * self.deviation + (newest - before) * self.following
+                Self::BEFORE * self.deviation + (Self::NEWEST - Self::BEFORE) * self.following
             }
             RegulatorSet::Springy => self.deviation,
         };
@@ -105,10 +107,10 @@ impl Regulator {
     #[must_use = "the pulse width drives the motor"]
     pub fn step(&mut self, deviation: f64, next: f64) -> f64 {
         let Gains { a, b0, b1, feedforward } = self.gains;
-        let (newest, before) = Self::WEIGHTS;
+        let integrated = self.error + Self::NEWEST * deviation - Self::BEFORE * self.deviation;
         let (share, error) = match self.set {
-            RegulatorSet::Usual => (1.0, self.error + newest * deviation - before * self.deviation),
-            RegulatorSet::Soft => (0.5, self.error + newest * deviation - before * self.deviation),
+            RegulatorSet::Usual => (1.0, integrated),
+            RegulatorSet::Soft => (0.5, integrated),
             RegulatorSet::Springy => (1.0, deviation),
         };
         let [newer, older] = self.outputs;

@@ -213,7 +213,8 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
     fn refusal(&self, motors: &SVector<f64, N>) -> Option<DriveFault> {
         let limits = self.robot.motor_limits();
         for (i, drive) in self.drives.iter().enumerate() {
-            let (angle, speed) = (motors[i], (motors[i] - drive.angle_demanded()) / PERIOD);
+            let angle = motors[i];
+            let speed = (motors[i] - drive.angle_demanded()) / PERIOD;
             let (lower, upper) = (limits.lower[i], limits.upper[i]);
             let fault = |what, actual, limit, unit| Some(DriveFault { joint: i, what, actual, limit, unit });
             if !angle.is_finite() || angle < lower {

@@ -278,7 +278,8 @@ impl Driven<6> for Irp6 {
 
 /// Joints and loads of the arm behind its transmission.
 pub(crate) fn arm_shafts(transmission: &Transmission, angles: &Six, speeds: &Six) -> Shafts<6> {
-    let (lower, upper) = (transmission.lower.link(angles[1]), transmission.upper.link(angles[2]));
+    let lower = transmission.lower.link(angles[1]);
+    let upper = transmission.upper.link(angles[2]);
     let joints = Measured {
         position: transmission.assemble(angles, &lower, &upper),
         velocity: transmission.joint_rates(speeds, &lower, &upper),
@@ -299,7 +300,8 @@ fn loads(lower: &LinkState, upper: &LinkState) -> [f64; 2] {
 
 /// The drives with the design's screws, from the synchronisation positions.
 pub(crate) fn nominal_transmission(synchro: [f64; 6]) -> Transmission {
-    let (lower, upper) = ([60902.55, -29346.68, 220.3374], [-44100.0, -51240.0, 183.8348]);
+    let lower = [60902.55, -29346.68, 220.3374];
+    let upper = [-44100.0, -51240.0, 183.8348];
     transmission(77895.25, lower, upper, synchro, [0.0; 3])
 }
 

@@ -146,7 +146,8 @@ impl Irp6FiveDof {
                 unit: "rad",
             });
         }
-        let (s4, c4) = (-r[(2, 2)], c1 * r[(0, 2)] + s1 * r[(1, 2)]);
+        let s4 = -r[(2, 2)];
+        let c4 = c1 * r[(0, 2)] + s1 * r[(1, 2)];
         let theta4 = s4.atan2(c4);
         let size = s4.hypot(c4);
         let (s4, c4) = (s4 / size, c4 / size);
@@ -199,7 +200,8 @@ impl Robot for Irp6FiveDof {
         let position = Translation3::new(c1 * rho, s1 * rho, Self::D1 - a2 * s2 - a3 * s3 - d6 * s4);
         // R_z(q1) R_y(theta4) (x -> z, y -> -y, z -> x) R_z(q5); the middle one is half a turn about x + z.
         let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
-        let (sine, cosine) = (FRAC_1_SQRT_2 * h5.0, FRAC_1_SQRT_2 * h5.1);
+        let sine = FRAC_1_SQRT_2 * h5.0;
+        let cosine = FRAC_1_SQRT_2 * h5.1;
         let roll = Quaternion::new(-sine, cosine, -sine, cosine);
         self.base.X_WB * Pose::from_parts(position, UnitQuaternion::new_unchecked(arm * roll))
     }
@@ -234,7 +236,8 @@ impl Kinematics<5> for Irp6FiveDof {
     #[allow(non_snake_case)]
     fn solutions(&self, X_WF: &Pose, near: &Five, visit: &mut dyn FnMut(&Five)) -> Result<(), NoInverse> {
         let X_BF = self.base.X_BW * X_WF;
-        let (mut refused, mut any) = (None, false);
+        let mut refused = None;
+        let mut any = false;
         for back in [false, true] {
             for elbow in [Elbow::Up, Elbow::Down] {
                 match self.solve(&X_BF, back, elbow, near) {

@@ -57,7 +57,8 @@ impl Geometry {
         let position = Translation3::new(c1 * rho, s1 * rho, -a2 * s2 - a3 * s3 - d5 * s4);
         // R_z(q1) R_y(theta4), then R_x(q5) P R_z(q6), multiplied out.
         let arm = Quaternion::new(h1.1 * h4.1, -h1.0 * h4.0, h1.1 * h4.0, h1.0 * h4.1);
-        let (plus, minus) = (0.5 * (h5.1 + h5.0), 0.5 * (h5.1 - h5.0));
+        let plus = 0.5 * (h5.1 + h5.0);
+        let minus = 0.5 * (h5.1 - h5.0);
         let (sum, difference) = (h6.1 + h6.0, h6.1 - h6.0);
         let wrist = Quaternion::new(plus * sum, -minus * sum, -minus * difference, -plus * difference);
         let rotation = UnitQuaternion::new_unchecked(arm * wrist);
@@ -85,7 +86,8 @@ impl Geometry {
         let Geometry { a2, a3, d5 } = *self;
         let (theta2, theta3) = (q[1], q[1] + q[2] + FRAC_PI_2);
         let theta4 = theta3 + q[3];
-        let ((s1, c1), (s5, c5)) = (q[0].sin_cos(), q[4].sin_cos());
+        let (s1, c1) = q[0].sin_cos();
+        let (s5, c5) = q[4].sin_cos();
         let (s4, c4) = theta4.sin_cos();
         // A link of length a turning downwards at 1 rad/s moves its far end by this.
         let swing = |a: f64, theta: f64| {
@@ -136,7 +138,8 @@ impl Geometry {
         near: &Six,
         visit: &mut dyn FnMut(&Six),
     ) -> Result<(), NoInverse> {
-        let (mut refused, mut any) = (None, false);
+        let mut refused = None;
+        let mut any = false;
         for side in [Side::Front, Side::Back] {
             let wrist = Wrist::of(X_BF, side, near)?;
             let both = [Some(wrist), wrist.other()];

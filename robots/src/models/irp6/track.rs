@@ -166,7 +166,8 @@ impl Irp6Track {
     fn least_moved(&self, X_BF: &Pose, near: &Seven) -> Option<f64> {
         let from = near[0];
         let reaches = |track: f64| self.arm_at(X_BF, track, near).is_ok();
-        let (lower, upper) = (self.limits.lower[0], self.limits.upper[0]);
+        let lower = self.limits.lower[0];
+        let upper = self.limits.upper[0];
         let steps = ((upper - from).max(from - lower) / Self::SEARCH_STEP).ceil();
         if steps.is_nan() {
             return None;

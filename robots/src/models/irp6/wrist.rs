@@ -63,7 +63,9 @@ impl Wrist {
         let r = rotation.matrix();
         // In the vertical plane of the arm: forwards and sideways parts of the flange's axes.
         let forwards = |column: usize| c1 * r[(0, column)] + s1 * r[(1, column)];
-        let (s5s4, s5c4, c5) = (forwards(2), r[(2, 2)], c1 * r[(1, 2)] - s1 * r[(0, 2)]);
+        let s5s4 = forwards(2);
+        let s5c4 = r[(2, 2)];
+        let c5 = c1 * r[(1, 2)] - s1 * r[(0, 2)];
         let s5 = s5s4.hypot(s5c4);
         let (theta4, s4, c4, theta5) = if s5 < WRIST_SINGULAR {
             let theta4 = theta4_of(near);

@@ -6,7 +6,7 @@
 use core::f64::consts::PI;
 
 use mrroc::{NoInverse, Pose};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use super::{A1, A2, ASIDE, HEIGHT, L, Seven, TIP};
 use crate::models::kinematics::closest;
@@ -14,8 +14,9 @@ use crate::models::sines::{atan2, sin_cos};
 
 /// Sine of psi below which the tool counts as vertical; the pose then errs by no more than this \[rad\].
 const VERTICAL: f64 = 1e-10;
-/// Sines of the elbows from which on the stretch is kept, and below which the joints move the least.
-const BENT: (f64, f64) = (0.3, 0.15);
+/// Sine of an elbow from which on the stretch is kept, and the one below which the joints move the least.
+const BENT: f64 = 0.3;
+const STRETCHED: f64 = 0.15;
 /// Share of a range of u by which the iteration begins inside it, when `near` lies outside.
 const INSIDE: f64 = 0.02;
 /// Gauss-Newton steps at most; far from `near` the last of them may still move the joints.
@@ -23,7 +24,8 @@ const STEPS: usize = 12;
 /// Motion of the joints at which the iteration ends \[rad\].
 const SETTLED: f64 = 1e-10;
 /// Smallest and largest distance that joints 1 and 2 reach \[m\].
-pub(super) const PLAN: (f64, f64) = (-A1 - A2, -A1 + A2);
+const NEAREST: f64 = -A1 - A2;
+const FARTHEST: f64 = -A1 + A2;
 
 /// Signs of sin q2 and sin q5; a stretched elbow counts as positive.
 pub(super) type Elbows = [f64; 2];
@@ -39,11 +41,11 @@ pub(super) fn stretch_and_elbows(q: &Seven) -> (f64, Elbows) {
 #[derive(Clone, Copy)]
 pub(super) struct Heading {
     phi: f64,
-    e: (f64, f64),
+    e: Vector2<f64>,
     psi: f64,
     q7: f64,
     /// The wrist centre less the offset along m: P12 + u e \[m\].
-    plan: (f64, f64),
+    plan: Vector2<f64>,
     /// Height of the wrist centre above the level axes \[m\].
     v: f64,
 }
@@ -61,7 +63,7 @@ impl Member {
     #[inline]
     pub(super) fn share(&self) -> f64 {
         let sine = self.sines[0].abs().min(self.sines[1].abs());
-        let part = ((BENT.0 - sine) / (BENT.0 - BENT.1)).clamp(0.0, 1.0);
+        let part = ((BENT - sine) / (BENT - STRETCHED)).clamp(0.0, 1.0);
         // Smoothly, so that the joints' speeds stay continuous.
         part * part * (3.0 - 2.0 * part)
     }
@@ -70,8 +72,10 @@ impl Member {
     fn slope(&self) -> Seven {
         let q = &self.q;
         let [(_, c3), (_, c23), (_, c4), (_, c45)] = sin_cos([q[2], q[1] + q[2], q[3], q[3] + q[4]]);
-        let (d1, d12) = (-c3 / (A1 * self.sines[0]), c23 / (A2 * self.sines[0]));
-        let (d4, d45) = (c45 / (L * self.sines[1]), -c4 / (L * self.sines[1]));
+        let d1 = -c3 / (A1 * self.sines[0]);
+        let d12 = c23 / (A2 * self.sines[0]);
+        let d4 = c45 / (L * self.sines[1]);
+        let d45 = -c4 / (L * self.sines[1]);
         Seven::from([d1, d12 - d1, -d12, d4, d45 - d4, -d45, 0.0])
     }
 }
@@ -102,17 +106,17 @@ impl Heading {
         let kept = near[0] + near[1] + near[2];
         let e = if vertical {
             let (s, c) = kept.sin_cos();
-            (c, s)
+            Vector2::new(c, s)
         } else {
             let inverse = 1.0 / sine;
-            (zx * inverse, zy * inverse)
+            Vector2::new(zx * inverse, zy * inverse)
         };
         // The axis of joint 6, m, in the flange's frame: A7 turns by q7, A6 tilts by 90 deg, so m = sin(q7) x_F + cos(q7) y_F.
-        let along_m = |c: usize| e.1 * r[(0, c)] - e.0 * r[(1, c)];
+        let along_m = |c: usize| e.y * r[(0, c)] - e.x * r[(1, c)];
         let [phi, psi, q7, _] = atan2([zy, sine, along_m(0), 0.0], [zx, -zz, along_m(1), 1.0]);
         let (phi, psi) = if vertical { (kept, if zz < 0.0 { 0.0 } else { PI }) } else { (phi, psi) };
         let centre = p - TIP * Vector3::new(zx, zy, zz);
-        let plan = (centre.x - ASIDE * e.1, centre.y + ASIDE * e.0);
+        let plan = Vector2::new(centre.x - ASIDE * e.y, centre.y + ASIDE * e.x);
         Ok(Self { phi, e, psi, q7, plan, v: centre.z - HEIGHT })
     }
 
@@ -121,10 +125,9 @@ impl Heading {
         if self.psi == 0.0 || self.psi == PI {
             return None;
         }
-        let (c, s) = self.e;
         // m changes its sign with e: the wrist centre lies on the other side.
-        let plan = (self.plan.0 + 2.0 * ASIDE * s, self.plan.1 - 2.0 * ASIDE * c);
-        Some(Self { phi: self.phi + PI, e: (-c, -s), psi: -self.psi, q7: self.q7 + PI, plan, v: self.v })
+        let plan = Vector2::new(self.plan.x + 2.0 * ASIDE * self.e.y, self.plan.y - 2.0 * ASIDE * self.e.x);
+        Some(Self { phi: self.phi + PI, e: -self.e, psi: -self.psi, q7: self.q7 + PI, plan, v: self.v })
     }
 
     /// Sum of the squares by which the angles that the pose gives differ from `near` \[rad²\].
@@ -147,8 +150,8 @@ impl Heading {
 
     /// P12 at `u` \[m\].
     #[inline]
-    fn plan_at(&self, u: f64) -> (f64, f64) {
-        (self.plan.0 - u * self.e.0, self.plan.1 - u * self.e.1)
+    fn plan_at(&self, u: f64) -> Vector2<f64> {
+        Vector2::new(self.plan.x - u * self.e.x, self.plan.y - u * self.e.y)
     }
 
     /// Whether both arms close at `u` \[m\].
@@ -157,7 +160,7 @@ impl Heading {
     /// [`NoInverse::OutOfReach`] for the one that does not.
     pub(super) fn check(&self, u: f64) -> Result<(), NoInverse> {
         let p = self.plan_at(u);
-        let arms = [(u.hypot(self.v), 0.0, 2.0 * L), (p.0.hypot(p.1), PLAN.0, PLAN.1)];
+        let arms = [(u.hypot(self.v), 0.0, 2.0 * L), (p.x.hypot(p.y), NEAREST, FARTHEST)];
         match arms.into_iter().find(|(distance, min, max)| !(*min..=*max).contains(distance)) {
             Some((distance, min, max)) => Err(NoInverse::OutOfReach { distance, min, max }),
             None => Ok(()),
@@ -167,26 +170,25 @@ impl Heading {
     /// The ranges of `u` \[m\] in which both arms close: at most two.
     #[inline]
     pub(super) fn ranges(&self) -> Result<[Option<(f64, f64)>; 2], NoInverse> {
-        let (min, max) = PLAN;
         let upright = 4.0 * L * L - self.v * self.v;
         if under_zero(upright) {
             return Err(NoInverse::OutOfReach { distance: self.v.abs(), min: 0.0, max: 2.0 * L });
         }
         // |plan - u e|^2 = across^2 + (u - along)^2.
-        let (along, across) = (
-            self.plan.0 * self.e.0 + self.plan.1 * self.e.1,
-            self.plan.1 * self.e.0 - self.plan.0 * self.e.1,
-        );
+        let along = self.plan.x * self.e.x + self.plan.y * self.e.y;
+        let across = self.plan.y * self.e.x - self.plan.x * self.e.y;
         let bound = upright.sqrt();
-        let outer = max * max - across * across;
-        let refused = NoInverse::OutOfReach { distance: self.plan.0.hypot(self.plan.1), min, max };
+        let outer = FARTHEST * FARTHEST - across * across;
+        let refused =
+            NoInverse::OutOfReach { distance: self.plan.x.hypot(self.plan.y), min: NEAREST, max: FARTHEST };
         if under_zero(outer) {
             return Err(refused);
         }
         let outer = outer.sqrt();
-        let inner = min * min - across * across;
+        let inner = NEAREST * NEAREST - across * across;
         let range = |lower: f64, upper: f64| {
-            let (lower, upper) = (lower.max(-bound), upper.min(bound));
+            let lower = lower.max(-bound);
+            let upper = upper.min(bound);
             (lower <= upper).then_some((lower, upper))
         };
         let ranges = if inner > 0.0 {
@@ -203,10 +205,10 @@ impl Heading {
     #[inline]
     pub(super) fn member(&self, u: f64, elbows: Elbows, near: &Seven) -> Member {
         // Joints 1 and 2 reach P12, joints 4 and 5 reach (u, v).
-        let (first, second) = two_cranks(A1, A2, self.plan_at(u), elbows[0]);
-        let (fourth, fifth) = two_cranks(L, L, (u, self.v), elbows[1]);
+        let [first, second] = two_cranks(A1, A2, self.plan_at(u), elbows[0]);
+        let [fourth, fifth] = two_cranks(L, L, Vector2::new(u, self.v), elbows[1]);
         let [q1, q2, q4, q5] =
-            atan2([first.1, second.1, fourth.1, fifth.1], [first.0, second.0, fourth.0, fifth.0]);
+            atan2([first.y, second.y, fourth.y, fifth.y], [first.x, second.x, fourth.x, fifth.x]);
         let q1 = closest(q1, near[0]);
         let q2 = closest(q2, near[1]);
         let q3 = closest(self.phi - q1 - q2, near[2]);
@@ -214,13 +216,14 @@ impl Heading {
         let q5 = closest(q5, near[4]);
         let q6 = closest(self.psi - q4 - q5, near[5]);
         let q = Seven::from([q1, q2, q3, q4, q5, q6, closest(self.q7, near[6])]);
-        Member { q, sines: [second.1, fifth.1] }
+        Member { q, sines: [second.y, fifth.y] }
     }
 
-    /// Between the member at the stretch `u`, kept, and the one that moves the joints the least.
+    /// Between `kept`, the member at the stretch `u`, and the one that moves the joints the least.
     pub(super) fn between(
         &self,
-        (u, kept): (f64, &Member),
+        u: f64,
+        kept: &Member,
         least: &Least,
         elbows: Elbows,
         near: &Seven,
@@ -273,7 +276,8 @@ impl Heading {
                 }
                 let Some((next, shorter)) = moved else { break };
                 u += step;
-                (member, distance) = (next, shorter);
+                member = next;
+                distance = shorter;
             }
             if best.is_none_or(|best| distance < best.distance) {
                 best = Some(Least { q: member.q, u, distance });
@@ -291,8 +295,8 @@ fn under_zero(square: f64) -> bool {
 /// Directions of two cranks of lengths `a`, `b` that reach `p`: of the first (of any length), and of the second relative to
 /// the first (of length 1), on the side `elbow`. Where they do not reach, the second's sine is 0.
 #[inline]
-fn two_cranks(a: f64, b: f64, p: (f64, f64), elbow: f64) -> ((f64, f64), (f64, f64)) {
-    let square = p.0 * p.0 + p.1 * p.1;
+fn two_cranks(a: f64, b: f64, p: Vector2<f64>, elbow: f64) -> [Vector2<f64>; 2] {
+    let square = p.x * p.x + p.y * p.y;
     // cos = (r^2 - a^2 - b^2) / (2 a b); 1 - cos and 1 + cos as products keep the digits next to the ends.
     let r = square.sqrt();
     let (sum, difference) = ((a + b).abs(), (a - b).abs());
@@ -302,6 +306,6 @@ fn two_cranks(a: f64, b: f64, p: (f64, f64), elbow: f64) -> ((f64, f64), (f64, f
     let sine = elbow * sixteen_areas.sqrt() * (1.0 / (2.0 * a * b).abs());
     let (along, across) = (a + b * cosine, b * sine);
     // The first crank's direction is p turned back by the direction of (along, across).
-    let first = (p.0 * along + p.1 * across, p.1 * along - p.0 * across);
-    (first, (cosine, sine))
+    let first = Vector2::new(p.x * along + p.y * across, p.y * along - p.x * across);
+    [first, Vector2::new(cosine, sine)]
 }

@@ -12,10 +12,23 @@ use nalgebra::Vector2;
 
 use super::A2;
 
-/// Foot of the shoulder's actuator from O: distance \[m\] and its direction's cosine and sine (-20 deg).
-pub(super) const FOOT2: (f64, f64, f64) = (0.40, 0.939_692_620_785_908_4, -0.342_020_143_325_668_7);
-/// Foot of the elbow's actuator from O: distance \[m\] and its direction's cosine and sine (250 deg).
-pub(super) const FOOT3: (f64, f64, f64) = (0.55, -0.342_020_143_325_668_7, -0.939_692_620_785_908_4);
+/// Where an actuator is fixed to the column, in the arm's plane from O.
+#[derive(Clone, Copy)]
+pub(super) struct Foot {
+    /// Distance from O \[m\].
+    pub(super) distance: f64,
+    /// Cosine of its direction, forwards.
+    pub(super) cosine: f64,
+    /// Sine of its direction, upwards.
+    pub(super) sine: f64,
+}
+
+/// Foot of the shoulder's actuator, at -20 deg.
+pub(super) const FOOT2: Foot =
+    Foot { distance: 0.40, cosine: 0.939_692_620_785_908_4, sine: -0.342_020_143_325_668_7 };
+/// Foot of the elbow's actuator, at 250 deg.
+pub(super) const FOOT3: Foot =
+    Foot { distance: 0.55, cosine: -0.342_020_143_325_668_7, sine: -0.939_692_620_785_908_4 };
 /// Where the shoulder's actuator takes the upper arm, from O \[m\].
 pub(super) const CRANK: f64 = 0.25;
 /// Rocker, O to R \[m\].
@@ -62,7 +75,8 @@ impl Linkage {
         if across.is_nan() || across < 0.0 {
             return None;
         }
-        let (inverse, aside) = (1.0 / square, left(&between) * across.sqrt());
+        let inverse = 1.0 / square;
+        let aside = left(&between) * across.sqrt();
         let rod = (between * along + aside) * inverse;
         // (T - E) / -TAIL, without waiting for the rod.
         let forearm = (between * (square - along) - aside) * (inverse * (1.0 / TAIL));
@@ -71,8 +85,8 @@ impl Linkage {
 
     /// Derivatives of theta2 by q2 and of theta3 by q2 and q3 [rad/m].
     pub(super) fn rates(&self, q2: f64, q3: f64) -> (f64, f64, f64) {
-        let theta2 = q2 / (FOOT2.0 * CRANK * self.sines[0]);
-        let rho = -q3 / (FOOT3.0 * ROCKER * self.sines[1]);
+        let theta2 = q2 / (FOOT2.distance * CRANK * self.sines[0]);
+        let rho = -q3 / (FOOT3.distance * ROCKER * self.sines[1]);
         // (T - R) . (dT - dR) = 0 with dT = a2 left(upper) dtheta2 - tail left(forearm) dtheta3.
         let of_tail = self.rod.dot(&left(&self.forearm)) * TAIL;
         let by_upper = self.rod.dot(&left(&self.upper)) * A2 / of_tail;
@@ -83,7 +97,8 @@ impl Linkage {
     /// The least sine of the angles at which the linkages drive their links; below 0 in another assembly.
     pub(super) fn transmission(&self) -> f64 {
         let sine = |a: &Vector2<f64>, b: &Vector2<f64>| (a.x * b.y - a.y * b.x) / ROD;
-        let (at_tail, at_rocker) = (sine(&self.rod, &self.forearm), sine(&self.rod, &self.rocker));
+        let at_tail = sine(&self.rod, &self.forearm);
+        let at_rocker = sine(&self.rod, &self.rocker);
         at_tail.abs().min(at_rocker).min(self.sines[0]).min(self.sines[1])
     }
 
@@ -105,12 +120,14 @@ impl Linkage {
             return Err(NoInverse::NotAttainable { what, actual, tolerance: 0.0, unit: "m" });
         }
         let rocker = (tail * along + left(&tail) * across.sqrt()) * (1.0 / ROCKER);
-        let foot2 = Vector2::new(FOOT2.1, FOOT2.2) * FOOT2.0;
-        let foot3 = Vector2::new(FOOT3.1, FOOT3.2) * FOOT3.0;
-        let (q2, q3) = ((upper * CRANK - foot2).norm(), (rocker * ROCKER - foot3).norm());
+        let foot2 = Vector2::new(FOOT2.cosine, FOOT2.sine) * FOOT2.distance;
+        let foot3 = Vector2::new(FOOT3.cosine, FOOT3.sine) * FOOT3.distance;
+        let q2 = (upper * CRANK - foot2).norm();
+        let q3 = (rocker * ROCKER - foot3).norm();
         // Assembled otherwise, the same lengths give another posture.
         let built = Self::of(q2, q3).ok_or(NoInverse::Singular { name: "dead centre of the linkage" })?;
-        let (off, tolerance) = ((built.upper - upper).amax().max((built.forearm - forearm).amax()), 1e-6);
+        let off = (built.upper - upper).amax().max((built.forearm - forearm).amax());
+        let tolerance = 1e-6;
         if off < tolerance {
             return Ok((q2, q3));
         }
@@ -122,8 +139,8 @@ impl Linkage {
 /// Direction of a crank of length `crank` whose end lies `length` from a foot, on the side `turn` of it, and the sine of
 /// the angle between them.
 #[inline]
-fn by_length(foot: (f64, f64, f64), crank: f64, length: f64, turn: f64) -> Option<(Vector2<f64>, f64)> {
-    let (distance, c, s) = foot;
+fn by_length(foot: Foot, crank: f64, length: f64, turn: f64) -> Option<(Vector2<f64>, f64)> {
+    let Foot { distance, cosine: c, sine: s } = foot;
     let cosine = (distance * distance + crank * crank - length * length) * (1.0 / (2.0 * distance * crank));
     let square = 1.0 - cosine * cosine;
     if square.is_nan() || square < 0.0 || length < 0.0 {

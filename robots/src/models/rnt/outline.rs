@@ -9,7 +9,7 @@ use core::f64::consts::PI;
 use mrroc::Pose;
 use nalgebra::{Vector2, Vector3};
 
-use super::linkage::{CRANK, FOOT2, FOOT3, Linkage, ROCKER, ROD, TAIL};
+use super::linkage::{CRANK, FOOT2, FOOT3, Foot, Linkage, ROCKER, ROD, TAIL};
 use super::{A1, A2, Rnt};
 use crate::models::shape::{Capsule, Link, Motion, Outline, frames, origin, turn};
 use crate::models::vectors::Six;
@@ -33,15 +33,15 @@ const WRIST: u32 = 0b11 << 4;
 const FLANGE: u32 = 1 << 6;
 
 /// Where an actuator is fixed to the column, in the frame of the column at the shoulder's height.
-fn foot((distance, cosine, sine): (f64, f64, f64)) -> Vector3<f64> {
-    Vector3::new(A1 + distance * cosine, 0.0, distance * sine)
+fn fixed_at(foot: Foot) -> Vector3<f64> {
+    Vector3::new(A1 + foot.distance * foot.cosine, 0.0, foot.distance * foot.sine)
 }
 
 /// Largest turns of upper arm, forearm (against the upper arm) and rocker \[rad\], when the actuators' lengths change by at
 /// most `way2`, `way3` \[m\].
 fn turns(linkage: &Linkage, q2: f64, q3: f64, way2: f64, way3: f64) -> [f64; 3] {
-    let w2 = by_length(FOOT2.0, CRANK, q2, way2);
-    let w3 = by_length(FOOT3.0, ROCKER, q3, way3);
+    let w2 = by_length(FOOT2.distance, CRANK, q2, way2);
+    let w3 = by_length(FOOT3.distance, ROCKER, q3, way3);
     let delta = linkage.rocker.perp(&linkage.upper).atan2(linkage.rocker.dot(&linkage.upper));
     let bends = [0.0, -w2 - w3, w2 + w3].map(|change| bend(delta + change));
     let forearm = match bends {
@@ -75,7 +75,8 @@ fn by_length(distance: f64, crank: f64, length: f64, way: f64) -> f64 {
         if cosine.abs() <= 1.0 { cosine.acos() } else { f64::NAN }
     };
     let now = at(length);
-    let (less, more) = ((at(length - way) - now).abs(), (at(length + way) - now).abs());
+    let less = (at(length - way) - now).abs();
+    let more = (at(length + way) - now).abs();
     if less.is_nan() || more.is_nan() { PI } else { less.max(more) }
 }
 
@@ -111,8 +112,8 @@ impl Outline for Rnt {
         let up = frames[1].rotation * Vector3::z();
         let fixed = |p: Vector3<f64>| column + frames[1].rotation * p;
         visit(Capsule::new(base + up * COLUMN, column - up * COLUMN, COLUMN));
-        visit(Capsule::new(fixed(foot(FOOT2)), o + (e - o) * (CRANK / A2), BARS));
-        visit(Capsule::new(fixed(foot(FOOT3)), r, BARS));
+        visit(Capsule::new(fixed(fixed_at(FOOT2)), o + (e - o) * (CRANK / A2), BARS));
+        visit(Capsule::new(fixed(fixed_at(FOOT3)), r, BARS));
         visit(Capsule::new(o, e, ARM[0]));
         visit(Capsule::new(r, t, BARS));
         visit(Capsule::new(t, c, ARM[1]));

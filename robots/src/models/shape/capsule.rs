@@ -26,15 +26,18 @@ impl Capsule {
     /// section, which is what the model is larger than the box; more capsules fit it better.
     #[must_use]
     pub fn covering_box(edges: Vector3<f64>, across: usize) -> Vec<Self> {
-        let (along, n) = (edges.imax(), across.max(1));
+        let along = edges.imax();
+        let n = across.max(1);
         let [u, v] = [(along + 1) % 3, (along + 2) % 3];
-        let (width, height) = (edges[u] / n as f64, edges[v] / n as f64);
+        let width = edges[u] / n as f64;
+        let height = edges[v] / n as f64;
         let radius = 0.5 * width.hypot(height);
         let place = |k: usize, size: f64, edge: f64| (k as f64 + 0.5) * size - 0.5 * edge;
         let rods = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
         let capsules = rods.map(|(i, j)| {
             let mut end = Vector3::zeros();
-            (end[u], end[v]) = (place(i, width, edges[u]), place(j, height, edges[v]));
+            end[u] = place(i, width, edges[u]);
+            end[v] = place(j, height, edges[v]);
             let mut half = Vector3::zeros();
             half[along] = 0.5 * edges[along];
             Self::new(end - half, end + half, radius)

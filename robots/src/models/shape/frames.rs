@@ -10,7 +10,8 @@ const FRAMES: usize = 8;
 
 /// The frames that a robot shows at `q`, from base to flange, and how many they are.
 pub(crate) fn frames<R: Robot>(robot: &R, q: &R::Joints) -> ([Pose; FRAMES], usize) {
-    let (mut frames, mut count) = ([Pose::identity(); FRAMES], 0);
+    let mut frames = [Pose::identity(); FRAMES];
+    let mut count = 0;
     robot.frames(q, &mut |frame| {
         if let Some(place) = frames.get_mut(count) {
             *place = *frame;

@@ -225,8 +225,11 @@ fn moving<'a, 'i>(
     let element = &joint.element;
     let limit = if limited { Some(element.required("limit", write)?) } else { element.child("limit")? };
     let mimic = element.child("mimic")?.map(|mimic| followed(&mimic)).transpose()?;
-    let (mut range, mut velocity) = ((-CONTINUOUS, CONTINUOUS), None);
-    let (mut acceleration, mut jerk, mut effort) = (None, None, None);
+    let mut range = (-CONTINUOUS, CONTINUOUS);
+    let mut velocity = None;
+    let mut acceleration = None;
+    let mut jerk = None;
+    let mut effort = None;
     if let Some(limit) = limit {
         limit.only(&["lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"])?;
         if limited {
@@ -244,7 +247,8 @@ fn moving<'a, 'i>(
         jerk = above_zero(&limit, "jerk")?;
         effort = not_below_zero(&limit, "effort")?;
     }
-    let (mut damping, mut friction) = (0.0, 0.0);
+    let mut damping = 0.0;
+    let mut friction = 0.0;
     if let Some(dynamics) = element.child("dynamics")? {
         damping = not_below_zero(&dynamics, "damping")?.unwrap_or(0.0);
         friction = not_below_zero(&dynamics, "friction")?.unwrap_or(0.0);
@@ -277,14 +281,19 @@ fn followed<'a>(mimic: &Element<'a, '_>) -> Result<(&'a str, f64, f64), UrdfErro
 
 /// The joint that moves by itself and moves this one: its index, multiplier, and offset.
 fn leader(one: &Found<'_, '_>, all: &[Found<'_, '_>]) -> Result<(usize, f64, f64), UrdfError> {
-    let (line, joint) = (one.joint.element.line(), shown(one.joint.name));
-    let (mut at, mut multiplier, mut offset) = (one, 1.0, 0.0);
+    let line = one.joint.element.line();
+    let joint = shown(one.joint.name);
+    let mut at = one;
+    let mut multiplier = 1.0;
+    let mut offset = 0.0;
     for _ in 0..=all.len() {
         let Some((name, factor, shift)) = at.mimic else {
             let index = all.iter().position(|other| core::ptr::eq(other, at)).unwrap_or_default();
             return Ok((index, multiplier, offset));
         };
-        (multiplier, offset) = (multiplier * factor, multiplier * shift + offset);
+        // With the multiplier that there was until now.
+        offset += multiplier * shift;
+        multiplier *= factor;
         at = all.iter().find(|other| other.joint.name == name).ok_or_else(|| UrdfError::MimicOutside {
             line,
             joint: joint.clone(),
@@ -333,7 +342,8 @@ impl Mover {
         if multiplier == 0.0 {
             return if (lower..=upper).contains(&offset) { Ok(()) } else { Err(nothing_left()) };
         }
-        let (a, b) = ((lower - offset) / multiplier, (upper - offset) / multiplier);
+        let a = (lower - offset) / multiplier;
+        let b = (upper - offset) / multiplier;
         let range = (self.range.0.max(a.min(b)), self.range.1.min(a.max(b)));
         if range.0.is_nan() || range.1.is_nan() || range.0 >= range.1 {
             return Err(nothing_left());

@@ -57,7 +57,8 @@ fn check_tags(text: &str) -> Result<(), UrdfError> {
 /// What the XML reader refused.
 fn refused(text: &str, why: &roxmltree::Error) -> UrdfError {
     let place = why.pos();
-    let (line, column) = (place.row as usize, place.col as usize);
+    let line = place.row as usize;
+    let column = place.col as usize;
     match why {
         roxmltree::Error::DtdDetected => UrdfError::Doctype { line },
         roxmltree::Error::NodesLimitReached => UrdfError::TooLarge { limit: LONGEST },
@@ -65,7 +66,8 @@ fn refused(text: &str, why: &roxmltree::Error) -> UrdfError {
             UrdfError::Xacro { line, what: "the prefix xacro:".to_owned() }
         }
         roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode => {
-            let (line, column) = (text.lines().count().max(1), text.lines().last().map_or(0, str::len) + 1);
+            let line = text.lines().count().max(1);
+            let column = text.lines().last().map_or(0, str::len) + 1;
             UrdfError::Xml { line, column, what: "it ends inside an element".to_owned() }
         }
         other => {

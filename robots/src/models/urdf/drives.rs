@@ -25,14 +25,17 @@ use super::serial::Serial;
 use crate::models::drives::{Driven, GRAVITY, Gains, MotorData, MotorLimits, Shafts};
 use crate::models::irp6::Irp6;
 
-/// Fastest speed [rad/s] and acceleration [rad/s²] that gears are chosen for.
-const MOTOR: (f64, f64) = (250.0, 500.0);
+/// Speed [rad/s] and acceleration [rad/s²] of a motor that gears are chosen for.
+const FASTEST: f64 = 250.0;
+const QUICKEST: f64 = 500.0;
 /// What the drives refuse: a little more, for round-off [rad/s].
 const MOTOR_SPEED: f64 = 260.0;
 /// Inertia of a rotor [kg m²].
 const ROTOR: f64 = 1e-4;
-/// Viscous [1/s] and Coulomb friction [rad/s²] of a motor by its inertia.
-const FRICTION: (f64, f64) = (0.4, 32.0);
+/// Viscous friction of a motor by its inertia [1/s].
+const VISCOUS: f64 = 0.4;
+/// Coulomb friction of a motor by its inertia [rad/s²].
+const COULOMB: f64 = 32.0;
 /// The drive whose loop these have.
 const COLUMN: MotorData = Irp6::MOTORS[0];
 /// Part of the voltage that is left at full speed, divided by the torque constant and by a fifth more torque [V/(N m/A)].
@@ -51,7 +54,7 @@ impl<const N: usize> Drives<N> {
     /// The drives of `chain`, whose joints are accelerated by at most `acceleration`.
     pub(super) fn of(chain: &Chain, acceleration: &SVector<f64, N>) -> Self {
         let gears =
-            SVector::from_fn(|i, _| (MOTOR.0 / chain.movers[i].velocity).min(MOTOR.1 / acceleration[i]));
+            SVector::from_fn(|i, _| (FASTEST / chain.movers[i].velocity).min(QUICKEST / acceleration[i]));
         let range = |i: usize| chain.movers[i].range;
         Self {
             motors: core::array::from_fn(|i| {
@@ -71,8 +74,8 @@ impl<const N: usize> Drives<N> {
 /// A motor that fits its joint.
 fn motor(mover: &Mover, gear: f64, acceleration: f64, carried: &Carried) -> MotorData {
     let inertia = ROTOR + carried.inertia / (gear * gear);
-    let viscous = FRICTION.0 * inertia + mover.damping / (gear * gear);
-    let coulomb = FRICTION.1 * inertia + mover.friction / gear;
+    let viscous = VISCOUS * inertia + mover.damping / (gear * gear);
+    let coulomb = COULOMB * inertia + mover.friction / gear;
     let needed =
         inertia * acceleration * gear + carried.weight / gear + viscous * mover.velocity * gear + coulomb;
     let effort = mover.effort.filter(|effort| *effort > 0.0);
@@ -102,11 +105,14 @@ struct Carried {
 
 impl Carried {
     fn by(chain: &Chain, leader: usize) -> Self {
-        let (mut root, mut weight) = (0.0, 0.0);
+        let mut root = 0.0;
+        let mut weight = 0.0;
         for (s, segment) in chain.segments.iter().enumerate().filter(|(_, one)| one.leader == leader) {
             let share = segment.multiplier.abs();
             // How far what follows can be from this joint.
-            let (mut inertia, mut moment, mut away) = (0.0, 0.0, 0.0);
+            let mut inertia = 0.0;
+            let mut moment = 0.0;
+            let mut away = 0.0;
             for (k, body) in chain.bodies.iter().enumerate().skip(s) {
                 away += if k == s { 0.0 } else { chain.segments[k].X_before.translation.vector.norm() };
                 away += slide(&chain.movers, &chain.segments[k]);
@@ -148,7 +154,8 @@ fn efforts<const N: usize>(segments: &[Segment], bodies: &[Body], q: &SVector<f6
     let mut X_WL = Pose::identity();
     for ((segment, body), axis) in segments.iter().zip(bodies).zip(&mut axes) {
         X_WL *= segment.X_before;
-        let (direction, point) = (X_WL.rotation * Vector3::z(), X_WL.translation.vector);
+        let direction = X_WL.rotation * Vector3::z();
+        let point = X_WL.translation.vector;
         let value = segment.multiplier * q[segment.leader] + segment.offset;
         X_WL *= match segment.kind {
             JointKind::Revolute => Pose::rotation(Vector3::z() * value),
@@ -156,7 +163,9 @@ fn efforts<const N: usize>(segments: &[Segment], bodies: &[Body], q: &SVector<f6
         };
         *axis = (direction, point, X_WL.translation.vector + X_WL.rotation * body.centre);
     }
-    let (mut efforts, mut mass, mut moment) = (SVector::zeros(), 0.0, Vector3::zeros());
+    let mut efforts = SVector::zeros();
+    let mut mass = 0.0;
+    let mut moment = Vector3::zeros();
     for ((segment, body), (direction, point, centre)) in segments.iter().zip(bodies).zip(axes).rev() {
         mass += body.mass;
         moment += centre * body.mass;

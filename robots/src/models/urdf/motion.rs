@@ -112,7 +112,8 @@ impl Linkage {
         q: &SVector<f64, N>,
         mut visit: impl FnMut(usize, &Step, Axis),
     ) -> Pose {
-        let (mut values, mut halves) = ([0.0; M], [0.0; M]);
+        let mut values = [0.0; M];
+        let mut halves = [0.0; M];
         for (i, step) in steps.iter().enumerate().take(M) {
             values[i] = step.multiplier * q[step.leader] + step.offset;
             halves[i] = 0.5 * values[i];
@@ -218,7 +219,10 @@ impl Linkage {
 /// The columns of the rotation matrix of a quaternion of length 1.
 #[inline(always)]
 fn columns_of(rotation: &Quaternion<f64>) -> [Vector3<f64>; 3] {
-    let (i, j, k, w) = (rotation.i, rotation.j, rotation.k, rotation.w);
+    let i = rotation.i;
+    let j = rotation.j;
+    let k = rotation.k;
+    let w = rotation.w;
     let (i2, j2, k2) = (2.0 * i, 2.0 * j, 2.0 * k);
     [
         Vector3::new(1.0 - j2 * j - k2 * k, i2 * j + k2 * w, i2 * k - j2 * w),

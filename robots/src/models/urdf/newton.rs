@@ -42,8 +42,9 @@ pub(super) const GOOD: f64 = 1e-10;
 /// Longest step of a joint [rad or m].
 const LONGEST: f64 = 0.7;
 
-/// Range of the factor of the damping, and where it begins.
-const DAMPING: (f64, f64, f64) = (1e-6, 1.0, 1e6);
+/// The factor of the damping begins at 1 and stays between these.
+const LEAST_FACTOR: f64 = 1e-6;
+const MOST_FACTOR: f64 = 1e6;
 
 /// Least damping: redundant chains have no step of their own in some direction.
 const LEAST: f64 = 1e-14;
@@ -132,7 +133,7 @@ fn descend<const N: usize>(
     limits: &Limits<SVector<f64, N>>,
     at: impl Fn(SVector<f64, N>) -> Point<N>,
 ) -> Point<N> {
-    let mut mu = DAMPING.1;
+    let mut mu = 1.0;
     let mut stalled = 0;
     for _ in 0..STEPS {
         if point.error.norm() < EXACT || stalled == STALLS {
@@ -140,12 +141,13 @@ fn descend<const N: usize>(
         }
         let Some(step) = step(&point, limits, mu) else { break };
         let next = at(point.q + step);
-        let (before, after) = (point.error.norm_squared(), next.error.norm_squared());
+        let before = point.error.norm_squared();
+        let after = next.error.norm_squared();
         stalled = if after > STALL * before { stalled + 1 } else { 0 };
         if after < before {
             point = next;
-            mu = (0.25 * mu).max(DAMPING.0);
-        } else if point.error.norm() < GOOD || mu >= DAMPING.2 {
+            mu = (0.25 * mu).max(LEAST_FACTOR);
+        } else if point.error.norm() < GOOD || mu >= MOST_FACTOR {
             break;
         } else {
             mu *= 8.0;

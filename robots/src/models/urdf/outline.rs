@@ -60,7 +60,9 @@ impl<const N: usize> SerialOutline<N> {
     pub fn from_urdf(robot: Serial<N>, text: &str, base: &str, tip: &str) -> Result<Self, UrdfError> {
         let document = parsed(text)?;
         let tree = Tree::of(&document)?;
-        let (mut fixed, mut joints, mut bodies) = (Pose::identity(), 0, Vec::new());
+        let mut fixed = Pose::identity();
+        let mut joints = 0;
+        let mut bodies = Vec::new();
         collect(&tree, base, &fixed, joints, &mut bodies)?;
         for joint in tree.path(base, tip)? {
             fixed *= origin(&joint.element, tree.has_quaternions)?;
@@ -72,7 +74,8 @@ impl<const N: usize> SerialOutline<N> {
             collect(&tree, joint.child, &fixed, joints, &mut bodies)?;
         }
         if joints != robot.segments().len() {
-            let (count, names) = (joints, "another chain than the robot's".to_owned());
+            let count = joints;
+            let names = "another chain than the robot's".to_owned();
             let help = "give the base and tip that the robot was read with".to_owned();
             return Err(UrdfError::WrongCount {
                 base: shown(base),
@@ -91,7 +94,8 @@ impl<const N: usize> SerialOutline<N> {
 
     /// The base, the frames of the joints, and the flange.
     fn frames(&self, q: &SVector<f64, N>) -> ([Pose; MOST_SEGMENTS + 2], usize) {
-        let (mut frames, mut count) = ([Pose::identity(); MOST_SEGMENTS + 2], 0);
+        let mut frames = [Pose::identity(); MOST_SEGMENTS + 2];
+        let mut count = 0;
         self.robot.frames(q, &mut |frame| {
             if let Some(place) = frames.get_mut(count) {
                 *place = *frame;
@@ -135,7 +139,8 @@ fn capsules_of(geometry: &Element<'_, '_>) -> Result<Vec<Capsule>, UrdfError> {
     }
     for name in ["cylinder", "capsule"] {
         if let Some(bar) = geometry.child(name)? {
-            let (radius, half) = (above_zero(&bar, "radius")?, 0.5 * above_zero(&bar, "length")?);
+            let radius = above_zero(&bar, "radius")?;
+            let half = 0.5 * above_zero(&bar, "length")?;
             return Ok(vec![Capsule::new(Vector3::z() * -half, Vector3::z() * half, radius)]);
         }
     }

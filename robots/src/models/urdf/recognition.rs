@@ -29,7 +29,8 @@ pub(super) fn ortho_parallel(segments: &[Segment], X_tip: &Pose) -> Option<Ortho
     let z = |i: usize| axes[i].direction;
     let perpendicular = |i: usize, j: usize| z(i).dot(&z(j)).abs() < EXACT;
     let ortho_parallel = perpendicular(0, 1) && z(1).cross(&z(2)).norm() < EXACT && perpendicular(2, 3);
-    let (ortho_wrist, centre) = (perpendicular(3, 4) && perpendicular(4, 5), nearest(&axes[4], &axes[3]));
+    let ortho_wrist = perpendicular(3, 4) && perpendicular(4, 5);
+    let centre = nearest(&axes[4], &axes[3]);
     if !ortho_parallel || !ortho_wrist || off(&axes[3], &centre) > EXACT || off(&axes[5], &centre) > EXACT {
         return None;
     }
@@ -47,7 +48,8 @@ pub(super) fn ortho_parallel(segments: &[Segment], X_tip: &Pose) -> Option<Ortho
     let at_2 = in_plane(axes[1].point - p_WO);
     let upper = in_plane(axes[2].point - axes[1].point);
     let fore = in_plane(centre - axes[2].point);
-    let (l, k) = (upper.x.hypot(upper.z), fore.x.hypot(fore.z));
+    let l = upper.x.hypot(upper.z);
+    let k = fore.x.hypot(fore.z);
     if l < NO_LINK || k < NO_LINK {
         return None;
     }

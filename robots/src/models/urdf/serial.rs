@@ -207,14 +207,17 @@ impl<const N: usize> Serial<N> {
         upper: SVector<f64, N>,
     ) -> Result<Self, UrdfError> {
         for (i, mover) in self.movers.iter().enumerate().take(N) {
-            let (lower, upper, (lowest, highest)) = (lower[i], upper[i], mover.range);
+            let lower = lower[i];
+            let upper = upper[i];
+            let (lowest, highest) = mover.range;
             let within = lowest <= lower && lower < upper && upper <= highest;
             if !within {
                 let joint = mover.name.clone();
                 return Err(UrdfError::CallerRange { joint, lower, upper, lowest, highest });
             }
         }
-        (self.limits.lower, self.limits.upper) = (lower, upper);
+        self.limits.lower = lower;
+        self.limits.upper = upper;
         Ok(self)
     }
 

@@ -31,7 +31,8 @@ pub struct Grasping<R, const N: usize> {
 impl<const N: usize, R: Driven<N> + Kinematics<N>> Grasping<R, N> {
     #[allow(non_snake_case)]
     pub(super) fn new(world: &World, arm: Simulated<R, N>, grasp: Grasp) -> Result<Self, WorldError> {
-        let (shaft, X_FE) = (arm.shaft(), grasp.X_FE);
+        let shaft = arm.shaft();
+        let X_FE = grasp.X_FE;
         let X_WE = arm.robot().forward(&shaft.state().position) * X_FE;
         let hand = world.add_hand(grasp, arm.period(), X_WE)?;
         Ok(Self { arm, shaft, hand, X_FE })
@@ -48,7 +49,8 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Grasping<R, N> {
         let robot = self.arm.robot();
         // From the tool's origin to the flange's, where the Jacobian is taken.
         let lever = robot.forward(&q).rotation * self.X_FE.translation.vector;
-        let (f, t) = (F_E.force, F_E.torque + lever.cross(&F_E.force));
+        let f = F_E.force;
+        let t = F_E.torque + lever.cross(&F_E.force);
         let torques = robot.jacobian(&q).tr_mul(&Vector6::new(f.x, f.y, f.z, t.x, t.y, t.z));
         let at_motors = robot.motor_torques(&robot.motors(&q), &torques);
         // A drive's load counts against its motion.

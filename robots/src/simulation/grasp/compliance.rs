@@ -119,11 +119,14 @@ pub(super) struct Deflection {
 }
 
 impl Deflection {
-    /// Of the frame G from the frame E, each an origin and a rotation.
+    /// Of the frame G from the frame E: their origins \[m\] and rotations in the world.
+    #[allow(non_snake_case)]
     pub fn between(
-        (p_e, r_e): (&Vector3<f64>, &UnitQuaternion<f64>),
-        (p_g, r_g): (&Vector3<f64>, &UnitQuaternion<f64>),
+        p_E: &Vector3<f64>,
+        R_E: &UnitQuaternion<f64>,
+        p_G: &Vector3<f64>,
+        R_G: &UnitQuaternion<f64>,
     ) -> Self {
-        Self { displacement: p_g - p_e, turn: turn::of(&(r_g * r_e.inverse())) }
+        Self { displacement: p_G - p_E, turn: turn::of(&(R_G * R_E.inverse())) }
     }
 }

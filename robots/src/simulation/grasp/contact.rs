@@ -90,7 +90,8 @@ impl Table {
         if pull > cone {
             *stretch *= cone / pull;
         }
-        let (elastic, viscous) = (-self.stiffness * *stretch, -self.damping * sliding);
+        let elastic = -self.stiffness * *stretch;
+        let viscous = -self.damping * sliding;
         let tangential = elastic + viscous * within(&elastic, &viscous, cone);
         Vector3::new(tangential.x, tangential.y, normal)
     }
@@ -102,7 +103,9 @@ fn within(a: &Vector2<f64>, b: &Vector2<f64>, cone: f64) -> f64 {
         return 1.0;
     }
     // |a|^2 + 2 share a.b + share^2 |b|^2 = cone^2, of which the positive root is taken.
-    let (bb, ab, room) = (b.norm_squared(), a.dot(b), (cone * cone - a.norm_squared()).max(0.0));
+    let bb = b.norm_squared();
+    let ab = a.dot(b);
+    let room = (cone * cone - a.norm_squared()).max(0.0);
     let root = (ab * ab + bb * room).sqrt();
     // Without cancellation: (root - ab) / bb = room / (root + ab).
     let share = if ab > 0.0 { room / (root + ab) } else { (root - ab) / bb };

@@ -129,15 +129,20 @@ impl HandState {
             self.knots.pop_front();
         }
         let Some(from) = self.knots.front() else { return };
-        (self.position, self.rotation) = (from.X_WE.translation.vector, from.X_WE.rotation);
-        (self.velocity, self.turning) = (Vector3::zeros(), Vector3::zeros());
+        self.position = from.X_WE.translation.vector;
+        self.rotation = from.X_WE.rotation;
+        self.velocity = Vector3::zeros();
+        self.turning = Vector3::zeros();
         if let Some(to) = self.knots.get(1) {
             let rate = seconds(to.time - from.time).recip();
             let way = Deflection::between(
-                (&self.position, &self.rotation),
-                (&to.X_WE.translation.vector, &to.X_WE.rotation),
+                &self.position,
+                &self.rotation,
+                &to.X_WE.translation.vector,
+                &to.X_WE.rotation,
             );
-            (self.velocity, self.turning) = (way.displacement * rate, way.turn * rate);
+            self.velocity = way.displacement * rate;
+            self.turning = way.turn * rate;
             if now > from.time {
                 self.drift(seconds(now - from.time));
             }
@@ -153,7 +158,8 @@ impl HandState {
     /// Closes at the time `now` at the frame G of the body, given as a pose in B.
     #[allow(non_snake_case)]
     pub fn close(&mut self, now: Nanos, body: &Moving, X_BG: &Pose) {
-        let (at, grasp) = (X_BG.translation.vector, &self.grasp);
+        let at = X_BG.translation.vector;
+        let grasp = &self.grasp;
         let bound = |linear: f64, angular: f64| linear * body.yielding(&at) + angular * body.turning();
         self.held = Some(Held {
             at,
@@ -190,10 +196,13 @@ impl HandState {
         let Some(held) = self.held else { return Wrench::default() };
         let lever = body.rotation * held.at;
         let deflection = Deflection::between(
-            (&self.position, &self.rotation),
-            (&(body.position + lever), &(body.rotation * held.rotation)),
+            &self.position,
+            &self.rotation,
+            &(body.position + lever),
+            &(body.rotation * held.rotation),
         );
-        let (arm, omega) = (deflection.displacement, rate.turn);
+        let arm = deflection.displacement;
+        let omega = rate.turn;
         let rate = Deflection {
             displacement: rate.displacement + omega.cross(&lever)
                 - (self.velocity + self.turning.cross(&arm)),
@@ -210,8 +219,10 @@ impl HandState {
     pub fn energy(&self, body: &Moving) -> f64 {
         self.held.map_or(0.0, |held| {
             let deflection = Deflection::between(
-                (&self.position, &self.rotation),
-                (&(body.position + body.rotation * held.at), &(body.rotation * held.rotation)),
+                &self.position,
+                &self.rotation,
+                &(body.position + body.rotation * held.at),
+                &(body.rotation * held.rotation),
             );
             self.grasp.energy(&deflection) * held.tightness
         })
@@ -226,7 +237,8 @@ impl HandState {
     pub fn take_reaction(&mut self) {
         if self.elapsed > 0.0 {
             self.reaction = self.impulse * self.elapsed.recip();
-            (self.impulse, self.elapsed) = (Wrench::default(), 0.0);
+            self.impulse = Wrench::default();
+            self.elapsed = 0.0;
         }
     }
 

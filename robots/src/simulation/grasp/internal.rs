@@ -32,7 +32,9 @@ impl Sharing {
     /// all stand in one place share torques evenly.
     #[must_use]
     pub fn of(grasps: impl Iterator<Item = (Vector3<f64>, Wrench)> + Clone) -> Self {
-        let (mut count, mut centre, mut force) = (0.0, Vector3::zeros(), Vector3::zeros());
+        let mut count = 0.0;
+        let mut centre = Vector3::zeros();
+        let mut force = Vector3::zeros();
         for (at, wrench) in grasps.clone() {
             count += 1.0;
             centre += at;
@@ -40,7 +42,9 @@ impl Sharing {
         }
         let count = f64::max(count, 1.0);
         centre /= count;
-        let (mut torque, mut levers, mut square) = (Vector3::zeros(), Matrix3::zeros(), 0.0);
+        let mut torque = Vector3::zeros();
+        let mut levers = Matrix3::zeros();
+        let mut square = 0.0;
         for (at, wrench) in grasps {
             let r = at - centre;
             torque += wrench.torque + r.cross(&wrench.force);

@@ -209,15 +209,19 @@ impl Hand {
     #[allow(non_snake_case)]
     pub fn close(&self) -> Result<(), OutOfReach> {
         let state = &mut *self.world.state_mut();
-        let (now, body, hand) = (state.time, &state.body, &mut state.hands[self.index]);
+        let now = state.time;
+        let body = &state.body;
+        let hand = &mut state.hands[self.index];
         if hand.is_closed() {
             return Ok(());
         }
         let X_BE = body.state().pose.inverse() * hand.pose();
         let X_BG = hand.grasp.X_BG.unwrap_or(X_BE);
         let X_EG = X_BE.inverse() * X_BG;
-        let (distance, angle) = (X_EG.translation.vector.norm(), X_EG.rotation.angle());
-        let (reach, turn) = (Grasp::REACH, Grasp::TURN);
+        let distance = X_EG.translation.vector.norm();
+        let angle = X_EG.rotation.angle();
+        let reach = Grasp::REACH;
+        let turn = Grasp::TURN;
         let is_there = distance <= reach && angle <= turn;
         if !is_there {
             return Err(OutOfReach { distance, angle, reach, turn });
@@ -272,7 +276,8 @@ impl Hand {
     /// world's axes.
     pub(super) fn begin(&self) -> Wrench {
         let state = &mut *self.world.state_mut();
-        let (now, period) = (state.time, state.hands[self.index].period);
+        let now = state.time;
+        let period = state.hands[self.index].period;
         let begun = state.hands[self.index].begin(now);
         let others = state.hands.iter().enumerate().filter(|(i, _)| *i != self.index);
         let known = others.map(|(_, other)| other.known(begun, period)).fold(begun, Nanos::min);
@@ -320,7 +325,8 @@ impl State {
 
     /// The longest step that is stable and true \[s\].
     fn longest_step(&self, touching: bool) -> f64 {
-        let (mut stiffness, mut damping) = (0.0, 0.0);
+        let mut stiffness = 0.0;
+        let mut damping = 0.0;
         for (k, c) in self.hands.iter().map(HandState::bounds) {
             stiffness += k;
             damping += c;
@@ -337,7 +343,8 @@ impl State {
     fn is_near_table(&mut self, duration: f64) -> bool {
         let Some(table) = self.table else { return false };
         let body = &self.body;
-        let (velocity, omega) = (body.velocity(), body.angular_velocity());
+        let velocity = body.velocity();
+        let omega = body.angular_velocity();
         let fall = 0.5 * self.gravity.norm() * duration * duration;
         let is_near = |point: &Point| {
             let lever = body.rotation * point.at;
@@ -361,7 +368,8 @@ impl State {
     fn wrench(&mut self, h: f64, touching: bool) -> Wrench {
         let body = &self.body;
         let mut sum = Wrench::new(body.mass * self.gravity, Vector3::zeros());
-        let (velocity, omega) = (body.velocity(), body.angular_velocity());
+        let velocity = body.velocity();
+        let omega = body.angular_velocity();
         let rate = Deflection { displacement: velocity, turn: omega };
         for hand in &mut self.hands {
             sum = sum + hand.pull(body, &rate, h);
