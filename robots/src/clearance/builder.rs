@@ -18,8 +18,8 @@ pub struct ClearanceBuilder {
 }
 
 impl Clearance {
-    /// A clearance whose bodies must keep `margin` \[m\], finite and >= 0, from one another: for what the capsules and the drives
-    /// are off. Links of one robot only must not meet: their margin is 0.
+    /// A clearance whose bodies must keep `margin` \[m\], finite and >= 0, from one another: it covers the
+    /// errors of the capsules and the drives. Links of one robot must only not meet: their margin is 0.
     pub fn with_margin(margin: f64) -> ClearanceBuilder {
         let stopping = Stopping { reaction: 0.0, stop: Stop::Braking };
         ClearanceBuilder {
@@ -63,7 +63,7 @@ impl ClearanceBuilder {
         Ok(self)
     }
 
-    /// Adds what stands in the cell.
+    /// Adds an obstacle that stands in the cell.
     ///
     /// # Errors
     /// [`ClearanceError::BadBody`].
@@ -92,13 +92,13 @@ impl ClearanceBuilder {
     }
 
     /// The links of a robot, its tool and what it carries are not checked against one another: for an arm whose own limits
-    /// keep them apart. RNT's, whose bars are moved by much at once, is best left to its limits.
+    /// keep them apart. RNT is such an arm: several joints move each of its bars, so the bounds for them are wide.
     pub fn ignore_own(mut self, robot: &str) -> Self {
         self.clearance.ignored_own.push(robot.into());
         self
     }
 
-    /// The clearance, which looks ahead to where its robots stand after such a stop.
+    /// The clearance, which judges the robots by where they would stand after such a stop.
     ///
     /// # Errors
     /// [`ClearanceError`]: margins, stopping, names in [`margin_between`](Self::margin_between) and in

@@ -15,7 +15,7 @@ use crate::models::{Capsule, Link};
 /// A robot or obstacle, and which of its links.
 pub(super) type Owned = (Arc<str>, Arc<str>);
 
-/// What is asked for.
+/// Which distance is computed.
 #[derive(Clone, Copy, PartialEq)]
 enum Purpose {
     /// The distance as it is.
@@ -43,10 +43,10 @@ pub struct Clearance {
 
 impl Clearance {
     /// Checks that all pairs keep their margins where the robots would stand if they were stopped now, from their demanded
-    /// positions and velocities. Gives the pair that has least to spare.
+    /// positions and velocities. Returns the pair that has the least distance beyond its margin.
     ///
     /// `distance - travel >= margin`, with `travel` the sum of how far either body can get (see
-    /// [the module](super)): a bound that is never too small, and mostly too large.
+    /// [the module](super)): a bound that is never too small, and usually larger than necessary.
     ///
     /// # Errors
     /// [`CheckError`]: too close; a robot without a state; joints that give no posture.
@@ -72,7 +72,7 @@ impl Clearance {
     /// of one robot count where they overlap, or where there is nothing else.
     ///
     /// # Errors
-    /// [`CheckError`], but never that something is too close.
+    /// [`CheckError`] except [`CheckError::TooClose`].
     pub fn nearest(&mut self, states: &[RobotView]) -> Result<Nearest, CheckError> {
         for robot in &mut self.robots {
             let joints = state_of(states, robot)?.demanded.joints;
@@ -87,7 +87,7 @@ impl Clearance {
     /// As [`nearest`](Clearance::nearest), of joint positions [rad or m] of the robots in the order in which they were added.
     ///
     /// # Errors
-    /// [`CheckError`], but never that something is too close.
+    /// [`CheckError`] except [`CheckError::TooClose`].
     pub fn nearest_at(&mut self, positions: &[&[f64]]) -> Result<Nearest, CheckError> {
         self.nearest_of(|robot| positions.get(robot).copied())
     }
@@ -109,8 +109,8 @@ impl Clearance {
     }
 
     /// Fixes a body to a robot's flange: capsules in the flange's frame F. It is checked against everything but what is
-    /// rigidly joined to it; [`ClearanceBuilder::ignore`](super::ClearanceBuilder::ignore) beforehand what it lies on or
-    /// who else holds it. Allocates: between motions.
+    /// rigidly joined to it. When the clearance is built, exclude what the body lies on and who else holds it
+    /// ([`ClearanceBuilder::ignore`](super::ClearanceBuilder::ignore)). It allocates: call it between motions.
     ///
     /// # Errors
     /// [`ClearanceError::NoRobot`], [`ClearanceError::BadBody`].
@@ -141,8 +141,8 @@ impl Clearance {
         self.pairs.len()
     }
 
-    /// The pairs that are not checked because they overlap in all postures, or, links of one robot, never meet: 2000
-    /// postures spread over the joints' ranges tell. As text: `"irp6 postument - table: always overlap"`.
+    /// The pairs that are not checked because they overlap in all postures or, being links of one robot, never meet, in
+    /// 2000 postures spread over the joints' ranges. As text: `"irp6 postument - table: always overlap"`.
     pub fn unchecked(&self) -> impl Iterator<Item = String> + '_ {
         self.unchecked.iter().map(|(pair, why)| {
             let [(a, link_a), (b, link_b)] = self.owners(pair);
@@ -210,7 +210,7 @@ impl Clearance {
             let [(a, _), (b, _)] = self.owners(pair);
             let between = |(x, y): (&str, &str)| (x, y) == (&*a, &*b) || (y, x) == (&*a, &*b);
             let special = self.margins.iter().rev().find(|(x, y, _)| between((x, y)));
-            // Links of one robot are told apart by its own builder: no margin but one that is asked for.
+            // Links of one robot have no margin, unless one was stated for them.
             let usual = if a == b { 0.0 } else { self.margin };
             pair.margin = special.map_or(usual, |(_, _, margin)| *margin);
         }
@@ -260,7 +260,7 @@ impl Clearance {
         [limb(&pair.limb, gap.points[0]), other]
     }
 
-    /// The pair that has least, and how much.
+    /// The pair with the least distance, and that distance.
     fn search(&self, purpose: Purpose) -> Result<Nearest, CheckError> {
         let nearest = match purpose {
             Purpose::Slack => self.least(purpose, |_| true, f64::INFINITY),
@@ -277,8 +277,8 @@ impl Clearance {
         nearest.ok_or(CheckError::NothingToCheck)
     }
 
-    /// The pair of those that are wanted that has least, if less than `least` \[m\]. Balls around the bodies tell of most pairs
-    /// that they have more.
+    /// Of the wanted pairs the one with the least distance, if it is less than `least` \[m\]. Most pairs are excluded by balls
+    /// around the bodies.
     fn least(&self, purpose: Purpose, is_wanted: impl Fn(&Pair) -> bool, least: f64) -> Option<Nearest> {
         let mut best: Option<(f64, f64, &Pair, Gap)> = None;
         let mut least = least;

@@ -20,7 +20,7 @@ pub struct Closest {
 /// count as standing between their observations.
 pub struct DryRun {
     clearance: Clearance,
-    /// What each robot's joints were last; `None` before the first time.
+    /// The joints of each robot as they were last seen; `None` before the first time.
     joints: Vec<Option<[f64; MAX_JOINTS]>>,
     time: f64,
     is_new: bool,
@@ -36,7 +36,7 @@ impl DryRun {
         Self { clearance, joints, time: 0.0, is_new: false, closest: None, failed: None }
     }
 
-    /// Takes the joints that a robot measured; robots that the clearance does not know are left out.
+    /// Takes the measured joints of a robot; robots that the clearance does not know are left out.
     pub fn observe(&mut self, observation: &Observation<'_>) {
         self.see(observation.time, observation.robot, observation.measured);
     }

@@ -1,4 +1,4 @@
-//! What a clearance check finds, and what it cannot be built from.
+//! Results of a clearance check, and errors in what a clearance is built from.
 
 use std::sync::Arc;
 
@@ -25,21 +25,21 @@ impl core::fmt::Display for Side {
     }
 }
 
-/// The two bodies that are nearest to one another, or nearest to what they must keep.
+/// The two bodies that are nearest to one another, or nearest to their margin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Nearest {
     /// Distance of their surfaces \[m\]; below 0, how deep they overlap.
     pub distance: f64,
-    /// By how much at most they can still come nearer when the robots are stopped now \[m\], >= 0; 0 when not asked for.
+    /// How much nearer they can still come, at most, when the robots are stopped now \[m\], >= 0; 0 when not computed.
     pub travel: f64,
-    /// What must be left then \[m\]; 0 when not asked for.
+    /// The distance that must be left then, the margin \[m\]; 0 when not computed.
     pub margin: f64,
     /// Both bodies.
     pub sides: [Side; 2],
 }
 
 impl Nearest {
-    /// What is left beyond the margin when the robots are stopped now \[m\]; below 0, what is missing.
+    /// The distance that is left beyond the margin when the robots are stopped now \[m\]; below 0, what is missing of it.
     #[must_use]
     pub fn slack(&self) -> f64 {
         self.distance - self.travel - self.margin
@@ -66,10 +66,10 @@ pub enum CheckError {
         /// The robot.
         robot: Name,
     },
-    /// All that could be checked is ignored, or was released.
+    /// There is no pair to check: all are ignored, or were released.
     #[error("the clearance has no two bodies to check: add a robot or an obstacle, or ignore less")]
     NothingToCheck,
-    /// A state from which no posture follows: not finite, or linkages that cannot be closed.
+    /// Joint positions that give no posture: they are not finite, or the linkages cannot be closed.
     #[error("{robot}: its joints give no posture")]
     NoPosture {
         /// The robot.
@@ -78,7 +78,7 @@ pub enum CheckError {
 }
 
 impl From<CheckError> for Fault {
-    /// The fault that a guard returns. Names of bodies stand in its text, distance and what is needed beside it.
+    /// The fault that a guard returns: its text has the names of the bodies, its figures the distance and the distance needed.
     fn from(error: CheckError) -> Self {
         match &error {
             CheckError::TooClose(TooClose(nearest)) => {
@@ -101,7 +101,7 @@ impl From<CheckError> for Fault {
 /// Why no clearance can be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClearanceError {
-    /// A robot's name that is none.
+    /// A robot's name that is not a valid name.
     #[error(transparent)]
     Name(#[from] BadName),
     /// Two robots of one name.
@@ -110,7 +110,7 @@ pub enum ClearanceError {
         /// The name.
         robot: Name,
     },
-    /// A body of numbers that are not finite, or a radius or edge that is not above 0.
+    /// A number of a body is not finite, or a radius or an edge is not above 0.
     #[error("{body}: ends must be finite, radii and edges above 0, a normal of length 1")]
     BadBody {
         /// The link, tool, body or obstacle.

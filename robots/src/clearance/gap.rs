@@ -23,7 +23,7 @@ impl Capsule {
     }
 }
 
-/// What lies between two bodies.
+/// The distance between two bodies, and where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Distance of the surfaces \[m\]; below 0, how deep the bodies overlap along the line of the points.

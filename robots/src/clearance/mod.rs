@@ -1,6 +1,6 @@
 //! Arms do not collide: capsules around links, tools, bodies and obstacles, and how near they come.
 //!
-//! In: the states of all robots of a cell. Out: the two bodies that have least between them, or [`TooClose`].
+//! In: the states of all robots of a cell. Out: the two bodies that are nearest to one another, or [`TooClose`].
 //!
 //! ```text
 //! Outline (links as capsules, motions) --.
@@ -42,7 +42,8 @@
 //! never more than what is left, on the way too. Of two links of one robot only the joints between them count.
 //!
 //! **What it does not see.** The demanded state is looked at, which the drives follow some way behind; the capsules' radii of
-//! this crate's arms are assumed; cables, people and what no one told it of are not there. This is no certified safety function.
+//! this crate's arms are assumed; cables, people and everything that it was not given are not seen. This is no
+//! certified safety function.
 
 // Errors hold both bodies and their points; in a box they would have to be allocated within a step.
 #![allow(clippy::result_large_err)]

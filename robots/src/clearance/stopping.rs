@@ -23,8 +23,8 @@
 //! `0.04 j / 2.7 a` per second as well, and bends by `0.04 j k / a`: it takes `2 x 24.5 a/j` at most until the fall is as steep as it
 //! may be, and to end it.
 //!
-//! What this rests on: ahead, within the stop, the path at rate 1 is nowhere faster than now. Where it is, the next look
-//! finds the larger way; a margin covers one look.
+//! This assumes that within the stop the path, at rate 1, is nowhere faster than now. Where it is, the next check finds the
+//! longer way; a margin covers the difference of one check.
 
 use core::time::Duration;
 
@@ -56,13 +56,13 @@ pub enum Stop {
 pub struct Stopping {
     /// Time from the state that is looked at to where the stop begins at the latest \[s\], >= 0.
     pub reaction: f64,
-    /// What follows.
+    /// How the stop goes on.
     pub stop: Stop,
 }
 
 impl Stopping {
-    /// The stop that a guard's fault is, in a cell of this step whose guard looks every so many steps: the states are those of
-    /// the step before, and the stop begins in the next one.
+    /// The stop that a guard's fault causes, in a cell with this step whose guard is called every so many steps. The guard
+    /// sees the states of the step before, and the stop begins in the next one.
     #[must_use]
     pub fn of_guard(step: Duration, every: u32) -> Self {
         let step = step.as_secs_f64();

@@ -17,7 +17,7 @@ use super::{Violation, ensure};
 const STOP: Duration = Duration::from_secs(60);
 /// How long the motion takes \[s\].
 const DURATION: f64 = 1.0;
-/// Steps that a sensor takes which makes its ECP late: demands get lost.
+/// Steps that a sensor takes to answer, so that its ECP is late and demands get lost.
 const LATE: f64 = 2.4;
 
 /// A driver that outlives its cell, with the count of its ticks and the last demand.
@@ -114,7 +114,7 @@ pub fn ticks_once_a_period<R: Robot, D: Driver<R> + 'static>(
     Ok(())
 }
 
-/// A sensor that has nothing to say, late.
+/// A sensor with an empty reading, which it gives late.
 struct Slow;
 
 #[derive(Clone, Copy, Debug, Payload)]
@@ -146,7 +146,7 @@ struct Sway<R: Robot> {
 }
 
 impl<R: Robot> Sway<R> {
-    /// By up to an eighth of the limits of speed, a sixteenth of those of acceleration, and a tenth of the room.
+    /// By up to an eighth of the limits of speed, a sixteenth of those of acceleration, and a tenth of the range.
     fn from(robot: &R, start: &R::Joints, until: f64) -> Self {
         let limits = robot.limits();
         let way = R::Joints::from_joints(|i| {
@@ -201,7 +201,7 @@ fn late_cell<R: Robot, D: Driver<R> + 'static>(
     (Cell::new(step).stop_time(STOP).robot(setup).sensor(slow), kept)
 }
 
-/// Where the robot stands, half a second after its cell.
+/// Where the robot stands half a second after its cell has ended.
 fn at_rest<R: Robot, D: Driver<R>>(robot: &R, kept: &RefCell<Kept<R, D>>) -> Result<R::Joints, Violation> {
     let Kept { driver, demanded, .. } = &mut *kept.borrow_mut();
     let Some(demanded) = demanded else { return Err(Violation("it was never called".into())) };

@@ -6,7 +6,7 @@ use mrroc::{DriveFault, Driver, JointVector, Measured, Robot};
 
 use super::{Violation, ensure};
 
-/// Largest error at rest, as a share of what a joint moves in a second at its limit.
+/// Largest error at rest, in seconds at the joint's top speed.
 const AT_REST: f64 = 1e-3;
 
 /// Ticks within which a braked robot stands.
@@ -16,7 +16,7 @@ fn period<R: Robot>(driver: &impl Driver<R>) -> f64 {
     driver.period().as_secs_f64()
 }
 
-/// Whether a tick tells the same cause again; its value may be NaN, which is equal to nothing.
+/// Whether a tick reports the same cause again; its value may be NaN, which is not equal to itself.
 fn keeps<J>(outcome: Result<Measured<J>, DriveFault>, fault: &DriveFault) -> bool {
     outcome.is_err_and(|again| (again.joint, again.what) == (fault.joint, fault.what))
 }
@@ -103,7 +103,8 @@ pub fn follows_slowly<R: Robot, D: Driver<R>>(
     Ok(())
 }
 
-/// NaN, infinity, a jump and a place far outside the limits are refused, at once, by the joint's name, and stay refused.
+/// NaN, infinity, a jump and a place far outside the limits are refused at once, with the joint's number, and the cause is
+/// kept.
 ///
 /// # Errors
 /// The first [`Violation`].
@@ -136,7 +137,7 @@ pub fn refuses<R: Robot, D: Driver<R>>(
     Ok(())
 }
 
-/// A moving robot that is refused a demand stands within a second, and tells the first cause all the while.
+/// A moving robot whose demand is refused stands within a second, and reports the first cause all the time.
 ///
 /// # Errors
 /// The first [`Violation`].

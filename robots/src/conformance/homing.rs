@@ -28,8 +28,8 @@ fn searched<R: Robot, H: Homing<R>>(mut homing: H) -> Result<Outcome<R, H>, Viol
     }
 }
 
-/// From every start it finds its marks in an hour, has the period of the drives that it becomes, and leaves the robot
-/// standing, within its limits, where its drives can hold it.
+/// From every start it finds its marks within an hour; it has the servo period of the drives that it becomes; and the robot
+/// then stands within its limits, where its drives can hold it.
 ///
 /// # Errors
 /// The first [`Violation`].

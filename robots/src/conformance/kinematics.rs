@@ -238,7 +238,7 @@ fn is_finite(pose: &Pose) -> bool {
     pose.to_homogeneous().iter().all(|entry| entry.is_finite())
 }
 
-/// Poses that nobody can take are refused, not answered by NaN; forward kinematics is finite on the limits.
+/// Poses that no robot can take are refused, not answered by NaN; forward kinematics is finite on the limits.
 ///
 /// # Errors
 /// The first [`Violation`].

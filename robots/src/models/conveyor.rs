@@ -28,7 +28,7 @@ pub struct Conveyor {
 }
 
 impl Conveyor {
-    /// By how much a demanded pose may be off the belt \[m or rad\].
+    /// Largest distance of a demanded pose from the nearest one on the belt \[m or rad\].
     pub const OFF: f64 = 1e-6;
     /// Motor angle per way of the belt [rad/m] (MRROC++).
     pub const GEAR: f64 = 2250.0;

@@ -1,7 +1,7 @@
-//! What a robot says of its drives: their data, how they turn with the joints, what they bear.
+//! The drives of a robot as data: its motors, their limits, and how they turn with the joints.
 //!
-//! In: joint positions. Out: motor angles, and back, with the torques that the links' weight puts on the motors. A
-//! robot that implements [`Driven`] can be simulated ([`Simulated`](crate::Simulated)) without more.
+//! In: joint positions. Out: motor angles, and back, with the torques that the links' weight puts on the motors.
+//! [`Simulated`](crate::Simulated) simulates every robot that implements [`Driven`].
 
 use core::f64::consts::{PI, TAU};
 
@@ -32,7 +32,7 @@ impl Encoder {
     }
 }
 
-/// Gains of one regulator.
+/// Gains of the regulator of one motor; [`Regulator`](crate::Regulator) has the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gains {
     /// Pole of the lag, 0 to 1.
@@ -45,7 +45,7 @@ pub struct Gains {
     pub feedforward: f64,
 }
 
-/// One drive: what the simulated plant needs to know of a motor and its load.
+/// A motor with its encoder, its regulator's gains and its load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorData {
     /// Encoder on the motor shaft (MRROC++).
@@ -68,12 +68,12 @@ pub struct MotorData {
     pub following: f64,
     /// Deceleration by the brake [rad/s²], > 0 (assumed).
     pub brake: f64,
-    /// What happens when the motor would need more current than it bears.
+    /// What happens when the motor would need more than its lasting current.
     pub overload: Overload,
 }
 
 impl MotorData {
-    /// A disc motor on a geared axis: what the axes of the IRp-6 differ in is to be filled in.
+    /// A disc motor on a geared axis. Each axis of the IRp-6 overrides the figures in which it differs.
     pub(crate) const DISC: Self = Self {
         encoder: Encoder { pulses: 4000.0 },
         gains: Gains { a: 0.429, b0: 6.834, b1: 6.606, feedforward: 0.35 },
@@ -89,16 +89,17 @@ impl MotorData {
     };
 }
 
-/// What a drive does when it is asked for more than its lasting current.
+/// What a drive does when its demand takes more than its lasting current.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overload {
-    /// Gives twice that for a moment and trips when the mean (50 ms) exceeds it, or the motor does not follow.
+    /// Gives up to twice the lasting current, and trips when the mean over 50 ms exceeds it or the motor does not follow.
     Trip,
-    /// Gives that and no more, for as long as asked, and lets the motor stand off its demand: a gripper's grasp.
+    /// Gives the lasting current and no more, for any time, even if the motor then does not reach its demand: a gripper
+    /// that presses on an object.
     Limit,
 }
 
-/// What the motors of a robot bear.
+/// Limits of a robot's motors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorLimits<const N: usize> {
     /// Lowest motor angles \[rad\].
@@ -109,7 +110,7 @@ pub struct MotorLimits<const N: usize> {
     pub speed: f64,
 }
 
-/// A robot's joints as its motor shafts determine them, and what the motors carry.
+/// A robot's joints as its motor shafts determine them, and the load on each motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shafts<const N: usize> {
     /// Joint positions [rad or m] and speeds [rad/s or m/s].
@@ -123,11 +124,11 @@ pub trait Driven<const N: usize>: Robot<Joints = SVector<f64, N>> {
     /// The data of the motors, in order.
     fn motor_data(&self) -> &[MotorData; N];
 
-    /// What the motors bear.
+    /// Limits of the motors.
     fn motor_limits(&self) -> &MotorLimits<N>;
 
-    /// Motor angles of the index lines at which the motors are synchronised \[rad\]: of the first line above each motor's
-    /// switch. In the middle of the joint limits unless the robot says otherwise (assumed).
+    /// Motor angles at which the motors are synchronised \[rad\]: for each motor that of the first index line above its
+    /// switch. By default those of the middle of the joint limits (assumed).
     fn marks(&self) -> SVector<f64, N> {
         let limits = self.limits();
         self.motors(&((limits.lower + limits.upper) * 0.5))

@@ -37,7 +37,7 @@ pub struct Gripper {
 }
 
 impl Gripper {
-    /// By how much a demanded pose may be off what the finger attains \[m or rad\].
+    /// Largest distance of a demanded pose from the nearest one that the finger attains \[m or rad\].
     pub const OFF: f64 = 1e-6;
     /// The drive: encoder, gains and current are facts, the rest assumed.
     pub const MOTOR: MotorData = MotorData {

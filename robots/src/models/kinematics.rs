@@ -1,7 +1,7 @@
 //! What the robots of this crate offer beyond [`Robot`]: Jacobians, all solutions, and how well a pose can be moved.
 //!
-//! In: joint positions, or a pose of the flange and the joint positions to stay near. Out: velocities per joint
-//! velocity, the inverse kinematics' other answers, and measures of dexterity (Yoshikawa 1985; Klein and Blaho 1987):
+//! In: joint positions, or a pose of the flange and the joint positions to stay near. Out: Jacobians, all
+//! solutions of the inverse kinematics, and measures of dexterity (Yoshikawa 1985; Klein and Blaho 1987):
 //!
 //! ```text
 //! (v, omega) = J(q) qdot,     manipulability = product of the singular values of J,
@@ -21,8 +21,8 @@ pub type Jacobian<const N: usize> = SMatrix<f64, 6, N>;
 
 /// Kinematics of a robot with `N` joints; nothing here allocates.
 pub trait Kinematics<const N: usize>: Robot<Joints = SVector<f64, N>> {
-    /// The length that makes lengths and angles comparable \[m\], > 0: about the farthest that the flange gets from
-    /// the first joint that turns it.
+    /// Largest distance of the flange from the first joint that turns it \[m\], > 0, about: lengths are divided by it where
+    /// they are compared with angles.
     fn reach(&self) -> f64;
 
     /// The [`Jacobian`] at `q` [rad or m]: linear rows, then angular, in the world, at the flange's origin.
@@ -54,7 +54,7 @@ pub trait Kinematics<const N: usize>: Robot<Joints = SVector<f64, N>> {
     /// first turned by full turns into its limits. `None` when there are solutions but none is attainable.
     ///
     /// For choosing a goal. [`Robot::inverse`] stays on the branch and the turn nearest to `near` whatever the limits
-    /// are, so that a path goes on to its limit and the fault names that limit, instead of a jump before it.
+    /// are: a path then ends at the limit, with a fault that names it, and does not jump to another branch before.
     ///
     /// # Errors
     /// As [`Kinematics::solutions`].
@@ -81,8 +81,9 @@ pub trait Kinematics<const N: usize>: Robot<Joints = SVector<f64, N>> {
         singular_values(&self.jacobian(q), 1.0).iter().take(N.min(6)).product()
     }
 
-    /// How far `q` is from the nearest singularity: the least that joints turning at 1 rad/s together (root of the sum
-    /// of squares) move the flange in some direction, dimensionless with lengths counted in [`Kinematics::reach`]; 0 on it.
+    /// How far `q` is from the nearest singularity: the smallest singular value of the Jacobian with lengths divided by
+    /// [`Kinematics::reach`], dimensionless; 0 on a singularity. It is the speed of the flange in its slowest direction when
+    /// the joints turn at 1 rad/s together (root of the sum of squares).
     fn singularity_distance(&self, q: &SVector<f64, N>) -> f64 {
         let values = singular_values(&self.jacobian(q), self.reach());
         values.iter().take(N.min(6)).fold(f64::INFINITY, |least, value| least.min(*value))
@@ -116,7 +117,10 @@ pub(crate) fn column(linear: &Vector3<f64>, angular: &Vector3<f64>) -> SVector<f
     SVector::<f64, 6>::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }
 
-/// The way along x of a pose that is nothing but that way, up to `off` \[m or rad\]; else how far it is off.
+/// The displacement along x \[m\] of a pose that is a displacement along x, up to `off` \[m or rad\].
+///
+/// # Errors
+/// [`NoInverse::NotAttainable`] with the distance from the x axis, or the turn, that exceeds `off`.
 #[allow(non_snake_case)]
 pub(crate) fn way_along_x(X_BF: &Pose, off: f64) -> Result<f64, NoInverse> {
     let p = X_BF.translation.vector;

@@ -37,7 +37,7 @@ const WRIST_SINGULAR: f64 = 1e-10;
 /// How far beyond its reach an arm may be asked to stretch, as a part of its length: round-off.
 const STRETCH: f64 = 1e-13;
 
-/// What cosines of angles between directions are off by.
+/// Largest round-off of the cosine of an angle between two directions.
 const ROUND_OFF: f64 = 1e-14;
 
 /// Sine of an angle, or part of the arm's length, below which a singularity counts as near.
@@ -64,17 +64,17 @@ pub(crate) struct OrthoParallel {
     pub(crate) l: f64,
     /// Distance of C from axis 3 \[m\], > 0.
     pub(crate) k: f64,
-    /// `q1` to `theta1`, `q2` to `phi2`, `q2 +- q3` to `theta23`, `q4`, `q5`, `q6` to theta4 .. theta6 \[rad\].
+    /// From `q1` to `theta1`, `q2` to `phi2`, `q2 +- q3` to `theta23`, and `q4`, `q5`, `q6` to theta4, theta5, theta6 \[rad\].
     pub(crate) offsets: [f64; 6],
     /// +1 or -1: how axis 3 is directed against axis 2.
     pub(crate) third: f64,
-    /// `theta23` to `phi3` \[rad\]..
+    /// From `theta23` to `phi3` \[rad\].
     pub(crate) delta: f64,
-    /// .. and its sine and cosine.
+    /// Sine and cosine of `delta`.
     pub(crate) delta_sin_cos: (f64, f64),
 }
 
-/// What is asked of the arm, in O.
+/// The demanded pose of the wrist, in O.
 struct Wanted {
     /// The wrist centre \[m\].
     centre: Vector3<f64>,
@@ -399,7 +399,7 @@ fn nearest([a, b]: [Joints; 2], near: &Joints) -> (Joints, f64) {
     if off_b < off_a { (b, off_b) } else { (a, off_a) }
 }
 
-/// Both of two, or the one that they are.
+/// Both of two solutions, or one where they are the same.
 fn distinct<T: PartialEq>(both: &[T; 2]) -> &[T] {
     if both[0] == both[1] { &both[..1] } else { both }
 }

@@ -30,11 +30,11 @@
 //!
 //! Where a kept stretch would stretch or fold an arm (the sine of an elbow below 0.3), `u` changes, ever more, as the least
 //! motion of the joints (sum of squares) changes it; below 0.15, and where an arm does not close at all, wholly so: by damped
-//! Gauss-Newton steps on the closed-form solution. Any `u` gives the pose exactly, so what the iteration leaves is only a
-//! motion that is not quite the least. A closed path that comes near such places ends with another stretch: give `u`
+//! Gauss-Newton steps on the closed-form solution. Any `u` gives the pose exactly: an error of the iteration changes only
+//! how small the motion of the joints is. A closed path that comes near such places ends with another stretch: give `u`
 //! there. An elbow that is nearly stretched may change its sign. The joints' speeds follow those of the path
 //! continuously, except where a singularity leaves no choice: the tool vertical (`sin psi = 0`; phi then stays as in
-//! `near`), both ways of changing `u` blocked (`sin q2 = sin q5 = 0`). Where the range of `u` ends so, a pose within 2 mm
+//! `near`), both directions of changing `u` blocked (`sin q2 = sin q5 = 0`). Where the range of `u` ends so, a pose within 2 mm
 //! and 2 mrad of `near`'s that needs the joints to move by more than 0.5 rad is refused as singular, not jumped to. Where the
 //! heading nearest to `near` does not reach, the pose is refused rather than the arm turned over;
 //! [`Kinematics::nearest_attainable`] tries all families.
@@ -73,10 +73,11 @@ const TIP: f64 = 0.043;
 
 /// Sine of an elbow below which its other side is tried too.
 const ELBOW: f64 = 0.05;
-/// Motion of the joints that counts as a jump when the flange hardly moves \[rad\] ..
+/// Motion of the joints that counts as a jump when the flange moves by less than [`BESIDE`] \[rad\].
 const JUMP: f64 = 0.5;
-/// .. namely by less than this [m and rad].
+/// Motion of the flange below which a large motion of the joints is a jump [m and rad].
 const BESIDE: f64 = 2e-3;
+
 /// A Polycrank arm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polycrank {
@@ -90,8 +91,9 @@ impl Polycrank {
 
     /// First moments of mass that load joints 4, 5 and 6, after balancing [kg m] (assumed).
     pub const GRAVITY_MOMENT: [f64; 3] = [0.6, 0.3, 0.1];
-    /// The drive of every joint: a small, fast motor. All assumed, but that gear and encoder must fit 1 rad/s: 2250 rad/s at
-    /// the motor, with the 128 pulses per turn of MRROC++'s grippers. The loop's gain is that of the IRp-6's column.
+    /// The drive of every joint: a small, fast motor. All figures are assumed; gear and encoder must fit 1 rad/s,
+    /// 2250 rad/s at the motor, so it has the 128 pulses per turn of MRROC++'s grippers. The loop's gain is that of the
+    /// IRp-6's column.
     pub const MOTOR: MotorData = MotorData {
         encoder: Encoder { pulses: 128.0 },
         current_limit: 6.0,
@@ -170,7 +172,7 @@ impl Polycrank {
         }
     }
 
-    /// Whether the flange is all but there at `near`.
+    /// Whether the flange at `near` is within [`BESIDE`] of `X_WF`.
     #[cold]
     #[allow(non_snake_case)]
     fn is_beside(&self, X_WF: &Pose, near: &Seven) -> bool {

@@ -138,8 +138,8 @@ impl Rnt {
         Some(Six::new(theta[0], q2, q3, theta[3], theta[4], theta[5]))
     }
 
-    /// The two wrists for a flange turned by `R_BF`, the column turned by theta1 (cosine `c1`, sine `s1`) and the forearm at `forearm`: first with sin q5
-    /// >= 0; one alone on the singularity, which keeps q4.
+    /// The two wrists for a flange turned by `R_BF`, with the column turned by theta1 (cosine `c1`, sine `s1`) and the
+    /// forearm along `forearm`: first the one with sin q5 >= 0. On the singularity one alone, which keeps q4.
     #[inline]
     #[allow(non_snake_case)]
     fn wrists(
@@ -305,7 +305,7 @@ impl Robot for Rnt {
     fn inverse(&self, X_WF: &Pose, near: &Six) -> Result<Six, NoInverse> {
         let mut best: Option<(f64, Six)> = None;
         Self::solve(&(self.base.X_BW * X_WF), 1.0, 1.0, near, &mut |q| {
-            // One arm for both wrists: the wrist decides.
+            // Both solutions have the same first three joints: the wrist decides.
             let distance = (q - near).fixed_rows::<3>(3).norm_squared();
             if best.is_none_or(|(least, _)| distance < least) {
                 best = Some((distance, *q));

@@ -1,9 +1,9 @@
-//! Homing of simulated incremental drives: from power-up, where no motor knows its angle, to drives that do.
+//! Homing of simulated incremental drives: from power-up, when no drive knows its motor's angle, until all do.
 //!
 //! Every motor has a synchronisation switch, which tells on which side of it the shaft is, and an encoder with one index
 //! line a turn. The motor angle of the first index line above the switch is known ([`Driven::marks`]); the switch is half a
-//! turn below it, so that a switch which is off by less than that does no harm. One motor after the other, in order, the
-//! others holding:
+//! turn below it, so that a switch which is off by less than that does no harm. One motor after the other is homed, while
+//! the others hold:
 //!
 //! ```text
 //! below the switch:  up at search speed until it is passed
@@ -12,8 +12,8 @@
 //! at last:           to rest
 //! ```
 //!
-//! Speeds are MRROC++'s: 0.03 and 0.007 rad per 2 ms of motors that bear 0.5 rad; the acceleration takes a quarter of the
-//! lasting torque (assumed). Nothing here looks at the true shaft but the switch and the index line.
+//! Speeds are MRROC++'s: 0.03 and 0.007 rad per 2 ms, for motors whose limit is 0.5 rad per 2 ms; the acceleration takes a
+//! quarter of the lasting torque (assumed). Only the switch and the index line depend on the true shaft.
 
 use core::time::Duration;
 
@@ -26,17 +26,18 @@ use super::plant::PERIOD;
 use super::simulated::{Shaft, Simulated};
 use crate::models::Driven;
 
-/// Search and creep speed by the motor's speed limit.
+/// Search speed, as a part of the motor's speed limit.
 const SEARCH: f64 = 0.06;
+/// Creep speed, likewise.
 const CREEP: f64 = 0.014;
-/// Part of the lasting torque that accelerates.
+/// Part of the lasting torque that is used to accelerate.
 const TORQUE: f64 = 0.25;
 /// How far above the switch the index line must come \[rad\]: half a turn, and a turn of play.
 const TO_INDEX: f64 = 1.5 * TAU;
 /// For how long a motor must have stood before it is done [servo periods].
 const REST: u32 = 50;
 
-/// Simulated drives that do not know where the robot is. They cannot be demanded anything:
+/// Simulated drives that do not know where the robot is. They take no demands:
 ///
 /// ```compile_fail,E0599
 /// use mrroc::Driver;
@@ -46,7 +47,7 @@ const REST: u32 = 50;
 /// drives.tick(&q);
 /// ```
 ///
-/// They search until they are [`Simulated`] drives that do:
+/// They search, and become [`Simulated`] drives when they have found their marks:
 ///
 /// ```
 /// use mrroc::{Driver, Homing, Search};
@@ -69,7 +70,7 @@ pub struct Unhomed<R, const N: usize> {
     marks: SVector<f64, N>,
     /// Motors whose switches never close.
     cut: [bool; N],
-    /// What each drive is demanded, by its encoder \[rad\].
+    /// Demanded angle of each drive, as its encoder counts \[rad\].
     demanded: SVector<f64, N>,
     /// The motor that searches, and how far it has come.
     motor: usize,
@@ -90,7 +91,7 @@ enum Stage {
     ToSwitch,
     /// Creeps up to the index line.
     ToIndex,
-    /// Knows its angle and comes to rest, standing for so many periods.
+    /// Knows its angle and comes to rest; it has stood for so many periods.
     Resting(u32),
 }
 
@@ -114,7 +115,7 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
         }
     }
 
-    /// A look at the true joint state, as no encoder gives it.
+    /// A view of the true joint state, which no encoder measures exactly.
     #[must_use]
     pub fn shaft(&self) -> Shaft<N> {
         self.drives.shaft()
@@ -125,7 +126,7 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
         self.drives.block(joint);
     }
 
-    /// Cuts the wire of the switch of `joint`, from 0: it tells for ever that the motor is below.
+    /// Cuts the wire of the switch of `joint`, from 0: from then on it always tells that the motor is below.
     pub fn cut_switch(&mut self, joint: usize) {
         if let Some(cut) = self.cut.get_mut(joint) {
             *cut = true;
@@ -138,8 +139,8 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
         !self.cut[self.motor] && self.drives.true_angle(self.motor) >= switch
     }
 
-    /// The stage that follows, with what the encoder latched if its index line came by on the way up from the true angle
-    /// `before`.
+    /// The stage that follows. Where the index line was passed on the way up from the true angle `before`, the encoder
+    /// learns its angle.
     fn after(&mut self, before: f64) -> Stage {
         let above = self.is_above();
         match self.stage {
@@ -162,7 +163,7 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
         }
     }
 
-    /// The motor went farther than it can be from what it looks for.
+    /// The fault of a motor that has gone farther than what it looks for can be away.
     fn lost(&self) -> Option<DriveFault> {
         let limits = self.drives.motor_limits();
         let range = limits.upper[self.motor] - limits.lower[self.motor];

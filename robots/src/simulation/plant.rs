@@ -1,7 +1,7 @@
 //! One simulated drive: a voltage-fed DC motor with its load, its friction, its brake and its encoder.
 //!
 //! ```text
-//! i      = (U - ke omega) / R,  U = 96 V pwm / 255,      limited to twice the lasting current, or to it (`Overload`)
+//! i      = (U - ke omega) / R,  U = 96 V pwm / 255,      limited by `Overload`
 //! J alpha = kt i - b omega - tau_load - tau_c sign(omega),      alpha = 0 in stiction
 //! ```
 //!
@@ -14,9 +14,9 @@
 //! ```
 //!
 //! where `U_m = R i + ke omega'` is the voltage at the motor (`U`, unless the current is limited) and `tau_f omega' >= 0`
-//! what Coulomb friction takes. The last term is what the integration loses: it creates no energy, ever. A motor at rest
-//! is at rest. The armature's inductance is left out: the current follows the voltage at once. Coupling inertias
-//! between the links are left out; their weight comes in as `tau_load`.
+//! the power that Coulomb friction takes. The last term is energy that the integration loses: it never creates any. A motor
+//! in stiction stands exactly still. The armature's inductance is left out: the current follows the voltage at once.
+//! Coupling inertias between the links are left out; their weight comes in as `tau_load`.
 
 #[cfg(test)]
 mod tests;
@@ -30,7 +30,7 @@ pub(crate) const PERIOD: f64 = 0.002;
 /// Supply voltage at full pulse width \[V\] (assumed).
 const SUPPLY: f64 = 96.0;
 
-/// What the amplifier gives at most, as a multiple of the lasting current (assumed).
+/// Largest current of the amplifier, as a multiple of the lasting current (assumed).
 const PEAK: f64 = 2.0;
 
 /// Length of one integration step \[s\].
@@ -46,7 +46,7 @@ pub struct Plant {
     model: Model,
 }
 
-/// Coefficients of one integration step: torques as the changes of speed that they make in it [rad/s].
+/// Coefficients of one integration step, with torques given as the changes of speed that they cause in it [rad/s].
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Model {
     current_per_pwm: f64,
@@ -106,8 +106,8 @@ impl Plant {
         }
     }
 
-    /// One integration step. The torque that drives the shaft falls with the speed at the step's end: there is one speed
-    /// that solves it, its sign that of the torque at standstill.
+    /// One integration step. The torque falls with the speed at the step's end, so exactly one speed solves the equation;
+    /// its sign is that of the torque at standstill.
     fn step(&mut self, pwm: f64, load: f64) {
         let model = &self.model;
         let free = self.speed - model.speed_per_load * load;
@@ -166,7 +166,7 @@ impl Plant {
         self.limited(self.model.current_per_pwm * pwm - self.model.current_per_speed * self.speed)
     }
 
-    /// What the amplifier gives of a current \[A\].
+    /// A current, limited to what the amplifier gives \[A\].
     fn limited(&self, current: f64) -> f64 {
         current.clamp(-self.model.peak, self.model.peak)
     }

@@ -8,9 +8,9 @@
 //! pwm   = u_k + k_ff r_{k+1}
 //! ```
 //!
-//! `eps` is the following error's proportional and derivative part, the first line of `u` integrates it
-//! through a lag. `r_{k+1}`, the increment to be made next, is what `k_ff` acts on: that pairing is an
-//! assumption, the gains are public facts of MRROC++. `u` and the pulse width are limited to [`Regulator::PWM`].
+//! `eps` is the proportional and derivative part of the following error; `u` integrates it through a lag. `k_ff` acts on
+//! `r_{k+1}`, the next increment: that is an assumption, the gains are public facts of MRROC++. `u` and the pulse
+//! width are limited to [`Regulator::PWM`].
 //!
 //! Each regulator has three parameter sets ([`RegulatorSet`]). The one without integration, algorithm 1 of MRROC++, has
 //! `eps_k = r_k - y_k`, so that `u` answers the following error `e` alone,
@@ -19,8 +19,8 @@
 //! u = (b0 - b1 z^-1) / (1 - a z^-1) e,      at rest (b0 - b1) / (1 - a) e
 //! ```
 //!
-//! from where it was chosen: a change of sets keeps the pulse width that holds the load. What integrates goes on to
-//! bring the whole following error to 0.
+//! counted from where the set was chosen: a change of sets keeps the pulse width that holds the load. The sets that
+//! integrate bring the whole following error to 0.
 
 use crate::models::Gains;
 
@@ -30,10 +30,10 @@ pub enum RegulatorSet {
     /// 0: the gains of the robot.
     #[default]
     Usual,
-    /// 1: half the gains `b0`, `b1`: half the stiffness against every push that is faster than the integration, none of it
-    /// less in the end.
+    /// 1: half the gains `b0`, `b1`: half the stiffness against a push that is faster than the integration; against a
+    /// lasting push it is as stiff as the usual set.
     Soft,
-    /// 2: proportional and derivative action alone: a lasting push displaces it, as a spring.
+    /// 2: proportional and derivative action without integration: a lasting push displaces the joint, as it does a spring.
     Springy,
 }
 
@@ -88,7 +88,7 @@ impl Regulator {
     /// Goes on with another parameter set.
     pub fn choose(&mut self, set: RegulatorSet) {
         self.set = set;
-        // What `eps` would be, had this set been at work all the time.
+        // The value that `eps` would have if this set had been in force from the beginning.
         self.error = match set {
             RegulatorSet::Usual | RegulatorSet::Soft => {
                 Self::BEFORE * self.deviation + (Self::NEWEST - Self::BEFORE) * self.following

@@ -17,9 +17,9 @@ const CURRENT_SHARE: f64 = PERIOD / 0.05;
 /// Share of a period's increment in the measured speed: time constant 8 ms.
 const SPEED_SHARE: f64 = PERIOD / 0.008;
 
-/// A look at the true joint state of a simulated arm, for simulated sensors and for measuring executed paths.
+/// A view of the true joint state of a simulated arm, for simulated sensors and for measuring executed paths.
 ///
-/// All copies look at the same arm.
+/// All copies are views of the same arm.
 #[derive(Clone, Debug)]
 pub struct Shaft<const N: usize = 6>(Rc<Cell<Measured<SVector<f64, N>>>>);
 
@@ -38,11 +38,11 @@ impl<const N: usize> Shaft<N> {
 ///
 /// A drive trips on a demand that is not finite, outside the motor limits, or faster than they allow
 /// ([`Driven::motor_limits`]); and, unless it limits its current ([`Overload`]), on a following error above
-/// [`MotorData::following`] and on a mean current (50 ms) above what the motor bears. A trip is latched: every later
+/// [`MotorData::following`] and on a mean current (50 ms) above the lasting current. A trip is latched: every later
 /// tick brakes and reports the first cause, until [`reset`](Self::reset).
 ///
-/// Every motor's regulator has the parameter sets of [`RegulatorSet`]: 0 usual, 1 soft, 2 springy. Where joints share motors,
-/// the set of a joint is that of the motor with its number.
+/// Every motor's regulator has the parameter sets of [`RegulatorSet`]: 0 usual, 1 soft, 2 springy. Where joints share
+/// motors, the set of joint `i` is that of motor `i`.
 #[derive(Debug)]
 pub struct Simulated<R, const N: usize> {
     robot: R,
@@ -64,7 +64,7 @@ struct Drive {
     plant: Plant,
     regulator: Regulator,
     pulse: f64,
-    /// What the encoder's count is short of the shaft's angle: 0 once the angle is known.
+    /// Count of the shaft's true angle less the count that the encoder shows \[pulses\]: 0 once the angle is known.
     zero: f64,
     count: f64,
     demanded: f64,
@@ -77,7 +77,7 @@ struct Drive {
 impl<const N: usize, R: Driven<N>> Simulated<R, N> {
     /// The robot at rest and in equilibrium at the joint positions `q` [rad or m].
     ///
-    /// The positions must keep the joint and motor limits; from others the first tick trips.
+    /// The positions must keep the joint and motor limits; otherwise the first tick trips.
     #[must_use]
     pub fn new(robot: R, q: &SVector<f64, N>) -> Self {
         let motors = robot.motors(q);
@@ -99,7 +99,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         &self.robot
     }
 
-    /// A look at the true joint state, as no encoder gives it.
+    /// A view of the true joint state, which no encoder measures exactly.
     #[must_use]
     pub fn shaft(&self) -> Shaft<N> {
         self.shaft.clone()
@@ -125,7 +125,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         }
     }
 
-    /// Pushes the motor of `joint`, from 0, with a torque [N m] from outside until told otherwise; positive: against positive
+    /// Pushes the motor of `joint`, from 0, with a torque [N m] from outside until the next call; positive: against positive
     /// motion.
     pub fn push(&mut self, joint: usize, torque: f64) {
         if joint < N {
@@ -133,7 +133,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         }
     }
 
-    /// Takes back the trip and powers the drives where they stand, holding their load.
+    /// Resets the trip and powers the drives where they stand, holding their load.
     pub fn reset(&mut self) {
         self.fault = None;
         for (i, drive) in self.drives.iter_mut().enumerate() {
@@ -161,7 +161,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         for drive in &mut self.drives {
             let count = drive.count;
             drive.shift(-count);
-            // Where a drive holds is a demand like any other.
+            // The demand at which it holds is counted in the same pulses.
             drive.demanded = 0.0;
             drive.previous = 0.0;
         }
@@ -180,7 +180,7 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
         more * encoder.pulse()
     }
 
-    /// One servo period towards the angles that the encoders are to read \[rad\], whatever these mean.
+    /// One servo period towards the angles that the encoders are to read \[rad\], which need not be the true ones.
     pub(crate) fn follow(&mut self, angles: &SVector<f64, N>) -> Result<(), DriveFault> {
         for (i, drive) in self.drives.iter_mut().enumerate() {
             let tripped = drive.tick(i, angles[i], self.loads[i] + self.pushes[i]);
@@ -273,7 +273,7 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         self.fault.map_or(Ok(self.measured), Err)
     }
 
-    /// Not where motors hold on by limiting their current: a gripper keeps its grip.
+    /// False where motors limit their current instead of tripping: a gripper has no brake and keeps its grasp.
     fn has_brakes(&self) -> bool {
         self.drives.iter().all(|drive| drive.data.overload != Overload::Limit)
     }
@@ -282,7 +282,7 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         self.brake();
     }
 
-    /// The brakes bring to rest what a trip left moving.
+    /// Motors that a trip left moving are first brought to rest by their brakes.
     fn switch_on(&mut self) -> Result<(), DriveFault> {
         while self.drives.iter().any(|drive| drive.plant.speed() != 0.0) {
             self.brake();
@@ -332,7 +332,7 @@ impl Drive {
         }
     }
 
-    /// Calls the same place by another count.
+    /// Counts the place where the drive stands by so many pulses more.
     fn shift(&mut self, pulses: f64) {
         self.zero -= pulses;
         self.count += pulses;

@@ -30,15 +30,15 @@
 //!
 //! **Limits.** MRROC++ wrote its joint limits for the absolute link angles and kept the figures when the
 //! joints became relative. Here they bound the relative joints, as they stand in MRROC++ (q2 -130..-50,
-//! q3 -25..40, q4 -90..92 deg): a box is what demands are checked against. The *absolute* angles are bounded
+//! q3 -25..40, q4 -90..92 deg), because demands are checked against one range per joint. The *absolute* angles are bounded
 //! by the motor limits, which the drives check as well ([`Irp6::MOTOR_LOWER`]): about -125..-52 deg for
 //! theta2, -25..36 for theta3, -102..99 for theta4. A pose is feasible when it keeps both;
 //! [`Irp6::is_feasible`] says so. Likewise V's motor bounds q5 more narrowly than its +-10 rad: to
 //! -0.71..6.71 rad on the nominal arm, -2.26..5.16 on the calibrated one, both lowered by 1.67 theta4.
 //!
-//! Joint speeds are at most 1.5 rad/s and what a motor at its hard limit (250 rad/s) gives when the joint
-//! moves alone: 1.4 for q2 and q3 (screws, at the steepest point of their stroke), 0.865 for q6. Joints that
-//! add up on one motor (q2, q3, q4 on T and V) can still ask it for more: the drives refuse that.
+//! Joint speeds are at most 1.5 rad/s, and at most what a motor at its hard limit (250 rad/s) gives when the joint
+//! moves alone: 1.4 rad/s for q2 and q3 (screws, at the steepest point of their stroke), 0.865 rad/s for q6. Joints
+//! whose motions add up on one motor (q2, q3, q4 on T and V) can still need more of it: the drives refuse that.
 //!
 //! Sources: MRROC++ public facts (geometry, calibration, transmission, limits, currents). The motors'
 //! electrical and mechanical constants are not public: [`MotorData`](crate::MotorData) marks them as assumed.
@@ -276,7 +276,7 @@ impl Driven<6> for Irp6 {
     }
 }
 
-/// Joints and loads of the arm behind its transmission.
+/// Joints and loads of the arm from its motors, through its transmission.
 pub(crate) fn arm_shafts(transmission: &Transmission, angles: &Six, speeds: &Six) -> Shafts<6> {
     let lower = transmission.lower.link(angles[1]);
     let upper = transmission.upper.link(angles[2]);
@@ -288,8 +288,8 @@ pub(crate) fn arm_shafts(transmission: &Transmission, angles: &Six, speeds: &Six
     Shafts { joints, loads: Six::new(0.0, lower, upper, 0.0, 0.0, 0.0) }
 }
 
-/// Torques of the links' weight at the motors of the lower and the upper arm [N m]: it turns a link downwards,
-/// so a negative load.
+/// Torques of the links' weight at the motors of the lower and the upper arm [N m]. Weight turns a link downwards,
+/// which is positive motion, so these loads are negative.
 fn loads(lower: &LinkState, upper: &LinkState) -> [f64; 2] {
     let [lower_moment, upper_moment] = Irp6::GRAVITY_MOMENT;
     [

@@ -23,10 +23,10 @@
 //!
 //! **The sixth coordinate.** Five joints attain the tool's point, the direction of its axis within the arm's vertical
 //! plane, and the turn about it. That plane holds the column and the tool's point, so z_F must not lean out of it:
-//! [`Robot::inverse`] refuses a pose that leans by more than [`Irp6FiveDof::LEAN`], and never straightens more than that.
+//! [`Robot::inverse`] refuses a pose that leans by more than [`Irp6FiveDof::LEAN`].
 //! [`Irp6FiveDof::upright`] gives the nearest pose that the arm can take.
 //!
-//! **Limits** as for [`Irp6`] (which see for what they bound), q5 ±10 rad; the motors' as well. Sources: MRROC++ public
+//! **Limits** of joints and motors as for [`Irp6`], q5 ±10 rad. Sources: MRROC++ public
 //! facts.
 
 use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
@@ -192,7 +192,7 @@ impl Robot for Irp6FiveDof {
     fn forward(&self, q: &Five) -> Pose {
         let Geometry { a2, a3, d5: d6 } = self.geometry;
         let theta3 = q[1] + q[2] + FRAC_PI_2;
-        // An even number goes in pairs.
+        // The sixth angle is not needed: an odd number of angles costs as much as the next even one.
         let [(s2, c2), (s3, c3), h1, h4, h5, _] =
             sin_cos([q[1], theta3, 0.5 * q[0], 0.5 * (theta3 + q[3]), 0.5 * q[4], 0.0]);
         let ((s1, c1), (s4, c4)) = (doubled(h1), doubled(h4));

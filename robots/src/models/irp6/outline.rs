@@ -35,7 +35,8 @@ fn irp6_motions(frames: &[Pose], way: [f64; 5], visit: &mut dyn FnMut(Motion)) {
     visit(turn(&frames[2], Vector3::x(), way[4]));
 }
 
-/// The links of an IRp-6 behind so many other motions. Rolling about d5 moves nothing of the wrist.
+/// The links of an IRp-6 whose base is moved by the first `before` motions. Rolling about d5 does not move the wrist's
+/// capsule.
 fn irp6_links(before: u32) -> Vec<Link> {
     vec![
         Link::new("postument", 0, before),

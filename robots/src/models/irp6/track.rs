@@ -10,10 +10,10 @@
 //! ```
 //!
 //! **Frames.** B: where the shoulder stands at `d = 0`, y_B along the track, z_B up. F and the arm's joints are those of
-//! [`Irp6`], which see. **Joints.** `d` \[m\], then `q1..q6` \[rad\].
+//! [`Irp6`]. **Joints.** `d` \[m\], then `q1..q6` \[rad\].
 //!
 //! **Redundancy.** Seven joints for six coordinates. [`Robot::inverse`] keeps the track where `near` has it; when the arm
-//! cannot reach from there, it moves the track the least that lets it reach, found to 1e-10 m by steps of
+//! cannot reach from there, it moves the track as little as lets it reach, found to 1e-10 m by steps of
 //! [`Irp6Track::SEARCH_STEP`] and bisection: a stretch of the track that is shorter than a step may be missed. The arm
 //! then is stretched: a path that needs the track to move should say so, by [`Robot::inverse_at`], which takes the
 //! track's position as a parameter of the pose.
@@ -143,7 +143,7 @@ impl Irp6Track {
         Self { base: Base::at(X_WB), ..self }
     }
 
-    /// The arm's gears and screws, behind the track's.
+    /// The arm's gears and screws.
     #[must_use]
     pub fn transmission(&self) -> &Transmission {
         &self.transmission
@@ -161,7 +161,8 @@ impl Irp6Track {
         self.geometry.nearest(&shifted(X_BF, -track), &arm_of(near))
     }
 
-    /// The position of the track nearest to `near`'s from which the arm reaches `X_BF` \[m\]; none in its limits: `None`.
+    /// The position of the track nearest to `near`'s from which the arm reaches `X_BF` \[m\]; `None` if there is none within
+    /// its limits.
     #[allow(non_snake_case)]
     fn least_moved(&self, X_BF: &Pose, near: &Seven) -> Option<f64> {
         let from = near[0];
@@ -270,8 +271,8 @@ impl Robot for Irp6Track {
     }
 }
 
-/// The solutions of the arm, eight as for [`Irp6`], with the track where `near` has it; the least moved from there when
-/// the arm does not reach.
+/// The solutions of the arm, eight as for [`Irp6`], with the track where `near` has it, or, when the arm does not reach
+/// from there, with the track moved as little as lets it reach.
 impl Kinematics<7> for Irp6Track {
     fn reach(&self) -> f64 {
         self.geometry.length()

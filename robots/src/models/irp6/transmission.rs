@@ -10,8 +10,8 @@
 //!
 //! with the *absolute* link angles `theta2 = q2`, `theta3 = q2 + q3 + pi/2`, `theta4 = theta3 + q4`: every
 //! link is driven from the base or through a parallelogram. V rides on T, so its motor turns with it; no
-//! motor angle is wrapped. Source: public facts of MRROC++. A nut that a rod joins to a link at a fixed
-//! distance gives the square root (law of cosines); `L`, `mu`, `nu` are in mm², `l0` in mm.
+//! motor angle is wrapped. Source: public facts of MRROC++. A rod joins the nut of a screw to its link at a
+//! fixed distance, hence the square root (law of cosines); `L`, `mu`, `nu` are in mm², `l0` in mm.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 

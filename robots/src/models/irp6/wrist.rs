@@ -2,7 +2,7 @@
 //!
 //! With the column at `theta1 = atan2(p_y, p_x)`, the vertical plane of the arm holds the axis of V; z_F is
 //! perpendicular to that axis: `z_F = (s5 s4, c5, s5 c4)` in (forwards, sideways, up). Hence two solutions,
-//! `(theta4, q5, q6)` and `(theta4 + pi, -q5, q6 + pi)`, and none to choose from where `s5 = 0`: there theta4 is kept.
+//! `(theta4, q5, q6)` and `(theta4 + pi, -q5, q6 + pi)`, and where `s5 = 0` infinitely many: there theta4 is kept.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -74,13 +74,13 @@ impl Wrist {
         } else {
             (s5s4.atan2(s5c4), s5s4 / s5, s5c4 / s5, s5.atan2(c5))
         };
-        // The axis of V in the flange's frame: as sharp as theta4 is blurred near the singularity.
+        // From the axis of V in the flange's frame: errors of theta4 and theta6 near the singularity then cancel in the pose.
         let along_v = |column: usize| c4 * forwards(column) - s4 * r[(2, column)];
         let theta6 = along_v(0).atan2(along_v(1));
         Ok(Self { rho, z: p.z, theta1, theta4, theta5, theta6, s4, c4 })
     }
 
-    /// The other solution; on the singularity, where the two are one, the same.
+    /// The other solution; on the singularity, where both are the same, this one.
     pub(crate) fn flipped(&self) -> Self {
         self.other().unwrap_or(*self)
     }

@@ -15,7 +15,7 @@ const LEVEL: f64 = 0.04;
 /// Distance of a joint's frame from the one before, along the joint's axis \[m\]: the rows `d`.
 const SHAFTS: [f64; 7] = [0.925 + 0.220, 0.152, 0.335, 0.120, 0.116, 0.060, 0.043];
 /// The links of Polycrank with their ranks and how many joints move them. A shaft lies on its joint's axis, which does
-/// not move it. The ranks of what is joined differ by 1 at most; the wrist is so short that a tool is beside all of it.
+/// not move it. Ranks of links that are joined differ by 1 at most; the wrist is so short that a tool is close to all its links.
 const POLYCRANK: [(&str, u32, u32); 11] = [
     ("column", 0, 0),
     ("crank 1", 1, 1),

@@ -22,8 +22,8 @@ impl Capsule {
     /// Capsules that together cover a box whose centre is the origin, with edges of `edges` \[m\] along the axes: side by
     /// side along the longest edge, `across` of them in each of the two other directions, at least 1.
     ///
-    /// Each covers a rod of rectangular section and its caps stand out at both ends: by half the diagonal of the
-    /// section, which is what the model is larger than the box; more capsules fit it better.
+    /// Each covers a rod of rectangular section. Its caps stand out at both ends by half the diagonal of that section: with
+    /// more capsules they stand out less.
     #[must_use]
     pub fn covering_box(edges: Vector3<f64>, across: usize) -> Vec<Self> {
         let along = edges.imax();

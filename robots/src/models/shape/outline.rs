@@ -33,7 +33,7 @@ impl Link {
     }
 }
 
-/// By how much a joint may move within a stop, and about what.
+/// How far a joint may move within a stop, and about which axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
     /// A turn about an axis that stands still, or is moved by the motions before it.
@@ -53,10 +53,10 @@ pub enum Motion {
 }
 
 impl Motion {
-    /// How far a body in a capsule may get by this motion \[m\], when those behind it may have moved it by `moved`.
+    /// How far a body in a capsule may get by this motion \[m\], when the motions behind it may have moved it by `moved`.
     ///
-    /// A turn by `way` moves a point at the distance `d` from the axis by at most `way d`; the distance from an axis is
-    /// convex, so of all points of the capsule an end has the largest, and the radius is added.
+    /// A turn by `way` moves a point at the distance `d` from the axis by at most `way d`. The distance from an axis is
+    /// convex, so no point of the segment is farther from it than the farther end; the radius is added.
     pub(crate) fn travel(&self, capsule: &Capsule, moved: f64) -> f64 {
         match self {
             Motion::Slide { way } => *way,

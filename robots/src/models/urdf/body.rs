@@ -47,7 +47,7 @@ fn at_least_zero(element: &Element<'_, '_>, attribute: &'static str) -> Result<f
     if number < 0.0 { Err(element.bad(attribute, "a finite number >= 0")) } else { Ok(number) }
 }
 
-/// The root of the sum of the squares of a tensor of inertia, which is no less than its largest moment.
+/// The root of the sum of the squares of a tensor of inertia: at least its largest moment.
 fn spin(inertia: &Element<'_, '_>) -> Result<f64, UrdfError> {
     inertia.only(&["ixx", "ixy", "ixz", "iyy", "iyz", "izz"])?;
     let mut square = 0.0;

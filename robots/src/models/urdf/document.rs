@@ -1,6 +1,6 @@
 //! The XML of a URDF: text in, elements with their lines out.
 //!
-//! Values are read as they are used, and strictly: a number that is no number, or an attribute that URDF does not
+//! Values are read as they are used, and strictly: text where a number must stand, or an attribute that URDF does not
 //! have, is an error and never a default: `docs/decisions/0011-own-reader-for-urdf.md`.
 
 use std::collections::HashMap;
@@ -188,7 +188,7 @@ impl<'a, 'i> Element<'a, 'i> {
         Ok(self.numbers::<1>(attribute)?.map(|[number]| number))
     }
 
-    /// Refuses attributes other than these: a misspelt one would change the robot without a word.
+    /// Refuses attributes other than these: a misspelt one would silently change the robot.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), UrdfError> {
         let strange = |name: &str| !known.contains(&name);
         match self.node.attributes().find(|a| a.namespace().is_none() && strange(a.name())) {

@@ -1,7 +1,7 @@
-//! Simulated drives for a chain read from URDF: one motor a joint, made to fit what the file says of it.
+//! Assumed motors for a chain read from URDF: one a joint, made to fit what the file says of the joint.
 //!
-//! A URDF knows no motors. These are **assumed**: every joint is driven directly through a gear, by a motor that is as
-//! large as it has to be. With the joint's limits of speed v and acceleration a, its effort E, damping d and friction f:
+//! A URDF has no motors. These are **assumed**: every joint is driven through a gear by a motor of its own, which is just
+//! large enough. With the joint's limits of speed v and acceleration a, its effort E, damping d and friction f:
 //!
 //! ```text
 //! gear          g = min(250 rad/s / v, 500 rad/s² / a)
@@ -13,8 +13,8 @@
 //!
 //! The regulators are those of the IRp-6's column, their gains scaled so that their loops cross over as that does. M is a
 //! bound: `(sum of |multiplier| sqrt(I))²` over the joints that move with the coordinate, I taken with every link as far
-//! away as the links between allow. Links without `<inertial>` have no mass, as URDF says; neither have links that are
-//! not between base and tip.
+//! away as the links between allow. Links without `<inertial>` have no mass, as URDF says; links
+//! that are not between base and tip are left out.
 
 use mrroc::{JointKind, Measured, Pose};
 use nalgebra::{SVector, Vector3};
@@ -28,7 +28,7 @@ use crate::models::irp6::Irp6;
 /// Speed [rad/s] and acceleration [rad/s²] of a motor that gears are chosen for.
 const FASTEST: f64 = 250.0;
 const QUICKEST: f64 = 500.0;
-/// What the drives refuse: a little more, for round-off [rad/s].
+/// Speed of a motor above which drives refuse a demand: a little more, for round-off [rad/s].
 const MOTOR_SPEED: f64 = 260.0;
 /// Inertia of a rotor [kg m²].
 const ROTOR: f64 = 1e-4;
@@ -36,7 +36,7 @@ const ROTOR: f64 = 1e-4;
 const VISCOUS: f64 = 0.4;
 /// Coulomb friction of a motor by its inertia [rad/s²].
 const COULOMB: f64 = 32.0;
-/// The drive whose loop these have.
+/// The drive whose servo loop they have.
 const COLUMN: MotorData = Irp6::MOTORS[0];
 /// Part of the voltage that is left at full speed, divided by the torque constant and by a fifth more torque [V/(N m/A)].
 const SPARE: f64 = 0.8 * COLUMN.torque_constant * 44.0;

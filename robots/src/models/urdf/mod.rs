@@ -7,7 +7,7 @@
 //!                                                              '-- assumed motors, for simulation
 //! ```
 //!
-//! What is read of a URDF, and what is not, stands at [`Serial`].
+//! [`Serial`] says what is read of a URDF and what is not.
 
 mod body;
 mod chain;

@@ -33,7 +33,7 @@ const STALLS: u32 = 4;
 /// See [`STALLS`].
 const STALL: f64 = 0.9;
 
-/// Error that counts as none [parts of the reach, rad]: round-off stops further progress.
+/// Error that counts as zero [parts of the reach, rad]: round-off stops further progress.
 const EXACT: f64 = 1e-14;
 
 /// Largest error of a solution [parts of the reach, rad].

@@ -24,8 +24,8 @@ pub struct SerialOutline<const N: usize> {
     shape: Shape,
 }
 
-/// The first motion moves nothing. Bars that end on a slide count as moved by it: they are drawn out, so that no joint before
-/// carries them and what stands behind the slide along as one.
+/// The bit of the first motion, which moves nothing. Bars that end on a slide count as moved by it: they change their
+/// length, so no joint moves them and the links behind the slide as one rigid body.
 const STRETCHING: u32 = 1;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl<const N: usize> SerialOutline<N> {
         Self { robot, shape: Shape::Bars(radius) }
     }
 
-    /// The shape of `robot` as the `<collision>` elements of the URDF say that it was read from, with the same `base` and
+    /// The shape of `robot` as the `<collision>` elements say of the URDF that it was read from, with the same `base` and
     /// `tip`.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use crate::models::opw::OrthoParallel;
 /// How far axes may be from perpendicular or parallel (cosine, sine) and from meeting \[m\]: round-off.
 const EXACT: f64 = 1e-12;
 
-/// Length below which a link is none \[m\].
+/// Length below which a link counts as missing \[m\].
 const NO_LINK: f64 = 1e-6;
 
 /// The closed form of the chain, if it has one. The axes are looked at where all joints are at 0.

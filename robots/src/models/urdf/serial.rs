@@ -33,8 +33,9 @@ use crate::models::opw::{Joints, OrthoParallel};
 /// **Read:** the joints between base and tip: `type` revolute, continuous, prismatic or fixed; `<origin>`
 /// (`xyz`, and `rpy` or from version 1.1 `quat_xyzw`; the identity where it is not written), `<axis>` (x where it is
 /// not written), `<limit>`, `<mimic>`; for simulated drives `<dynamics>` and the links' `<inertial>`. Visuals, collisions,
-/// transmissions, soft limits of safety controllers, and joints off the chain are not read. Number and spelling are checked strictly: a joint that would
-/// come out other than written is refused with a [`UrdfError`] that names it.
+/// transmissions, soft limits of safety controllers, and joints off the chain are not read. Numbers and
+/// spelling are checked strictly: what would give another joint than the one written is refused, with a [`UrdfError`]
+/// that names it.
 ///
 /// **Mimic joints** follow a joint of the chain: their motion is part of the kinematics of the joint that they
 /// follow, whose limits are narrowed so that theirs are kept too.
@@ -46,17 +47,17 @@ use crate::models::opw::{Joints, OrthoParallel};
 ///
 /// **Inverse kinematics.** An arm of six revolute joints that is ortho-parallel with a spherical wrist (to 1e-12) is
 /// recognised from its axes and solved in closed form: [`Robot::inverse`] then gives the nearest of up to eight
-/// solutions, whatever the limits. All other chains are solved by iteration from the seed, within the limits: of poses
+/// solutions, whatever the limits. All other chains are solved by iteration from the seed, within the limits. Of poses
 /// drawn from the whole range, all are found from seeds within 0.01 of every joint [rad or m], and at least 9,999 of
-/// 10,000 from seeds within 0.1 (`tests/urdf_inverse.rs`); what is not found is refused, as
-/// [`NoInverse::NotConverged`], after at most 24 starts of at most 40 steps (some 0.1 ms), and at once where the flange
-/// would be farther from the first joint than all links are long, as `OutOfReach`. Right angles written with few digits
-/// (`1.5708`) are no right angles: such an arm is solved by iteration, as it is written.
+/// 10,000 from seeds within 0.1 (`tests/urdf_inverse.rs`). A pose that is not found is refused as
+/// [`NoInverse::NotConverged`], after at most 24 starts of at most 40 steps (some 0.1 ms); one that is farther from the
+/// first joint than all links are long is refused at once, as `OutOfReach`. Right angles written with few digits
+/// (`1.5708`) are not exact right angles: such an arm is solved by iteration.
 ///
-/// **Simulation.** [`Simulated`](crate::Simulated) runs it with one assumed motor a joint, large enough for its limits: the gear
-/// turns a motor of 250 rad/s and 500 rad/s² at most, its inertia holds for the posture that has most, `effort` (above 0)
-/// bounds its lasting torque, `<dynamics>` adds to its friction, and the links' weight loads it in any posture, gravity
-/// along -z of the world. Links without `<inertial>` have no mass.
+/// **Simulation.** [`Simulated`](crate::Simulated) runs it with one assumed motor a joint, large enough for its limits. The
+/// gear keeps the motor within 250 rad/s and 500 rad/s²; the inertia is that of the posture that has most; `effort`
+/// (above 0) bounds the lasting torque; `<dynamics>` adds to the friction; the links' weight loads the motor in any
+/// posture, gravity along -z of the world. Links without `<inertial>` have no mass.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(non_snake_case)]
 pub struct Serial<const N: usize> {
@@ -69,13 +70,13 @@ pub struct Serial<const N: usize> {
     /// Pose of the flange in the last joint that moves.
     X_tip: Pose,
     limits: Limits<SVector<f64, N>>,
-    /// What the tip cannot be farther than from the first joint \[m\].
+    /// Largest possible distance of the tip from the first joint \[m\].
     reach: f64,
     /// The closed form, where there is one.
     closed: Option<OrthoParallel>,
 }
 
-/// A chain that still lacks what a URDF does not say: how fast its joints may change their speeds.
+/// A chain that still lacks its limits of acceleration, which a URDF does not give.
 #[derive(Clone, Debug, PartialEq)]
 #[must_use = "a robot is made by with_acceleration"]
 pub struct SerialBuilder<const N: usize> {
@@ -112,7 +113,7 @@ impl<const N: usize> SerialBuilder<N> {
     }
 }
 
-/// Part of the reach by which a pose may exceed it.
+/// Round-off by which a pose may exceed the reach, as a part of it.
 const ROUND_OFF: f64 = 1e-12;
 
 /// Sum of the lengths of all links after the first joint, slides drawn out \[m\], and not 0.
@@ -244,8 +245,8 @@ impl<const N: usize> Serial<N> {
             .map_err(|error| NoInverse::NotConverged { error, tolerance: newton::GOOD })
     }
 
-    /// Whether the arm was recognised as ortho-parallel with a spherical wrist: its inverse kinematics is then in
-    /// closed form and finds all solutions, else it iterates from the seed and finds the one it comes to.
+    /// Whether the arm was recognised as ortho-parallel with a spherical wrist. If so, its inverse kinematics is in closed
+    /// form and finds all solutions; if not, it iterates from the seed and finds one.
     #[must_use]
     pub fn is_closed_form(&self) -> bool {
         self.closed.is_some()
@@ -306,8 +307,8 @@ impl<const N: usize> Robot for Serial<N> {
 }
 
 impl<const N: usize> Kinematics<N> for Serial<N> {
-    /// What the flange cannot be farther than from the first joint \[m\], > 0: the sum of the links; the length by which
-    /// inverse kinematics by iteration compares errors of position with those of orientation \[rad\].
+    /// Largest possible distance of the flange from the first joint \[m\], > 0: the sum of the links. Inverse kinematics by
+    /// iteration divides errors of position by it to compare them with those of orientation \[rad\].
     fn reach(&self) -> f64 {
         self.reach
     }
@@ -316,8 +317,8 @@ impl<const N: usize> Kinematics<N> for Serial<N> {
         self.linkage.jacobian(q).1
     }
 
-    /// All solutions (at most eight) of an arm in closed form, of which a joint that is undetermined stays as in `near`;
-    /// of all others the one nearest to `near`.
+    /// Of an arm in closed form all solutions, at most eight; a joint that is undetermined stays as in `near`. Of all other
+    /// chains the one solution that [`Robot::inverse`] finds from `near`.
     #[allow(non_snake_case)]
     fn solutions(
         &self,
@@ -332,7 +333,7 @@ impl<const N: usize> Kinematics<N> for Serial<N> {
     }
 }
 
-/// The coordinates of an arm with six joints; of any other, as many as there are.
+/// The coordinates of an arm with six joints; for other arms the first six, filled up by 0.
 fn six<const N: usize>(q: &SVector<f64, N>) -> Joints {
     core::array::from_fn(|i| if i < N { q[i] } else { 0.0 })
 }

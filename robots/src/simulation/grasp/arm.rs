@@ -15,10 +15,10 @@ use super::world::{Hand, World};
 use crate::models::{Driven, Kinematics};
 use crate::simulation::simulated::{Shaft, Simulated};
 
-/// A [`Simulated`] arm in a [`World`]: tells it where the tool truly is, and carries what the body does to the gripper.
+/// A [`Simulated`] arm in a [`World`]: it moves its gripper there, and its motors bear the forces of the body.
 ///
-/// The kinematics of the simulated arm are the true ones. Give the cell's robot another base, and programs are off by the
-/// error of its calibration.
+/// The kinematics of the simulated arm are the true ones. If the cell's robot has another base, that is an error of
+/// calibration, and programs are off by it.
 #[derive(Debug)]
 #[allow(non_snake_case)]
 pub struct Grasping<R, const N: usize> {
@@ -38,7 +38,7 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Grasping<R, N> {
         Ok(Self { arm, shaft, hand, X_FE })
     }
 
-    /// Loads the motors with what the body does to the gripper: at E, along the world's axes.
+    /// Loads the motors with the wrench of the body on the gripper: at E, along the world's axes.
     #[allow(non_snake_case)]
     fn load(&mut self, F_E: &Wrench) {
         if *F_E == Wrench::default() {
@@ -78,7 +78,7 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Grasping<R, N> {
         &self.arm
     }
 
-    /// The drives, to jam one or to take back a trip.
+    /// The drives, to jam one or to reset a trip.
     #[must_use]
     pub fn drives_mut(&mut self) -> &mut Simulated<R, N> {
         &mut self.arm

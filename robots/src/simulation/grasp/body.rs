@@ -1,4 +1,4 @@
-//! A rigid body: what it is made of, and how it moves under forces.
+//! A rigid body: its mass, inertia and hull, and how it moves under forces.
 //!
 //! ```text
 //! dp/dt = f,   p = m v            momentum [N s]
@@ -25,8 +25,8 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body of this mass \[kg\] and tensor of inertia about its centre of mass, in the axes of B [kg m²]. It touches a
-    /// table with nothing until it is given [points](Self::with_points).
+    /// A body of this mass \[kg\] and tensor of inertia about its centre of mass, in the axes of B [kg m²]. It goes
+    /// through a table until it is given [points](Self::with_points) that touch.
     #[must_use]
     pub fn new(mass: f64, inertia: Matrix3<f64>) -> Self {
         Self { mass, inertia, points: Vec::new(), X_WB: Pose::identity() }
@@ -141,7 +141,7 @@ impl Moving {
         self.turning_at(&self.rotation)
     }
 
-    /// The angular velocity that the angular momentum is at an attitude.
+    /// The angular velocity that belongs to the angular momentum at an attitude.
     #[inline]
     fn turning_at(&self, rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
         rotation * (self.inverse * rotation.inverse_transform_vector(&self.angular_momentum))
@@ -159,7 +159,7 @@ impl Moving {
         let before = self.angular_velocity();
         let half = turn::by(&(before * (0.5 * h))) * self.rotation;
         self.rotation = turn::by(&(self.turning_at(&half) * h)) * self.rotation;
-        // Products of rotations lose their unit length by round-off alone: one step of Newton's takes it back.
+        // Products of rotations lose their unit length by round-off: one Newton step restores it.
         self.rotation.renormalize_fast();
     }
 

@@ -60,14 +60,14 @@ impl Grasp {
         Self { damping, rotational_damping: rotational, ..self }
     }
 
-    /// The same grasp, tightened evenly over this time when it closes \[s\], >= 0; without it, at once. Meanwhile something
-    /// else must carry the body.
+    /// The same grasp, tightened evenly over this time when it closes \[s\], >= 0 (0 unless stated). Meanwhile something else
+    /// must carry the body.
     #[must_use]
     pub fn closing_over(self, duration: f64) -> Self {
         Self { closing: duration, ..self }
     }
 
-    /// The same grasp with the tool frame E at `X_FE` in the flange's; without it E is F.
+    /// The same grasp with the tool frame E at `X_FE` in the flange's frame F (E is F unless stated).
     #[must_use]
     #[allow(non_snake_case)]
     pub fn with_tool(self, X_FE: Pose) -> Self {
@@ -100,7 +100,7 @@ impl Grasp {
             + 0.5 * self.rotational_stiffness * deflection.turn.norm_squared()
     }
 
-    /// What the grasp does to the body: at G, in the world's axes.
+    /// The wrench of the grasp on the body: at G, in the world's axes.
     pub(super) fn wrench(&self, deflection: &Deflection, rate: &Deflection) -> Wrench {
         Wrench::new(
             -self.stiffness * deflection.displacement - self.damping * rate.displacement,
@@ -109,7 +109,7 @@ impl Grasp {
     }
 }
 
-/// How far a grasp is from rest, or how fast it goes there: from E to G, in the world's axes.
+/// The deflection of a grasp, or its rate: from E to G, in the world's axes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Deflection {
     /// \[m\] or [m/s].

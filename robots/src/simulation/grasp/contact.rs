@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! delta = height - z > 0:   n = max(0, k delta - c dz/dt)                  never pulls
-//!                           s = what the point has crept since it touched, at most mu n / k long
+//!                           s = how far the point has crept since it touched, at most mu n / k long
 //!                           t = -k s - beta c v_t,   |t| <= mu n           beta in 0..1: damping gives way to friction
 //! ```
 //!
-//! The stretch `s` is the stick: a body at rest stays at rest under any force within the friction cone, and slides when
+//! The stretch `s` is the static friction: a body at rest stays at rest under any force within the friction cone, and slides when
 //! the force leaves it. No term creates energy: stretch beyond the cone is cut off, never put on.
 
 use mrroc::Wrench;
@@ -121,7 +121,7 @@ pub(super) struct Point {
     pub yielding: f64,
     /// How far it has crept from where it stuck \[m\].
     pub stretch: Vector2<f64>,
-    /// The force on it \[N\], for looking at.
+    /// The force on it \[N\], kept to be looked up.
     pub force: Vector3<f64>,
 }
 

@@ -1,11 +1,11 @@
-//! What may be wrong with a world, before anything moves.
+//! Errors in the description of a world, found before anything moves.
 
 use mrroc::Fault;
 
 /// Why a world, or an arm in it, cannot be simulated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
-    /// A mass, a stiffness or a period that must be above zero is not, or is no number.
+    /// A mass, a stiffness or a period is not above zero, or is NaN.
     #[error("{what} is {actual} {unit}, it must be above 0 and finite")]
     NotPositive {
         /// Which quantity: `"the body's mass"`.
@@ -15,7 +15,7 @@ pub enum WorldError {
         /// Its unit.
         unit: &'static str,
     },
-    /// A damping or a friction that must not be negative is, or is no number.
+    /// A damping or a friction is negative or NaN.
     #[error("{what} is {actual} {unit}, it must be 0 or more and finite")]
     Negative {
         /// Which quantity: `"the table's friction"`.
@@ -70,7 +70,7 @@ pub struct OutOfReach {
     pub turn: f64,
 }
 
-/// For programs that close a hand themselves.
+/// So that programs which close a hand can return it by `?`.
 impl From<OutOfReach> for Fault {
     fn from(out: OutOfReach) -> Fault {
         Fault::thrown(&out.to_string())

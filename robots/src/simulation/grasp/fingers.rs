@@ -9,9 +9,9 @@ use super::world::Hand;
 use crate::models::{Gripper, One};
 use crate::simulation::simulated::{Shaft, Simulated};
 
-/// The drive of a [`Gripper`] on an arm's hand: fingers that are asked to close beyond the body's width stop at it and hold
-/// it, if it is between them, which a grasp without a frame of its own (`Grasp::at`) takes for granted; asked to open, they
-/// let it go.
+/// The drive of a [`Gripper`] on an arm's hand. Fingers that are demanded to close beyond the body's width stop at it and
+/// hold it, if it is between them; a grasp without a frame of its own (`Grasp::at`) assumes that it is. Fingers that are
+/// demanded to open let the body go.
 #[derive(Debug)]
 pub struct Fingers {
     drive: Simulated<Gripper, 1>,

@@ -1,4 +1,4 @@
-//! A gripper in the world: the way of its tool frame E, servo period by servo period, and its grasp of the body.
+//! A gripper in the world: the motion of its tool frame E, servo period by servo period, and its grasp of the body.
 
 use std::collections::VecDeque;
 
@@ -43,7 +43,7 @@ struct Held {
     tightness: f64,
 }
 
-/// What an arm's gripper is to the world.
+/// An arm's gripper, as the world keeps it.
 #[derive(Clone, Debug)]
 pub(super) struct HandState {
     pub grasp: Grasp,
@@ -83,7 +83,7 @@ impl HandState {
         }
     }
 
-    /// Makes room for the way of periods that the world may lie behind `longest`.
+    /// Reserves memory for the knots of all periods by which the world may be behind, the longest period being `longest`.
     pub fn reserve(&mut self, longest: Nanos) {
         let periods = usize::try_from(longest.div_ceil(self.period)).unwrap_or(usize::MAX);
         self.knots.reserve(periods.saturating_add(3));
@@ -96,8 +96,8 @@ impl HandState {
         self.ticks * self.period
     }
 
-    /// The time to which this hand's way is known when another's servo period of `period` begins at `time`. Ticks come half
-    /// a period after the beginning; one of the same moment does not count, so that the order of these does not matter.
+    /// The time to which this hand's motion is known when a servo period of another, `period` long, begins at `time`. Ticks
+    /// come half a period after its beginning. One at the same moment does not count, so that their order does not matter.
     pub fn known(&self, time: Nanos, period: Nanos) -> Nanos {
         let odd_multiples = ((2 * time + period - 1) / self.period).div_ceil(2);
         odd_multiples * self.period
@@ -179,7 +179,7 @@ impl HandState {
         self.held.is_some()
     }
 
-    /// Bounds of what the grasp adds to the body's squared frequencies [1/s²] and rates of decay [1/s].
+    /// Bounds of the squared frequency [1/s²] and of the rate of decay [1/s] that the grasp adds to the body's motion.
     pub fn bounds(&self) -> (f64, f64) {
         self.held.map_or((0.0, 0.0), |held| (held.stiffness, held.damping))
     }
@@ -189,8 +189,8 @@ impl HandState {
         Pose::from_parts(self.position.into(), self.rotation)
     }
 
-    /// What the grasp does to the body now: a wrench about its centre of mass. Its opposite, for `h` \[s\], goes to the hand.
-    /// `rate` is how fast the body moves and turns.
+    /// The wrench of the grasp on the body now, about its centre of mass; the hand takes the opposite for `h` \[s\]. `rate`:
+    /// velocity and angular velocity of the body.
     pub fn pull(&mut self, body: &Moving, rate: &Deflection, h: f64) -> Wrench {
         self.elapsed += h;
         let Some(held) = self.held else { return Wrench::default() };
@@ -228,12 +228,12 @@ impl HandState {
         })
     }
 
-    /// Whether its arm has not taken the reaction of a period that is over for long.
+    /// Whether a period ended long ago whose reaction its arm has not taken.
     pub fn is_overdue(&self) -> bool {
         self.elapsed > 1.5 * seconds(self.period)
     }
 
-    /// Takes the mean of what the body did to the gripper since it was last taken.
+    /// Sets the reaction to the mean since the last call.
     pub fn take_reaction(&mut self) {
         if self.elapsed > 0.0 {
             self.reaction = self.impulse * self.elapsed.recip();
@@ -242,7 +242,7 @@ impl HandState {
         }
     }
 
-    /// What the body does to the gripper: at E, along the world's axes.
+    /// The wrench of the body on the gripper: at E, along the world's axes.
     pub fn reaction(&self) -> Wrench {
         self.reaction
     }

@@ -1,4 +1,4 @@
-//! Internal forces: what grippers do to a body beyond carrying and moving it.
+//! Internal forces: the part of the grippers' forces on a body that neither carries nor moves it.
 //!
 //! The wrenches `w_i = (f_i, tau_i)` that grippers at `r_i` exert add up to `f = sum f_i`, `tau = sum tau_i + r_i x f_i`
 //! (the grasp matrix W times all wrenches). The part of them that moves the body is taken as the one with the least
@@ -15,7 +15,7 @@
 use mrroc::Wrench;
 use nalgebra::{Matrix3, Vector3};
 
-/// How N grippers share what they do to a body together.
+/// How N grippers share the total wrench on a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sharing {
     centre: Vector3<f64>,
@@ -28,8 +28,8 @@ pub struct Sharing {
 }
 
 impl Sharing {
-    /// Of wrenches on a body, each given with the place \[m\] at which it acts, all along the same axes. Grippers that
-    /// all stand in one place share torques evenly.
+    /// The sharing of these wrenches on a body, each given with the place \[m\] at which it acts, all along the same axes.
+    /// Grippers that are all in one place share torques evenly.
     #[must_use]
     pub fn of(grasps: impl Iterator<Item = (Vector3<f64>, Wrench)> + Clone) -> Self {
         let mut count = 0.0;
@@ -58,7 +58,7 @@ impl Sharing {
         Self { centre, force: force / count, turn, square }
     }
 
-    /// The share of a gripper at `at` \[m\]: what it does to carry and move the body, at that place.
+    /// The share of a gripper at `at` \[m\] in carrying and moving the body: a wrench at that place.
     #[must_use]
     pub fn share(&self, at: &Vector3<f64>) -> Wrench {
         Wrench::new(self.force + self.turn.cross(&(at - self.centre)), self.turn * self.square)

@@ -8,7 +8,7 @@
 //! | `hand.rs`, `world.rs` | grippers in the world; how the arms' servo periods drive it |
 //! | `arm.rs` | the drives of an arm in the world |
 //! | `fingers.rs` | a gripper that is a robot of its own |
-//! | `internal.rs` | what grippers do to the body beyond carrying it |
+//! | `internal.rs` | forces of grippers against one another |
 //! | `wrist.rs` | the force and torque sensor at a wrist |
 //! | `turn.rs`, `noise.rs` | rotation vectors; seeded noise |
 //!
@@ -18,7 +18,8 @@
 //! use mrroc_robots::{Polycrank, Seven, Simulated};
 //!
 //! // The program's arm, and the true one: its base stands 1 mm aside.
-//! let (robot, truly) = (Polycrank::new(), Polycrank::new().with_base(Pose::translation(1e-3, 0.0, 0.0)));
+//! let robot = Polycrank::new();
+//! let truly = Polycrank::new().with_base(Pose::translation(1e-3, 0.0, 0.0));
 //! let q = Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2]);
 //! let world = World::new(&Body::block(2.0, [0.1, 0.1, 0.1]).at(robot.forward(&q)))?;
 //! let mut arm = world.arm(Simulated::new(truly, &q), Grasp::new(5e4, 500.0))?;

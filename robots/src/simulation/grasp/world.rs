@@ -1,13 +1,13 @@
 //! The world of one cell: a body, a table, and the arms whose grippers may hold the body.
 //!
-//! In: where the arms' tools are, servo period by servo period. Out: what the body does to them. Simulated arms of one
+//! In: the poses of the arms' tools, servo period by servo period. Out: the forces of the body on them. Simulated arms of one
 //! cell share it on the memory link, whose processes run on one thread.
 //!
 //! **Time.** The arms' servo periods drive it. When a period of an arm begins, the world goes on to its beginning, or as
-//! far as the ways of all arms are known then: that follows from the periods alone, so neither the order in which arms
-//! of one period are ticked nor an arm that has stopped changes what happens. Within a period tools move evenly.
+//! far as the motions of all arms are known then. That time follows from the periods alone, so the result depends neither
+//! on the order in which arms of one period are ticked nor on an arm that has stopped. Within a period tools move evenly.
 //!
-//! **Steps.** An interval between two knots of the tools' ways is divided into leapfrog steps `h`. With velocities damped
+//! **Steps.** An interval in which all tools move evenly is divided into leapfrog steps `h`. With velocities damped
 //! explicitly one mode `x'' + c x' + w^2 x = 0` of it is stable where `w^2 h^2 + 2 c h < 4` (both roots of its
 //! transition, of determinant `1 - c h` and trace `2 - c h - w^2 h^2`, lie within the unit circle). Here `w h <= 0.1`,
 //! which puts frequencies wrong by `(w h)^2 / 24`, 4e-4, and by `c h / 4` where they are damped, with `c h <= 0.5`. With the tensor `C = 1/m - [r] I^-1 [r]` of a
@@ -34,16 +34,16 @@ use crate::simulation::simulated::Simulated;
 
 /// The longest step \[s\], where nothing holds the body.
 const LONGEST: f64 = 1e-3;
-/// The greatest frequency times the step \[rad\] ..
+/// The greatest frequency times the step \[rad\].
 const TURN: f64 = 0.1;
-/// .. and the greatest rate of decay times the step.
+/// The greatest rate of decay times the step.
 const DECAY: f64 = 0.5;
 
 /// A body, a table and grippers. All copies are the same world.
 #[derive(Clone, Debug)]
 pub struct World(Rc<RefCell<State>>);
 
-/// What a world is made of.
+/// The state of a world.
 #[derive(Debug)]
 struct State {
     time: Nanos,
@@ -58,7 +58,7 @@ impl World {
     /// A world with this body in it, and weight along -z.
     ///
     /// # Errors
-    /// [`WorldError`] when the body is none.
+    /// [`WorldError`] when no rigid body has these figures.
     pub fn new(body: &Body) -> Result<Self, WorldError> {
         let moving = Moving::at_rest(body)?;
         let point = |at: &Vector3<f64>| Point {
@@ -96,7 +96,8 @@ impl World {
 
     /// The drives of an arm whose gripper, open, holds the body as `grasp` says when it is closed.
     ///
-    /// The arm of the drives is the real one, the cell's the one that programs believe in: its base may stand elsewhere.
+    /// The robot of the drives is the true one. The cell's robot is the one that programs compute with: its base may stand
+    /// elsewhere, as after a wrong calibration.
     ///
     /// # Errors
     /// [`WorldError`] when a figure of the grasp is out of range.
@@ -108,7 +109,7 @@ impl World {
         Grasping::new(self, drives, grasp)
     }
 
-    /// Puts a tool frame into the world that moves every `period`; `X_WE` is where it is.
+    /// Puts a tool frame into the world, at `X_WE`, which moves every `period`.
     #[allow(non_snake_case)]
     pub(super) fn add_hand(
         &self,
@@ -169,14 +170,14 @@ impl World {
         body.kinetic_energy() - body.mass * state.gravity.dot(&body.position) + springs + contacts
     }
 
-    /// What the table does to the body \[N\], along the world's axes.
+    /// The force of the table on the body \[N\], along the world's axes.
     #[must_use]
     pub fn table_force(&self) -> Vector3<f64> {
         self.state().points.iter().map(|point| point.force).sum()
     }
 
-    /// The greatest internal force that a closed gripper exerts on the body \[N\], mean over its last servo period: what is
-    /// left of the forces without the share that carries and moves the body.
+    /// The greatest internal force that a closed gripper exerts on the body \[N\], mean over its last servo period: the
+    /// part of its force that neither carries nor moves the body.
     #[must_use]
     pub fn internal_force(&self) -> f64 {
         let state = self.state();
@@ -194,7 +195,7 @@ impl World {
     }
 }
 
-/// A gripper in a world: closes and opens, and tells what the body does to it. All copies are the same gripper.
+/// A gripper in a world: it closes and opens, and has the wrench of the body on it. All copies are the same gripper.
 #[derive(Clone, Debug)]
 pub struct Hand {
     world: World,
@@ -241,7 +242,7 @@ impl Hand {
         self.world.state().hands[self.index].is_closed()
     }
 
-    /// `F_E`, what the body does to the gripper: at the tool frame's origin and in its axes, mean over the last servo
+    /// `F_E`, the wrench of the body on the gripper: at the tool frame's origin and in its axes, mean over the last servo
     /// period that the world went through.
     #[must_use]
     pub fn reaction(&self) -> Wrench {
@@ -251,7 +252,7 @@ impl Hand {
         hand.reaction().moved(&turn)
     }
 
-    /// The part of what the gripper does to the body that neither carries nor moves it: at the tool frame's origin, in the
+    /// The part of the gripper's wrench on the body that neither carries nor moves it: at the tool frame's origin, in the
     /// world's axes. The internal wrenches of all closed grippers together are zero.
     #[must_use]
     pub fn internal(&self) -> Wrench {
@@ -272,8 +273,8 @@ impl Hand {
         &self.world
     }
 
-    /// Begins a servo period of the hand's arm; returns what the body did to the gripper in the last: at E, along the
-    /// world's axes.
+    /// Begins a servo period of the hand's arm; returns the wrench of the body on the gripper in the last period: at E,
+    /// along the world's axes.
     pub(super) fn begin(&self) -> Wrench {
         let state = &mut *self.world.state_mut();
         let now = state.time;
@@ -282,7 +283,7 @@ impl Hand {
         let others = state.hands.iter().enumerate().filter(|(i, _)| *i != self.index);
         let known = others.map(|(_, other)| other.known(begun, period)).fold(begun, Nanos::min);
         state.go_on_to(known);
-        // An arm whose drives stopped takes no period any more; what the body does to its gripper goes on.
+        // An arm whose drives stopped begins no period any more, but the body still acts on its gripper.
         state.hands.iter_mut().filter(|hand| hand.is_overdue()).for_each(HandState::take_reaction);
         let hand = &mut state.hands[self.index];
         hand.take_reaction();
@@ -323,7 +324,7 @@ impl State {
         }
     }
 
-    /// The longest step that is stable and true \[s\].
+    /// The longest step that is stable and accurate enough \[s\].
     fn longest_step(&self, touching: bool) -> f64 {
         let mut stiffness = 0.0;
         let mut damping = 0.0;
@@ -364,7 +365,7 @@ impl State {
         self.hands.iter_mut().filter(|hand| hand.is_closed()).for_each(|hand| hand.drift(h));
     }
 
-    /// All that acts on the body, about its centre of mass along the world's axes.
+    /// The total wrench on the body, about its centre of mass along the world's axes.
     fn wrench(&mut self, h: f64, touching: bool) -> Wrench {
         let body = &self.body;
         let mut sum = Wrench::new(body.mass * self.gravity, Vector3::zeros());
@@ -385,14 +386,14 @@ impl State {
         sum
     }
 
-    /// How the closed grippers share what they do to the body together.
+    /// How the closed grippers share their total wrench on the body.
     fn sharing(&self) -> Sharing {
         Sharing::of(self.hands.iter().filter(|hand| hand.is_closed()).map(HandState::applied))
     }
 }
 
 impl HandState {
-    /// What the gripper does to the body: where, and the wrench there.
+    /// The gripper's wrench on the body: the place where it acts, and the wrench there.
     fn applied(&self) -> (Vector3<f64>, Wrench) {
         (self.pose().translation.vector, -self.reaction())
     }

@@ -1,4 +1,4 @@
-//! The force and torque sensor at a wrist: what it measures, and the virtual sensor that makes a reading of it.
+//! The force and torque sensor at a wrist: its raw measurement, and the virtual sensor that makes a reading of it.
 //!
 //! ```text
 //! raw     = body's reaction + weight of the tool + bias + noise,  to the resolution     in S, the sensor's frame
@@ -16,8 +16,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::noise::Noise;
 use super::world::Hand;
 
-/// The kind of sensor: a force and torque sensor at an arm's wrist. Its reading is `F_E`, what the surroundings do to the
-/// tool, without the tool's weight: at the origin of the tool frame E and in its axes.
+/// The kind of sensor: a force and torque sensor at an arm's wrist. Its reading is `F_E`, the wrench of the surroundings on
+/// the tool, without the tool's weight: at the origin of the tool frame E and in its axes.
 #[derive(Clone, Copy, Debug)]
 pub struct WristForce;
 
@@ -27,17 +27,17 @@ impl Sensor for WristForce {
     type Configuration = WristOrder;
 }
 
-/// What a wrist sensor is asked for.
+/// What is ordered of a wrist sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Payload)]
 pub enum WristOrder {
     /// A reading.
     #[default]
     Read,
-    /// To measure its bias: nothing may touch the tool. Orders of consecutive steps are averaged.
+    /// A measurement of its bias, during which nothing may touch the tool. Orders of consecutive steps are averaged.
     MeasureBias,
 }
 
-/// A simulated one, on the hand of an arm in a [`World`](super::World).
+/// A simulated wrist sensor, on the hand of an arm in a [`World`](super::World).
 #[derive(Clone, Debug)]
 #[allow(non_snake_case)]
 pub struct SimulatedWrist {
@@ -114,7 +114,7 @@ impl SimulatedWrist {
         Self { tool, believed: tool, ..self }
     }
 
-    /// Compensating another tool than the one that is there: an error of its identification.
+    /// Compensates the weight of another tool than the one that is there: an error of its identification.
     #[must_use]
     pub fn compensating(self, mass: f64, centre: Vector3<f64>) -> Self {
         Self { believed: Load { mass, centre }, ..self }
@@ -126,7 +126,7 @@ impl SimulatedWrist {
         Self { bias, ..self }
     }
 
-    /// Taking off this bias, in S, without measuring it.
+    /// Subtracts this bias, in S, without measuring it.
     #[must_use]
     pub fn knowing_bias(self, bias: Wrench) -> Self {
         Self { measured_bias: bias, ..self }
@@ -144,7 +144,7 @@ impl SimulatedWrist {
         Self { resolution: (force, torque), ..self }
     }
 
-    /// With this range, in S: beyond it the sensor gives a fault, no reading.
+    /// With this range, in S: beyond it the sensor gives a fault instead of a reading.
     #[must_use]
     pub fn with_range(self, range: Wrench) -> Self {
         Self { range, ..self }
@@ -156,7 +156,7 @@ impl SimulatedWrist {
         Self { corner: Some(corner), ..self }
     }
 
-    /// Whether all figures are what they must be.
+    /// Whether all figures are in their ranges.
     fn check_settings(&self) -> Result<(), Fault> {
         let is_positive = |value: f64| value > 0.0 && value.is_finite();
         let resolves = is_positive(self.resolution.0) && is_positive(self.resolution.1);
@@ -168,7 +168,7 @@ impl SimulatedWrist {
         Err(Fault::new(FaultKind::Config).text(text))
     }
 
-    /// What the strain gauges give, in S.
+    /// The raw measurement of the strain gauges, in S.
     #[allow(non_snake_case)]
     fn raw(&mut self) -> Wrench {
         let weight = self.tool.weight(&self.hand.world().gravity(), &self.hand.pose().rotation);
@@ -239,7 +239,7 @@ impl VirtualSensor for SimulatedWrist {
                 let bias = raw - weight.moved(&self.X_ES.inverse());
                 let last = if self.averaged > 1.0 { self.measured_bias } else { bias };
                 self.measured_bias = last + (bias - last) * self.averaged.recip();
-                // What it said before it knew its bias is not to be smoothed into what it says now.
+                // Readings with the old bias must not be smoothed into those with the new one.
                 self.filtered = None;
             }
         }
