@@ -1,4 +1,4 @@
-//! Clearances of whole cells: who is nearest, who is told, and what is refused.
+//! Clearances of whole cells: which bodies are nearest, which are named, and what is refused.
 
 use std::cell::RefCell;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -126,7 +126,7 @@ enum Slip {
     Sticks,
 }
 
-/// A simulated arm with a slip.
+/// A simulated arm with a defect.
 struct Slipping {
     arm: SimulatedIrp6,
     slip: Slip,
@@ -180,7 +180,7 @@ fn every_slip_of_a_driver_is_caught() {
     assert!(conformance::bears_lost_demands(&robot, make(Slip::Forgets), &engraving()).is_ok());
 }
 
-/// A search with a slip: it is over at once, or its drives tick at another pace than they say.
+/// A search with a defect: it is over at once, or its drives tick at another pace than they say.
 struct Hasty(Unhomed<Irp6, 6>, bool);
 
 impl Homing<Irp6> for Hasty {

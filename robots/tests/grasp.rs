@@ -25,7 +25,7 @@ fn start() -> Seven {
     Seven::from([0.3, 1.2, -0.4, 0.5, 1.1, -0.3, 0.2])
 }
 
-/// The arms as programs believe in them, 0.6 m apart.
+/// The arms that programs compute with, 0.6 m apart.
 fn arms() -> [Polycrank; 2] {
     [Polycrank::new(), Polycrank::new().with_base(Pose::translation(0.6, 0.0, 0.0))]
 }
@@ -105,7 +105,7 @@ fn carry(c: &mut Carry, t: Tick) -> Step<(Polycrank, Polycrank)> {
     Step::Next((Demand::pose(way * c.from[0]), Demand::pose(way * c.from[1])))
 }
 
-/// What is seen at a moment: the tools' true poses and what the body does to each gripper.
+/// One observation: the tools' true poses and the wrench of the body on each gripper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Moment {
     tools: [Pose; 2],
@@ -144,7 +144,7 @@ fn carried(error: Pose) -> ([Moment; 2], [Pose; 2]) {
     ([seen[0], seen[1]], grasps)
 }
 
-/// What the springs do to the grippers where the body is in equilibrium, by Newton's method on its pose: each wrench at
+/// The wrenches of the springs on the grippers where the body is in equilibrium, by Newton's method on its pose: each wrench at
 /// the tool's origin in the tool's axes.
 #[allow(non_snake_case)]
 fn statics(tools: &[Pose; 2], grasps: &[Pose; 2]) -> [Wrench; 2] {
@@ -239,7 +239,7 @@ fn runs_are_the_same_to_the_bit() {
     assert_eq!(one.each_ref().map(bits), other.each_ref().map(bits));
 }
 
-/// Waits until the wrist feels more than any body would do to it.
+/// Waits until the wrist measures more than any body could cause.
 struct Feel(Rc<Slot<f64>>);
 
 #[condition(mp)]

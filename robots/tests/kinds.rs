@@ -97,7 +97,7 @@ fn refusal(kind: &str, start: &[f64]) -> String {
     }
 }
 
-/// The joints of these keep their limits; what they share does not.
+/// Their joints keep the joint limits, but not those that joints share.
 #[test]
 fn a_start_that_the_drives_cannot_take_is_refused_where_it_stands() {
     let start = [0.0, -0.9, -0.4, -1.5, 4.71, 0.0];

@@ -76,7 +76,7 @@ fn inverse_recovers_joints_and_pose_on_both_wrist_branches() {
             joint_error = joint_error.max((again - q).amax() * q[4].sin().abs());
             let solutions = robot.all_solutions(&pose, &q);
             for (solution, sign) in solutions.into_iter().zip([1.0, -1.0]) {
-                // The flipped wrist may put the wrist link out of the arm's reach; that is said, not guessed.
+                // The flipped wrist may put the wrist link out of the arm's reach; that is refused, not guessed.
                 match solution {
                     Ok(q) => {
                         assert!(sign * q[4].sin() >= 0.0, "{q}");

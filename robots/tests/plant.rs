@@ -124,7 +124,7 @@ fn a_square_is_followed_to_a_tenth_of_a_millimetre() {
     }
 }
 
-/// Half and twice the inertia assumed: the published gains must not hang by a thread.
+/// Half and twice the assumed inertia: the published gains must have margins.
 #[test]
 fn every_servo_loop_settles_with_half_and_twice_its_inertia() {
     for (i, data) in Irp6::MOTORS.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Of a chart's frame, and what surrounds it \[px\].
+/// Sizes of a chart's frame and of the margins around it \[px\].
 const WIDTH: f64 = 380.0;
 const HEIGHT: f64 = 130.0;
 const LEFT: f64 = 78.0;
@@ -29,17 +29,17 @@ impl Curve {
 /// Curves over the same times.
 pub struct Chart {
     pub title: String,
-    /// What there is to say in figures.
+    /// A line of text with the figures.
     pub figures: String,
     pub quantity: String,
-    /// SI, of the curves.
+    /// SI unit of the curves.
     pub unit: &'static str,
     pub curves: Vec<Curve>,
     /// \[s\]
     pub times: Vec<f64>,
 }
 
-/// How many of a unit with a prefix make one of it, and the prefix, such that `size` is 0.3 to 300 of it.
+/// A prefix with which `size` is 0.3 to 300 units, and how many of these units make one unit without it.
 fn prefix(size: f64) -> (f64, &'static str) {
     match size {
         s if s >= 0.3 => (1.0, ""),
@@ -75,7 +75,7 @@ impl Chart {
         let values = || self.curves.iter().flat_map(|curve| &curve.values);
         let (low, high) = values().fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(*v), high.max(*v)));
         let (factor, prefix) = prefix(high.max(-low));
-        // What is less than a line's thickness beyond 0 needs no room.
+        // A curve that goes less than a line's thickness below 0 needs no space there.
         let low = if low > -0.01 * high { 0.0 } else { low };
         let step = round_step(((high - low) * factor).max(1e-9), 5.0);
         let (first, last) = ((low * factor / step).floor(), (high * factor / step).ceil().max(1.0));

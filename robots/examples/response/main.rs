@@ -4,11 +4,11 @@
 //! cargo run -p mrroc-robots --example response -- irp6 [--out FILE]
 //! ```
 //!
-//! Names: those of [`KINDS`], and `urdf`: the weighted arm of the tests. The default file is `response-NAME.svg`. The drives stand at rest and in equilibrium; one joint
-//! is demanded at a time:
+//! Names: those of [`KINDS`], and `urdf`: the weighted arm of the tests. The default file is `response-NAME.svg`. The
+//! drives begin at rest and in equilibrium. One joint after the other is demanded to follow:
 //!
 //! - a step of 35 encoder pulses of its motor, to which the regulators answer with nearly full voltage;
-//! - a trapezoid of half its speed and half its acceleration, or what room there is for.
+//! - a trapezoid of the speed with half its limits of speed and acceleration, or less if its range is too short.
 
 mod chart;
 
@@ -21,7 +21,7 @@ use mrroc_robots::{
 };
 use nalgebra::SVector;
 
-/// The robots that there are.
+/// The kinds of robots.
 pub const KINDS: [&str; 8] =
     ["irp6", "irp6-calibrated", "irp6-5dof", "irp6-track", "rnt", "polycrank", "gripper", "conveyor"];
 
@@ -29,7 +29,7 @@ pub const KINDS: [&str; 8] =
 const PERIOD: f64 = 0.002;
 /// Height of a step [encoder pulses].
 const PULSES: f64 = 35.0;
-/// When the step comes, and how long its response is drawn \[s\].
+/// When the step begins, and how long its response is drawn \[s\].
 const STEP: (f64, f64) = (0.02, 0.8);
 /// How long the trapezoid stays at its speed at most, and what is drawn after its end \[s\].
 const STEADY: f64 = 0.5;
@@ -175,7 +175,7 @@ fn page<const N: usize, R: Kinematics<N> + Driven<N>>(
 /// The picture of a kind of robot.
 ///
 /// # Errors
-/// A kind that there is not, or a drive that does not take its demand.
+/// The kind is not known, or a drive refuses its demand.
 pub fn picture(kind: &str) -> Result<String, String> {
     const ARM: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
     match kind {

@@ -7,17 +7,17 @@ use mrroc::Pose;
 use mrroc_robots::Kinematics;
 use nalgebra::{SVector, Vector3};
 
-/// Pixels per metre of an arm; of a hand, ten times as many: all lengths of the drawing go with it.
+/// Pixels per metre for an arm; ten times as many for a gripper. All lengths of the drawing scale with it.
 const SCALE: f64 = 220.0;
 /// Edge of a cell of the workspace slice \[m\].
 const CELL: f64 = 0.03;
 /// Thickness of the slice \[m\].
 const THICKNESS: f64 = 0.08;
-/// Between the lines of the grid \[m\].
+/// Distance of the lines of the grid \[m\].
 const GRID: f64 = 0.5;
-/// Of the axes of a frame \[m\].
+/// Length of the axes of a frame \[m\].
 const AXIS: f64 = 0.1;
-/// How far from the world's origin something is still drawn, either way \[m\].
+/// Largest coordinate that is drawn, either way \[m\].
 const FARTHEST: f64 = 2.5;
 /// Joint positions tried for the workspace.
 const SAMPLES: usize = 3_000_000;
@@ -47,7 +47,7 @@ pub struct Scene {
     pub measures: String,
     pub lines: Vec<Line>,
     pub frames: Vec<Pose>,
-    /// Of the robot as a multiple of an arm's: 1 or 0.1.
+    /// Size of the robot, as a multiple of an arm's: 1 or 0.1.
     pub size: f64,
 }
 
@@ -56,7 +56,7 @@ pub fn size(reach: f64) -> f64 {
     if reach < 0.3 { 0.1 } else { 1.0 }
 }
 
-/// Which coordinates a view shows to the right, upwards, and which it is a slice of.
+/// The coordinates that a view shows to the right and upwards, and the one across its slice.
 #[derive(Clone, Copy)]
 struct View {
     name: &'static str,
@@ -66,7 +66,7 @@ struct View {
 const VIEWS: [View; 2] =
     [View { name: "side: x, z [m]", axes: [0, 2, 1] }, View { name: "above: x, y [m]", axes: [0, 1, 2] }];
 
-/// Where the flange gets to: of joints drawn evenly from their limits, with a stated seed, those that are attainable.
+/// The workspace: positions of the flange for attainable joints, drawn evenly from their limits with a stated seed.
 pub fn flange_positions<const N: usize, R: Kinematics<N>>(robot: &R) -> Vec<Vector3<f64>> {
     let (lower, upper) = (robot.limits().lower, robot.limits().upper);
     let mut state = 11_u64;
@@ -96,7 +96,7 @@ impl Scene {
             lower = lower.inf(p);
             upper = upper.sup(p);
         }
-        // Room for a frame at every end.
+        // Space for a frame at every end.
         let around = Vector3::repeat(AXIS * self.size);
         (lower, upper) = (lower.inf(&(here - around)), upper.sup(&(here + around)));
         let (mut views, mut left, mut bottom) = (String::new(), MARGIN, 0.0_f64);
@@ -119,7 +119,7 @@ impl Scene {
             left += (upper[right] - lower[right]) * scale + 2.0 * MARGIN;
             bottom = bottom.max(90.0 + height + MARGIN);
         }
-        // Room for the lines above the views.
+        // Space for the lines above the views.
         let left = left.max(820.0);
         let style = "text{font:13px sans-serif}.cell{fill:#dbe9f6}.grid{stroke:#ccc;stroke-width:.5}\
             .link{stroke:#333;stroke-width:5;stroke-linecap:round}.actuator{stroke:#c60;stroke-width:4}\

@@ -17,7 +17,7 @@ use mrroc_robots::{
 };
 use nalgebra::{SVector, Vector3};
 
-/// The robots that there are.
+/// The kinds of robots.
 pub const KINDS: [&str; 8] =
     ["irp6", "irp6-calibrated", "irp6-5dof", "irp6-track", "rnt", "polycrank", "gripper", "conveyor"];
 
@@ -25,7 +25,7 @@ fn usage() -> String {
     format!("usage: show {} [--out FILE] [--joints q1,q2,..]", KINDS.join("|"))
 }
 
-/// What the command line asks for.
+/// The options of the command line.
 struct Request {
     name: String,
     out: String,
@@ -117,7 +117,7 @@ fn closed(frames: &[Pose]) -> Vec<Line> {
 /// The picture of a kind of robot in its usual pose.
 ///
 /// # Errors
-/// A kind that there is not.
+/// The kind is not known.
 #[allow(dead_code, reason = "what the tests of the examples call")]
 pub fn picture(kind: &str) -> Result<String, String> {
     svg(&request([kind.to_owned()].into_iter())?)
