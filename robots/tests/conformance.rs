@@ -1,14 +1,13 @@
 //! Every robot of the crate keeps what a robot must keep.
 
-mod support;
-
 use mrroc::Pose;
 use mrroc_robots::{
     Conveyor, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, One, Polycrank, Rnt, Seven, Simulated,
     SimulatedIrp6, Six, driver_conformance, kinematics_conformance,
 };
 use nalgebra::Vector3;
-use support::engraving;
+
+use crate::support::engraving;
 
 /// A base that is neither at the origin nor upright.
 fn base() -> Pose {

@@ -1,10 +1,9 @@
 //! The conformance suite is worth something only if it fails: each defect is caught by the check that is meant for it.
 
-mod support;
-
 use mrroc::{CoupledLimit, DriveFault, Driver, Homing, Limits, Measured, NoInverse, Pose, Robot, Search};
 use mrroc_robots::{Irp6, Jacobian, Kinematics, SimulatedIrp6, Six, Unhomed, conformance};
-use support::engraving;
+
+use crate::support::engraving;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Defect {

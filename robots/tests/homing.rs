@@ -1,15 +1,14 @@
 //! Simulated drives that do not know where they are find out, from anywhere, and exactly.
 
-mod support;
-
-use mrroc::{DriveFault, Driver, Homing, Search};
 use mrroc_launch::cell_file::CellFile;
+use mrroc::{DriveFault, Driver, Homing, Search};
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Serial,
     Seven, Simulated, Six, Unhomed, homing_conformance, simulated,
 };
 use nalgebra::SVector;
-use support::{Random, engraving};
+
+use crate::support::{Random, engraving};
 
 fn home<const N: usize, R: Driven<N>>(mut homing: Unhomed<R, N>) -> Result<Simulated<R, N>, DriveFault> {
     loop {

@@ -1,11 +1,10 @@
 //! What the IRp-6 with five joints and the IRp-6 on its track do where they differ from the six-joint arm.
 
-mod support;
-
 use mrroc::{NoInverse, Pose, Robot};
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Seven};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-use support::{Random, engraving};
+
+use crate::support::{Random, engraving};
 
 const SEED: u64 = 9;
 

@@ -1,13 +1,12 @@
 //! Direct and inverse kinematics of the IRp-6.
 
-mod support;
-
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use mrroc::{NoInverse, Pose, Robot};
 use mrroc_robots::{Irp6, Kinematics, Six};
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
-use support::{Random, engraving};
+
+use crate::support::{Random, engraving};
 
 const SEED: u64 = 20_061_973;
 

@@ -1,12 +1,11 @@
 //! The weight of the links is a conservative load: no closed path of the motors gains energy from it.
 
-mod support;
-
 use mrroc_robots::{
     Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, One, Polycrank, Rnt, Seven, Six,
 };
 use nalgebra::SVector;
-use support::engraving;
+
+use crate::support::engraving;
 
 /// The work of the loads along a triangle of motor angles around the joints `q`, by Simpson's rule on many pieces.
 fn work_around<const N: usize>(

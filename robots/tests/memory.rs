@@ -1,9 +1,7 @@
 //! Nothing that a step calls allocates.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
 use mrroc::{Driver, EffectorState, MAX_JOINTS, Name, Pose, ReadingOrder, Robot, RobotView, VirtualSensor};
+use mrroc_counting_allocator::count;
 use mrroc_robots::clearance::{Capsule, Clearance, Obstacle, Stopping};
 use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, Table, World, WristOrder};
 use mrroc_robots::{
@@ -12,47 +10,24 @@ use mrroc_robots::{
 };
 use nalgebra::{SVector, Vector3};
 
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-/// The system's allocator, counting this thread's allocations.
-struct Counting;
-
-// SAFETY: every call is passed on unchanged to the system's allocator, which keeps the contract.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promises are those that `System` asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as above.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
 fn counted<const N: usize, R: Driven<N> + Kinematics<N>>(robot: R, start: SVector<f64, N>) {
     let mut driver = Simulated::new(robot.clone(), &start);
-    let before = COUNT.with(Cell::get);
     let mut sum = 0.0;
-    for k in 0..50 {
-        let q = start + SVector::repeat(1e-5 * f64::from(k));
-        let pose = robot.forward(&q);
-        sum += robot.inverse(&pose, &start).map_or(0.0, |q| q[0]);
-        sum += robot.jacobian(&q)[0] + robot.manipulability(&q) + robot.singularity_distance(&q);
-        let _ = robot.solutions(&pose, &start, &mut |q| sum += q[0]);
-        sum += robot.nearest_attainable(&pose, &start).ok().flatten().map_or(0.0, |q| q[0]);
-        sum += driver.tick(&start).map_or(0.0, |measured| measured.position[0]);
-        let mut far = pose;
-        far.translation.vector.x += 10.0;
-        sum += f64::from(u8::from(robot.inverse(&far, &start).is_ok()));
-    }
-    assert_eq!(COUNT.with(Cell::get) - before, 0, "{}: {sum}", R::KIND);
+    let ((), allocations) = count(|| {
+        for k in 0..50 {
+            let q = start + SVector::repeat(1e-5 * f64::from(k));
+            let pose = robot.forward(&q);
+            sum += robot.inverse(&pose, &start).map_or(0.0, |q| q[0]);
+            sum += robot.jacobian(&q)[0] + robot.manipulability(&q) + robot.singularity_distance(&q);
+            let _ = robot.solutions(&pose, &start, &mut |q| sum += q[0]);
+            sum += robot.nearest_attainable(&pose, &start).ok().flatten().map_or(0.0, |q| q[0]);
+            sum += driver.tick(&start).map_or(0.0, |measured| measured.position[0]);
+            let mut far = pose;
+            far.translation.vector.x += 10.0;
+            sum += f64::from(u8::from(robot.inverse(&far, &start).is_ok()));
+        }
+    });
+    assert_eq!(allocations, 0, "{}: {sum}", R::KIND);
 }
 
 #[test]
@@ -87,21 +62,23 @@ fn servo_periods_of_arms_that_hold_a_body_and_readings_of_a_wrist_allocate_nothi
     let hands = [one.hand(), two.hand()];
     let wrist = SimulatedWrist::new(one.hand()).with_tool(1.0, Vector3::zeros()).with_noise(0.1, 0.01, 1);
     let mut wrist = wrist.with_low_pass(20.0);
-    let before = COUNT.with(Cell::get);
     let mut sum = 0.0;
-    for k in 0..200 {
-        if k == 10 {
-            hands.iter().for_each(|hand| hand.close().expect("there"));
+    let ((), allocations) = count(|| {
+        for k in 0..200 {
+            if k == 10 {
+                hands.iter().for_each(|hand| hand.close().expect("there"));
+            }
+            sum += one.tick(&start).map_or(0.0, |measured| measured.position[0]);
+            sum += two.tick(&start).map_or(0.0, |measured| measured.position[0]);
+            let robot =
+                EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: flange };
+            let order = ReadingOrder { configuration: WristOrder::Read, robot: Some(robot), step: k };
+            sum += wrist.aggregate(&order).map_or(0.0, |wrench| wrench.force.x);
+            sum += world.energy() + world.internal_force() + hands[0].internal().torque.x;
         }
-        sum += one.tick(&start).map_or(0.0, |measured| measured.position[0]);
-        sum += two.tick(&start).map_or(0.0, |measured| measured.position[0]);
-        let robot = EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: flange };
-        let order = ReadingOrder { configuration: WristOrder::Read, robot: Some(robot), step: k };
-        sum += wrist.aggregate(&order).map_or(0.0, |wrench| wrench.force.x);
-        sum += world.energy() + world.internal_force() + hands[0].internal().torque.x;
-    }
+    });
     assert!(world.table_force().norm() > 0.0, "it touches");
-    assert_eq!(COUNT.with(Cell::get) - before, 0, "{sum}");
+    assert_eq!(allocations, 0, "{sum}");
 }
 
 fn view(name: &str, joints: [f64; 8]) -> RobotView {
@@ -134,12 +111,13 @@ fn clearance_checks_that_pass_and_that_fail_allocate_nothing() {
     ];
     for (margin, passes) in [(0.0, true), (5.0, false)] {
         let mut clearance = build(margin);
-        let before = COUNT.with(Cell::get);
-        for _ in 0..100 {
-            let checked = clearance.check(&states);
-            assert!(checked.is_ok() == passes, "{checked:?}");
-            assert!(clearance.nearest(&states).is_ok());
-        }
-        assert_eq!(COUNT.with(Cell::get) - before, 0);
+        let ((), allocations) = count(|| {
+            for _ in 0..100 {
+                let checked = clearance.check(&states);
+                assert!(checked.is_ok() == passes, "{checked:?}");
+                assert!(clearance.nearest(&states).is_ok());
+            }
+        });
+        assert_eq!(allocations, 0);
     }
 }

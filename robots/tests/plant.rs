@@ -1,11 +1,10 @@
 //! The simulated arm: how well it follows, when it trips, how it rests.
 
-mod support;
-
 use mrroc::{Driver, Measured, Pose, Robot};
 use mrroc_robots::{Irp6, MotorData, Plant, Regulator, SimulatedIrp6, Six};
 use nalgebra::{Point3, Translation3, Vector3};
-use support::engraving;
+
+use crate::support::engraving;
 
 const PERIOD: f64 = 0.002;
 

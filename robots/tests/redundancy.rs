@@ -1,11 +1,10 @@
 //! The redundancy of the robots with seven joints: given as a parameter of the pose, or kept along a path.
 
-mod support;
-
 use mrroc::{NoInverse, Pose, Robot};
 use mrroc_robots::{Irp6, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Six};
 use nalgebra::{Translation3, Vector3};
-use support::{Random, engraving};
+
+use crate::support::{Random, engraving};
 
 const SEED: u64 = 17;
 

@@ -1,7 +1,5 @@
 //! The regulators' parameter sets: how stiff each is, and that they change without a jump.
 
-mod support;
-
 use std::f64::consts::TAU;
 
 use mrroc::{Demand, Driver, Regulators, Step, Tick, generator};
@@ -9,7 +7,8 @@ use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
     Gripper, Irp6, MotorData, Plant, Polycrank, Regulator, RegulatorSet, SimulatedIrp6, Six, simulated,
 };
-use support::engraving;
+
+use crate::support::engraving;
 
 const PERIOD: f64 = 0.002;
 

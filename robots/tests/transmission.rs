@@ -1,11 +1,10 @@
 //! Motor angles from joint angles and back.
 
-mod support;
-
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use mrroc_robots::{Irp6, Six};
-use support::Random;
+
+use crate::support::Random;
 
 const SEED: u64 = 5;
 

@@ -1,12 +1,11 @@
 //! Simulated drives of arms read from URDF: they keep what drivers must keep, and what the file says of masses, efforts and
 //! friction is in them.
 
-mod support;
-
 use mrroc::{Driver, Pose};
 use mrroc_robots::{Driven, Serial, Simulated, UrdfError, driver_conformance};
 use nalgebra::{SVector, Vector2, Vector3};
-use support::Random;
+
+use crate::support::Random;
 
 const GRAVITY: f64 = 9.80665;
 

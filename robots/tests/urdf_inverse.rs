@@ -1,13 +1,12 @@
 //! Inverse kinematics of arms read from URDF: closed form and iteration.
 
-mod support;
-
 use core::f64::consts::{PI, TAU};
 
 use mrroc::{NoInverse, Pose, Robot};
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{SVector, Vector3};
-use support::Random;
+
+use crate::support::Random;
 
 const SEED: u64 = 20_140_522;
 

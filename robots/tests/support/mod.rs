@@ -1,5 +1,4 @@
 //! What the tests of this crate share: a seeded generator of numbers and feasible joint positions.
-#![allow(dead_code)]
 
 use mrroc::Robot;
 use mrroc_robots::{Irp6, Six};

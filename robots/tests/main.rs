@@ -1,0 +1,36 @@
+//! The tests of this crate, one executable: a file for each robot, or for each promise that all of them keep.
+
+mod cell;
+mod clearance;
+mod conformance;
+mod conformance_catches;
+mod examples;
+mod grasp;
+mod gripper;
+mod homing;
+mod irp6_variants;
+mod kinds;
+mod kinematics;
+mod loads;
+mod memory;
+mod plant;
+mod polycrank;
+mod redundancy;
+mod reference;
+mod regulators;
+mod rnt;
+mod singularities;
+mod support;
+mod transmission;
+mod urdf_allocation;
+mod urdf_conformance;
+mod urdf_drives;
+mod urdf_errors;
+mod urdf_inverse;
+mod urdf_outline;
+mod urdf_reference;
+
+use mrroc_counting_allocator::Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
