@@ -8,10 +8,10 @@ use std::fmt;
 use mrroc::Pose;
 use nalgebra::Vector3;
 
-use crate::palette::{BLOCK, RULE};
 use crate::playback::Playback;
 use crate::projection::Projection;
-use crate::svg::{Points, Svg};
+use crate::svg::palette::{BLOCK, RULE};
+use crate::svg::{Look, Svg};
 
 /// The most poses kept.
 const CAPACITY: usize = 4000;
@@ -46,7 +46,7 @@ impl Block {
     }
 
     /// A robot was observed at `time` \[s\].
-    pub fn see(&mut self, time: f64) {
+    pub fn observe(&mut self, time: f64) {
         // Half a gap less, so that rounding does not cost a pose.
         if self.times.last().is_some_and(|last| time < last + self.gap - 0.5 * FIRST_GAP) {
             return;
@@ -58,9 +58,10 @@ impl Block {
                 *i += 1;
                 *i % 2 == 1
             };
-            let (mut i, mut j) = (0, 0);
-            self.times.retain(|_| every_other(&mut i));
-            self.poses.retain(|_| every_other(&mut j));
+            let mut time = 0;
+            self.times.retain(|_| every_other(&mut time));
+            let mut pose = 0;
+            self.poses.retain(|_| every_other(&mut pose));
             self.gap *= 2.0;
         }
     }
@@ -88,22 +89,27 @@ impl Block {
     /// The block at a time \[s\], or animated where a clock is given.
     pub fn draw(&self, svg: &mut Svg, on: &Projection, time: f64, playback: Option<&Playback>) {
         let Some(first) = self.at(time) else { return };
-        let points = |pose: &Pose, face: &[usize; 4]| {
+        let corners = |pose: &Pose, face: &[usize; 4]| {
             let corners = self.corners(pose);
-            Points(&face.map(|corner| on.at(corners[corner]))).to_string()
+            face.map(|corner| on.at(corners[corner]))
         };
         // What never moves is less to look at.
-        let (colour, opacity) = if self.moved() { (BLOCK, ".3") } else { (RULE, ".15") };
-        let look = format_args!(
-            "class=\"block\" fill=\"{colour}\" fill-opacity=\"{opacity}\" stroke=\"{colour}\" stroke-width=\"1\" stroke-linejoin=\"round\""
-        );
-        svg.group("g", look, |svg| {
+        let look = match self.moved() {
+            true => Look::filled(BLOCK).fill_opacity(0.3).stroke(BLOCK),
+            false => Look::filled(RULE).fill_opacity(0.15).stroke(RULE),
+        };
+        svg.group(look.class("block").width(1.0).round(), |svg| {
             for face in &FACES {
-                svg.group("polygon", format_args!("points=\"{}\"", points(first, face)), |svg| {
-                    if let Some(playback) = playback {
-                        let poses = playback.times().filter_map(|time| self.at(time));
-                        playback.animate(svg, "points", poses.map(|pose| points(pose, face)));
-                    }
+                let Some(playback) = playback else {
+                    svg.polygon(&corners(first, face), Look::new());
+                    continue;
+                };
+                let points = svg.points(&corners(first, face)).to_string();
+                svg.containing("polygon", format_args!(" points=\"{points}\""), |svg| {
+                    let poses = playback.times().filter_map(|time| self.at(time));
+                    let points: Vec<String> =
+                        poses.map(|pose| svg.points(&corners(pose, face)).to_string()).collect();
+                    playback.animate(svg, "points", points);
                 });
             }
         });
@@ -135,7 +141,7 @@ mod tests {
             }),
         );
         for i in 0..20_000 {
-            block.see(f64::from(i) * 2e-3);
+            block.observe(f64::from(i) * 2e-3);
         }
         assert!(block.poses.len() <= CAPACITY && block.poses.len() > CAPACITY / 2);
         let corners = block.corners(&Pose::translation(1.0, 2.0, 3.0));

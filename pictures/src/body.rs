@@ -5,12 +5,12 @@
 
 use nalgebra::Vector3;
 
-use crate::marks::circle;
 use crate::playback::Playback;
 use crate::projection::Projection;
 use crate::scene::Actor;
 use crate::stick::Stick;
-use crate::svg::{Points, Px, Svg};
+use crate::svg::palette::WHITE;
+use crate::svg::{Colour, Look, Svg};
 
 /// How large a robot is drawn \[px\].
 #[derive(Clone, Copy, Debug)]
@@ -36,68 +36,42 @@ impl Pen {
 }
 
 /// A robot at rest.
-pub(crate) fn still(svg: &mut Svg, on: &Projection, stick: &Stick, colour: &str, pen: Pen) {
+pub(crate) fn still(svg: &mut Svg, on: &Projection, stick: &Stick, colour: Colour, pen: Pen) {
     let [links, gripper] = [&stick.links[..], &stick.gripper]
         .map(|points| points.iter().map(|point| on.at(*point)).collect::<Vec<_>>());
-    svg.group(
-        "g",
-        format_args!("fill=\"none\" stroke=\"{colour}\" stroke-linecap=\"round\" stroke-linejoin=\"round\""),
-        |svg| {
-            svg.element(
-                "polyline",
-                format_args!(
-                    "class=\"links\" stroke-width=\"{}\" points=\"{}\"",
-                    Px(pen.link),
-                    Points(&links)
-                ),
-            );
-            svg.element(
-                "polyline",
-                format_args!("stroke-width=\"{}\" points=\"{}\"", Px(0.5 * pen.link), Points(&gripper)),
-            );
-            if let ([joints @ .., _], true) = (&links[..], pen.joint > 0.0) {
-                for joint in joints {
-                    circle(
-                        svg,
-                        *joint,
-                        pen.joint,
-                        format_args!("fill=\"#fff\" stroke-width=\"{}\"", Px(0.3 * pen.link)),
-                    );
-                }
+    svg.group(Look::new().no_fill().stroke(colour).round(), |svg| {
+        svg.polyline(&links, Look::new().class("links").width(pen.link));
+        svg.polyline(&gripper, Look::new().width(0.5 * pen.link));
+        if let ([joints @ .., _], true) = (&links[..], pen.joint > 0.0) {
+            for joint in joints {
+                svg.circle(*joint, pen.joint, Look::filled(WHITE).width(0.3 * pen.link));
             }
-        },
-    );
+        }
+    });
 }
 
 /// A robot on its way.
 pub(crate) fn moving(svg: &mut Svg, on: &Projection, actor: &Actor<'_>, playback: &Playback, pen: Pen) {
     let sticks: Vec<Stick> = playback.times().filter_map(|time| actor.motion.at(time)).collect();
     let Some(first) = sticks.first() else { return };
-    let points = |of: &dyn Fn(&Stick) -> &[Vector3<f64>], stick: &Stick| {
-        let points: Vec<_> = of(stick).iter().map(|point| on.at(*point)).collect();
-        Points(&points).to_string()
-    };
-    let still = sticks.iter().all(|stick| stick.distance(first) < 1e-5);
-    let colour = actor.colour;
-    let part =
-        |svg: &mut Svg, of: &dyn Fn(&Stick) -> &[Vector3<f64>], width: f64, colour: &str, joints: &str| {
-            svg.group(
-                "polyline",
-                format_args!(
-                    "stroke=\"{colour}\" stroke-width=\"{}\"{joints} points=\"{}\"",
-                    Px(width),
-                    points(of, first)
-                ),
-                |svg| {
-                    if !still {
-                        playback.animate(svg, "points", sticks.iter().map(|stick| points(of, stick)));
-                    }
-                },
-            );
+    let rests = sticks.iter().all(|stick| stick.distance(first) < 1e-5);
+    let part = |svg: &mut Svg, of: &dyn Fn(&Stick) -> &[Vector3<f64>], width: f64, joints: &str| {
+        let points = |svg: &Svg, stick: &Stick| {
+            let points: Vec<_> = of(stick).iter().map(|point| on.at(*point)).collect();
+            svg.points(&points).to_string()
         };
-    svg.group("g", format_args!("fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\""), |svg| {
+        let look = svg.attributes(Look::new().stroke(actor.colour).width(width));
+        let attributes = format!("{look}{joints} points=\"{}\"", points(svg, first));
+        svg.containing("polyline", format_args!("{attributes}"), |svg| {
+            if !rests {
+                let places = sticks.iter().map(|stick| points(svg, stick)).collect();
+                playback.animate(svg, "points", places);
+            }
+        });
+    };
+    svg.group(Look::new().no_fill().round(), |svg| {
         let joints = " marker-start=\"url(#joint)\" marker-mid=\"url(#joint)\"";
-        part(svg, &|stick| &stick.links, pen.link, colour, joints);
-        part(svg, &|stick| &stick.gripper, 0.5 * pen.link, colour, "");
+        part(svg, &|stick| &stick.links, pen.link, joints);
+        part(svg, &|stick| &stick.gripper, 0.5 * pen.link, "");
     });
 }

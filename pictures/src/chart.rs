@@ -1,13 +1,14 @@
 //! The charts of a robot: which quantities are drawn over time.
 //!
-//! In: a take. Out: curves by unit: positions as changes since the start, so that a small motion of one joint is seen
+//! In: a history. Out: curves by unit: positions as changes since the start, so that a small motion of one joint is seen
 //! beside the large angle of another; velocities; following errors; the speed of the tool.
 
 use mrroc::JointKind;
 
-use crate::palette::{self, INK};
+use crate::history::{History, Sample};
 use crate::speed::Rates;
-use crate::take::{Sample, Take};
+use crate::svg::Colour;
+use crate::svg::palette::{self, INK};
 
 /// Room above a chart for its heading, and below the last one for times \[px\].
 pub(crate) const HEADING: f64 = 31.0;
@@ -22,7 +23,7 @@ const PLAY: f64 = 0.02;
 /// A quantity over time.
 #[derive(Clone, Debug)]
 pub(crate) struct Curve {
-    pub colour: &'static str,
+    pub colour: Colour,
     /// Thin; none of what nobody demands.
     pub demanded: Option<Vec<f64>>,
     /// Thick.
@@ -57,12 +58,12 @@ pub(crate) struct Chart {
 }
 
 /// The charts of a robot.
-pub(crate) fn charts(take: &Take, samples: &[&Sample]) -> Vec<Chart> {
+pub(crate) fn charts(history: &History, samples: &[&Sample]) -> Vec<Chart> {
     let mut charts = Vec::new();
     for kind in [JointKind::Revolute, JointKind::Prismatic] {
-        let joints: Vec<usize> = (0..take.joints.len()).filter(|i| take.joints[*i] == kind).collect();
+        let joints: Vec<usize> = (0..history.joints.len()).filter(|i| history.joints[*i] == kind).collect();
         if !joints.is_empty() {
-            charts.extend(of_kind(take, samples, kind, &joints));
+            charts.extend(of_kind(history, samples, kind, &joints));
         }
     }
     let tool = Curve {
@@ -70,13 +71,13 @@ pub(crate) fn charts(take: &Take, samples: &[&Sample]) -> Vec<Chart> {
         demanded: None,
         measured: rates(samples).map(|rates| rates.tool).collect(),
         label: "tool".to_owned(),
-        peak: Some(take.tool_speed),
+        peak: Some(history.tool_speed),
     };
     charts.push(Chart {
         heading: "Tool speed",
         unit: "m/s",
         height: 60.0,
-        least: if take.moved() { 0.0 } else { PLAY },
+        least: if history.moved() { 0.0 } else { PLAY },
         ends: Ends::Largest,
         times: rates(samples).map(|rates| rates.time).collect(),
         curves: vec![tool],
@@ -85,7 +86,7 @@ pub(crate) fn charts(take: &Take, samples: &[&Sample]) -> Vec<Chart> {
 }
 
 /// Positions, velocities and following errors of the joints of one kind.
-fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) -> [Chart; 3] {
+fn of_kind(history: &History, samples: &[&Sample], kind: JointKind, joints: &[usize]) -> [Chart; 3] {
     let curve = |joint: usize, demanded: Option<Vec<f64>>, measured: Vec<f64>, peak: Option<f64>| Curve {
         colour: palette::joint(joint),
         demanded,
@@ -93,7 +94,9 @@ fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) 
         label: format!("q{}", joint + 1),
         peak,
     };
-    let (mut positions, mut velocities, mut errors) = (Vec::new(), Vec::new(), Vec::new());
+    let mut positions = Vec::new();
+    let mut velocities = Vec::new();
+    let mut errors = Vec::new();
     for joint in joints.iter().copied() {
         let demanded: Vec<f64> =
             samples.iter().filter_map(|sample| sample.demanded.get(joint)).copied().collect();
@@ -105,7 +108,7 @@ fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) 
         let rate = |of: fn(&Rates) -> &[f64]| {
             rates(samples).filter_map(|rates| of(rates).get(joint)).copied().collect()
         };
-        let range = take.ranges.get(joint);
+        let range = history.ranges.get(joint);
         let fastest = range.map(|range| range.speed);
         velocities.push(curve(
             joint,
@@ -124,7 +127,7 @@ fn of_kind(take: &Take, samples: &[&Sample], kind: JointKind, joints: &[usize]) 
             ["Slides since the start", "Velocities of slides", "Following errors of slides"]
         }
     };
-    let least = if joints.iter().any(|i| take.ranges[*i].moved()) { 0.0 } else { PLAY };
+    let least = if joints.iter().any(|i| history.ranges[*i].moved()) { 0.0 } else { PLAY };
     let room = LABEL * joints.len() as f64;
     let chart = |heading, order, height: f64, least, ends, curves| {
         let unit = kind.unit(order);

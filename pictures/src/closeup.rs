@@ -5,11 +5,10 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::marks::{arrow, ends};
-use crate::palette::{GREY, GRID, INK};
-use crate::projection::{Area, Extent, Projection, View};
+use crate::projection::{Extent, Projection, View};
 use crate::scene::Actor;
-use crate::svg::{Anchor, Px, Svg, Weight, Words};
-use crate::ticks::step;
+use crate::svg::palette::{GREY, GRID, INK, PALE};
+use crate::svg::{Area, Look, Range, Svg, TextStyle, step};
 use crate::wording::metres;
 
 /// What spans less is a standstill \[m\].
@@ -18,31 +17,20 @@ const STILL: f64 = 2e-4;
 /// Draws the way into an area, in about `most` points.
 pub(crate) fn draw(svg: &mut Svg, area: Area, actor: &Actor<'_>, most: usize) {
     let tool = &actor.motion.tool;
-    let words = Words { size: 11.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
-    let heading = Words { size: 12.0, colour: INK, weight: Weight::Bold, ..words };
-    let (view, names, from) = plane(tool);
-    svg.element(
-        "rect",
-        format_args!(
-            "x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"4\" fill=\"#fafbfc\" stroke=\"{GRID}\"",
-            Px(area.x),
-            Px(area.y + 10.0),
-            Px(area.width),
-            Px(area.height - 10.0)
-        ),
-    );
+    let style = TextStyle::new(11.5, INK).middle();
+    let heading = TextStyle::new(12.0, INK).bold();
+    let Plane { view, axes, from } = plane(tool);
+    let ground = Area { y: area.y + 10.0, height: area.height - 10.0, ..area };
+    svg.rectangle(ground, 4.0, Look::filled(PALE).stroke(GRID));
     let extent = Extent::of(tool.iter().map(|point| view.plane(*point)));
     if extent.size().max() < STILL {
-        svg.words(Vector2::new(area.x, area.y), heading, "Tool path");
+        svg.text(Vector2::new(area.x, area.y), heading, "Tool path");
         let at = Vector2::new(area.x + 0.5 * area.width, area.y + 0.5 * area.height);
-        svg.words(at, Words { anchor: Anchor::Middle, ..words }, "The tool stayed where it was.");
+        svg.text(at, style.colour(GREY), "The tool stayed where it was.");
         return;
     }
-    svg.words(
-        Vector2::new(area.x, area.y),
-        heading,
-        &format!("Tool path {from}, {}", metres(actor.path.length)),
-    );
+    let title = format!("Tool path {from}, {}", metres(actor.path.length));
+    svg.text(Vector2::new(area.x, area.y), heading, &title);
     let room = area.inset(30.0, 34.0, 30.0, 48.0);
     let extent = extent.at_least(0.02 * extent.size().max());
     let on = Projection::new(view, &extent, room, extent.scale(room));
@@ -53,42 +41,43 @@ pub(crate) fn draw(svg: &mut Svg, area: Area, actor: &Actor<'_>, most: usize) {
     }
     let corner = Vector2::new(area.x + area.width - 40.0, area.y + area.height - 14.0);
     for (to, name, offset) in [
-        (Vector2::new(24.0, 0.0), names[0], Vector2::new(6.0, 4.0)),
-        (Vector2::new(0.0, -24.0), names[1], Vector2::new(-3.0, -4.0)),
+        (Vector2::new(24.0, 0.0), axes[0], Vector2::new(6.0, 4.0)),
+        (Vector2::new(0.0, -24.0), axes[1], Vector2::new(-3.0, -4.0)),
     ] {
         arrow(svg, corner, corner + to);
-        svg.words(corner + to + offset, Words { colour: INK, ..words }, name);
+        svg.text(corner + to + offset, TextStyle::new(11.5, INK), name);
     }
     let length = step(0.45 * area.width / on.scale, 1);
     let length =
         if length * on.scale > 0.6 * area.width { step(0.2 * area.width / on.scale, 1) } else { length };
-    let (a, b) = (
-        Vector2::new(area.x + 12.0, area.y + area.height - 14.0),
-        Vector2::new(area.x + 12.0 + length * on.scale, area.y + area.height - 14.0),
-    );
+    let left = Vector2::new(area.x + 12.0, area.bottom() - 14.0);
+    let right = left + Vector2::new(length * on.scale, 0.0);
     let tick = Vector2::new(0.0, 4.0);
-    for (a, b) in [(a, b), (a - tick, a + tick), (b - tick, b + tick)] {
-        svg.line(a, b, format_args!("stroke=\"{INK}\" stroke-width=\"1.4\""));
+    for [from, to] in [[left, right], [left - tick, left + tick], [right - tick, right + tick]] {
+        svg.line(from, to, Look::new().stroke(INK).width(1.4));
     }
-    svg.words(
-        0.5 * (a + b) - Vector2::new(0.0, 6.0),
-        Words { anchor: Anchor::Middle, colour: INK, ..words },
-        &metres(length),
-    );
+    svg.text(0.5 * (left + right) - Vector2::new(0.0, 6.0), style, &metres(length));
 }
 
-/// The plane in which points span most: its view, its axes' names, and from where it is seen.
-fn plane(points: &[Vector3<f64>]) -> (View, [&'static str; 2], &'static str) {
-    let infinite = Vector3::repeat(f64::INFINITY);
-    let (low, high) =
-        points.iter().fold((infinite, -infinite), |(low, high), point| (low.inf(point), high.sup(point)));
-    let span = high - low;
+/// A plane that a way is drawn in.
+struct Plane {
+    view: View,
+    /// Names of what is to the right and of what is up.
+    axes: [&'static str; 2],
+    /// From where it is seen, in words.
+    from: &'static str,
+}
+
+/// The plane in which points span most.
+fn plane(points: &[Vector3<f64>]) -> Plane {
+    let span = |axis: usize| Range::of(points.iter().map(|point| &point[axis])).width();
+    let span = Vector3::new(span(0), span(1), span(2));
     if span.z <= span.x.min(span.y) {
-        (View::above(), ["x", "y"], "from above")
+        Plane { view: View::above(), axes: ["x", "y"], from: "from above" }
     } else if span.y <= span.x.min(span.z) {
-        (View::front(), ["x", "z"], "from the front")
+        Plane { view: View::front(), axes: ["x", "z"], from: "from the front" }
     } else {
-        (View::side(), ["y", "z"], "from the side")
+        Plane { view: View::side(), axes: ["y", "z"], from: "from the side" }
     }
 }
 
@@ -98,7 +87,7 @@ mod tests {
 
     #[test]
     fn a_way_is_seen_where_it_spans_most() {
-        let line = |x, y, z| plane(&[Vector3::zeros(), Vector3::new(x, y, z)]).1;
+        let line = |x, y, z| plane(&[Vector3::zeros(), Vector3::new(x, y, z)]).axes;
         assert_eq!(line(1.0, 1.0, 0.1), ["x", "y"]);
         assert_eq!(line(1.0, 0.1, 1.0), ["x", "z"]);
         assert_eq!(line(0.1, 1.0, 1.0), ["y", "z"]);

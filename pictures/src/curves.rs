@@ -7,12 +7,9 @@ use nalgebra::Vector2;
 
 use crate::chart::{Chart, Curve, Ends, HEADING, LABEL};
 use crate::labels;
-use crate::palette::{GREY, GRID, INK, RULE};
-use crate::playback::Playback;
-use crate::projection::Area;
-use crate::svg::{Anchor, Points, Px, Svg, Weight, Words};
-use crate::thinning;
-use crate::ticks::{Axis, Ticks};
+use crate::playback::{self, Playback};
+use crate::svg::palette::{GREY, INK};
+use crate::svg::{Area, Axes, Axis, Look, Range, Svg, TextStyle};
 
 /// Room for ticks at the left end of a chart, and usually for labels at its right end \[px\].
 const TICKS: f64 = 54.0;
@@ -22,7 +19,7 @@ pub(crate) const LABELS: f64 = 108.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Timeline<'a> {
     /// When the run began and ended \[s\].
-    pub run: (f64, f64),
+    pub run: Range,
     pub playback: Option<&'a Playback>,
     /// The most points of a line.
     pub most: usize,
@@ -34,137 +31,95 @@ impl Timeline<'_> {
     /// Draws charts.
     pub fn draw(&self, svg: &mut Svg, area: Area, charts: &[Chart]) {
         let left = area.x + TICKS;
-        let right = area.x + area.width - self.labels;
-        let (unit, seconds) = time_unit(self.run.1 - self.run.0);
-        let time = Axis::new((self.run.0 / seconds, self.run.1 / seconds), (left, right));
-        let ticks = Ticks::inside(self.run.0 / seconds, self.run.1 / seconds, 8);
+        let right = area.right() - self.labels;
+        let unit = TimeUnit::of(self.run.width());
         let mut top = area.y;
+        let mut lowest = None;
         for chart in charts {
             let frame = Area { x: left, y: top + HEADING, width: right - left, height: chart.height };
-            for value in ticks.values() {
-                let x = time.at(value);
-                let (a, b) = (Vector2::new(x, frame.y), Vector2::new(x, frame.y + frame.height));
-                svg.line(a, b, format_args!("stroke=\"{GRID}\""));
-            }
-            let xs: Vec<f64> = chart.times.iter().map(|t| time.at(t / seconds)).collect();
-            chart.draw(svg, frame, &xs, self);
+            let axes = Axes::new(frame, self.run.scaled(1.0 / unit.seconds), chart.range());
+            let axes = axes.with_most_points(self.most);
+            let times: Vec<f64> = chart.times.iter().map(|t| t / unit.seconds).collect();
+            chart.draw(svg, &axes, &times, self.labels);
             top += HEADING + chart.height;
+            lowest = Some(axes);
         }
-        let words = Words { size: 11.0, colour: GREY, anchor: Anchor::Middle, weight: Weight::Normal };
-        for value in ticks.values() {
-            svg.words(Vector2::new(time.at(value), top + 16.0), words, &ticks.label(value));
+        if let Some(axes) = lowest {
+            axes.draw_labels_below(svg);
         }
-        let words = Words { colour: INK, anchor: Anchor::Start, ..words };
-        svg.words(Vector2::new(right + 32.0, top + 16.0), words, &format!("time [{unit}]"));
+        let at = Vector2::new(right + 32.0, top + 16.0);
+        svg.text(at, TextStyle::new(11.0, INK), &format!("time [{}]", unit.name));
         if let Some(playback) = self.playback {
+            let time = Axis::new(self.run, left, right);
             let from = area.y + HEADING;
-            svg.group("g", format_args!("class=\"moving\" display=\"none\""), |svg| {
-                Playback::set(svg, "display", "inline");
-                svg.group(
-                    "path",
-                    format_args!(
-                        "stroke=\"{INK}\" stroke-opacity=\".55\" d=\"M{},{}V{}\"",
-                        Px(left),
-                        Px(from),
-                        Px(top)
-                    ),
-                    |svg| {
-                        let places = [self.run.0, self.run.1]
-                            .map(|t| format!("M{},{}V{}", Px(time.at(t / seconds)), Px(from), Px(top)));
-                        playback.animate(svg, "d", places.into_iter());
-                    },
-                );
+            let line = |svg: &Svg, time: f64| {
+                let [x, from, to] = [time, from, top].map(|value| svg.number(value));
+                format!("M{x},{from}V{to}")
+            };
+            playback::moving(svg, |svg| {
+                let look = svg.attributes(Look::new().stroke(INK).stroke_opacity(0.55));
+                let at_start = line(svg, left);
+                svg.containing("path", format_args!("{look} d=\"{at_start}\""), |svg| {
+                    let ends = [self.run.low, self.run.high].map(|t| line(svg, time.at(t)));
+                    playback.animate(svg, "d", ends.to_vec());
+                });
             });
         }
     }
 }
 
 impl Chart {
-    fn draw(&self, svg: &mut Svg, frame: Area, xs: &[f64], on: &Timeline<'_>) {
-        let words = Words { size: 11.0, colour: GREY, anchor: Anchor::End, weight: Weight::Normal };
-        let heading = Words { size: 12.0, colour: INK, anchor: Anchor::Start, weight: Weight::Bold };
-        svg.words(
-            Vector2::new(frame.x, frame.y - 9.0),
-            heading,
-            &format!("{} [{}]", self.heading, self.unit),
-        );
-        let values = || {
-            let lines = self.curves.iter().flat_map(|curve| [Some(&curve.measured), curve.demanded.as_ref()]);
-            lines.flatten().flatten().copied()
-        };
-        let (mut low, mut high) =
-            values().fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
-        if high - low < self.least {
-            let middle = 0.5 * (low + high);
-            (low, high) = (middle - 0.5 * self.least, middle + 0.5 * self.least);
-        }
-        // A bit of play beyond 0 is not worth a step of the axis.
-        low = if low > -0.02 * high { 0.0 } else { low };
-        high = if high < -0.02 * low { 0.0 } else { high };
-        let ticks = Ticks::around(low, high, if self.height > 100.0 { 5 } else { 3 });
-        let axis = Axis::new((ticks.low(), ticks.high()), (frame.y + frame.height, frame.y));
-        let right = frame.x + frame.width;
-        for value in ticks.values() {
-            let y = axis.at(value);
-            let colour = if value == 0.0 { RULE } else { GRID };
-            svg.line(Vector2::new(frame.x, y), Vector2::new(right, y), format_args!("stroke=\"{colour}\""));
-            svg.words(Vector2::new(frame.x - 6.0, y + 3.8), words, &ticks.label(value));
-        }
-        let line = |values: &[f64]| {
-            let points: Vec<_> =
-                xs.iter().zip(values).map(|(x, value)| Vector2::new(*x, axis.at(*value))).collect();
-            thinning::curve(&points, on.most)
-        };
-        svg.group(
-            "g",
-            format_args!("fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"round\""),
-            |svg| {
-                for curve in &self.curves {
-                    let (width, opacity) = if curve.demanded.is_some() { (3.2, ".5") } else { (1.4, "1") };
-                    svg.element(
-                        "polyline",
-                        format_args!(
-                            "class=\"measured\" stroke=\"{}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\" points=\"{}\"",
-                            curve.colour,
-                            Points(&line(&curve.measured))
-                        ),
-                    );
+    /// What the left axis spans.
+    fn range(&self) -> Range {
+        let lines = self.curves.iter().flat_map(|curve| [Some(&curve.measured), curve.demanded.as_ref()]);
+        Range::with_zero(lines.flatten().flatten(), self.least)
+    }
+
+    fn draw(&self, svg: &mut Svg, axes: &Axes, times: &[f64], room: f64) {
+        let frame = axes.frame();
+        let heading = format!("{} [{}]", self.heading, self.unit);
+        svg.text(Vector2::new(frame.x, frame.y - 9.0), TextStyle::new(12.0, INK).bold(), &heading);
+        axes.draw_grid(svg);
+        svg.group(Look::new().no_fill().round(), |svg| {
+            for curve in &self.curves {
+                let look = Look::new().class("measured").stroke(curve.colour);
+                let look = match curve.demanded {
+                    Some(_) => look.width(3.2).stroke_opacity(0.5),
+                    None => look.width(1.4),
+                };
+                svg.polyline(&axes.curve(times, &curve.measured), look);
+            }
+            for curve in &self.curves {
+                if let Some(demanded) = &curve.demanded {
+                    let look = Look::new().class("demanded").stroke(curve.colour).width(1.0);
+                    svg.polyline(&axes.curve(times, demanded), look);
                 }
-                for curve in &self.curves {
-                    if let Some(demanded) = &curve.demanded {
-                        svg.element(
-                            "polyline",
-                            format_args!(
-                                "class=\"demanded\" stroke=\"{}\" stroke-width=\"1\" points=\"{}\"",
-                                curve.colour,
-                                Points(&line(demanded))
-                            ),
-                        );
-                    }
-                }
-            },
-        );
-        self.labels(svg, (frame, on.labels), &axis, &ticks, xs);
+            }
+        });
+        self.labels(svg, axes, times, room);
     }
 
     /// At the right end: which curve is which, and its last or largest value.
-    fn labels(&self, svg: &mut Svg, (frame, room): (Area, f64), axis: &Axis, ticks: &Ticks, xs: &[f64]) {
-        let right = frame.x + frame.width;
-        let words = Words { size: 11.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
+    fn labels(&self, svg: &mut Svg, axes: &Axes, times: &[f64], room: f64) {
+        let frame = axes.frame();
+        let ticks = axes.up_ticks();
+        let right = frame.right();
+        let end = times.last().map_or(right, |time| axes.at(*time, 0.0).x);
+        let height = |value: f64| axes.at(0.0, value).y;
         let caption = match self.ends {
             Ends::Last => "at the end",
             Ends::Largest => "largest",
         };
-        svg.words(Vector2::new(right + 20.0, frame.y - 9.0), Words { size: 11.0, ..words }, caption);
+        svg.text(Vector2::new(right + 20.0, frame.y - 9.0), TextStyle::new(11.0, GREY), caption);
         let last = |curve: &Curve| curve.measured.last().copied().unwrap_or(0.0);
         // Those that came back stand in their order, whatever their play.
-        let play = 0.01 * (ticks.high() - ticks.low());
-        let wish = |value: f64| axis.at(if value.abs() < play { 0.0 } else { value });
+        let play = 0.01 * ticks.range().width();
+        let wish = |value: f64| height(if value.abs() < play { 0.0 } else { value });
         let wishes: Vec<f64> = match self.ends {
             Ends::Last => self.curves.iter().map(|curve| wish(last(curve))).collect(),
             Ends::Largest => (0..self.curves.len()).map(|i| frame.y + 6.0 + LABEL * i as f64).collect(),
         };
-        let heights = labels::spread(&wishes, LABEL, (frame.y + 4.0, frame.y + frame.height));
+        let heights = labels::spread(&wishes, LABEL, Range { low: frame.y + 4.0, high: frame.bottom() });
         for (curve, (wish, y)) in self.curves.iter().zip(wishes.iter().zip(heights)) {
             let value = match self.ends {
                 Ends::Last => last(curve),
@@ -174,35 +129,36 @@ impl Chart {
                 }
             };
             if self.ends == Ends::Last {
-                let end = xs.last().copied().unwrap_or(right);
                 let leader = [
                     Vector2::new(end, *wish),
                     Vector2::new(right + 8.0, *wish),
                     Vector2::new(right + 16.0, y),
                 ];
-                svg.element(
-                    "polyline",
-                    format_args!(
-                        "fill=\"none\" stroke=\"{}\" stroke-opacity=\".5\" points=\"{}\"",
-                        curve.colour,
-                        Points(&leader)
-                    ),
-                );
+                svg.polyline(&leader, Look::line(curve.colour, 1.0).stroke_opacity(0.5));
             }
             let at = Vector2::new(right + 20.0, y + 4.0);
-            svg.words(at, Words { colour: curve.colour, weight: Weight::Bold, ..words }, &curve.label);
+            svg.text(at, TextStyle::new(11.5, curve.colour).bold(), &curve.label);
             let at = Vector2::new(right + room - 6.0, y + 4.0);
-            svg.words(at, Words { anchor: Anchor::End, colour: INK, ..words }, &ticks.figure(value));
+            svg.text(at, TextStyle::new(11.5, INK).end(), &ticks.figure(value));
         }
     }
 }
 
-/// The unit of a time axis over a duration \[s\], and its length \[s\].
-fn time_unit(duration: f64) -> (&'static str, f64) {
-    match duration {
-        d if d > 3.0 * 3600.0 => ("h", 3600.0),
-        d if d > 300.0 => ("min", 60.0),
-        d if d < 0.5 => ("ms", 1e-3),
-        _ => ("s", 1.0),
+/// The unit of a time axis.
+struct TimeUnit {
+    name: &'static str,
+    /// Its length \[s\].
+    seconds: f64,
+}
+
+impl TimeUnit {
+    /// For an axis of this length \[s\].
+    fn of(duration: f64) -> TimeUnit {
+        match duration {
+            d if d > 3.0 * 3600.0 => TimeUnit { name: "h", seconds: 3600.0 },
+            d if d > 300.0 => TimeUnit { name: "min", seconds: 60.0 },
+            d if d < 0.5 => TimeUnit { name: "ms", seconds: 1e-3 },
+            _ => TimeUnit { name: "s", seconds: 1.0 },
+        }
     }
 }

@@ -9,8 +9,8 @@ use mrroc::cell::RunPicture;
 use mrroc::{Cell, Observation, Pose};
 
 use crate::block::Block;
+use crate::history::History;
 use crate::page;
-use crate::take::Take;
 
 /// Watches every robot of a cell and draws one self-contained SVG of what moved.
 ///
@@ -29,7 +29,7 @@ use crate::take::Take;
 /// ```
 #[derive(Debug, Default)]
 pub struct Film {
-    takes: Rc<RefCell<Vec<Take>>>,
+    histories: Rc<RefCell<Vec<History>>>,
     blocks: Rc<RefCell<Vec<Block>>>,
     left_out: Rc<Vec<String>>,
 }
@@ -62,8 +62,8 @@ impl Film {
     /// The same observations give the same text to the byte.
     #[must_use]
     pub fn svg(&self) -> String {
-        match (self.takes.try_borrow(), self.blocks.try_borrow()) {
-            (Ok(takes), Ok(blocks)) => page::svg(&takes, &blocks),
+        match (self.histories.try_borrow(), self.blocks.try_borrow()) {
+            (Ok(histories), Ok(blocks)) => page::svg(&histories, &blocks),
             // Only while a robot is being observed, that is, inside of an observer of the user's.
             _ => page::svg(&[], &[]),
         }
@@ -72,13 +72,14 @@ impl Film {
 
 impl RunPicture for Film {
     fn watch(&mut self, cell: Cell) -> Cell {
-        let (takes, blocks) = (Rc::clone(&self.takes), Rc::clone(&self.blocks));
+        let histories = Rc::clone(&self.histories);
+        let blocks = Rc::clone(&self.blocks);
         let left_out = Rc::clone(&self.left_out);
         cell.watch(move |observation| {
             if left_out.iter().all(|name| name != observation.robot) {
-                record(&takes, observation);
+                observe(&histories, observation);
                 if let Ok(mut blocks) = blocks.try_borrow_mut() {
-                    blocks.iter_mut().for_each(|block| block.see(observation.time));
+                    blocks.iter_mut().for_each(|block| block.observe(observation.time));
                 }
             }
         })
@@ -89,13 +90,13 @@ impl RunPicture for Film {
     }
 }
 
-fn record(takes: &RefCell<Vec<Take>>, observation: &Observation<'_>) {
-    let Ok(mut takes) = takes.try_borrow_mut() else { return };
-    if let Some(take) = takes.iter_mut().find(|take| take.name == observation.robot) {
-        take.see(observation);
+fn observe(histories: &RefCell<Vec<History>>, observation: &Observation<'_>) {
+    let Ok(mut histories) = histories.try_borrow_mut() else { return };
+    if let Some(history) = histories.iter_mut().find(|history| history.name == observation.robot) {
+        history.observe(observation);
     } else {
-        let mut take = Take::new(observation.robot, observation.kind, observation.joints);
-        take.see(observation);
-        takes.push(take);
+        let mut history = History::new(observation.robot, observation.kind, observation.joints);
+        history.observe(observation);
+        histories.push(history);
     }
 }

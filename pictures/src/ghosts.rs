@@ -43,17 +43,17 @@ pub(crate) fn ghosts(motion: &Motion, scale: f64, robots: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::take::Take;
-    use crate::take::tests::slide;
+    use crate::history::History;
+    use crate::history::tests::slide;
     use mrroc::JointKind;
 
     fn motion(x: impl Fn(f64) -> f64) -> Motion {
-        let mut take = Take::new("slide", "slide", &[JointKind::Prismatic]);
+        let mut history = History::new("slide", "slide", &[JointKind::Prismatic]);
         for i in 0..=1000 {
             let time = f64::from(i) * 1e-3;
-            take.keep(slide(time, x(time), x(time)));
+            history.add(slide(time, x(time), x(time)));
         }
-        Motion::of(&take, 0.05)
+        Motion::of(&history, 0.05)
     }
 
     #[test]

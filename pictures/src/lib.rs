@@ -3,12 +3,13 @@
 //! In: an [`Observation`](mrroc::Observation) of every servo period of every robot. Out: a picture, in SI units:
 //!
 //! ```text
-//! Observation -> Take (bounded memory) -> scene:  stick figures in space, moving; tool paths coloured by speed
-//!                                      -> curves: positions, velocities, tool speed, following error over time
-//!                                      -> figures: where each joint went, its largest following error
+//! Observation -> History (bounded memory) -> scene:  stick figures in space, moving; tool paths coloured by speed
+//!                                         -> curves: positions, velocities, tool speed, following error over time
+//!                                         -> figures: where each joint went, its largest following error
 //! ```
 //!
-//! A [`Plot`] shows other quantities over time in the same look.
+//! A [`Plot`] shows other quantities over time in the same look. What either draws is written by [`svg`], which also
+//! serves pictures of any other kind.
 //!
 //! The picture needs no script and no network. Its animation is declared (SMIL); where it is ignored, the first and the
 //! last pose, poses between them and the whole path remain.
@@ -23,10 +24,10 @@ mod curves;
 mod figures;
 mod film;
 mod ghosts;
+mod history;
 mod labels;
 mod marks;
 mod page;
-mod palette;
 mod panel;
 mod playback;
 mod plot;
@@ -34,10 +35,7 @@ mod projection;
 mod scene;
 mod speed;
 mod stick;
-mod svg;
-mod take;
-mod thinning;
-mod ticks;
+pub mod svg;
 mod tool_path;
 mod wording;
 

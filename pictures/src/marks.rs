@@ -5,19 +5,16 @@
 
 use nalgebra::Vector2;
 
-use crate::palette::INK;
-use crate::svg::{Points, Px, Svg};
+use crate::svg::palette::{INK, WHITE};
+use crate::svg::{Look, Svg};
 
 /// An arrow in ink.
 pub(crate) fn arrow(svg: &mut Svg, from: Vector2<f64>, to: Vector2<f64>) {
-    svg.line(from, to, format_args!("stroke=\"{INK}\" stroke-width=\"1.4\""));
+    svg.line(from, to, Look::new().stroke(INK).width(1.4));
     if let Some(direction) = (to - from).try_normalize(1e-9) {
         let side = Vector2::new(-direction.y, direction.x) * 3.0;
         let back = to - direction * 7.0;
-        svg.element(
-            "polygon",
-            format_args!("fill=\"{INK}\" points=\"{}\"", Points(&[to, back + side, back - side])),
-        );
+        svg.polygon(&[to, back + side, back - side], Look::filled(INK));
     }
 }
 
@@ -28,26 +25,9 @@ pub(crate) fn ends(svg: &mut Svg, first: Vector2<f64>, last: Vector2<f64>, radiu
 }
 
 pub(crate) fn ring(svg: &mut Svg, at: Vector2<f64>, radius: f64) {
-    circle(
-        svg,
-        at,
-        radius,
-        format_args!("class=\"first\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.6\""),
-    );
+    svg.circle(at, radius, Look::line(INK, 1.6).class("first"));
 }
 
 pub(crate) fn dot(svg: &mut Svg, at: Vector2<f64>, radius: f64) {
-    circle(
-        svg,
-        at,
-        radius,
-        format_args!("class=\"last\" fill=\"{INK}\" stroke=\"#fff\" stroke-width=\"1.2\""),
-    );
-}
-
-pub(crate) fn circle(svg: &mut Svg, at: Vector2<f64>, radius: f64, attributes: std::fmt::Arguments<'_>) {
-    svg.element(
-        "circle",
-        format_args!("cx=\"{}\" cy=\"{}\" r=\"{}\" {attributes}", Px(at.x), Px(at.y), Px(radius)),
-    );
+    svg.circle(at, radius, Look::filled(INK).stroke(WHITE).width(1.2).class("last"));
 }

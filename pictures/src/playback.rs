@@ -47,13 +47,14 @@ impl Playback {
 
     /// The times of the run that the frames show \[s\], the first and the last among them.
     pub fn times(&self) -> impl Iterator<Item = f64> {
-        let (start, end, steps) = (self.start, self.end, self.frames - 1);
-        (0..=steps).map(move |i| start + (end - start) * i as f64 / steps as f64)
+        let start = self.start;
+        let length = self.end - start;
+        let steps = self.frames - 1;
+        (0..=steps).map(move |i| start + length * i as f64 / steps as f64)
     }
 
     /// Moves `attribute` of the enclosing element through one value per frame, and holds the last for the pause.
-    pub fn animate(&self, svg: &mut Svg, attribute: &str, values: impl Iterator<Item = String>) {
-        let mut values: Vec<String> = values.collect();
+    pub fn animate(&self, svg: &mut Svg, attribute: &str, mut values: Vec<String>) {
         let Some(last) = values.last().cloned() else { return };
         let steps = values.len().saturating_sub(1).max(1);
         let mut key_times = String::new();
@@ -66,7 +67,7 @@ impl Playback {
         svg.element(
             "animate",
             format_args!(
-                "attributeName=\"{attribute}\" dur=\"{:.2}s\" repeatCount=\"indefinite\" keyTimes=\"{key_times}\" values=\"{}\"",
+                " attributeName=\"{attribute}\" dur=\"{:.2}s\" repeatCount=\"indefinite\" keyTimes=\"{key_times}\" values=\"{}\"",
                 self.shown + PAUSE,
                 values.join(";")
             ),
@@ -77,9 +78,17 @@ impl Playback {
     pub fn set(svg: &mut Svg, attribute: &str, value: &str) {
         svg.element(
             "set",
-            format_args!("attributeName=\"{attribute}\" to=\"{value}\" begin=\"0s\" dur=\"indefinite\""),
+            format_args!(" attributeName=\"{attribute}\" to=\"{value}\" begin=\"0s\" dur=\"indefinite\""),
         );
     }
+}
+
+/// What `content` draws, shown only where animations are: it stands for what else is drawn at rest.
+pub(crate) fn moving(svg: &mut Svg, content: impl FnOnce(&mut Svg)) {
+    svg.containing("g", format_args!(" class=\"moving\" display=\"none\""), |svg| {
+        Playback::set(svg, "display", "inline");
+        content(svg);
+    });
 }
 
 #[cfg(test)]

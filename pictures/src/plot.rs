@@ -10,10 +10,9 @@ use nalgebra::Vector2;
 use crate::chart::{self, Chart, Curve, Ends};
 use crate::curves::Timeline;
 use crate::page::{self, MARGIN, WIDTH};
-use crate::palette;
 use crate::panel;
-use crate::projection::Area;
-use crate::svg::{Anchor, Weight, Words};
+use crate::svg::palette::{self, GREY};
+use crate::svg::{Area, Range, TextStyle};
 
 /// Height of a chart's curves \[px\].
 const HEIGHT: f64 = 150.0;
@@ -61,14 +60,14 @@ impl Plot {
         times: Vec<f64>,
         lines: impl IntoIterator<Item = Line>,
     ) -> Plot {
-        let curve = |(i, (label, measured)): (usize, Line)| Curve {
+        let curve = |i: usize, line: Line| Curve {
             colour: palette::joint(i),
             demanded: None,
-            measured,
-            label,
+            label: line.0,
+            measured: line.1,
             peak: None,
         };
-        let curves = lines.into_iter().enumerate().map(curve).collect();
+        let curves = lines.into_iter().enumerate().map(|(i, line)| curve(i, line)).collect();
         self.charts.push(Chart {
             heading,
             unit,
@@ -84,9 +83,7 @@ impl Plot {
     /// The plot as an SVG document.
     #[must_use]
     pub fn svg(&self) -> String {
-        let ends = self.charts.iter().filter_map(|chart| Some((*chart.times.first()?, *chart.times.last()?)));
-        let run =
-            ends.fold((f64::INFINITY, f64::NEG_INFINITY), |run, ends| (run.0.min(ends.0), run.1.max(ends.1)));
+        let run = Range::of(self.charts.iter().flat_map(|chart| &chart.times));
         let area = Area {
             x: MARGIN,
             y: page::HEADING,
@@ -96,21 +93,12 @@ impl Plot {
         page::document(&self.title, area.y + area.height + MARGIN, |svg| {
             page::heading(svg, &self.title, &self.subtitle);
             panel::ground(svg, area);
-            if run.0 < run.1 {
+            if run.width() > 0.0 {
                 let timeline = Timeline { run, playback: None, most: MOST, labels: LABELS };
                 timeline.draw(svg, area.inset(12.0, 10.0, 12.0, 0.0), &self.charts);
             } else {
-                let words = Words {
-                    size: 13.0,
-                    colour: palette::GREY,
-                    anchor: Anchor::Start,
-                    weight: Weight::Normal,
-                };
-                svg.words(
-                    Vector2::new(area.x + MARGIN, area.y + MARGIN + 10.0),
-                    words,
-                    "No time has passed.",
-                );
+                let at = Vector2::new(area.x + MARGIN, area.y + MARGIN + 10.0);
+                svg.text(at, TextStyle::new(13.0, GREY), "No time has passed.");
             }
         })
     }

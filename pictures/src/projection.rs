@@ -5,6 +5,8 @@
 
 use nalgebra::{Vector2, Vector3};
 
+use crate::svg::Area;
+
 /// From where the world is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct View {
@@ -44,27 +46,6 @@ impl View {
     /// To the right and up \[m\].
     pub fn plane(&self, point: Vector3<f64>) -> Vector2<f64> {
         Vector2::new(self.right.dot(&point), self.up.dot(&point))
-    }
-}
-
-/// A box on the page \[px\].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Area {
-    pub x: f64,
-    pub y: f64,
-    pub width: f64,
-    pub height: f64,
-}
-
-impl Area {
-    /// The same without a margin \[px\].
-    pub fn inset(self, left: f64, top: f64, right: f64, bottom: f64) -> Area {
-        Area {
-            x: self.x + left,
-            y: self.y + top,
-            width: (self.width - left - right).max(1.0),
-            height: (self.height - top - bottom).max(1.0),
-        }
     }
 }
 

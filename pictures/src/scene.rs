@@ -9,21 +9,20 @@ use crate::block::Block;
 use crate::body::{self, Pen};
 use crate::ghosts::ghosts;
 use crate::marks::{arrow, dot, ends, ring};
-use crate::palette::{self, GREY, GRID, INK, LEVELS, PANEL, RULE};
 use crate::panel;
-use crate::playback::Playback;
-use crate::projection::{Area, Extent, Projection, View};
+use crate::playback::{self, Playback};
+use crate::projection::{Extent, Projection, View};
 use crate::stick::{Motion, Stick};
-use crate::svg::{Anchor, Points, Px, Svg, Weight, Words};
-use crate::ticks::{Ticks, step};
-use crate::tool_path::ToolPath;
-use crate::wording::{metres, shortened};
+use crate::svg::palette::{FLOOR, GREY, GRID, INK, RULE, WHITE};
+use crate::svg::{Area, Colour, Look, Range, Svg, TextStyle, Ticks, shortened, step, thinned};
+use crate::tool_path::{LEVELS, ToolPath, level_colour};
+use crate::wording::metres;
 
 /// A robot as it is drawn.
 #[derive(Clone, Debug)]
 pub(crate) struct Actor<'a> {
     pub name: &'a str,
-    pub colour: &'static str,
+    pub colour: Colour,
     pub motion: Motion,
     pub path: ToolPath,
 }
@@ -51,6 +50,28 @@ const HIGHEST: f64 = 600.0;
 
 /// Least extent of a view \[m\].
 const LEAST: f64 = 0.05;
+
+/// What the robots stand on: whole tiles.
+#[derive(Clone, Copy, Debug)]
+struct Floor {
+    /// \[m\]
+    x: Range,
+    /// \[m\]
+    y: Range,
+    /// \[m\]
+    height: f64,
+    /// Edge of a tile \[m\].
+    tile: f64,
+}
+
+impl Floor {
+    /// Its corners, from where x and y are least round to where y is greatest.
+    fn corners(&self) -> [Vector3<f64>; 4] {
+        let Floor { x, y, height, .. } = *self;
+        [[x.low, y.low], [x.high, y.low], [x.high, y.high], [x.low, y.high]]
+            .map(|[x, y]| Vector3::new(x, y, height))
+    }
+}
 
 impl Scene<'_> {
     /// Draws the three views.
@@ -98,109 +119,109 @@ impl Scene<'_> {
 
     /// How high the scene would like to be at this width \[px\].
     pub fn height(&self, width: f64) -> f64 {
-        let (_, _, extent) = self.floor();
+        let extent = self.extent_in_space(&self.floor());
         let room = Area { x: 0.0, y: 0.0, width: LARGE_SHARE * width, height: HIGHEST }
             .inset(ROOM[0], ROOM[1], ROOM[2], ROOM[3]);
         (extent.size().y * room.width / extent.size().x + ROOM[1] + ROOM[3]).clamp(LOWEST, HIGHEST).round()
     }
 
-    /// The corners of the floor, the length of a tile \[m\], and what it all spans in the view in space.
-    fn floor(&self) -> ([Vector3<f64>; 4], f64, Extent) {
+    /// The floor under all that moves.
+    fn floor(&self) -> Floor {
         let ground = self.extent(View::above()).at_least(4.0 * LEAST);
         let heights = self.extent(View::front());
-        let floor = heights.low.y.min(0.0);
         let size = self.size();
         let tile = step(size, 6);
-        let [x, y] = [(ground.low.x, ground.high.x), (ground.low.y, ground.high.y)].map(|(low, high)| {
-            // Tiles that lie under all that moves.
-            let (first, last) = ((low / tile - 1e-9).floor(), (high / tile + 1e-9).ceil());
-            (first * tile, last * tile)
-        });
-        let corners =
-            [(x.0, y.0), (x.1, y.0), (x.1, y.1), (x.0, y.1)].map(|(x, y)| Vector3::new(x, y, floor));
-        let view = View::space();
-        let top = Vector3::new(x.0, y.0, floor + tile);
-        let extent = Extent::of(self.points().chain(corners).chain([top]).map(|point| view.plane(point)));
-        (corners, tile, extent)
+        // Whole tiles.
+        let tiled = |low: f64, high: f64| Range {
+            low: (low / tile - 1e-9).floor() * tile,
+            high: (high / tile + 1e-9).ceil() * tile,
+        };
+        Floor {
+            x: tiled(ground.low.x, ground.high.x),
+            y: tiled(ground.low.y, ground.high.y),
+            height: heights.low.y.min(0.0),
+            tile,
+        }
+    }
+
+    /// What all of it spans in the view in space, with its floor.
+    fn extent_in_space(&self, floor: &Floor) -> Extent {
+        let top = floor.corners()[0] + Vector3::z() * floor.tile;
+        let points = self.points().chain(floor.corners()).chain([top]);
+        Extent::of(points.map(|point| View::space().plane(point)))
     }
 
     /// The view in space.
     fn space(&self, svg: &mut Svg, area: Area) {
         panel::headed(svg, area, "In space");
-        let (corners, tile, extent) = self.floor();
-        let floor = corners[0].z;
-        let [x, y] = [(corners[0].x, corners[2].x), (corners[0].y, corners[2].y)];
+        let Floor { x, y, height, tile } = self.floor();
+        let corners = self.floor().corners();
+        let extent = self.extent_in_space(&self.floor());
         let room = area.inset(ROOM[0], ROOM[1], ROOM[2], ROOM[3]);
         let on = Projection::new(View::space(), &extent, room, extent.scale(room));
 
         let floor_corners = corners.map(|corner| on.at(corner));
-        svg.element("polygon", format_args!("fill=\"#f6f8f9\" points=\"{}\"", Points(&floor_corners)));
-        svg.group("g", format_args!("stroke=\"{GRID}\" stroke-width=\"1\""), |svg| {
-            let lines = |(low, high): (f64, f64)| {
-                let count = ((high - low) / tile).round() as i64;
-                (0..=count).map(move |i| low + i as f64 * tile)
+        svg.polygon(&floor_corners, Look::filled(FLOOR));
+        svg.group(Look::new().stroke(GRID).width(1.0), |svg| {
+            let lines = |range: Range| {
+                let count = (range.width() / tile).round() as i64;
+                (0..=count).map(move |i| range.low + i as f64 * tile)
             };
-            let at = |x, y| on.at(Vector3::new(x, y, floor));
-            lines(x).for_each(|x| svg.line(at(x, y.0), at(x, y.1), format_args!("")));
-            lines(y).for_each(|y| svg.line(at(x.0, y), at(x.1, y), format_args!("")));
+            let at = |x, y| on.at(Vector3::new(x, y, height));
+            lines(x).for_each(|x| svg.line(at(x, y.low), at(x, y.high), Look::new()));
+            lines(y).for_each(|y| svg.line(at(x.low, y), at(x.high, y), Look::new()));
         });
         axes(svg, &on, corners[0], tile);
-        self.shadows(svg, &on, floor);
-        self.feet(svg, &on, floor);
+        self.shadows(svg, &on, height);
+        self.feet(svg, &on, height);
         self.poses(svg, &on, LARGE.fitting(self.reach() * on.scale, 160.0));
-        self.names(svg, &on, floor, area);
+        self.names(svg, &on, height, area);
         self.legend(svg, area);
     }
 
     /// A view along an axis of the world, with coordinates at its sides.
     fn flat(&self, svg: &mut Svg, frame: Area, on: &Projection, names: [&str; 2]) {
         let shown = on.shown(frame);
-        let right = Ticks::inside(shown.low.x, shown.high.x, 6);
-        let up = Ticks::inside(shown.low.y, shown.high.y, 4);
-        let words = Words { size: 11.0, colour: GREY, anchor: Anchor::Middle, weight: Weight::Normal };
-        let (left, bottom) = (frame.x, frame.y + frame.height);
-        let grid = |svg: &mut Svg, a, b| svg.line(a, b, format_args!("stroke=\"{GRID}\""));
+        let right = Ticks::inside(Range { low: shown.low.x, high: shown.high.x }, 6);
+        let up = Ticks::inside(Range { low: shown.low.y, high: shown.high.y }, 4);
+        let below = TextStyle::new(11.0, GREY).middle();
+        let beside = below.end();
+        let left = frame.x;
+        let bottom = frame.bottom();
+        let grid = |svg: &mut Svg, from, to| svg.line(from, to, Look::new().stroke(GRID));
         for value in right.values() {
             let x = on.on_page(Vector2::new(value, 0.0)).x;
             grid(svg, Vector2::new(x, frame.y), Vector2::new(x, bottom));
             if x < left + frame.width - 46.0 {
-                svg.words(Vector2::new(x, bottom + 15.0), words, &right.label(value));
+                svg.text(Vector2::new(x, bottom + 15.0), below, &right.label(value));
             }
         }
         for value in up.values() {
             let y = on.on_page(Vector2::new(0.0, value)).y;
             grid(svg, Vector2::new(left, y), Vector2::new(left + frame.width, y));
             if y > frame.y + 16.0 {
-                let words = Words { anchor: Anchor::End, ..words };
-                svg.words(Vector2::new(left - 6.0, y + 4.0), words, &up.label(value));
+                svg.text(Vector2::new(left - 6.0, y + 4.0), beside, &up.label(value));
             }
         }
-        let words = Words { colour: INK, anchor: Anchor::End, ..words };
-        svg.words(Vector2::new(left + frame.width, bottom + 15.0), words, &format!("{} [m]", names[0]));
-        svg.words(Vector2::new(left - 6.0, frame.y + 8.0), words, &format!("{} [m]", names[1]));
+        let name = beside.colour(INK);
+        svg.text(Vector2::new(left + frame.width, bottom + 15.0), name, &format!("{} [m]", names[0]));
+        svg.text(Vector2::new(left - 6.0, frame.y + 8.0), name, &format!("{} [m]", names[1]));
         self.poses(svg, on, SMALL.fitting(self.reach() * on.scale, 80.0));
     }
 
     /// The last pose and the way, straight below on the floor.
     fn shadows(&self, svg: &mut Svg, on: &Projection, floor: f64) {
         let below = |point: &Vector3<f64>| on.at(Vector3::new(point.x, point.y, floor));
-        svg.group(
-            "g",
-            format_args!(
-                "fill=\"none\" stroke=\"{INK}\" stroke-opacity=\".09\" stroke-linecap=\"round\" stroke-linejoin=\"round\""
-            ),
-            |svg| {
-                for actor in self.actors {
-                    if let Some(last) = actor.motion.sticks.last() {
-                        let line: Vec<_> = last.links.iter().map(below).collect();
-                        svg.element("polyline", format_args!("stroke-width=\"8\" points=\"{}\"", Points(&line)));
-                    }
-                    let way: Vec<_> = actor.motion.tool.iter().map(below).collect();
-                    let way = crate::thinning::within(&way, 0.5);
-                    svg.element("polyline", format_args!("stroke-width=\"1.5\" points=\"{}\"", Points(&way)));
+        svg.group(Look::new().no_fill().stroke(INK).stroke_opacity(0.09).round(), |svg| {
+            for actor in self.actors {
+                if let Some(last) = actor.motion.sticks.last() {
+                    let line: Vec<_> = last.links.iter().map(below).collect();
+                    svg.polyline(&line, Look::new().width(8.0));
                 }
-            },
-        );
+                let way: Vec<_> = actor.motion.tool.iter().map(below).collect();
+                svg.polyline(&thinned(&way, 0.5), Look::new().width(1.5));
+            }
+        });
     }
 
     /// Where the robots stand: a plate on the floor, and a post when the first frame is above it. A robot that shows its
@@ -212,11 +233,7 @@ impl Scene<'_> {
             };
             let Some(base) = first.links.first().filter(|_| first.links.len() > 2) else {
                 let below = on.at(Vector3::new(tool.x, tool.y, floor));
-                svg.line(
-                    below,
-                    on.at(*tool),
-                    format_args!("stroke=\"{RULE}\" stroke-width=\"1.2\" stroke-dasharray=\"4 4\""),
-                );
+                svg.line(below, on.at(*tool), Look::new().stroke(RULE).width(1.2).dashed(4.0, 4.0));
                 continue;
             };
             let foot = Vector3::new(base.x, base.y, floor);
@@ -227,19 +244,9 @@ impl Scene<'_> {
                 .collect();
             let colour = actor.colour;
             if base.z - floor > 1e-3 {
-                svg.line(
-                    on.at(foot),
-                    on.at(*base),
-                    format_args!("stroke=\"{RULE}\" stroke-width=\"9\" stroke-linecap=\"round\""),
-                );
+                svg.line(on.at(foot), on.at(*base), Look::new().stroke(RULE).width(9.0).round());
             }
-            svg.element(
-                "polygon",
-                format_args!(
-                    "fill=\"{colour}\" fill-opacity=\".18\" stroke=\"{colour}\" stroke-opacity=\".6\" points=\"{}\"",
-                    Points(&ring)
-                ),
-            );
+            svg.polygon(&ring, Look::filled(colour).fill_opacity(0.18).stroke(colour).stroke_opacity(0.6));
         }
     }
 
@@ -249,7 +256,7 @@ impl Scene<'_> {
             let found = ghosts(&actor.motion, on.scale, self.actors.len());
             let thin = Pen { link: 0.45 * pen.link, joint: 0.0, ..pen };
             for stick in found.into_iter().filter_map(|i| actor.motion.sticks.get(i)) {
-                svg.group("g", format_args!("class=\"ghost\" opacity=\".2\""), |svg| {
+                svg.group(Look::new().class("ghost").opacity(0.2), |svg| {
                     body::still(svg, on, stick, actor.colour, thin);
                 });
             }
@@ -257,8 +264,8 @@ impl Scene<'_> {
         for actor in self.actors {
             let sticks = &actor.motion.sticks;
             let (Some(first), Some(last)) = (sticks.first(), sticks.last()) else { continue };
-            for (class, stick, opacity) in [("start", first, ".42"), ("end", last, "1")] {
-                svg.group("g", format_args!("class=\"{class}\" opacity=\"{opacity}\""), |svg| {
+            for (class, stick, opacity) in [("start", first, 0.42), ("end", last, 1.0)] {
+                svg.group(Look::new().class(class).opacity(opacity), |svg| {
                     if self.playback.is_some() {
                         Playback::set(svg, "opacity", ".25");
                     }
@@ -272,8 +279,8 @@ impl Scene<'_> {
                 block.draw(svg, on, first, None);
                 continue;
             }
-            for (class, time, opacity) in [("start", first, ".42"), ("end", last, "1")] {
-                svg.group("g", format_args!("class=\"{class}\" opacity=\"{opacity}\""), |svg| {
+            for (class, time, opacity) in [("start", first, 0.42), ("end", last, 1.0)] {
+                svg.group(Look::new().class(class).opacity(opacity), |svg| {
                     if self.playback.is_some() {
                         Playback::set(svg, "opacity", ".25");
                     }
@@ -297,8 +304,7 @@ impl Scene<'_> {
             }
         }
         if let Some(playback) = self.playback {
-            svg.group("g", format_args!("class=\"moving\" display=\"none\""), |svg| {
-                Playback::set(svg, "display", "inline");
+            playback::moving(svg, |svg| {
                 for block in self.blocks.iter().filter(|block| block.moved()) {
                     block.draw(svg, on, f64::NEG_INFINITY, Some(playback));
                 }
@@ -329,9 +335,7 @@ impl Scene<'_> {
                 at.y += 4.0;
             }
             taken.push((at, half));
-            let words =
-                Words { size: 13.0, colour: actor.colour, anchor: Anchor::Middle, weight: Weight::Bold };
-            svg.words_on_lines(at, words, PANEL, &name);
+            svg.text_on_lines(at, TextStyle::new(13.0, actor.colour).middle().bold(), WHITE, &name);
         }
     }
 
@@ -340,62 +344,48 @@ impl Scene<'_> {
             return;
         }
         let y = area.y + area.height - 20.0;
-        let words = Words { size: 11.5, colour: GREY, anchor: Anchor::Start, weight: Weight::Normal };
+        let style = TextStyle::new(11.5, GREY);
         let colour = self.actors.first().map_or(INK, |actor| actor.colour);
         let mut x = area.x + 16.0;
         for (text, opacity, width, room) in
-            [("start", ".42", 6.0, 78.0), ("between", ".3", 3.0, 92.0), ("end", "1", 6.0, 76.0)]
+            [("start", 0.42, 6.0, 78.0), ("between", 0.3, 3.0, 92.0), ("end", 1.0, 6.0, 76.0)]
         {
-            let (a, b) = (Vector2::new(x, y - 4.0), Vector2::new(x + 22.0, y - 4.0));
-            svg.line(
-                a,
-                b,
-                format_args!(
-                    "stroke=\"{colour}\" stroke-opacity=\"{opacity}\" stroke-width=\"{width}\" stroke-linecap=\"round\""
-                ),
-            );
+            let left = Vector2::new(x, y - 4.0);
+            let right = Vector2::new(x + 22.0, y - 4.0);
+            svg.line(left, right, Look::new().stroke(colour).stroke_opacity(opacity).width(width).round());
             match text {
-                "start" => ring(svg, b, 3.6),
-                "end" => dot(svg, b, 3.6),
+                "start" => ring(svg, right, 3.6),
+                "end" => dot(svg, right, 3.6),
                 _ => {}
             }
-            svg.words(Vector2::new(x + 31.0, y), words, text);
+            svg.text(Vector2::new(x + 31.0, y), style, text);
             x += room;
         }
         let width = 150.0;
         let left = area.x + area.width - width - 86.0;
         let bar = width / LEVELS as f64;
-        svg.words(Vector2::new(left - 8.0, y), Words { anchor: Anchor::End, ..words }, "tool path: speed 0");
+        svg.text(Vector2::new(left - 8.0, y), style.end(), "tool path: speed 0");
         for level in 0..LEVELS {
-            svg.element(
-                "rect",
-                format_args!(
-                    "x=\"{}\" y=\"{}\" width=\"{}\" height=\"8\" fill=\"{}\"",
-                    Px(left + level as f64 * bar),
-                    Px(y - 8.0),
-                    Px(bar + 0.5),
-                    palette::level(level)
-                ),
-            );
+            let area = Area { x: left + level as f64 * bar, y: y - 8.0, width: bar + 0.5, height: 8.0 };
+            svg.rectangle(area, 0.0, Look::filled(level_colour(level)));
         }
-        let ticks = Ticks::around(0.0, self.fastest, 1);
-        svg.words(Vector2::new(left + width + 8.0, y), words, &format!("{} m/s", ticks.label(self.fastest)));
+        let ticks = Ticks::around(Range { low: 0.0, high: self.fastest }, 1);
+        svg.text(Vector2::new(left + width + 8.0, y), style, &format!("{} m/s", ticks.label(self.fastest)));
     }
 }
 
 /// Arrows along the world's axes from the floor's corner, of a known length \[m\].
 fn axes(svg: &mut Svg, on: &Projection, corner: Vector3<f64>, length: f64) {
-    let words = Words { size: 12.0, colour: INK, anchor: Anchor::Middle, weight: Weight::Bold };
+    let style = TextStyle::new(12.0, INK).middle();
     let from = on.at(corner);
     for (axis, name) in [(Vector3::x(), "x"), (Vector3::y(), "y"), (Vector3::z(), "z")] {
         let to = on.at(corner + axis * length);
         arrow(svg, from, to);
         let direction = (to - from).try_normalize(1e-9).unwrap_or_else(Vector2::zeros);
-        svg.words_on_lines(to + direction * 11.0 + Vector2::new(0.0, 4.0), words, PANEL, name);
+        svg.text_on_lines(to + direction * 11.0 + Vector2::new(0.0, 4.0), style.bold(), WHITE, name);
     }
     let middle = 0.5 * (from + on.at(corner + Vector3::x() * length));
-    let words = Words { size: 11.5, weight: Weight::Normal, ..words };
-    svg.words_on_lines(middle + Vector2::new(-4.0, 18.0), words, PANEL, &metres(length));
+    svg.text_on_lines(middle + Vector2::new(-4.0, 18.0), style.size(11.5), WHITE, &metres(length));
 }
 
 #[cfg(test)]
@@ -415,18 +405,20 @@ mod tests {
         let mut blocks =
             [Block::new([0.4, 0.2, 0.1], Box::new(moving)), Block::new([1.0, 1.0, 1.0], Box::new(nowhere))];
         for block in &mut blocks {
-            block.see(0.0);
-            block.see(1.0);
+            block.observe(0.0);
+            block.observe(1.0);
         }
         let scene = Scene { actors: &[], blocks: &blocks, playback: None, fastest: 1.0 };
-        let (above, front) = (scene.extent(View::above()), scene.extent(View::front()));
+        let above = scene.extent(View::above());
+        let front = scene.extent(View::front());
         assert!((above.low - Vector2::new(1.8, -0.6)).norm() < 1e-12, "{above:?}");
         assert!((above.high - Vector2::new(3.2, -0.4)).norm() < 1e-12, "{above:?}");
         assert!((front.low - Vector2::new(1.8, 0.95)).norm() < 1e-12, "{front:?}");
         assert!((front.high - Vector2::new(3.2, 1.05)).norm() < 1e-12, "{front:?}");
         assert!((scene.size() - 1.4).abs() < 1e-12);
         // The floor lies under all of it.
-        let (floor, _, shown) = scene.floor();
+        let floor = scene.floor().corners();
+        let shown = scene.extent_in_space(&scene.floor());
         assert!(floor[0].x <= 1.8 && floor[2].x >= 3.2 && floor[0].y <= -0.6 && floor[2].y >= -0.4);
         let corner = View::space().plane(Vector3::new(3.2, -0.4, 1.05));
         assert!(corner.x <= shown.high.x && corner.y <= shown.high.y, "{corner} {shown:?}");

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector3;
 
-use crate::take::Sample;
+use crate::history::Sample;
 
 /// Over what time positions are compared \[s\].
 const WINDOW: f64 = 0.016;
@@ -41,7 +41,7 @@ struct Moment {
 
 impl Speeds {
     /// Takes the next sample; the speeds of the window that it ends, none at the first.
-    pub fn see(&mut self, sample: &Sample) -> Option<Rates> {
+    pub fn next(&mut self, sample: &Sample) -> Option<Rates> {
         let now = Moment {
             time: sample.time,
             demanded: sample.demanded.clone(),
@@ -70,7 +70,7 @@ impl Speeds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::take::tests::slide;
+    use crate::history::tests::slide;
 
     #[test]
     fn the_rate_of_a_sine_is_its_cosine() {
@@ -78,7 +78,7 @@ mod tests {
             let mut speeds = Speeds::default();
             for i in 0..2000 {
                 let time = f64::from(i) * period;
-                let rates = speeds.see(&slide(time, time.sin(), time.sin()));
+                let rates = speeds.next(&slide(time, time.sin(), time.sin()));
                 let Some(rates) = rates else {
                     assert_eq!(i, 0);
                     continue;

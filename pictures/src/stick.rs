@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use crate::take::{Sample, Take};
+use crate::history::{History, Sample};
 
 /// A pose of a robot.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,7 +33,8 @@ impl Stick {
         if links.last().is_none_or(|last| (last - palm).norm() > 1e-6) {
             links.push(palm);
         }
-        let (half, finger) = (across * (0.45 * size), along * size);
+        let half = across * (0.45 * size);
+        let finger = along * size;
         Stick { links, gripper: [palm - half + finger, palm - half, palm + half, palm + half + finger] }
     }
 
@@ -71,9 +72,9 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// Of a take, with a gripper of this size \[m\].
-    pub fn of(take: &Take, size: f64) -> Motion {
-        let samples = take.samples();
+    /// Of a history, with a gripper of this size \[m\].
+    pub fn of(history: &History, size: f64) -> Motion {
+        let samples = history.samples();
         Motion {
             times: samples.iter().map(|sample| sample.time).collect(),
             sticks: samples.iter().map(|sample| Stick::of(sample, size)).collect(),
@@ -86,7 +87,8 @@ impl Motion {
         let after = self.times.partition_point(|t| *t < time);
         match (after.checked_sub(1), self.sticks.get(after)) {
             (Some(before), Some(next)) => {
-                let (from, to) = (self.times[before], self.times[after]);
+                let from = self.times[before];
+                let to = self.times[after];
                 Some(self.sticks[before].towards(next, (time - from) / (to - from)))
             }
             (None, Some(only)) => Some(only.clone()),
@@ -98,7 +100,7 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::take::tests::slide;
+    use crate::history::tests::slide;
     use mrroc::{JointKind, Pose};
 
     #[test]
@@ -118,10 +120,10 @@ mod tests {
 
     #[test]
     fn between_samples_the_pose_is_between_and_outside_it_rests() {
-        let mut take = Take::new("slide", "slide", &[JointKind::Prismatic]);
-        take.keep(slide(1.0, 0.0, 0.0));
-        take.keep(slide(2.0, 0.4, 0.4));
-        let motion = Motion::of(&take, 0.05);
+        let mut history = History::new("slide", "slide", &[JointKind::Prismatic]);
+        history.add(slide(1.0, 0.0, 0.0));
+        history.add(slide(2.0, 0.4, 0.4));
+        let motion = Motion::of(&history, 0.05);
         let x = |time| motion.at(time).unwrap().links[1].x;
         for (time, expected) in [(0.0, 0.0), (1.0, 0.0), (1.25, 0.1), (2.0, 0.4), (9.0, 0.4)] {
             assert!((x(time) - expected).abs() < 1e-12, "{time}");

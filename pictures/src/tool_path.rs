@@ -4,12 +4,19 @@
 
 use nalgebra::Vector2;
 
-use crate::palette::{self, LEVELS};
+use crate::history::{History, Sample};
 use crate::projection::{Extent, Projection};
 use crate::stick::Motion;
-use crate::svg::{Points, Px, Strokes, Svg};
-use crate::take::{Sample, Take};
-use crate::thinning;
+use crate::svg::palette::{self, WHITE};
+use crate::svg::{Colour, Look, Svg, thinned, thinning};
+
+/// How many speeds a path tells apart.
+pub(crate) const LEVELS: usize = 12;
+
+/// The colour of a level of speed, 0 to [`LEVELS`] - 1.
+pub(crate) fn level_colour(level: usize) -> Colour {
+    palette::speed(level as f64 / (LEVELS - 1) as f64)
+}
 
 /// Where a tool was, and how fast.
 #[derive(Clone, Debug)]
@@ -23,11 +30,11 @@ pub(crate) struct ToolPath {
 }
 
 impl ToolPath {
-    /// Of a take's samples; levels come with [`coloured`](Self::coloured).
-    pub fn of(take: &Take, samples: &[&Sample]) -> ToolPath {
+    /// Of the samples of a history; levels come with [`coloured`](Self::coloured).
+    pub fn of(history: &History, samples: &[&Sample]) -> ToolPath {
         let speed = |sample: &&Sample| sample.rates.as_ref().map_or(0.0, |rates| rates.tool);
         let speeds: Vec<f64> = samples.iter().map(speed).collect();
-        ToolPath { levels: vec![0; speeds.len()], speeds, length: take.way() }
+        ToolPath { levels: vec![0; speeds.len()], speeds, length: history.path_length() }
     }
 
     /// With speed levels up to `fastest` [m/s], > 0. A level is left only for a speed well beyond it.
@@ -59,32 +66,18 @@ impl ToolPath {
         }
         let mut tolerance = thinning::FINE;
         let lines = loop {
-            let lines: Vec<_> =
-                runs.iter().map(|(level, run)| (level, thinning::within(run, tolerance))).collect();
+            let lines: Vec<_> = runs.iter().map(|(level, run)| (level, thinned(run, tolerance))).collect();
             if lines.iter().map(|(_, line)| line.len()).sum::<usize>() <= most || tolerance > 3.0 {
                 break lines;
             }
             tolerance *= 2.0;
         };
-        svg.group(
-            "g",
-            format_args!(
-                "class=\"way\" fill=\"none\" stroke-width=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\"",
-                Px(width)
-            ),
-            |svg| {
-                for level in 0..LEVELS {
-                    let same: Vec<_> =
-                        lines.iter().filter(|(l, _)| **l == level).map(|(_, line)| &line[..]).collect();
-                    if !same.is_empty() {
-                        svg.element(
-                            "path",
-                            format_args!("stroke=\"{}\" d=\"{}\"", palette::level(level), Strokes(&same)),
-                        );
-                    }
-                }
-            },
-        );
+        svg.group(Look::new().class("way").no_fill().width(width).round(), |svg| {
+            for level in 0..LEVELS {
+                let same: Vec<_> = lines.iter().filter(|(l, _)| **l == level).map(|(_, line)| line).collect();
+                svg.path(&same, Look::new().stroke(level_colour(level)));
+            }
+        });
     }
 
     /// Draws arrows beside the way, at the right hand of who goes along it, so that there and back are told apart: at most
@@ -114,16 +107,11 @@ impl ToolPath {
             let side = Vector2::new(-direction.y, direction.x);
             // The page's y points down.
             let beside = points[i] + side * (1.4 * size);
-            let (tip, back) = (beside + direction * size, beside - direction * (0.6 * size));
+            let tip = beside + direction * size;
+            let back = beside - direction * (0.6 * size);
             let triangle = [tip, back + side * (0.75 * size), back - side * (0.75 * size)];
-            svg.element(
-                "polygon",
-                format_args!(
-                    "fill=\"{}\" stroke=\"#fff\" stroke-width=\".8\" points=\"{}\"",
-                    palette::level(self.levels[i]),
-                    Points(&triangle)
-                ),
-            );
+            let look = Look::filled(level_colour(self.levels[i])).stroke(WHITE).width(0.8);
+            svg.polygon(&triangle, look);
         }
     }
 }
@@ -131,7 +119,8 @@ impl ToolPath {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::projection::{Area, View};
+    use crate::projection::View;
+    use crate::svg::Area;
     use mrroc::{JointKind, Robot};
     use mrroc_robots::{Irp6, Six};
 
@@ -140,32 +129,38 @@ mod tests {
     fn a_way_runs_from_the_first_to_the_last_pose_and_is_as_long_as_its_arc() {
         let arm = Irp6::nominal();
         let at = |angle: f64| Six::new(angle, -1.57, 0.16, -0.16, 4.71, 0.0);
-        let mut take = Take::new("arm", "irp6", &[JointKind::Revolute; 6]);
+        let mut history = History::new("arm", "irp6", &[JointKind::Revolute; 6]);
         for i in 0..=500 {
             let time = f64::from(i) * 2e-3;
             let q = at(time);
             let mut links = Vec::new();
             arm.frames(&q, &mut |frame| links.push(frame.translation.vector));
-            let (demanded, measured) = (q.as_slice().to_vec(), q.as_slice().to_vec());
-            take.keep(Sample { time, demanded, measured, links, tool: arm.forward(&q), rates: None });
+            history.add(Sample {
+                time,
+                demanded: q.as_slice().to_vec(),
+                measured: q.as_slice().to_vec(),
+                links,
+                tool: arm.forward(&q),
+                rates: None,
+            });
         }
         let [first, last] = [0.0, 1.0].map(|angle| arm.forward(&at(angle)).translation.vector);
         let radius = first.xy().norm();
-        let samples = take.samples();
-        let path = ToolPath::of(&take, &samples).coloured(radius);
-        assert!((path.length - radius).abs() < 1e-3 && (take.tool_speed - radius).abs() < 1e-3);
+        let samples = history.samples();
+        let path = ToolPath::of(&history, &samples).coloured(radius);
+        assert!((path.length - radius).abs() < 1e-3 && (history.tool_speed - radius).abs() < 1e-3);
         let area = Area { x: 0.0, y: 0.0, width: 400.0, height: 400.0 };
         let on =
             Projection::new(View::above(), &Extent::of([first.xy(), last.xy()].into_iter()), area, 300.0);
-        let mut svg = Svg::default();
-        path.draw(&mut svg, &Motion::of(&take, 0.05), &on, 2.0, 1000);
+        let mut svg = Svg::new(1);
+        path.draw(&mut svg, &Motion::of(&history, 0.05), &on, 2.0, 1000);
+        let written = [first, last].map(|point| svg.points(&[on.at(point)]).to_string());
         let text = svg.finish();
         let document = roxmltree::Document::parse(&text).unwrap();
         let strokes: Vec<&str> = document.descendants().filter_map(|node| node.attribute("d")).collect();
         // At rest the first sample has no speed: its colour, and then that of full speed.
         assert_eq!(strokes.len(), 2);
-        let written = |point| format!("{}", Points(&[on.at(point)]));
-        assert!(strokes[0].starts_with(&format!("M{}", written(first))), "{strokes:?}");
-        assert!(strokes[1].ends_with(&written(last)), "{strokes:?}");
+        assert!(strokes[0].starts_with(&format!("M{}", written[0])), "{strokes:?}");
+        assert!(strokes[1].ends_with(&written[1]), "{strokes:?}");
     }
 }

@@ -42,14 +42,6 @@ pub(crate) fn duration(seconds: f64) -> String {
     format!("{:.0} h {:.0} min", (minutes / 60.0).floor(), minutes % 60.0)
 }
 
-/// A text of at most `room` characters; what does not fit becomes an ellipsis.
-pub(crate) fn shortened(text: &str, room: usize) -> String {
-    if text.chars().count() <= room {
-        return text.to_owned();
-    }
-    text.chars().take(room.saturating_sub(1)).chain(['…']).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,11 +61,5 @@ mod tests {
         );
         let texts = [0.002, 4.0, 3600.0, 10_810.0].map(duration);
         assert_eq!(texts, ["2 ms", "4.00 s", "60 min 0 s", "3 h 0 min"]);
-    }
-
-    #[test]
-    fn long_texts_end_in_an_ellipsis() {
-        assert_eq!(shortened("abcdef", 6), "abcdef");
-        assert_eq!(shortened("abcdefg", 6), "abcde…");
     }
 }

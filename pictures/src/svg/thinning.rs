@@ -8,8 +8,10 @@ use nalgebra::Vector2;
 /// Distance that nobody sees \[px\].
 pub(crate) const FINE: f64 = 0.12;
 
-/// The points of a line that keep it within `tolerance` \[px\] of all of them (Ramer 1972; Douglas and Peucker 1973).
-pub(crate) fn within(points: &[Vector2<f64>], tolerance: f64) -> Vec<Vector2<f64>> {
+/// The points of a line that keep it within `tolerance`, in the page's unit, of all of them (Ramer 1972; Douglas and
+/// Peucker 1973).
+#[must_use]
+pub fn thinned(points: &[Vector2<f64>], tolerance: f64) -> Vec<Vector2<f64>> {
     if points.len() < 3 {
         return points.to_vec();
     }
@@ -30,7 +32,7 @@ pub(crate) fn within(points: &[Vector2<f64>], tolerance: f64) -> Vec<Vector2<f64
 /// At most about `most` points of a curve over time (x never decreases).
 pub(crate) fn curve(points: &[Vector2<f64>], most: usize) -> Vec<Vector2<f64>> {
     for tolerance in [FINE, 2.0 * FINE, 4.0 * FINE, 8.0 * FINE] {
-        let line = within(points, tolerance);
+        let line = thinned(points, tolerance);
         if line.len() <= most {
             return line;
         }
@@ -72,17 +74,17 @@ mod tests {
     #[test]
     fn a_straight_line_keeps_its_ends_and_a_corner_stays() {
         let line: Vec<_> = (0..=100).map(|i| Vector2::new(f64::from(i), 2.0 * f64::from(i))).collect();
-        assert_eq!(within(&line, 0.1), [line[0], line[100]]);
+        assert_eq!(thinned(&line, 0.1), [line[0], line[100]]);
         let corner: Vec<_> =
             (0..=100).map(|i| Vector2::new(f64::from(i), f64::from((i - 50_i32).abs()))).collect();
-        assert_eq!(within(&corner, 0.1), [corner[0], corner[50], corner[100]]);
+        assert_eq!(thinned(&corner, 0.1), [corner[0], corner[50], corner[100]]);
     }
 
     #[test]
     fn every_point_of_a_sine_stays_within_the_tolerance() {
         let sine: Vec<_> =
             (0..2000).map(|i| Vector2::new(f64::from(i) * 0.4, 60.0 * (f64::from(i) * 0.01).sin())).collect();
-        let line = within(&sine, 0.2);
+        let line = thinned(&sine, 0.2);
         assert!(line.len() < 200);
         for point in &sine {
             let nearest = line.windows(2).map(|w| distance(*point, w[0], w[1])).fold(f64::INFINITY, f64::min);

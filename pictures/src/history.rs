@@ -1,12 +1,13 @@
-//! A take: what is kept of one robot's servo periods, in bounded memory.
+//! What is kept of one robot's servo periods, in bounded memory.
 //!
 //! In: an observation per servo period. Out: at most [`CAPACITY`] samples, evenly spaced, and the last one; ranges and
-//! largest following errors of all periods. A full take drops every other sample and from then on keeps half as many.
+//! largest following errors of all periods. A full history drops every other sample and from then on keeps half as many.
 
 use mrroc::{JointKind, Observation, Pose};
 use nalgebra::Vector3;
 
 use crate::speed::{Rates, Speeds};
+use crate::svg::Range;
 
 /// The most samples kept, besides the last.
 pub(crate) const CAPACITY: usize = 4000;
@@ -47,9 +48,9 @@ impl Sample {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct JointRange {
     /// Least and largest position measured [rad or m].
-    pub measured: (f64, f64),
+    pub measured: Range,
     /// Least and largest position demanded [rad or m].
-    pub demanded: (f64, f64),
+    pub demanded: Range,
     /// Largest difference of demanded and measured position [rad or m], at least 0.
     pub following_error: f64,
     /// Largest speed measured [rad/s or m/s], at least 0.
@@ -57,46 +58,42 @@ pub(crate) struct JointRange {
 }
 
 impl JointRange {
-    const NONE: JointRange = JointRange {
-        measured: (f64::INFINITY, f64::NEG_INFINITY),
-        demanded: (f64::INFINITY, f64::NEG_INFINITY),
-        following_error: 0.0,
-        speed: 0.0,
-    };
+    const NONE: JointRange =
+        JointRange { measured: Range::NOTHING, demanded: Range::NOTHING, following_error: 0.0, speed: 0.0 };
 
-    fn see(&mut self, demanded: f64, measured: f64) {
-        let widened = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
-        self.measured = widened(self.measured, measured);
-        self.demanded = widened(self.demanded, demanded);
+    fn include(&mut self, demanded: f64, measured: f64) {
+        self.measured = self.measured.with(measured);
+        self.demanded = self.demanded.with(demanded);
         self.following_error = self.following_error.max((demanded - measured).abs());
     }
 
     /// From the least to the largest position measured [rad or m].
     pub fn travel(&self) -> f64 {
-        (self.measured.1 - self.measured.0).max(0.0)
+        self.measured.width().max(0.0)
     }
 
     /// Whether the joint moved, or should have.
     pub fn moved(&self) -> bool {
-        self.travel() > STILL || self.demanded.1 - self.demanded.0 > 1e-6
+        self.travel() > STILL || self.demanded.width() > 1e-6
     }
 }
 
-/// The length of a way, in steps that are longer than an encoder's play.
+/// The length of a tool's path, in steps that are longer than an encoder's play.
 #[derive(Clone, Copy, Debug, Default)]
-struct Way {
-    length: f64,
+struct PathLength {
+    sum: f64,
     last: Option<Vector3<f64>>,
 }
 
-impl Way {
+impl PathLength {
     /// Shortest step \[m\].
     const STEP: f64 = 1e-4;
 
-    fn see(&mut self, point: Vector3<f64>) {
+    /// The tool is now at `point` \[m\].
+    fn extend_to(&mut self, point: Vector3<f64>) {
         let step = self.last.map_or(f64::INFINITY, |last| (point - last).norm());
-        if step >= Way::STEP {
-            self.length += if self.last.is_some() { step } else { 0.0 };
+        if step >= PathLength::STEP {
+            self.sum += if self.last.is_some() { step } else { 0.0 };
             self.last = Some(point);
         }
     }
@@ -104,7 +101,7 @@ impl Way {
 
 /// What is kept of one robot.
 #[derive(Clone, Debug)]
-pub(crate) struct Take {
+pub(crate) struct History {
     /// The robot's name.
     pub name: String,
     /// Its kind.
@@ -118,16 +115,20 @@ pub(crate) struct Take {
     /// The largest speed of the tool [m/s], at least 0.
     pub tool_speed: f64,
     speeds: Speeds,
-    way: Way,
+    path: PathLength,
+    /// Every `stride`th sample.
     kept: Vec<Sample>,
+    /// The last sample, unless it is kept.
     last: Option<Sample>,
     stride: u64,
-    seen: u64,
+    /// Samples of finite numbers so far.
+    count: u64,
 }
 
-impl Take {
-    pub fn new(name: &str, kind: &'static str, joints: &[JointKind]) -> Take {
-        Take {
+impl History {
+    /// Of a robot that has not been observed yet.
+    pub fn new(name: &str, kind: &'static str, joints: &[JointKind]) -> History {
+        History {
             name: name.to_owned(),
             kind,
             joints: joints.to_vec(),
@@ -135,15 +136,16 @@ impl Take {
             not_finite: 0,
             tool_speed: 0.0,
             speeds: Speeds::default(),
-            way: Way::default(),
+            path: PathLength::default(),
             kept: Vec::new(),
             last: None,
             stride: 1,
-            seen: 0,
+            count: 0,
         }
     }
 
-    pub fn see(&mut self, observation: &Observation<'_>) {
+    /// The robot was observed at the end of a servo period.
+    pub fn observe(&mut self, observation: &Observation<'_>) {
         let mut links = Vec::with_capacity(8);
         let mut tool = Pose::identity();
         observation.frames(&mut |frame| {
@@ -152,7 +154,7 @@ impl Take {
         });
         // The last frame is the tool's.
         links.pop();
-        self.keep(Sample {
+        self.add(Sample {
             time: observation.time,
             demanded: observation.demanded.to_vec(),
             measured: observation.measured.to_vec(),
@@ -162,7 +164,8 @@ impl Take {
         });
     }
 
-    pub fn keep(&mut self, mut sample: Sample) {
+    /// The next sample; its rates are found here.
+    pub fn add(&mut self, mut sample: Sample) {
         if !sample.is_finite() {
             self.not_finite += 1;
             return;
@@ -170,18 +173,18 @@ impl Take {
         for (range, (demanded, measured)) in
             self.ranges.iter_mut().zip(sample.demanded.iter().zip(&sample.measured))
         {
-            range.see(*demanded, *measured);
+            range.include(*demanded, *measured);
         }
-        sample.rates = self.speeds.see(&sample);
+        sample.rates = self.speeds.next(&sample);
         if let Some(rates) = &sample.rates {
             for (range, speed) in self.ranges.iter_mut().zip(&rates.measured) {
                 range.speed = range.speed.max(speed.abs());
             }
             self.tool_speed = self.tool_speed.max(rates.tool);
         }
-        self.way.see(sample.tool.translation.vector);
-        let due = self.seen.is_multiple_of(self.stride);
-        self.seen += 1;
+        self.path.extend_to(sample.tool.translation.vector);
+        let due = self.count.is_multiple_of(self.stride);
+        self.count += 1;
         if !due {
             self.last = Some(sample);
             return;
@@ -210,9 +213,9 @@ impl Take {
         samples
     }
 
-    /// Length of the tool's way in all servo periods \[m\].
-    pub fn way(&self) -> f64 {
-        self.way.length
+    /// Length of the tool's path in all servo periods \[m\].
+    pub fn path_length(&self) -> f64 {
+        self.path.sum
     }
 
     /// Whether any joint moved, or should have.
@@ -221,7 +224,7 @@ impl Take {
     }
 
     /// The largest following error of all joints of this kind [rad or m] with its joint, from 0.
-    pub fn worst_following(&self, kind: JointKind) -> Option<(usize, f64)> {
+    pub fn largest_following_error(&self, kind: JointKind) -> Option<(usize, f64)> {
         let errors = self.ranges.iter().map(|range| range.following_error).enumerate();
         errors.filter(|(joint, _)| self.joints.get(*joint) == Some(&kind)).max_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -244,38 +247,40 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_take_stays_bounded_and_keeps_the_first_the_last_and_every_peak() {
-        let mut take = Take::new("slide", "slide", &[JointKind::Prismatic]);
+    fn a_history_stays_bounded_and_keeps_the_first_the_last_and_every_peak() {
+        let mut history = History::new("slide", "slide", &[JointKind::Prismatic]);
         let periods = 1_000_003_u32;
         for i in 0..periods {
             let time = f64::from(i) * 1e-3;
             // One period of all has a following error of 0.3 m.
             let error = if i == 123_457 { 0.3 } else { 0.001 };
-            take.keep(slide(time, time.sin() + error, time.sin()));
+            history.add(slide(time, time.sin() + error, time.sin()));
         }
-        let samples = take.samples();
+        let samples = history.samples();
         assert!(samples.len() <= CAPACITY + 1 && samples.len() > CAPACITY / 2 - 1, "{}", samples.len());
         assert!(samples[0].time.abs() < 1e-12);
         assert!((samples[samples.len() - 1].time - f64::from(periods - 1) * 1e-3).abs() < 1e-9);
         // Evenly spaced, but for the last.
         let gap = samples[1].time - samples[0].time;
         assert!(samples[..samples.len() - 1].windows(2).all(|w| (w[1].time - w[0].time - gap).abs() < 1e-9));
-        let (joint, worst) = take.worst_following(JointKind::Prismatic).unwrap();
+        let (joint, worst) = history.largest_following_error(JointKind::Prismatic).unwrap();
         assert_eq!(joint, 0);
         assert!((worst - 0.3).abs() < 1e-12);
-        assert_eq!(take.worst_following(JointKind::Revolute), None);
+        assert_eq!(history.largest_following_error(JointKind::Revolute), None);
         // A sine of 1 m and 1 rad/s: 1 m/s at most, and 2 / pi m/s in the mean.
-        assert!((take.tool_speed - 1.0).abs() < 1e-4 && (take.ranges[0].speed - 1.0).abs() < 1e-4);
-        assert!((take.way() / (f64::from(periods) * 1e-3) - 2.0 / std::f64::consts::PI).abs() < 1e-3);
+        assert!((history.tool_speed - 1.0).abs() < 1e-4 && (history.ranges[0].speed - 1.0).abs() < 1e-4);
+        assert!(
+            (history.path_length() / (f64::from(periods) * 1e-3) - 2.0 / std::f64::consts::PI).abs() < 1e-3
+        );
     }
 
     #[test]
     fn what_is_not_a_number_is_left_out_and_counted() {
-        let mut take = Take::new("slide", "slide", &[JointKind::Prismatic]);
-        take.keep(slide(0.0, 0.0, 0.0));
-        take.keep(slide(0.001, f64::NAN, 0.0));
-        take.keep(slide(f64::INFINITY, 0.0, 0.0));
-        assert_eq!((take.samples().len(), take.not_finite), (1, 2));
-        assert!(!take.moved());
+        let mut history = History::new("slide", "slide", &[JointKind::Prismatic]);
+        history.add(slide(0.0, 0.0, 0.0));
+        history.add(slide(0.001, f64::NAN, 0.0));
+        history.add(slide(f64::INFINITY, 0.0, 0.0));
+        assert_eq!((history.samples().len(), history.not_finite), (1, 2));
+        assert!(!history.moved());
     }
 }
