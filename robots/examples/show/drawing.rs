@@ -1,11 +1,11 @@
-//! Two views of a robot as SVG: from the side (x to the right, z up) and from above (x to the right, y up).
+//! Two views of a robot: from the side (x to the right, z up) and from above (x to the right, y up).
 
 use std::collections::BTreeSet;
-use std::fmt::Write;
 
 use mrroc::Pose;
+use mrroc_pictures::svg::{Area, Look, Page, Svg, TextStyle, palette};
 use mrroc_robots::Kinematics;
-use nalgebra::{SVector, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 
 /// Pixels per metre for an arm; ten times as many for a gripper. All lengths of the drawing scale with it.
 const SCALE: f64 = 220.0;
@@ -23,21 +23,23 @@ const FARTHEST: f64 = 2.5;
 const SAMPLES: usize = 3_000_000;
 /// Margin around a view \[px\].
 const MARGIN: f64 = 40.0;
+/// Room above the views \[px\].
+const HEADING: f64 = 90.0;
 
 /// A straight part of the robot.
 pub struct Line {
     from: Vector3<f64>,
     to: Vector3<f64>,
-    class: &'static str,
+    look: Look,
 }
 
 impl Line {
     pub fn link(from: Vector3<f64>, to: Vector3<f64>) -> Self {
-        Self { from, to, class: "link" }
+        Self { from, to, look: Look::line(palette::INK, 5.0).round().class("link") }
     }
 
     pub fn actuator(from: Vector3<f64>, to: Vector3<f64>) -> Self {
-        Self { from, to, class: "actuator" }
+        Self { from, to, look: Look::line(palette::joint(1), 4.0).class("actuator") }
     }
 }
 
@@ -86,109 +88,135 @@ pub fn flange_positions<const N: usize, R: Kinematics<N>>(robot: &R) -> Vec<Vect
         .collect()
 }
 
+/// Where a view stands on the page, and what it shows.
+struct Placed {
+    view: View,
+    /// The least and the greatest coordinates that it shows \[m\].
+    lower: Vector3<f64>,
+    upper: Vector3<f64>,
+    /// Its left side \[px\].
+    left: f64,
+    /// [px/m]
+    scale: f64,
+}
+
+impl Placed {
+    fn at(&self, point: &Vector3<f64>) -> Vector2<f64> {
+        let [right, up, _] = self.view.axes;
+        let across = (point[right] - self.lower[right]) * self.scale;
+        let down = (self.upper[up] - point[up]) * self.scale;
+        Vector2::new(self.left + across, HEADING + down)
+    }
+
+    fn width(&self) -> f64 {
+        let right = self.view.axes[0];
+        (self.upper[right] - self.lower[right]) * self.scale
+    }
+
+    fn height(&self) -> f64 {
+        let up = self.view.axes[1];
+        (self.upper[up] - self.lower[up]) * self.scale
+    }
+}
+
 impl Scene {
     /// The drawing, with the cells of the planes through the flange that hold one of `positions`.
     pub fn svg(&self, positions: &[Vector3<f64>]) -> String {
-        let scale = SCALE / self.size;
-        let here = self.frames.last().map_or(Vector3::zeros(), |flange| flange.translation.vector);
-        let (mut lower, mut upper) = (Vector3::zeros(), Vector3::zeros());
+        let here = self.flange();
+        let mut lower = Vector3::zeros();
+        let mut upper = Vector3::zeros();
         for p in positions.iter().chain(self.lines.iter().flat_map(|line| [&line.from, &line.to])) {
             lower = lower.inf(p);
             upper = upper.sup(p);
         }
         // Space for a frame at every end.
         let around = Vector3::repeat(AXIS * self.size);
-        (lower, upper) = (lower.inf(&(here - around)), upper.sup(&(here + around)));
-        let (mut views, mut left, mut bottom) = (String::new(), MARGIN, 0.0_f64);
-        for view in VIEWS {
-            let [right, up, depth] = view.axes;
-            let height = (upper[up] - lower[up]) * scale;
-            let place = |p: &Vector3<f64>| {
-                (left + (p[right] - lower[right]) * scale, 90.0 + (upper[up] - p[up]) * scale)
-            };
-            let in_slice =
-                positions.iter().filter(|p| (p[depth] - here[depth]).abs() < 0.5 * THICKNESS * self.size);
-            self.view(&mut views, view, in_slice, place, (lower, upper));
-            let _ = writeln!(
-                views,
-                r#"<text x="{left:.1}" y="72">{}; slice at {} = {:.3} m</text>"#,
-                view.name,
-                ["x", "y", "z"][depth],
-                here[depth]
-            );
-            left += (upper[right] - lower[right]) * scale + 2.0 * MARGIN;
-            bottom = bottom.max(90.0 + height + MARGIN);
-        }
-        // Space for the lines above the views.
-        let left = left.max(820.0);
-        let style = "text{font:13px sans-serif}.cell{fill:#dbe9f6}.grid{stroke:#ccc;stroke-width:.5}\
-            .link{stroke:#333;stroke-width:5;stroke-linecap:round}.actuator{stroke:#c60;stroke-width:4}\
-            .joint{fill:#fff;stroke:#333;stroke-width:1.5}.x{stroke:#d00}.y{stroke:#090}.z{stroke:#00d}\
-            .x,.y,.z{stroke-width:2}";
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{left:.0}\" height=\"{bottom:.0}\">\n<style>{style}</style>\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" y=\"24\">{}</text>\n\
-             <text x=\"{MARGIN}\" y=\"44\">{}; axes x red, y green, z blue; grid {} m; shaded: where the flange gets to</text>\n\
-             {views}</svg>\n",
-            self.title,
+        lower = lower.inf(&(here - around));
+        upper = upper.sup(&(here + around));
+        let scale = SCALE / self.size;
+        let [side, above] = VIEWS.map(|view| Placed { view, lower, upper, left: MARGIN, scale });
+        let above = Placed { left: MARGIN + side.width() + 2.0 * MARGIN, ..above };
+        let views = [side, above];
+        // Room for the lines above the views.
+        let width = (views[1].left + views[1].width() + 2.0 * MARGIN).max(820.0);
+        let height = HEADING + views[0].height().max(views[1].height()) + MARGIN;
+        let legend = format!(
+            "{}; axes x red, y green, z blue; grid {} m; shaded: where the flange gets to",
             self.measures,
             GRID * self.size
-        )
+        );
+        Page::new(&self.title, width.round(), height.round()).draw(|svg| {
+            let style = TextStyle::new(13.0, palette::INK);
+            svg.text(Vector2::new(MARGIN, 24.0), style, &self.title);
+            svg.text(Vector2::new(MARGIN, 44.0), style, &legend);
+            for view in &views {
+                self.draw(svg, view, positions);
+                let depth = view.view.axes[2];
+                let slice = ["x", "y", "z"][depth];
+                let text = format!("{}; slice at {slice} = {:.3} m", view.view.name, here[depth]);
+                svg.text(Vector2::new(view.left, 72.0), style, &text);
+            }
+        })
     }
 
-    fn view<'a>(
-        &self,
-        out: &mut String,
-        view: View,
-        slice: impl Iterator<Item = &'a Vector3<f64>>,
-        place: impl Fn(&Vector3<f64>) -> (f64, f64),
-        (lower, upper): (Vector3<f64>, Vector3<f64>),
-    ) {
-        let [right, up, _] = view.axes;
-        let edge = CELL * self.size;
-        let cell = |p: &Vector3<f64>| ((p[right] / edge).floor() as i64, (p[up] / edge).floor() as i64);
-        let cells: BTreeSet<(i64, i64)> = slice.map(cell).collect();
-        for (i, j) in cells {
-            let mut corner = Vector3::zeros();
-            (corner[right], corner[up]) = (i as f64 * edge, (j + 1) as f64 * edge);
-            let ((x, y), size) = (place(&corner), edge * SCALE / self.size);
-            let _ = writeln!(
-                out,
-                r#"<rect class="cell" x="{x:.1}" y="{y:.1}" width="{size:.1}" height="{size:.1}"/>"#
-            );
-        }
-        let segment = |out: &mut String, class: &str, from: &Vector3<f64>, to: &Vector3<f64>| {
-            let ((x1, y1), (x2, y2)) = (place(from), place(to));
-            let _ = writeln!(
-                out,
-                r#"<line class="{class}" x1="{x1:.1}" y1="{y1:.1}" x2="{x2:.1}" y2="{y2:.1}"/>"#
-            );
-        };
-        for (along, across) in [(right, up), (up, right)] {
-            let grid = GRID * self.size;
-            for k in (lower[along] / grid).ceil() as i32..=(upper[along] / grid).floor() as i32 {
-                let (mut from, mut to) = (lower, upper);
-                (from[along], to[along]) = (f64::from(k) * grid, f64::from(k) * grid);
-                (from[across], to[across]) = (lower[across], upper[across]);
-                segment(out, "grid", &from, &to);
-                let (x, y) = place(&from);
-                let _ = writeln!(
-                    out,
-                    r##"<text x="{x:.1}" y="{:.1}" fill="#999">{}</text>"##,
-                    y + 12.0,
-                    (f64::from(k) * grid * 100.0).round() / 100.0
-                );
-            }
-        }
+    /// Where the flange is \[m\].
+    fn flange(&self) -> Vector3<f64> {
+        self.frames.last().map_or(Vector3::zeros(), |flange| flange.translation.vector)
+    }
+
+    fn draw(&self, svg: &mut Svg, on: &Placed, positions: &[Vector3<f64>]) {
+        self.draw_slice(svg, on, positions);
+        self.draw_grid(svg, on);
         for line in &self.lines {
-            segment(out, line.class, &line.from, &line.to);
+            svg.line(on.at(&line.from), on.at(&line.to), line.look);
         }
         for frame in &self.frames {
             let origin = frame.translation.vector;
-            let (x, y) = place(&origin);
-            let _ = writeln!(out, r#"<circle class="joint" cx="{x:.1}" cy="{y:.1}" r="4"/>"#);
-            for (class, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {
-                segment(out, class, &origin, &(origin + frame.rotation * axis * (AXIS * self.size)));
+            let joint = Look::filled(palette::WHITE).stroke(palette::INK).width(1.5).class("joint");
+            svg.circle(on.at(&origin), 4.0, joint);
+            for (axis, colour) in [Vector3::x(), Vector3::y(), Vector3::z()].iter().zip(palette::FRAME) {
+                let tip = origin + frame.rotation * axis * (AXIS * self.size);
+                svg.line(on.at(&origin), on.at(&tip), Look::line(colour, 2.0));
+            }
+        }
+    }
+
+    /// The cells of the plane through the flange that hold a position.
+    fn draw_slice(&self, svg: &mut Svg, on: &Placed, positions: &[Vector3<f64>]) {
+        let [right, up, depth] = on.view.axes;
+        let here = self.flange();
+        let slice = positions.iter().filter(|p| (p[depth] - here[depth]).abs() < 0.5 * THICKNESS * self.size);
+        let edge = CELL * self.size;
+        let cell = |p: &Vector3<f64>| ((p[right] / edge).floor() as i64, (p[up] / edge).floor() as i64);
+        let cells: BTreeSet<(i64, i64)> = slice.map(cell).collect();
+        svg.group(Look::filled(palette::REGION), |svg| {
+            for (i, j) in cells {
+                let mut corner = Vector3::zeros();
+                corner[right] = i as f64 * edge;
+                corner[up] = (j + 1) as f64 * edge;
+                let at = on.at(&corner);
+                let area = Area { x: at.x, y: at.y, width: edge * on.scale, height: edge * on.scale };
+                svg.rectangle(area, 0.0, Look::new().class("cell"));
+            }
+        });
+    }
+
+    /// Lines at round coordinates, and the coordinates.
+    fn draw_grid(&self, svg: &mut Svg, on: &Placed) {
+        let [right, up, _] = on.view.axes;
+        let grid = GRID * self.size;
+        for along in [right, up] {
+            let first = (on.lower[along] / grid).ceil() as i32;
+            let last = (on.upper[along] / grid).floor() as i32;
+            for k in first..=last {
+                let mut from = on.lower;
+                let mut to = on.upper;
+                from[along] = f64::from(k) * grid;
+                to[along] = f64::from(k) * grid;
+                svg.line(on.at(&from), on.at(&to), Look::line(palette::RULE, 0.5).class("grid"));
+                let label = ((f64::from(k) * grid * 100.0).round() / 100.0).to_string();
+                let below = on.at(&from) + Vector2::new(0.0, 12.0);
+                svg.text(below, TextStyle::new(11.0, palette::GREY), &label);
             }
         }
     }

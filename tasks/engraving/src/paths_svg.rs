@@ -4,7 +4,8 @@ use crate::deviation::DeviationReport;
 use crate::drawing::{Drawing, Vec2};
 use crate::placement::Plate;
 use crate::trace::{Contact, TracePart};
-use std::fmt::Write as _;
+use mrroc_pictures::svg::palette::{GREY, HIGHLIGHT, INK, PALE, RULE, joint};
+use mrroc_pictures::svg::{Area, Colour, Look, Page, Svg, TextStyle, shortened};
 use std::path::Path;
 
 /// What the picture shows.
@@ -34,36 +35,38 @@ const PANEL_HEIGHT: f64 = 124.0;
 /// Width of a character of the heading, on the safe side \[mm\].
 const HEADING_CHARACTER: f64 = 3.6;
 
-const DRAWN: &str = "#b9c4d0";
-const EXECUTED: &str = "#c8102e";
-const TRAVEL: &str = "#2b7a78";
+/// Colours of the three kinds of line.
+const DRAWN: Colour = RULE;
+const EXECUTED: Colour = HIGHLIGHT;
+
+fn travel() -> Colour {
+    joint(2)
+}
+
+/// Text beside lines.
+fn small() -> TextStyle {
+    TextStyle::new(3.2, INK)
+}
 
 impl PathsSvg<'_> {
     /// The SVG document.
     #[must_use]
     pub fn document(&self) -> String {
-        let (w, h) = (self.plate.width, self.plate.height);
-        let width = w + PANEL + 3.0 * EDGE;
-        let height = (h + HEADING + 2.0 * EDGE + 10.0).max(HEADING + EDGE + PANEL_HEIGHT);
-        let room = ((width - 2.0 * EDGE) / HEADING_CHARACTER) as usize;
-        let mut out = String::new();
-        let _ = write!(
-            out,
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}mm\" height=\"{height:.0}mm\" viewBox=\"0 0 {width:.2} {height:.2}\" font-family=\"Helvetica, Arial, sans-serif\">\n\
-             <title>{title}</title>\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
-             <text x=\"{EDGE}\" y=\"11\" font-size=\"5\" font-weight=\"bold\" fill=\"#1b2733\">{title}</text>\n\
-             <text x=\"{EDGE}\" y=\"16.5\" font-size=\"3.2\" fill=\"#51606f\">drawn curves and executed tool path, {w:.0} x {h:.0} mm plate</text>\n",
-            title = escaped(&shortened(self.title, room))
-        );
-        let _ = writeln!(out, "<g transform=\"translate({EDGE} {top})\">", top = HEADING + EDGE);
-        self.plate_view(&mut out);
-        out.push_str("</g>\n");
-        let _ = writeln!(out, "<g transform=\"translate({x} {y})\">", x = w + 2.0 * EDGE, y = HEADING + EDGE);
-        legend(&mut out);
-        self.magnified(&mut out);
-        out.push_str("</g>\n</svg>\n");
-        out
+        let Plate { width, height, .. } = *self.plate;
+        let page_width = width + PANEL + 3.0 * EDGE;
+        let page_height = (height + HEADING + 2.0 * EDGE + 10.0).max(HEADING + EDGE + PANEL_HEIGHT);
+        let room = ((page_width - 2.0 * EDGE) / HEADING_CHARACTER) as usize;
+        let title = shortened(self.title, room);
+        let subtitle = format!("drawn curves and executed tool path, {width:.0} x {height:.0} mm plate");
+        Page::new(&title, page_width, page_height).in_millimetres().draw(|svg| {
+            svg.text(Vec2::new(EDGE, 11.0), TextStyle::new(5.0, INK).bold(), &title);
+            svg.text(Vec2::new(EDGE, 16.5), small().colour(GREY), &subtitle);
+            svg.moved(Vec2::new(EDGE, HEADING + EDGE), |svg| self.draw_plate(svg));
+            svg.moved(Vec2::new(width + 2.0 * EDGE, HEADING + EDGE), |svg| {
+                draw_legend(svg);
+                self.draw_worst_place(svg);
+            });
+        })
     }
 
     /// Writes the document.
@@ -74,55 +77,35 @@ impl PathsSvg<'_> {
         std::fs::write(path, self.document())
     }
 
-    fn plate_view(&self, out: &mut String) {
-        let (w, h, m) = (self.plate.width, self.plate.height, self.plate.margin);
-        let page = |p: Vec2| Vec2::new(p.x, h - p.y);
-        let _ = writeln!(
-            out,
-            "<rect width=\"{w}\" height=\"{h}\" rx=\"2\" fill=\"#fbfaf7\" stroke=\"#8a94a0\" stroke-width=\"0.25\"/>"
-        );
-        let _ = writeln!(
-            out,
-            "<rect x=\"{m}\" y=\"{m}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#d5d2c8\" stroke-width=\"0.15\" stroke-dasharray=\"1 1\"/>",
-            w - 2.0 * m,
-            h - 2.0 * m
-        );
-        let drawn =
-            thinned(|tolerance| self.drawing.strokes.iter().map(|s| s.flattened(tolerance)).collect(), 2e-3);
-        path(out, &drawn, DRAWN, 0.55, "", page);
-        for (contact, colour, width, dash) in [
-            (Contact::Travelling, TRAVEL, 0.10, " stroke-dasharray=\"0.8 0.8\""),
-            (Contact::Cutting, EXECUTED, 0.12, ""),
+    fn draw_plate(&self, svg: &mut Svg) {
+        let Plate { width, height, margin, .. } = *self.plate;
+        let page = |p: &Vec2| Vec2::new(p.x, height - p.y);
+        let plate = Area { x: 0.0, y: 0.0, width, height };
+        svg.rectangle(plate, 2.0, Look::filled(PALE).stroke(RULE).width(0.25));
+        let look = Look::line(RULE, 0.15).dashed(1.0, 1.0);
+        svg.rectangle(plate.inset(margin, margin, margin, margin), 0.0, look);
+        let strokes = &self.drawing.strokes;
+        let drawn = thinned(|tolerance| strokes.iter().map(|s| s.flattened(tolerance)).collect(), 2e-3);
+        svg.path(&placed(&drawn, page), Look::line(DRAWN, 0.55).round());
+        for (contact, look) in [
+            (Contact::Travelling, Look::line(travel(), 0.1).dashed(0.8, 0.8)),
+            (Contact::Cutting, Look::line(EXECUTED, 0.12)),
         ] {
             let lines: Vec<&[Vec2]> =
                 self.executed.iter().filter(|p| p.contact == contact).map(|p| p.points.as_slice()).collect();
             let lines =
                 thinned(|tolerance| lines.iter().map(|line| skipping(line, tolerance)).collect(), 0.0);
-            path(out, &lines, colour, width, dash, page);
+            svg.path(&placed(&lines, page), look.round());
         }
-        let bar = if w >= 100.0 { 50.0 } else { 10.0 };
-        let y = h + 5.0;
-        let _ = writeln!(
-            out,
-            "<path d=\"M0 {a}V{b}M0 {y}H{bar}M{bar} {a}V{b}\" stroke=\"#1b2733\" stroke-width=\"0.3\" fill=\"none\"/>\
-             <text x=\"{x}\" y=\"{t}\" font-size=\"3.2\" fill=\"#1b2733\">{bar:.0} mm</text>",
-            a = y - 1.0,
-            b = y + 1.0,
-            x = bar + 2.0,
-            t = y + 1.1
-        );
+        let bar = if width >= 100.0 { 50.0 } else { 10.0 };
+        draw_scale(svg, Vec2::new(0.0, height + 5.0), bar, &format!("{bar:.0} mm"));
         if let Some(worst) = self.deviation.worst {
-            let p = page(worst.position);
-            let _ = writeln!(
-                out,
-                "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"1.8\" fill=\"none\" stroke=\"#1b2733\" stroke-width=\"0.3\"/>",
-                p.x, p.y
-            );
+            svg.circle(page(&worst.position), 1.8, Look::line(INK, 0.3));
         }
     }
 
     /// The worst place, so large that its deviation is seen.
-    fn magnified(&self, out: &mut String) {
+    fn draw_worst_place(&self, svg: &mut Svg) {
         const SIDE: f64 = 62.0;
         const TOP: f64 = 34.0;
         let Some(worst) = self.deviation.worst else { return };
@@ -130,106 +113,62 @@ impl PathsSvg<'_> {
         let window = (worst.distance * 8.0).clamp(0.05, 20.0);
         let zoom = SIDE / window;
         let corner = worst.position - Vec2::new(window, window) * 0.5;
-        let page = |p: Vec2| Vec2::new((p.x - corner.x) * zoom, SIDE - (p.y - corner.y) * zoom);
+        let page = |p: &Vec2| Vec2::new((p.x - corner.x) * zoom, SIDE - (p.y - corner.y) * zoom);
         let near = |line: &[Vec2]| within(line, worst.position, window);
-        let _ = writeln!(
-            out,
-            "<text y=\"{}\" font-size=\"3.4\" font-weight=\"bold\" fill=\"#1b2733\">worst place, {zoom:.0} x magnified</text>",
-            TOP - 2.5
-        );
-        let _ = writeln!(
-            out,
-            "<svg y=\"{TOP}\" width=\"{SIDE}\" height=\"{SIDE}\" viewBox=\"0 0 {SIDE} {SIDE}\"><rect width=\"{SIDE}\" height=\"{SIDE}\" fill=\"#fbfaf7\"/>"
-        );
+        let heading = format!("worst place, {zoom:.0} x magnified");
+        svg.text(Vec2::new(0.0, TOP - 2.5), TextStyle::new(3.4, INK).bold(), &heading);
+        let area = Area { x: 0.0, y: TOP, width: SIDE, height: SIDE };
+        svg.rectangle(area, 0.0, Look::filled(PALE));
         let fine = (window / 2000.0).max(1e-5);
         let drawn: Vec<Vec<Vec2>> =
             self.drawing.strokes.iter().flat_map(|s| near(&s.flattened(fine))).collect();
-        path(out, &drawn, DRAWN, 1.6, "", page);
-        let executed: Vec<Vec<Vec2>> = self
-            .executed
-            .iter()
-            .filter(|part| part.contact == Contact::Cutting)
-            .flat_map(|part| near(&part.points))
-            .collect();
-        path(out, &executed, EXECUTED, 0.5, "", page);
-        let _ = writeln!(
-            out,
-            "<circle cx=\"{c}\" cy=\"{c}\" r=\"1.3\" fill=\"none\" stroke=\"#1b2733\" stroke-width=\"0.35\"/></svg>",
-            c = SIDE / 2.0
-        );
-        let _ = writeln!(
-            out,
-            "<rect y=\"{TOP}\" width=\"{SIDE}\" height=\"{SIDE}\" fill=\"none\" stroke=\"#1b2733\" stroke-width=\"0.3\"/>"
-        );
-        let bar = SIDE / 8.0;
-        let y = TOP + SIDE + 4.5;
-        let _ = writeln!(
-            out,
-            "<path d=\"M0 {y}h{bar}m0 -1v2M0 {a}v2\" stroke=\"#1b2733\" stroke-width=\"0.3\" fill=\"none\"/>\
-             <text x=\"{x}\" y=\"{t}\" font-size=\"3.2\" fill=\"#1b2733\">{:.1} µm</text>",
-            window / 8.0 * 1e3,
-            a = y - 1.0,
-            x = bar + 2.0,
-            t = y + 1.1
-        );
-        for (line, text) in [
+        let cut = self.executed.iter().filter(|part| part.contact == Contact::Cutting);
+        let executed: Vec<Vec<Vec2>> = cut.flat_map(|part| near(&part.points)).collect();
+        svg.window(area, |svg| {
+            svg.path(&placed(&drawn, page), Look::line(DRAWN, 1.6).round());
+            svg.path(&placed(&executed, page), Look::line(EXECUTED, 0.5).round());
+            svg.circle(Vec2::new(0.5 * SIDE, 0.5 * SIDE), 1.3, Look::line(INK, 0.35));
+        });
+        svg.rectangle(area, 0.0, Look::line(INK, 0.3));
+        let below = Vec2::new(0.0, TOP + SIDE + 4.5);
+        draw_scale(svg, below, SIDE / 8.0, &format!("{:.1} µm", window / 8.0 * 1e3));
+        let figures = [
             format!("largest deviation {:.2} µm", worst.distance * 1e3),
             format!("{} points measured", self.deviation.points),
             format!("root mean square {:.2} µm", self.deviation.rms * 1e3),
             format!("at x {:.2}, y {:.2} mm", worst.position.x, worst.position.y),
-        ]
-        .iter()
-        .enumerate()
-        {
-            let y = y + 7.0 + line as f64 * 4.6;
-            let _ = writeln!(out, "<text y=\"{y:.1}\" font-size=\"3.2\" fill=\"#1b2733\">{text}</text>");
+        ];
+        for (line, text) in figures.iter().enumerate() {
+            svg.text(below + Vec2::new(0.0, 7.0 + line as f64 * 4.6), small(), text);
         }
     }
 }
 
-fn legend(out: &mut String) {
-    for (row, (colour, width, dash, text)) in [
-        (DRAWN, 1.2, "", "drawn: exact curves of the file"),
-        (EXECUTED, 0.4, "", "executed: tool tip in the material"),
-        (TRAVEL, 0.3, " stroke-dasharray=\"1.6 1.2\"", "travel: tool lifted"),
-    ]
-    .iter()
-    .enumerate()
-    {
-        let y = 2.0 + row as f64 * 6.0;
-        let _ = writeln!(
-            out,
-            "<path d=\"M0 {y}H12\" stroke=\"{colour}\" stroke-width=\"{width}\"{dash}/>\
-             <text x=\"15\" y=\"{t}\" font-size=\"3.2\" fill=\"#1b2733\">{text}</text>",
-            t = y + 1.1
-        );
+/// A bar of a length \[mm\] on the page, and what length it stands for.
+fn draw_scale(svg: &mut Svg, left: Vec2, length: f64, text: &str) {
+    let right = left + Vec2::new(length, 0.0);
+    let tick = Vec2::new(0.0, 1.0);
+    let bar = [[left - tick, left + tick], [left, right], [right - tick, right + tick]];
+    svg.path(&bar, Look::line(INK, 0.3));
+    svg.text(right + Vec2::new(2.0, 1.1), small(), text);
+}
+
+fn draw_legend(svg: &mut Svg) {
+    let rows = [
+        (Look::line(DRAWN, 1.2), "drawn: exact curves of the file"),
+        (Look::line(EXECUTED, 0.4), "executed: tool tip in the material"),
+        (Look::line(travel(), 0.3).dashed(1.6, 1.2), "travel: tool lifted"),
+    ];
+    for (row, (look, text)) in rows.into_iter().enumerate() {
+        let left = Vec2::new(0.0, 2.0 + row as f64 * 6.0);
+        svg.line(left, left + Vec2::new(12.0, 0.0), look);
+        svg.text(left + Vec2::new(15.0, 1.1), small(), text);
     }
 }
 
-/// One path element over many lines.
-fn path(
-    out: &mut String,
-    lines: &[Vec<Vec2>],
-    colour: &str,
-    width: f64,
-    dash: &str,
-    page: impl Fn(Vec2) -> Vec2,
-) {
-    if lines.is_empty() {
-        return;
-    }
-    let _ = write!(
-        out,
-        "<path fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"round\" stroke-linejoin=\"round\"{dash} d=\""
-    );
-    for line in lines {
-        for (i, p) in line.iter().enumerate() {
-            let p = page(*p);
-            let letter = if i == 0 { 'M' } else { 'L' };
-            let _ = write!(out, "{letter}{:.3} {:.3}", p.x, p.y);
-        }
-    }
-    out.push_str("\"/>\n");
+/// Lines where they are on the page.
+fn placed(lines: &[Vec<Vec2>], page: impl Fn(&Vec2) -> Vec2) -> Vec<Vec<Vec2>> {
+    lines.iter().map(|line| line.iter().map(&page).collect()).collect()
 }
 
 /// Lines at the finest tolerance, doubled from `first`, at which they have few enough points.
@@ -271,21 +210,6 @@ fn within(line: &[Vec2], centre: Vec2, window: f64) -> Vec<Vec<Vec2>> {
         open = inside;
     }
     parts
-}
-
-/// A text of at most `room` characters; what does not fit becomes an ellipsis.
-fn shortened(text: &str, room: usize) -> String {
-    if text.chars().count() <= room {
-        return text.to_owned();
-    }
-    text.chars().take(room.saturating_sub(1)).chain(['…']).collect()
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace(|c: char| c.is_control(), " ")
 }
 
 #[cfg(test)]
