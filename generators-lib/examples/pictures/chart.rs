@@ -2,22 +2,24 @@
 //!
 //! In: positions of one tool or of several at steps of [`DT`]. Out: an SVG.
 
-use std::fmt::Write as _;
-
-use nalgebra::Vector3;
+use mrroc_pictures::svg::palette::{GREY, INK, RULE, joint};
+use mrroc_pictures::svg::{Area, Axes, Look, Page, Range, Svg, TextStyle, thinned};
+use nalgebra::{Vector2, Vector3};
 
 /// Path time of a step \[s\].
 pub const DT: f64 = 4e-3;
-/// Width and height of a chart, and where the first one stands on the page \[px\].
-const W: f64 = 560.0;
-const H: f64 = 110.0;
+/// Width and height of the page \[px\].
+const PAGE: [f64; 2] = [1000.0, 640.0];
+/// Width and height of a chart, where the first one stands on the page, and from one to the next \[px\].
+const WIDTH: f64 = 560.0;
+const HEIGHT: f64 = 110.0;
 const LEFT: f64 = 80.0;
-const TOP: f64 = 50.0;
-const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
-/// How a tool's lines are dashed: the first are whole.
-const DASHES: [&str; 2] = ["", " stroke-dasharray=\"5 3\""];
-/// Values as small as rounding makes them are drawn as none: way, velocity, acceleration, jerk in SI.
-const ROUNDING: [f64; 4] = [1e-9, 1e-7, 1e-5, 1e-3];
+const TOP: f64 = 54.0;
+const DOWN: f64 = 142.0;
+/// Half the side of a path's square \[px\].
+const HALF: f64 = 130.0;
+/// Width of curves \[px\].
+const CURVE: f64 = 1.5;
 
 /// Positions of a tool over time \[m\].
 pub type Trace = Vec<Vector3<f64>>;
@@ -25,108 +27,132 @@ pub type Trace = Vec<Vector3<f64>>;
 /// Central differences; at an end, the value beside it.
 fn derivative(x: &[Vector3<f64>]) -> Trace {
     let mut v: Vec<_> = x.windows(3).map(|w| (w[2] - w[0]) / (2.0 * DT)).collect();
-    let (first, last) = (v.first().copied().unwrap_or_default(), v.last().copied().unwrap_or_default());
+    let first = v.first().copied().unwrap_or_default();
+    let last = v.last().copied().unwrap_or_default();
     v.insert(0, first);
     v.push(last);
     v
 }
 
-/// A line through points of the page, of which those on a level between their neighbours are left out.
-fn line(svg: &mut String, points: impl Iterator<Item = (f64, f64)>, colour: &str, dashes: &str) {
-    let _ = write!(svg, "<polyline fill=\"none\" stroke=\"{colour}\"{dashes} stroke-width=\"1.5\" points=\"");
-    let points: Vec<_> = points.map(|(x, y)| (format!("{x:.1}"), format!("{y:.1}"))).collect();
-    for (i, (x, y)) in points.iter().enumerate() {
-        let level = |k: usize| points.get(k).is_some_and(|(_, other)| other == y);
-        if !(i > 0 && level(i - 1) && level(i + 1)) {
-            let _ = write!(svg, "{x},{y} ");
+/// The derivatives of all tools' values.
+fn derivatives(tools: &[Trace]) -> Vec<Trace> {
+    tools.iter().map(|x| derivative(x)).collect()
+}
+
+/// The first tool's lines are whole, the second's dashed.
+fn dashed(look: Look, tool: usize) -> Look {
+    if tool == 0 { look } else { look.dashed(5.0, 3.0) }
+}
+
+/// A value to a thousandth, with a true minus sign.
+fn thousandths(value: f64) -> String {
+    let text = format!("{value:.3}");
+    if text == "-0.000" { "0.000".to_owned() } else { text.replace('-', "−") }
+}
+
+/// A quantity of all tools over time.
+struct Chart<'a> {
+    heading: &'static str,
+    tools: &'a [Trace],
+    /// What is as small as this is rounding, and drawn as 0 [SI].
+    rounding: f64,
+}
+
+impl Chart<'_> {
+    /// The values of all axes of all tools.
+    fn values(&self) -> impl Iterator<Item = &f64> {
+        self.tools.iter().flatten().flatten()
+    }
+
+    /// What the values span; nothing where all is rounding.
+    fn range(&self) -> Range {
+        let range = Range::of(self.values());
+        if range.low.abs().max(range.high.abs()) > self.rounding {
+            range
+        } else {
+            Range { low: 0.0, high: 0.0 }
         }
     }
-    svg.push_str("\"/>\n");
-}
 
-fn words(svg: &mut String, x: f64, y: f64, anchor: &str, text: &str) {
-    let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>");
-}
-
-/// Values of all tools over time, below a heading.
-fn chart(svg: &mut String, row: usize, heading: &str, tools: &[Trace]) {
-    let top = TOP + row as f64 * (H + 32.0);
-    let all = || tools.iter().flatten().flat_map(|p| p.iter().copied());
-    let (low, high) = all().fold((0.0_f64, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-    let scale = if high - low > ROUNDING[row] { H / (high - low) } else { 0.0 };
-    let (low, high) = if scale > 0.0 { (low, high) } else { (0.0, 0.0) };
-    let y = |x: f64| top + H - (x - low) * scale;
-    let _ = writeln!(
-        svg,
-        "<path stroke=\"#999\" fill=\"none\" d=\"M{LEFT},{top}V{0}M{LEFT},{1}H{2}\"/>",
-        top + H,
-        y(0.0),
-        LEFT + W
-    );
-    words(svg, LEFT, top - 6.0, "start", heading);
-    // Not where another label stands.
-    for x in [low, 0.0, high].into_iter().filter(|x| *x == 0.0 || (y(*x) - y(0.0)).abs() > 12.0) {
-        words(svg, LEFT - 6.0, y(x) + 4.0, "end", &format!("{:.3}", x + 0.0));
-    }
-    for (values, dashes) in tools.iter().zip(DASHES) {
-        let steps = (values.len() - 1).max(1) as f64;
-        for (axis, colour) in COLOURS.iter().enumerate() {
-            let points = values.iter().enumerate().map(|(i, p)| (LEFT + W * i as f64 / steps, y(p[axis])));
-            line(svg, points, colour, dashes);
+    /// Draws the chart in a frame.
+    fn draw(&self, svg: &mut Svg, frame: Area) -> Axes {
+        let steps = self.tools.iter().map(Vec::len).max().unwrap_or(0).saturating_sub(1).max(1);
+        let range = self.range();
+        let up = Range::with_zero([range.low, range.high].iter(), 0.0);
+        let axes = Axes::new(frame, Range { low: 0.0, high: DT * steps as f64 }, up);
+        svg.text(Vector2::new(frame.x, frame.y - 7.0), TextStyle::new(12.0, INK), self.heading);
+        let extremes = format!("{} to {}", thousandths(range.low), thousandths(range.high));
+        svg.text(Vector2::new(frame.right(), frame.y - 7.0), TextStyle::new(11.0, GREY).end(), &extremes);
+        axes.draw_grid(svg);
+        let times: Vec<f64> = (0..=steps).map(|i| DT * i as f64).collect();
+        for (tool, values) in self.tools.iter().enumerate() {
+            for axis in 0..3 {
+                let values: Vec<f64> = values.iter().map(|p| p[axis]).collect();
+                svg.polyline(&axes.curve(&times, &values), dashed(Look::line(joint(axis), CURVE), tool));
+            }
         }
+        axes
     }
 }
 
-/// The paths of all tools from above and from the side, to one scale.
-fn paths(svg: &mut String, ways: &[Trace]) {
-    let size = ways.iter().flatten().map(|p| p.amax()).fold(1e-6, f64::max);
-    for (k, (heading, axes)) in [("x right, y up", (0, 1)), ("x right, z up", (0, 2))].into_iter().enumerate()
-    {
-        let (x0, y0) = (820.0, 180.0 + 280.0 * k as f64);
-        let _ = writeln!(
-            svg,
-            "<path stroke=\"#ccc\" fill=\"none\" d=\"M{0},{y0}h260M{x0},{1}v260\"/>",
-            x0 - 130.0,
-            y0 - 130.0
+/// The paths of all tools in the plane of two axes, `extent` \[m\] from the middle to the edge.
+fn draw_path(svg: &mut Svg, middle: Vector2<f64>, [right, up]: [usize; 2], extent: f64, ways: &[Trace]) {
+    let names = ["x", "y", "z"];
+    let heading = format!("path, {} right, {} up: {extent:.3} m to the edge", names[right], names[up]);
+    svg.text(middle - Vector2::new(0.0, HALF + 8.0), TextStyle::new(12.0, INK).middle(), &heading);
+    for arm in [Vector2::new(HALF, 0.0), Vector2::new(0.0, HALF)] {
+        svg.line(middle - arm, middle + arm, Look::line(RULE, 1.0));
+    }
+    for (tool, way) in ways.iter().enumerate() {
+        let at = |p: &Vector3<f64>| middle + Vector2::new(p[right], -p[up]) * (HALF / extent);
+        let points: Vec<_> = way.iter().map(at).collect();
+        svg.polyline(&thinned(&points, 0.1), dashed(Look::line(INK, CURVE), tool));
+    }
+}
+
+/// Which colour is which axis, and which line which arm, beside the title.
+fn draw_legend(svg: &mut Svg, tools: usize) {
+    let right = LEFT + WIDTH;
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let at = Vector2::new(right - 60.0 + 24.0 * axis as f64, 24.0);
+        svg.text(at, TextStyle::new(12.0, joint(axis)).bold(), name);
+    }
+    if tools > 1 {
+        svg.text(
+            Vector2::new(right - 80.0, 24.0),
+            TextStyle::new(12.0, GREY).end(),
+            "dashed: the second arm",
         );
-        words(svg, x0, y0 - 138.0, "middle", &format!("path, {heading}: {size:.3} m to the edge"));
-        for (way, dashes) in ways.iter().zip(DASHES) {
-            let points = way.iter().map(|p| (x0 + 130.0 * p[axes.0] / size, y0 - 130.0 * p[axes.1] / size));
-            line(svg, points, "#222", dashes);
-        }
     }
 }
 
 /// The sheet of the tools' motion; all have as many positions.
 pub fn draw(name: &str, tools: &[Trace]) -> String {
     let ways: Vec<Trace> = tools.iter().map(|tool| tool.iter().map(|p| p - tool[0]).collect()).collect();
-    let derived = |of: &[Trace]| of.iter().map(|x| derivative(x)).collect::<Vec<_>>();
-    let velocity = derived(&ways);
-    let acceleration = derived(&velocity);
-    let jerk = derived(&acceleration);
-    let mut svg = String::from(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1000 640\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"1000\" height=\"640\" fill=\"#fff\"/>\n",
-    );
-    let title = format!("<tspan font-weight=\"bold\" font-size=\"15\">{name}</tspan>");
-    words(&mut svg, LEFT, 24.0, "start", &title);
-    let rows = [
-        ("way [m]", &ways),
-        ("velocity [m/s]", &velocity),
-        ("acceleration [m/s²]", &acceleration),
-        ("jerk [m/s³]", &jerk),
+    let velocity = derivatives(&ways);
+    let acceleration = derivatives(&velocity);
+    let jerk = derivatives(&acceleration);
+    let charts = [
+        Chart { heading: "way [m]", tools: &ways, rounding: 1e-9 },
+        Chart { heading: "velocity [m/s]", tools: &velocity, rounding: 1e-7 },
+        Chart { heading: "acceleration [m/s²]", tools: &acceleration, rounding: 1e-5 },
+        Chart { heading: "jerk [m/s³]", tools: &jerk, rounding: 1e-3 },
     ];
-    for (row, (heading, values)) in rows.into_iter().enumerate() {
-        chart(&mut svg, row, heading, values);
-    }
     let duration = DT * (ways[0].len() - 1) as f64;
-    words(&mut svg, LEFT + W, TOP + 4.0 * (H + 32.0) - 16.0, "end", &format!("{duration:.3} s"));
-    paths(&mut svg, &ways);
-    for (axis, colour) in COLOURS.iter().enumerate() {
-        let name = format!("<tspan fill=\"{colour}\">{}</tspan>", ["x", "y", "z"][axis]);
-        words(&mut svg, LEFT + W - 60.0 + 24.0 * axis as f64, 24.0, "start", &name);
-    }
-    if tools.len() > 1 {
-        words(&mut svg, LEFT + W - 80.0, 24.0, "end", "dashed: the second arm");
-    }
-    svg + "</svg>\n"
+    let extent = ways.iter().flatten().map(|p| p.amax()).fold(1e-6, f64::max);
+    Page::new(name, PAGE[0], PAGE[1]).draw(|svg| {
+        svg.text(Vector2::new(LEFT, 24.0), TextStyle::new(15.0, INK).bold(), name);
+        draw_legend(svg, tools.len());
+        for (row, chart) in charts.iter().enumerate() {
+            let frame = Area { x: LEFT, y: TOP + DOWN * row as f64, width: WIDTH, height: HEIGHT };
+            let axes = chart.draw(svg, frame);
+            if row + 1 == charts.len() {
+                axes.draw_labels_below(svg);
+                let end = Vector2::new(frame.right() + 18.0, frame.bottom() + 16.0);
+                svg.text(end, TextStyle::new(11.0, INK), &format!("time [s], {duration:.3} in all"));
+            }
+        }
+        draw_path(svg, Vector2::new(820.0, 184.0), [0, 1], extent, &ways);
+        draw_path(svg, Vector2::new(820.0, 464.0), [0, 2], extent, &ways);
+    })
 }
