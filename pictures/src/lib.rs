@@ -23,6 +23,7 @@ mod closeup;
 mod curves;
 mod figures;
 mod film;
+mod floor;
 mod ghosts;
 mod history;
 mod labels;

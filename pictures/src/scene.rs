@@ -7,8 +7,9 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::block::Block;
 use crate::body::{self, Pen};
+use crate::floor::{self, Floor};
 use crate::ghosts::ghosts;
-use crate::marks::{arrow, dot, ends, ring};
+use crate::marks::{dot, ends, ring};
 use crate::panel;
 use crate::playback::{self, Playback};
 use crate::projection::{Extent, Projection, View};
@@ -16,7 +17,6 @@ use crate::stick::{Motion, Stick};
 use crate::svg::palette::{FLOOR, GREY, GRID, INK, RULE, WHITE};
 use crate::svg::{Area, Colour, Look, Range, Svg, TextStyle, Ticks, shortened, step, thinned};
 use crate::tool_path::{LEVELS, ToolPath, level_colour};
-use crate::wording::metres;
 
 /// A robot as it is drawn.
 #[derive(Clone, Debug)]
@@ -50,28 +50,6 @@ const HIGHEST: f64 = 600.0;
 
 /// Least extent of a view \[m\].
 const LEAST: f64 = 0.05;
-
-/// What the robots stand on: whole tiles.
-#[derive(Clone, Copy, Debug)]
-struct Floor {
-    /// \[m\]
-    x: Range,
-    /// \[m\]
-    y: Range,
-    /// \[m\]
-    height: f64,
-    /// Edge of a tile \[m\].
-    tile: f64,
-}
-
-impl Floor {
-    /// Its corners, from where x and y are least round to where y is greatest.
-    fn corners(&self) -> [Vector3<f64>; 4] {
-        let Floor { x, y, height, .. } = *self;
-        [[x.low, y.low], [x.high, y.low], [x.high, y.high], [x.low, y.high]]
-            .map(|[x, y]| Vector3::new(x, y, height))
-    }
-}
 
 impl Scene<'_> {
     /// Draws the three views.
@@ -129,8 +107,7 @@ impl Scene<'_> {
     fn floor(&self) -> Floor {
         let ground = self.extent(View::above()).at_least(4.0 * LEAST);
         let heights = self.extent(View::front());
-        let size = self.size();
-        let tile = step(size, 6);
+        let tile = step(self.size(), 6);
         // Whole tiles.
         let tiled = |low: f64, high: f64| Range {
             low: (low / tile - 1e-9).floor() * tile,
@@ -154,9 +131,10 @@ impl Scene<'_> {
     /// The view in space.
     fn space(&self, svg: &mut Svg, area: Area) {
         panel::headed(svg, area, "In space");
-        let Floor { x, y, height, tile } = self.floor();
-        let corners = self.floor().corners();
-        let extent = self.extent_in_space(&self.floor());
+        let floor = self.floor();
+        let Floor { x, y, height, tile } = floor;
+        let corners = floor.corners();
+        let extent = self.extent_in_space(&floor);
         let room = area.inset(ROOM[0], ROOM[1], ROOM[2], ROOM[3]);
         let on = Projection::new(View::space(), &extent, room, extent.scale(room));
 
@@ -171,7 +149,7 @@ impl Scene<'_> {
             lines(x).for_each(|x| svg.line(at(x, y.low), at(x, y.high), Look::new()));
             lines(y).for_each(|y| svg.line(at(x.low, y), at(x.high, y), Look::new()));
         });
-        axes(svg, &on, corners[0], tile);
+        floor::axes(svg, &on, corners[0], tile);
         self.shadows(svg, &on, height);
         self.feet(svg, &on, height);
         self.poses(svg, &on, LARGE.fitting(self.reach() * on.scale, 160.0));
@@ -372,20 +350,6 @@ impl Scene<'_> {
         let ticks = Ticks::around(Range { low: 0.0, high: self.fastest }, 1);
         svg.text(Vector2::new(left + width + 8.0, y), style, &format!("{} m/s", ticks.label(self.fastest)));
     }
-}
-
-/// Arrows along the world's axes from the floor's corner, of a known length \[m\].
-fn axes(svg: &mut Svg, on: &Projection, corner: Vector3<f64>, length: f64) {
-    let style = TextStyle::new(12.0, INK).middle();
-    let from = on.at(corner);
-    for (axis, name) in [(Vector3::x(), "x"), (Vector3::y(), "y"), (Vector3::z(), "z")] {
-        let to = on.at(corner + axis * length);
-        arrow(svg, from, to);
-        let direction = (to - from).try_normalize(1e-9).unwrap_or_else(Vector2::zeros);
-        svg.text_on_lines(to + direction * 11.0 + Vector2::new(0.0, 4.0), style.bold(), WHITE, name);
-    }
-    let middle = 0.5 * (from + on.at(corner + Vector3::x() * length));
-    svg.text_on_lines(middle + Vector2::new(-4.0, 18.0), style.size(11.5), WHITE, &metres(length));
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ impl fmt::Display for Number {
         if fraction == 0 {
             return write!(f, "{sign}{whole}");
         }
-        while fraction % 10 == 0 {
+        while fraction.is_multiple_of(10) {
             fraction /= 10;
             digits -= 1;
         }
