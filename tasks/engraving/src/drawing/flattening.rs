@@ -96,7 +96,7 @@ fn distance_to_segment(p: Vec2, a: Vec2, b: Vec2) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{EllipticalArc, Nurbs};
+    use super::super::{EllipticalArc, PlanarNurbs};
     use super::*;
 
     fn worst(piece: &Piece, tolerance: f64) -> f64 {
@@ -124,7 +124,7 @@ mod tests {
         let controls = (0..7)
             .map(|i| (Vec2::new(f64::from(i) * 5.0, f64::from(i * i % 5) * 9.0), 1.0 + f64::from(i % 3)))
             .collect();
-        let mut pieces = Nurbs::open_uniform(4, controls).pieces().unwrap();
+        let mut pieces = PlanarNurbs::open_uniform(4, controls).pieces().unwrap();
         pieces.extend([arc, cubic]);
         for piece in &pieces {
             for tolerance in [1e-1, 1e-2, 2e-4] {

@@ -27,7 +27,7 @@ pub use ellipse::EllipticalArc;
 pub use import::{Import, read_bytes, read_file, read_str};
 pub use joining::join_touching;
 pub use limits::{Budget, Limits};
-pub use nurbs::Nurbs;
+pub(crate) use nurbs::PlanarNurbs;
 pub use piece::Piece;
 pub use spline::{NaturalSpline, smooth_pieces};
 pub use stroke::{Bounds, Closure, Drawing, Stroke};

@@ -9,7 +9,7 @@ const HIGHEST_DEGREE: usize = 11;
 
 /// A non-uniform rational B-spline.
 #[derive(Clone, Debug)]
-pub struct Nurbs {
+pub struct PlanarNurbs {
     /// Degree, 1..=11.
     pub degree: usize,
     /// Knots, not decreasing, as many as control points + degree + 1.
@@ -18,7 +18,7 @@ pub struct Nurbs {
     pub controls: Vec<(Vec2, f64)>,
 }
 
-impl Nurbs {
+impl PlanarNurbs {
     /// The curve over open uniform knots 0..0, 1, 2, .. k..k, as LinuxCNC's G5.2 means it.
     #[must_use]
     pub fn open_uniform(degree: usize, controls: Vec<(Vec2, f64)>) -> Self {
@@ -111,7 +111,7 @@ mod tests {
             + part(knots[i + p + 1] - u, knots[i + p + 1] - knots[i + 1]) * basis(knots, i + 1, p - 1, u)
     }
 
-    fn agrees(curve: &Nurbs) {
+    fn agrees(curve: &PlanarNurbs) {
         let p = curve.degree;
         let pieces = curve.pieces().unwrap();
         let mut spans: Vec<f64> = curve.knots[p..=curve.controls.len()].to_vec();
@@ -145,27 +145,27 @@ mod tests {
     fn bezier_pieces_follow_the_definition() {
         // Degree 1 with weights is the same line at another parameter: not compared point by point.
         for degree in 2..=5 {
-            agrees(&Nurbs::open_uniform(degree, points(9)));
+            agrees(&PlanarNurbs::open_uniform(degree, points(9)));
         }
     }
 
     #[test]
     fn unclamped_and_repeated_knots_follow_the_definition() {
-        agrees(&Nurbs { degree: 3, knots: (0..12).map(f64::from).collect(), controls: points(8) });
+        agrees(&PlanarNurbs { degree: 3, knots: (0..12).map(f64::from).collect(), controls: points(8) });
         let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0, 3.5, 4.0, 4.0, 4.0, 4.0];
-        agrees(&Nurbs { degree: 3, knots, controls: points(9) });
+        agrees(&PlanarNurbs { degree: 3, knots, controls: points(9) });
         let knots = vec![0.0, 0.5, 1.0, 1.0, 1.0, 2.0, 3.0, 4.0, 4.0];
-        agrees(&Nurbs { degree: 2, knots, controls: points(6) });
+        agrees(&PlanarNurbs { degree: 2, knots, controls: points(6) });
     }
 
     #[test]
     fn bad_splines_are_refused_in_words() {
-        let mut curve = Nurbs::open_uniform(3, points(3));
+        let mut curve = PlanarNurbs::open_uniform(3, points(3));
         assert!(curve.pieces().unwrap_err().contains("needs 4 or more"));
-        curve = Nurbs::open_uniform(3, points(6));
+        curve = PlanarNurbs::open_uniform(3, points(6));
         curve.knots.pop();
         assert!(curve.pieces().unwrap_err().contains("need 10"));
-        curve = Nurbs::open_uniform(3, points(6));
+        curve = PlanarNurbs::open_uniform(3, points(6));
         curve.knots[5] = 0.1;
         assert!(curve.pieces().unwrap_err().contains("decrease"));
     }

@@ -1,7 +1,7 @@
 //! SPLINE: by control points and knots, or through fit points.
 
 use super::entity::{Entity, number};
-use crate::drawing::{NaturalSpline, Nurbs, Piece, Vec2, smooth_pieces};
+use crate::drawing::{NaturalSpline, Piece, PlanarNurbs, Vec2, smooth_pieces};
 use crate::error::DrawingError;
 use std::f64::consts::PI;
 
@@ -49,7 +49,7 @@ pub fn pieces(entity: &Entity<'_>, file: &str) -> Result<Vec<Piece>, DrawingErro
     }
     weights.resize(controls.len(), 1.0);
     let controls: Vec<(Vec2, f64)> = controls.into_iter().zip(weights).collect();
-    Nurbs { degree, knots, controls }.pieces().map_err(malformed)
+    PlanarNurbs { degree, knots, controls }.pieces().map_err(malformed)
 }
 
 fn set_y(points: &mut [Vec2], y: f64) {

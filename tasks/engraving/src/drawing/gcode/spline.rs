@@ -2,7 +2,7 @@
 
 use super::block::{Block, Word};
 use super::{Stop, malformed};
-use crate::drawing::{Nurbs, Piece, Vec2};
+use crate::drawing::{Piece, PlanarNurbs, Vec2};
 
 /// The NURBS that is being collected.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ impl Collected {
     /// The pieces, from where it began.
     pub fn pieces(self) -> Result<Vec<Piece>, Stop> {
         let byte = self.byte;
-        Nurbs::open_uniform(self.order - 1, self.controls).pieces().or_else(|why| {
+        PlanarNurbs::open_uniform(self.order - 1, self.controls).pieces().or_else(|why| {
             malformed(byte, why, "give at least as many points between G5.2 and G5.3 as its order L")
         })
     }
