@@ -71,7 +71,6 @@ pub const ROWS: &[Row] = &rows! {
     shared_drive: SharedDrive<Two, StraightBody>,
     sleep: Sleep<Irp6>,
     smooth_joint_move: SmoothJointMove<Irp6>,
-    smooth_line: SmoothLine<Irp6>,
     spline_track: SplineTrack<Irp6, Points>,
     squeezed_carry: SqueezedCarry<Two, [Wrist; 2], StraightBody>,
     straight_line: StraightLine<Irp6>,

@@ -1,10 +1,11 @@
 //! Straight lines: of the joints, and of the tool.
 //!
 //! In: two ends and limits. Out: the path over a scalar `s` in 0..=1, and the one profile of `s` that keeps every
-//! joint (or translation and rotation alike) within its limits: with `|dq_j|` the way of joint `j`,
-//! `V = min_j V_j / |dq_j|`, `A = min_j A_j / |dq_j|`.
+//! joint (or translation and rotation alike) within its limits: with `|dq_j|` the distance of joint `j`,
+//! `V = min_j V_j / |dq_j|`, `A = min_j A_j / |dq_j|`. Along a line of the tool, the limits' type says which kind of
+//! profile that is: [`MotionLimits`].
 
-use crate::profile::{JerkLimits, ProfileError, ProfileLimits, ProfilePoint, SevenPhase, Trapezoid};
+use crate::profile::{JerkLimits, Profile, ProfileError, ProfileLimits, ProfilePoint, SevenPhase, Trapezoid};
 use mrroc::JointVector;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -43,6 +44,21 @@ impl<J: JointVector> JointLine<J> {
     }
 }
 
+/// Limits of a tool's motion along a path, whose type decides by which kind of profile it moves: [`ToolLimits`] by a
+/// trapezoidal one, [`SmoothToolLimits`] by one with limited jerk.
+pub trait MotionLimits: Copy + 'static {
+    /// The profile of the scalar `s`.
+    type Profile: Profile + 'static;
+
+    /// The fastest profile of `s` from 0 to 1 along a path of this `length` \[m\] and turn `angle` \[rad\], both >= 0,
+    /// within the limits of translation and of rotation at once. A path without length and turn has a profile of no
+    /// distance and no duration.
+    ///
+    /// # Errors
+    /// A length or an angle that is negative or not finite, or a limit that is out of range.
+    fn profile(&self, length: f64, angle: f64) -> Result<Self::Profile, ProfileError>;
+}
+
 /// Limits of a tool's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolLimits {
@@ -52,6 +68,14 @@ pub struct ToolLimits {
     pub rotation: ProfileLimits,
 }
 
+impl MotionLimits for ToolLimits {
+    type Profile = Trapezoid;
+
+    fn profile(&self, length: f64, angle: f64) -> Result<Trapezoid, ProfileError> {
+        unit_profile([(length, self.translation), (angle, self.rotation)])
+    }
+}
+
 /// Limits of a tool's motion, with jerk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothToolLimits {
@@ -59,6 +83,14 @@ pub struct SmoothToolLimits {
     pub translation: JerkLimits,
     /// Of rotation [rad/s], [rad/s^2], [rad/s^3].
     pub rotation: JerkLimits,
+}
+
+impl MotionLimits for SmoothToolLimits {
+    type Profile = SevenPhase;
+
+    fn profile(&self, length: f64, angle: f64) -> Result<SevenPhase, ProfileError> {
+        smooth_unit_profile([(length, self.translation), (angle, self.rotation)])
+    }
 }
 
 /// A tool at an instant of its motion, seen from the frame W of the path.
@@ -167,23 +199,14 @@ impl LinePath {
         }
     }
 
-    /// The fastest profile of `s` from 0 to 1 within `limits` of translation and of rotation at once. A line without
-    /// length and turn has a profile of no distance and no duration.
+    /// The fastest profile of `s` from 0 to 1 within `limits` of translation and of rotation at once, of the kind that
+    /// goes with them. A line without length and turn has a profile of no distance and no duration.
     ///
     /// # Errors
     /// A pose that is not finite or a limit that is not positive.
-    pub fn profile(&self, limits: ToolLimits) -> Result<Trapezoid, ProfileError> {
+    pub fn profile<L: MotionLimits>(&self, limits: L) -> Result<L::Profile, ProfileError> {
         self.check_turn()?;
-        unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
-    }
-
-    /// The same with jerk limited: the fastest profile of `s` from 0 to 1 within `limits`.
-    ///
-    /// # Errors
-    /// A pose that is not finite or a limit that is not positive and finite.
-    pub fn smooth_profile(&self, limits: SmoothToolLimits) -> Result<SevenPhase, ProfileError> {
-        self.check_turn()?;
-        smooth_unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
+        limits.profile(self.length(), self.angle())
     }
 
     /// A turn that is not a number has no angle; it must not pass as none.
@@ -198,7 +221,7 @@ impl LinePath {
 }
 
 /// The jerk-limited profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
-pub(crate) fn smooth_unit_profile(shares: [(f64, JerkLimits); 2]) -> Result<SevenPhase, ProfileError> {
+fn smooth_unit_profile(shares: [(f64, JerkLimits); 2]) -> Result<SevenPhase, ProfileError> {
     let mut distance = 0.0;
     let mut unit = JerkLimits { velocity: f64::MAX, acceleration: f64::MAX, jerk: f64::MAX };
     for (way, share) in shares {
@@ -214,9 +237,7 @@ pub(crate) fn smooth_unit_profile(shares: [(f64, JerkLimits); 2]) -> Result<Seve
 }
 
 /// The profile of `s` in 0..=1 whose every share `way * s` keeps its limits.
-pub(crate) fn unit_profile(
-    shares: impl IntoIterator<Item = (f64, ProfileLimits)>,
-) -> Result<Trapezoid, ProfileError> {
+fn unit_profile(shares: impl IntoIterator<Item = (f64, ProfileLimits)>) -> Result<Trapezoid, ProfileError> {
     let mut distance = 0.0;
     let mut limits = ProfileLimits { velocity: f64::INFINITY, acceleration: f64::MAX };
     for (way, share) in shares {
@@ -276,13 +297,16 @@ mod tests {
     proptest! {
         #[test]
         fn neither_translation_nor_rotation_exceeds_its_limits(from in poses(), to in poses()) {
-            let (line, dt) = (LinePath::new(from, to), 2e-3);
+            let line = LinePath::new(from, to);
+            let dt = 2e-3;
             let tool = ToolLimits { translation: limits(0.3, 1.0), rotation: limits(0.5, 2.0) };
             let profile = line.profile(tool).unwrap();
             let pose = |i: i32| line.pose(profile.at(f64::from(i) * dt).s);
             prop_assert!(line.angle() <= PI + 1e-12);
             for i in 0..(profile.duration() / dt) as i32 + 2 {
-                let (a, b, c) = (pose(i - 1), pose(i), pose(i + 1));
+                let a = pose(i - 1);
+                let b = pose(i);
+                let c = pose(i + 1);
                 let v = (b.translation.vector - a.translation.vector) / dt;
                 let dv = (c.translation.vector - b.translation.vector) / dt - v;
                 let w = (a.rotation.inverse() * b.rotation).scaled_axis() / dt;
@@ -296,12 +320,14 @@ mod tests {
 
         #[test]
         fn velocities_and_accelerations_are_the_derivatives_of_the_pose(from in poses(), to in poses(), x in 0.05..0.95f64) {
-            let (line, h) = (LinePath::new(from, to), 1e-5);
+            let line = LinePath::new(from, to);
+            let h = 1e-5;
             let tool = ToolLimits { translation: limits(0.3, 1.0), rotation: limits(0.5, 2.0) };
             let profile = line.profile(tool).unwrap();
             let at = |t: f64| line.at(&profile.at(t));
-            let (before, here, after) =
-                (at(x * profile.duration() - h), at(x * profile.duration()), at(x * profile.duration() + h));
+            let before = at(x * profile.duration() - h);
+            let here = at(x * profile.duration());
+            let after = at(x * profile.duration() + h);
             let v = (after.pose.translation.vector - before.pose.translation.vector) / (2.0 * h);
             // In the frame of the path: exp(2 h w) q = q'.
             let w = (after.pose.rotation * before.pose.rotation.inverse()).scaled_axis() / (2.0 * h);

@@ -157,7 +157,7 @@ fn a_screw_divides_evenly_and_meets_its_ends() {
     assert!((half - v(1.0 + 0.5_f64.sqrt(), 0.5_f64.sqrt(), 0.15)).norm() < 1e-12, "{half}");
     let limits = JerkLimits { velocity: 0.2, acceleration: 1.0, jerk: 10.0 };
     let limits = SmoothToolLimits { translation: limits, rotation: JerkLimits { velocity: 9.0, ..limits } };
-    let duration = screw.smooth_profile(limits).unwrap().duration();
+    let duration = screw.profile(limits).unwrap().duration();
     assert!((duration - (screw.length() / 0.2 + 0.2 + 0.1)).abs() < 1e-9, "{duration}");
 }
 

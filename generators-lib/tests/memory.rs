@@ -13,7 +13,7 @@ use mrroc_generators::curve::Helix;
 use mrroc_generators::feed::{FedPath, FeedLimits};
 use mrroc_generators::generators::{
     CircularMove, CurveMove, FollowMaster, JointOrder, JointSpline, ReachState, RigidCarry, SharedDrive,
-    SmoothJointMove, SmoothLine, SqueezedCarry, YieldingTransmit,
+    SmoothJointMove, SqueezedCarry, StraightLine, YieldingTransmit,
 };
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
@@ -165,7 +165,7 @@ fn smooth_motions_allocate_nothing() {
     let along = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
     let tool = SmoothToolLimits { translation: along, rotation: along };
     let goal = state.pose * Pose::translation(0.0, 0.03, 0.0);
-    assert_eq!(stepped(SmoothLine::<Irp6>::to(goal, tool), &e, &none, &no_order), 0);
+    assert_eq!(stepped(StraightLine::<Irp6, _>::to(goal, tool), &e, &none, &no_order), 0);
     let via = (state.pose * Pose::translation(0.01, 0.015, 0.0)).translation.vector;
     assert_eq!(stepped(CircularMove::<Irp6>::through(via, goal, tool), &e, &none, &no_order), 0);
     let helix = Helix::about(Vector3::x(), Vector3::zeros(), Vector3::z_axis(), 0.1, 0.0).unwrap();

@@ -12,11 +12,11 @@ use mrroc_generators::generators::{
     AwaitOperator, CircularMove, CompliantTransmit, ConstantOrder, CurveMove, Delay, EyeInHand, FollowMaster,
     ForceLaw, GuardedApproach, GuidedBody, Jog, JointMove, JointSpline, JointVia, LineVia, MovingFrame,
     OrderedForce, PoseSplineMove, ReachState, Replay, RigidCarry, Settle, SharedDrive, Sleep,
-    SmoothJointMove, SmoothLine, SplineTrack, SqueezedCarry, StraightLine, TimeOptimalCurve,
-    TimeOptimalJoints, ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
+    SmoothJointMove, SplineTrack, SqueezedCarry, StraightLine, TimeOptimalCurve, TimeOptimalJoints,
+    ToolOffset, TransmitDisplacement, WatchedTransmit, YieldingTransmit,
 };
 use mrroc_generators::jerk::JointLimits;
-use mrroc_generators::line::ToolLimits;
+use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_generators::teach::Jogging;
 use mrroc_generators::timing::PathLimits;
@@ -35,7 +35,10 @@ fn classes_are_those_of_the_paper() {
     assert_eq!(JointMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(StraightLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(SmoothJointMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
-    assert_eq!(SmoothLine::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
+    assert_eq!(
+        StraightLine::<Gantry, SmoothToolLimits>::CLASS.to_string(),
+        "ECP f*0(c), first step f*2(c, e)"
+    );
     assert_eq!(CircularMove::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(CurveMove::<Gantry, Helix>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");
     assert_eq!(JointSpline::<Gantry>::CLASS.to_string(), "ECP f*0(c), first step f*2(c, e)");

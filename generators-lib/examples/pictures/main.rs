@@ -95,7 +95,7 @@ fn plain() -> Sheets {
         ("smooth_joint_move", alone(SmoothJointMove::<Irp6>::to(goal(), joint_limits()))),
         ("joint_spline", alone(JointSpline::<Irp6>::through(through.clone(), sixth * 0.4, sixth * 1.6, 0.1))),
         ("straight_line", alone(StraightLine::<Irp6>::by(offset(), limits()))),
-        ("smooth_line", alone(SmoothLine::<Irp6>::by(offset(), smooth()))),
+        ("straight_line_with_limited_jerk", alone(StraightLine::<Irp6, _>::by(offset(), smooth()))),
         ("tool_offset", alone(ToolOffset::<Irp6>::by(offset(), limits()))),
         (
             "circular_move",
@@ -267,7 +267,7 @@ fn pairs() -> Sheets {
     let guided = GuidedBody::<Two, [Wrist; 2]>::yielding(Give::FORCE, 1.0, 1.0, 2.0);
     let parallel = InParallel::of(
         StraightLine::<Irp6>::by(offset(), limits()),
-        SmoothLine::<Irp6>::by(Pose::translation(0.0, -0.03, 0.05), smooth()),
+        StraightLine::<Irp6, _>::by(Pose::translation(0.0, -0.03, 0.05), smooth()),
     );
     let constant = ConstantOrder::<Two>::separate([Demand::joints(joints()), Demand::hold()]);
     Ok(vec![

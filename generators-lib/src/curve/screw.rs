@@ -3,8 +3,8 @@
 use mrroc::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use crate::line::{SmoothToolLimits, ToolLimits, smooth_unit_profile, unit_profile};
-use crate::profile::{ProfileError, SevenPhase, Trapezoid};
+use crate::line::MotionLimits;
+use crate::profile::ProfileError;
 
 /// `X(s) = X_0 exp(s log(X_0^-1 X_1))`: every point of the body moves on a helix about the screw's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,8 @@ impl Screw {
     #[must_use]
     pub fn new(from: Pose, to: Pose) -> Self {
         let between = from.inv_mul(&to);
-        let (turn, p) = (between.rotation.scaled_axis(), between.translation.vector);
+        let turn = between.rotation.scaled_axis();
+        let p = between.translation.vector;
         let x = turn.norm();
         // The inverse of the left Jacobian: 1 - 1/2 [turn] + (1/x^2 - cot(x/2) / 2x) [turn]^2.
         let (b, c) = coefficients(x);
@@ -80,24 +81,17 @@ impl Screw {
         if s >= 1.0 {
             return self.to;
         }
-        let (way, turn) = (self.way * s, self.turn * s);
+        let way = self.way * s;
+        let turn = self.turn * s;
         let moved = Translation3::from(displacement(&way, &turn));
         self.from * Pose::from_parts(moved, UnitQuaternion::from_scaled_axis(turn))
     }
 
-    /// The fastest trapezoidal profile of `s` from 0 to 1 within `limits`.
+    /// The fastest profile of `s` from 0 to 1 within `limits`, of the kind that goes with them.
     ///
     /// # Errors
     /// A pose that is not finite or a limit that is not positive.
-    pub fn profile(&self, limits: ToolLimits) -> Result<Trapezoid, ProfileError> {
-        unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
-    }
-
-    /// The fastest jerk-limited profile of `s` from 0 to 1 within `limits`.
-    ///
-    /// # Errors
-    /// A pose that is not finite or a limit that is not positive and finite.
-    pub fn smooth_profile(&self, limits: SmoothToolLimits) -> Result<SevenPhase, ProfileError> {
-        smooth_unit_profile([(self.length(), limits.translation), (self.angle(), limits.rotation)])
+    pub fn profile<L: MotionLimits>(&self, limits: L) -> Result<L::Profile, ProfileError> {
+        limits.profile(self.length(), self.angle())
     }
 }

@@ -4,16 +4,17 @@ use core::marker::PhantomData;
 
 use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
 
-use mrroc_generators::line::{LinePath, ToolLimits};
+use mrroc_generators::line::{LinePath, MotionLimits, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
 
-/// Moves the tool straight to a pose while it turns the short way, by one trapezoidal profile.
+/// Moves the tool straight to a pose while it turns the short way, by one profile, which the type of the limits decides:
+/// `ToolLimits` make it trapezoidal, `SmoothToolLimits` limit its jerk too.
 ///
 /// Starts from the pose demanded last, at rest. No joint coordinates: it serves every robot.
-pub struct StraightLine<R> {
+pub struct StraightLine<R, L: MotionLimits = ToolLimits> {
     goal: Goal,
-    limits: ToolLimits,
-    path: Option<(LinePath, ProfileCursor)>,
+    limits: L,
+    path: Option<(LinePath, ProfileCursor<L::Profile>)>,
     of: PhantomData<R>,
 }
 
@@ -24,18 +25,18 @@ enum Goal {
     Displacement(Pose),
 }
 
-impl<R: Robot> StraightLine<R> {
+impl<R: Robot, L: MotionLimits> StraightLine<R, L> {
     /// To the pose `X_WE` of the tool in the world.
     #[must_use]
     #[allow(non_snake_case)]
-    pub fn to(X_WE: Pose, limits: ToolLimits) -> Self {
+    pub fn to(X_WE: Pose, limits: L) -> Self {
         StraightLine { goal: Goal::Pose(X_WE), limits, path: None, of: PhantomData }
     }
 
     /// By `X_EsE`, in the tool's own axes at the start.
     #[must_use]
     #[allow(non_snake_case)]
-    pub fn by(X_EsE: Pose, limits: ToolLimits) -> Self {
+    pub fn by(X_EsE: Pose, limits: L) -> Self {
         StraightLine { goal: Goal::Displacement(X_EsE), limits, path: None, of: PhantomData }
     }
 
@@ -49,7 +50,7 @@ impl<R: Robot> StraightLine<R> {
 }
 
 #[generator(ecp)]
-impl<R: Robot> StraightLine<R> {
+impl<R: Robot, L: MotionLimits> StraightLine<R, L> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         let start = e.demanded().pose;
         let goal = match self.goal {
@@ -58,7 +59,7 @@ impl<R: Robot> StraightLine<R> {
         };
         let line = LinePath::new(start, goal);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
-        self.path = Some((line, profile.cursor()));
+        self.path = Some((line, ProfileCursor::new(profile)));
         Ok(self.advance(t))
     }
 
@@ -71,29 +72,23 @@ impl<R: Robot> StraightLine<R> {
 mod tests {
     use super::*;
     use mrroc::{Cell, RobotSetup, ServoRecord};
-    use mrroc_generators::profile::ProfileLimits;
+    use mrroc_generators::line::SmoothToolLimits;
+    use mrroc_generators::profile::{JerkLimits, ProfileLimits};
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::{cell::RefCell, rc::Rc, time::Duration};
 
-    #[test]
-    fn the_tool_goes_straight_down_in_the_closed_form_time() {
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+    /// Moves the tool of an arm straight down by 50 mm, sees that it went there straight, and returns how long it took \[s\].
+    fn straight_down(limits: impl MotionLimits) -> f64 {
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let trace = Rc::new(RefCell::new(Vec::new()));
         let recorder = Rc::clone(&trace);
         let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))
             .observe(move |record: &ServoRecord<Irp6>| recorder.borrow_mut().push(record.demanded))
-            .program(|ecp| {
-                let (forward, turn) = (
-                    ProfileLimits { velocity: 0.1, acceleration: 0.5 },
-                    ProfileLimits { velocity: 0.5, acceleration: 2.0 },
-                );
-                let limits = ToolLimits { translation: forward, rotation: turn };
+            .program(move |ecp| {
                 ecp.move_robot((), StraightLine::by(Pose::translation(0.0, 0.0, 0.05), limits)).map(drop)
             });
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
-        // T = D / V + V / A = 0.05 / 0.1 + 0.1 / 0.5.
-        let duration = report.time.as_secs_f64();
-        assert!((0.70..0.72).contains(&duration), "{duration} s");
         // Seen from the tool of the start, it goes along z: to 10 um, as the encoders count the start.
         for q in trace.borrow().iter() {
             let way = irp6.forward(&start).inv_mul(&irp6.forward(q));
@@ -103,5 +98,24 @@ mod tests {
         let end = irp6.forward(trace.borrow().last().expect("recorded"));
         let way = irp6.forward(&start).inv_mul(&end).translation.vector;
         assert!((way.z - 0.05).abs() < 1e-5, "{way}");
+        report.time.as_secs_f64()
+    }
+
+    #[test]
+    fn the_tool_goes_straight_down_in_the_closed_form_time() {
+        let translation = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+        let rotation = ProfileLimits { velocity: 0.5, acceleration: 2.0 };
+        let duration = straight_down(ToolLimits { translation, rotation });
+        // T = D / V + V / A = 0.05 / 0.1 + 0.1 / 0.5.
+        assert!((0.70..0.72).contains(&duration), "{duration} s");
+    }
+
+    #[test]
+    fn with_limited_jerk_it_goes_the_same_way_in_the_closed_form_time() {
+        let translation = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
+        let rotation = JerkLimits { velocity: 0.5, acceleration: 2.0, jerk: 20.0 };
+        let duration = straight_down(SmoothToolLimits { translation, rotation });
+        // T = D / V + V / A + A / J = 0.05 / 0.1 + 0.1 / 0.5 + 0.5 / 5.
+        assert!((0.80..0.82).contains(&duration), "{duration} s");
     }
 }

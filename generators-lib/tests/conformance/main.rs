@@ -12,6 +12,7 @@ use mrroc_generators::curve::Helix;
 use mrroc_generators::force::Give;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::*;
+use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::JerkLimits;
 use mrroc_generators::teach::{Jogging, Space, Taught};
 use mrroc_robots::{Irp6, Irp6FiveDof, Six};
@@ -67,15 +68,15 @@ generator_conformance! {
 }
 
 generator_conformance! {
-    smooth_line: SmoothLine<Irp6>,
+    straight_line_with_limited_jerk: StraightLine<Irp6, SmoothToolLimits>,
     class: "ECP f*0(c), first step f*2(c, e)",
-    make: SmoothLine::by(Pose::new(Vector3::new(0.05, 0.02, 0.1), Vector3::new(0.1, 0.2, 0.3)), smooth_limits(0.3, 1.0, 10.0)),
+    make: StraightLine::by(Pose::new(Vector3::new(0.05, 0.02, 0.1), Vector3::new(0.1, 0.2, 0.3)), smooth_limits(0.3, 1.0, 10.0)),
     given: alone,
     odd: |x| {
-        let mut odd = vec![SmoothLine::to(start(), smooth_limits(0.1, 1.0, 10.0))];
+        let mut odd = vec![StraightLine::to(start(), smooth_limits(0.1, 1.0, 10.0))];
         for [v, a, j] in odd_limits(x) {
-            odd.extend(odd_poses(x).map(|pose| SmoothLine::to(pose, smooth_limits(v, a, j))));
-            odd.extend(odd_poses(x).map(|pose| SmoothLine::by(pose, smooth_limits(v, a, j))));
+            odd.extend(odd_poses(x).map(|pose| StraightLine::to(pose, smooth_limits(v, a, j))));
+            odd.extend(odd_poses(x).map(|pose| StraightLine::by(pose, smooth_limits(v, a, j))));
         }
         odd
     },

@@ -4,16 +4,17 @@ use core::marker::PhantomData;
 
 use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
 
-use mrroc_generators::line::{LinePath, ToolLimits};
+use mrroc_generators::line::{LinePath, MotionLimits, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
 
-/// Moves the tool straight to a pose while it turns the short way, by one trapezoidal profile.
+/// Moves the tool straight to a pose while it turns the short way, by one profile, which the type of the limits decides:
+/// `ToolLimits` make it trapezoidal, `SmoothToolLimits` limit its jerk too.
 ///
 /// Starts from the pose demanded last, at rest. No joint coordinates: it serves every robot.
-pub struct MyLine<R> {
+pub struct MyLine<R, L: MotionLimits = ToolLimits> {
     goal: Goal,
-    limits: ToolLimits,
-    path: Option<(LinePath, ProfileCursor)>,
+    limits: L,
+    path: Option<(LinePath, ProfileCursor<L::Profile>)>,
     of: PhantomData<R>,
 }
 
@@ -24,18 +25,18 @@ enum Goal {
     Displacement(Pose),
 }
 
-impl<R: Robot> MyLine<R> {
+impl<R: Robot, L: MotionLimits> MyLine<R, L> {
     /// To the pose `X_WE` of the tool in the world.
     #[must_use]
     #[allow(non_snake_case)]
-    pub fn to(X_WE: Pose, limits: ToolLimits) -> Self {
+    pub fn to(X_WE: Pose, limits: L) -> Self {
         MyLine { goal: Goal::Pose(X_WE), limits, path: None, of: PhantomData }
     }
 
     /// By `X_EsE`, in the tool's own axes at the start.
     #[must_use]
     #[allow(non_snake_case)]
-    pub fn by(X_EsE: Pose, limits: ToolLimits) -> Self {
+    pub fn by(X_EsE: Pose, limits: L) -> Self {
         MyLine { goal: Goal::Displacement(X_EsE), limits, path: None, of: PhantomData }
     }
 
@@ -54,7 +55,7 @@ impl<R: Robot> MyLine<R> {
 }
 
 #[generator(ecp)]
-impl<R: Robot> MyLine<R> {
+impl<R: Robot, L: MotionLimits> MyLine<R, L> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         let start = e.demanded().pose;
         let goal = match self.goal {
@@ -63,7 +64,7 @@ impl<R: Robot> MyLine<R> {
         };
         let line = LinePath::new(start, goal);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
-        self.path = Some((line, profile.cursor()));
+        self.path = Some((line, ProfileCursor::new(profile)));
         Ok(self.advance(t))
     }
 
