@@ -1,7 +1,7 @@
 //! Jerk-limited plans against closed forms, and on inputs at the edge.
 
 use mrroc_generators::jerk::*;
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Vector1, Vector2, Vector3};
 use std::f64::consts::PI;
 
 fn rest(distance: f64, limits: &AxisLimits) -> Result<AxisPlan, JerkError> {
@@ -112,6 +112,64 @@ fn joints_from_rest_to_rest_move_along_a_straight_line() {
     assert_eq!(motion.at(motion.duration()).position, goal);
 }
 
+/// A profile from rest to rest in `k` times the time: velocities shrink by `k`, accelerations by `k^2`, jerks by `k^3`.
+#[test]
+fn joints_take_at_least_the_minimum_duration_and_go_the_same_way() {
+    let start = JointState::rest(Vector3::new(0.1, 0.0, -0.3));
+    let goal = Vector3::new(1.1, -0.4, -0.3);
+    let limits = JointLimits {
+        velocity: Vector3::repeat(0.8),
+        acceleration: Vector3::new(3.0, 2.0, 1.0),
+        jerk: Vector3::new(30.0, 20.0, 9.0),
+    };
+    let lasting =
+        |minimum| SynchronisedMove::with_minimum_duration(&start, &JointTarget::rest(goal), &limits, minimum);
+    let fastest = closed_form(1.0, 0.8, 3.0, 30.0);
+    assert_eq!(lasting(0.5 * fastest).unwrap(), lasting(0.0).unwrap());
+    let k = 2.5;
+    let slow = lasting(k * fastest).unwrap();
+    assert_eq!(slow.duration(), k * fastest);
+    for (joint, way) in [(0, 1.0), (1, -0.4)] {
+        let peaks = slow.peaks(joint).unwrap();
+        let extreme = |(high, low): (f64, f64)| if way > 0.0 { high } else { low };
+        assert!((extreme(peaks.velocity) - 0.8 * way / k).abs() < 1e-12, "{peaks:?}");
+        assert!((extreme(peaks.acceleration) - 3.0 * way / (k * k)).abs() < 1e-12, "{peaks:?}");
+        assert!((extreme(peaks.jerk) - 30.0 * way / (k * k * k)).abs() < 1e-12, "{peaks:?}");
+    }
+    assert_eq!(slow.at(0.5 * slow.duration()).position.z, -0.3);
+    assert_eq!(slow.at(slow.duration()).position, goal);
+    // What has nowhere to go stays for that time.
+    let still =
+        SynchronisedMove::with_minimum_duration(&start, &JointTarget::rest(start.position), &limits, 2.0);
+    assert_eq!(still.unwrap().duration(), 2.0);
+    for bad in [-1e-9, f64::NAN, f64::INFINITY] {
+        assert!(matches!(lasting(bad), Err(JerkError::MinimumDuration(_))), "{bad}");
+    }
+}
+
+/// At 1 m/s with 1 m/s to arrive with, as above: what is too long to go straight on is made long enough to turn round.
+#[test]
+fn a_minimum_duration_that_is_impossible_becomes_the_next_possible_one() {
+    let one = Vector1::repeat(1.0);
+    let start = JointState { velocity: one, ..JointState::rest(Vector1::zeros()) };
+    let target = JointTarget { velocity: one, ..JointTarget::rest(one * 0.01) };
+    let limits = JointLimits { velocity: one * 1.5, acceleration: one * 2.0, jerk: one * 10.0 };
+    let axis = AxisPlan::new(
+        &AxisState { velocity: 1.0, ..AxisState::default() },
+        &AxisTarget { position: 0.01, velocity: 1.0, acceleration: 0.0 },
+        &limits.axis(0),
+    )
+    .unwrap();
+    let (from, until) = axis.blocked()[0];
+    let motion =
+        SynchronisedMove::with_minimum_duration(&start, &target, &limits, 0.5 * (from + until)).unwrap();
+    assert_eq!(motion.duration(), until);
+    // And where the end is to fall on a step as well, on the first one after that.
+    let duration = MoveDuration { minimum: 0.5 * (from + until), step: Some(0.25) };
+    let motion = SynchronisedMove::with_limits(&start, &target, |i| limits.axis(i), duration).unwrap();
+    assert_eq!(motion.duration(), (until / 0.25).ceil() * 0.25);
+}
+
 #[test]
 fn what_makes_no_plan_is_refused_with_its_numbers() {
     let good = AxisLimits::symmetric(1.0, 2.0, 10.0);
@@ -159,13 +217,13 @@ fn a_start_outside_the_limits_is_first_brought_back() {
         AxisPlan::new(&start, &AxisTarget::default(), &limits).unwrap()
     };
     // 1.1 m/s at -10 m/s^3: the limit is passed when 5 t^2 = 0.1.
-    assert!((from(1.1, 0.0).braking() - 0.02_f64.sqrt()).abs() < 1e-15);
+    assert!((from(1.1, 0.0).recovery_time() - 0.02_f64.sqrt()).abs() < 1e-15);
     // 2.5 m/s^2 is 2 after 0.05 s; -3 is -2 after 0.1 s.
-    assert!((from(0.0, 2.5).braking() - 0.05).abs() < 1e-15);
-    assert!((from(0.0, -3.0).braking() - 0.1).abs() < 1e-15);
+    assert!((from(0.0, 2.5).recovery_time() - 0.05).abs() < 1e-15);
+    assert!((from(0.0, -3.0).recovery_time() - 0.1).abs() < 1e-15);
     // 3 m/s: -2 m/s^2 after 0.2 s at 2.8 m/s, then 0.9 s.
-    assert!((from(3.0, 0.0).braking() - 1.1).abs() < 1e-12);
-    assert_eq!(from(1.0, -2.0).braking(), 0.0);
+    assert!((from(3.0, 0.0).recovery_time() - 1.1).abs() < 1e-12);
+    assert_eq!(from(1.0, -2.0).recovery_time(), 0.0);
 }
 
 #[test]

@@ -143,7 +143,7 @@ fn a_start_outside_the_limits_comes_back_and_reaches_its_target() {
         let longer = plan.possible_from(1.5 * plan.least());
         for profile in [plan.fastest(), plan.lasting(longer).unwrap()] {
             let what = || format!("{start:?} {target:?} {limits:?}");
-            let (back, end) = (plan.braking(), profile.duration());
+            let (back, end) = (plan.recovery_time(), profile.duration());
             let before = profile.at(end.next_down());
             let size = 1.0 + (start.velocity.abs() + limits.max_velocity) * end;
             assert!((before.position - target.position).abs() < 1e-9 * size, "{before:?} {}", what());
@@ -180,7 +180,7 @@ fn the_rest_of_a_fastest_motion_is_a_fastest_motion() {
         let from = AxisState { position, velocity, acceleration };
         let expected = fastest.duration() - t;
         // On the way to a target with an acceleration there are states that, but for the target, must leave the limits.
-        if AxisPlan::new(&from, &target, &limits).is_ok_and(|plan| plan.braking() > 0.0) {
+        if AxisPlan::new(&from, &target, &limits).is_ok_and(|plan| plan.recovery_time() > 0.0) {
             continue;
         }
         // A sum of rounding errors is a distance, which at the least jerk takes its cube root of time; and where the
@@ -212,8 +212,10 @@ fn axes_arrive_together_on_a_step_within_their_limits() {
             velocity: vector(|x| x.1.velocity),
             acceleration: vector(|x| x.1.acceleration),
         };
-        let free = SynchronisedMove::with_limits(&start, &target, |i| axes[i].2, None).unwrap();
-        let whole = SynchronisedMove::with_limits(&start, &target, |i| axes[i].2, Some(DT)).unwrap();
+        let free =
+            SynchronisedMove::with_limits(&start, &target, |i| axes[i].2, MoveDuration::default()).unwrap();
+        let on_step = MoveDuration { step: Some(DT), ..MoveDuration::default() };
+        let whole = SynchronisedMove::with_limits(&start, &target, |i| axes[i].2, on_step).unwrap();
         let steps = whole.duration() / DT;
         assert!(whole.duration() >= free.duration() && (steps - steps.round()).abs() < 1e-6 * steps.max(1.0));
         for motion in [free, whole] {

@@ -46,7 +46,7 @@ fn synchronised<const N: usize>(case: &Case) -> SynchronisedMove<SVector<f64, N>
         velocity: SVector::from_fn(|i, _| case.axes[i].1.velocity),
         acceleration: SVector::from_fn(|i, _| case.axes[i].1.acceleration),
     };
-    SynchronisedMove::with_limits(&start, &target, |i| case.axes[i].2, None)
+    SynchronisedMove::with_limits(&start, &target, |i| case.axes[i].2, MoveDuration::default())
         .unwrap_or_else(|e| panic!("{e} {} {:?}", case.kind, case.axes))
 }
 

@@ -27,7 +27,8 @@ impl<J: JointVector> MoveCursor<J> {
         self.time += dt;
         // The sum of n increments may miss n * dt by rounding; that must not cost a step.
         if self.motion.duration() - self.time <= 1e-9 * dt {
-            (self.time, self.ended) = (self.motion.duration(), true);
+            self.time = self.motion.duration();
+            self.ended = true;
         }
         Some(self.here())
     }

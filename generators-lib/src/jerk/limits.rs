@@ -60,6 +60,9 @@ pub enum JerkError {
         /// Its value, SI.
         value: f64,
     },
+    /// A minimum of the duration is negative, infinite or not a number.
+    #[error("minimum duration {0} s must be finite and not negative")]
+    MinimumDuration(f64),
     /// A number of the target lies outside its limits.
     #[error("{name} {value} lies outside its limits {low} to {high}")]
     Outside {

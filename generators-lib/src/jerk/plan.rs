@@ -11,9 +11,9 @@
 //! short to turn round. Where the shortest is not asked for, `D` divides the extremal motions of the duration in a
 //! ratio, and the same ratio of the motions themselves is a motion within the limits.
 
-use super::brake::{Brake, brake};
 use super::extremal::Extremal;
-use super::profile::{End, Phases, mixed};
+use super::profile::{End, Phase, Phases, mixed};
+use super::recovery::{Recovery, recovery};
 use super::rest::rest_to_rest;
 use super::{AxisLimits, AxisState, AxisTarget, JerkError, JerkProfile};
 
@@ -24,9 +24,10 @@ const BLOCKED: usize = 6;
 #[derive(Clone, Copy, Debug)]
 pub struct AxisPlan {
     origin: AxisState,
-    brake: Brake,
-    /// How long the brake takes \[s\], and where it leads to.
+    recovery: Recovery,
+    /// How long the recovery takes \[s\].
     delay: f64,
+    /// The state that the recovery leads to.
     start: AxisState,
     target: AxisTarget,
     limits: AxisLimits,
@@ -70,15 +71,15 @@ impl AxisPlan {
         limits.validate()?;
         limits.check(start, target)?;
         let origin = start;
-        let (brake, start) = &brake(origin, limits);
+        let (recovery, start) = &recovery(origin, limits);
         let mut plan = AxisPlan {
             origin: *origin,
-            brake: *brake,
-            delay: brake[0].0 + brake[1].0,
+            recovery: *recovery,
+            delay: recovery[0].duration + recovery[1].duration,
             start: *start,
             target: *target,
             limits: limits.around(start),
-            fastest: [(0.0, 0.0); 7],
+            fastest: [Phase::NONE; 7],
             least: 0.0,
             blocked: [(0.0, 0.0); BLOCKED],
             blocked_count: 0,
@@ -94,7 +95,7 @@ impl AxisPlan {
                         extreme.gaps(way.abs(), false).items[0].map_or(extreme.beginning(), |gap| gap.1);
                     extreme.phases(&place, side.sign())
                 });
-                plan.least = plan.fastest.iter().map(|(duration, _)| duration).sum();
+                plan.least = plan.fastest.iter().map(|phase| phase.duration).sum();
             }
         } else {
             plan.plan_moving(way);
@@ -120,7 +121,9 @@ impl AxisPlan {
         let extremes = [&forwards, &backwards];
         let least_way = extremes[0].least_way();
         // On the fastest change of velocity: to the rounding of what it was computed from.
-        let (beginning, a0, a1) = (extremes[0].beginning(), start.acceleration, target.acceleration);
+        let beginning = extremes[0].beginning();
+        let a0 = start.acceleration;
+        let a1 = target.acceleration;
         let speed = start.velocity.abs() + target.velocity.abs() + (a0 * a0 + a1 * a1) / limits.jerk;
         let rounding = 1e-11 * (way.abs() + least_way.abs())
             + 64.0 * f64::EPSILON * speed * beginning.duration
@@ -142,7 +145,8 @@ impl AxisPlan {
             fastest = (i, *end);
         }
         let (i, place) = fastest;
-        (self.fastest, self.least) = (extremes[i].phases(&place, sides[i].sign()), place.duration);
+        self.fastest = extremes[i].phases(&place, sides[i].sign());
+        self.least = place.duration;
         let later = gaps().filter(|(_, (_, end))| end.duration > place.duration);
         for (slot, (_, (from, end))) in self.blocked.iter_mut().zip(later) {
             *slot = (from.max(place.duration), end.duration);
@@ -156,9 +160,10 @@ impl AxisPlan {
         self.delay + self.least
     }
 
-    /// How long the start is brought back into the limits \[s\]: 0 for one that they allow.
+    /// How long the motion first takes to bring a start that is outside the limits, or cannot help leaving them, back within
+    /// them \[s\]; 0 for any other start.
     #[must_use]
-    pub fn braking(&self) -> f64 {
+    pub fn recovery_time(&self) -> f64 {
         self.delay
     }
 
@@ -207,7 +212,8 @@ impl AxisPlan {
         if next != duration {
             return Err(JerkError::Duration { asked: duration, least: self.least(), next });
         }
-        let (start, target, limits) = (&self.start, &self.target, &self.limits);
+        let start = &self.start;
+        let target = &self.target;
         if duration == self.least() {
             self.write(profile, &self.fastest, duration);
             return Ok(());
@@ -216,21 +222,23 @@ impl AxisPlan {
         let end = if self.rests() {
             let slower = moving / self.least;
             let phases = if self.least == 0.0 {
-                let mut resting = [(0.0, 0.0); 7];
-                resting[0].0 = moving;
+                let mut resting = [Phase::NONE; 7];
+                resting[0].duration = moving;
                 resting
             } else {
-                self.fastest.map(|(duration, jerk)| (duration * slower, jerk / (slower * slower * slower)))
+                self.fastest
+                    .map(|phase| Phase::new(phase.duration * slower, phase.jerk / (slower * slower * slower)))
             };
             self.write(profile, &phases, duration)
         } else {
             let extreme = |side: Side| {
-                let extreme = side.extreme(start, target, limits);
+                let extreme = side.extreme(start, target, &self.limits);
                 extreme.phases(&extreme.lasting(moving), side.sign())
             };
-            let (far, near) = (extreme(Side::Forwards), extreme(Side::Backwards));
-            let position = |phases| End::of(start, phases).point.position;
-            let (high, low) = (position(&far), position(&near));
+            let far = extreme(Side::Forwards);
+            let near = extreme(Side::Backwards);
+            let high = End::of(start, &far).point.position;
+            let low = End::of(start, &near).point.position;
             let share = (target.position - low) / (high - low);
             // Not a number where both extremes are one motion.
             let share = if share >= 0.0 { share.min(1.0) } else { 0.0 };
@@ -240,10 +248,11 @@ impl AxisPlan {
         check_end(start, target, &end)
     }
 
-    /// The brake and then `phases`, of `duration` \[s\] together; returns the end of the phases as they are.
-    fn write(&self, profile: &mut JerkProfile, phases: &[(f64, f64)], duration: f64) -> End {
+    /// The recovery and then `phases`, of `duration` \[s\] together; returns where the phases lead without the correction of
+    /// their rounding.
+    fn write(&self, profile: &mut JerkProfile, phases: &[Phase], duration: f64) -> End {
         if self.delay > 0.0 {
-            profile.append(0.0, &self.origin, &self.brake);
+            profile.append(0.0, &self.origin, &self.recovery);
         }
         let end = profile.append(self.delay, &self.start, phases);
         profile.end_at(duration, &self.target);

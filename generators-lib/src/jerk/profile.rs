@@ -2,11 +2,30 @@
 
 use super::{AxisState, AxisTarget};
 
-/// Most phases: two profiles of seven, merged, behind a brake of two.
+/// Most phases: two profiles of seven, merged, behind a recovery of two.
 pub(super) const PHASES: usize = 16;
 
-/// A duration \[s\] and a jerk [m/s^3] each.
-pub(super) type Phases = [(f64, f64); 7];
+/// A time of constant jerk.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Phase {
+    /// How long it takes \[s\], >= 0.
+    pub duration: f64,
+    /// The jerk [m/s^3].
+    pub jerk: f64,
+}
+
+impl Phase {
+    /// One without duration.
+    pub const NONE: Phase = Phase::new(0.0, 0.0);
+
+    #[inline]
+    pub const fn new(duration: f64, jerk: f64) -> Self {
+        Phase { duration, jerk }
+    }
+}
+
+/// The phases of a profile.
+pub(super) type Phases = [Phase; 7];
 
 /// An axis at an instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,11 +90,11 @@ pub(super) struct End {
 }
 
 impl End {
-    /// From `start` through phases of a duration and a jerk each.
+    /// From `start` through all phases.
     #[inline]
-    pub fn of(start: &AxisState, phases: &[(f64, f64)]) -> Self {
+    pub fn of(start: &AxisState, phases: &[Phase]) -> Self {
         let mut end = End { time: 0.0, point: start.point(), fastest: start.velocity.abs() };
-        for &(duration, jerk) in phases {
+        for &Phase { duration, jerk } in phases {
             if duration > 0.0 {
                 end.point.jerk = jerk;
                 end.advance(duration);
@@ -97,30 +116,35 @@ impl End {
     }
 }
 
-/// The phases of two motions that last as long: `share` of the one and the rest of the other, which is within the limits
-/// if both are, since limits bound a convex set; and how many they are.
-pub(super) fn mixed(ours: &Phases, theirs: &Phases, share: f64) -> ([(f64, f64); 14], usize) {
-    let (mut merged, mut count) = ([(0.0, 0.0); 14], 0);
-    let (mut i, mut k) = (0, 0);
-    let (mut left, mut right) = (ours[0].0, theirs[0].0);
+/// The phases, and how many they are, of a mixture of two motions of one duration: `share` of the one and the rest of the
+/// other. It is within the limits if both are, since limits bound a convex set.
+pub(super) fn mixed(ours: &Phases, theirs: &Phases, share: f64) -> ([Phase; 14], usize) {
+    let mut merged = [Phase::NONE; 14];
+    let mut count = 0;
+    let mut i = 0;
+    let mut k = 0;
+    let mut left = ours[0].duration;
+    let mut right = theirs[0].duration;
     loop {
         // What is left of each phase; at most one of them ends in a turn of the loop, but for both at once.
         while left <= 0.0 {
             i += 1;
             let Some(phase) = ours.get(i) else { return (merged, count) };
-            left = phase.0;
+            left = phase.duration;
         }
         while right <= 0.0 {
             k += 1;
             let Some(phase) = theirs.get(k) else { return (merged, count) };
-            right = phase.0;
+            right = phase.duration;
         }
-        let (a, b) = (ours[i].1, theirs[k].1);
+        let a = ours[i].jerk;
+        let b = theirs[k].jerk;
         let duration = left.min(right);
-        // What both agree on stays as it is.
-        merged[count] = (duration, b + share * (a - b));
+        // Where both have the same jerk, it stays exactly that.
+        merged[count] = Phase::new(duration, b + share * (a - b));
         count += 1;
-        (left, right) = (left - duration, right - duration);
+        left -= duration;
+        right -= duration;
     }
 }
 
@@ -139,13 +163,13 @@ impl Default for JerkProfile {
 }
 
 impl JerkProfile {
-    /// Goes on, or begins, at `time` in the state `start`, through phases of a duration and a jerk each; those without
-    /// duration are left out. Returns where that leads.
+    /// Goes on, or begins, at `time` in the state `start`, through `phases`; those without duration are left out.
+    /// Returns where that leads.
     #[inline]
-    pub(super) fn append(&mut self, time: f64, start: &AxisState, phases: &[(f64, f64)]) -> End {
+    pub(super) fn append(&mut self, time: f64, start: &AxisState, phases: &[Phase]) -> End {
         let mut count = self.phases;
         let mut end = End { time, point: start.point(), fastest: start.velocity.abs() };
-        for &(duration, jerk) in phases {
+        for &Phase { duration, jerk } in phases {
             if duration > 0.0 {
                 end.point.jerk = jerk;
                 self.knots[count] = Knot { time: end.time, point: end.point };
@@ -222,7 +246,8 @@ impl JerkProfile {
         };
         let widen = |(high, low): &mut (f64, f64), x: f64| (*high, *low) = (high.max(x), low.min(x));
         for (knot, next) in self.knots[..self.phases].iter().zip(&self.knots[1..]) {
-            let (here, there) = (knot.point, next.point);
+            let here = knot.point;
+            let there = next.point;
             widen(&mut peaks.velocity, there.velocity);
             widen(&mut peaks.acceleration, there.acceleration);
             widen(&mut peaks.jerk, here.jerk);

@@ -8,11 +8,12 @@
 //! ```
 
 use super::AxisLimits;
-use super::profile::Phases;
+use super::profile::{Phase, Phases};
 
 /// The fastest motion from rest by `way` \[m\] > 0 in the `direction` 1 or -1, if both accelerations are the same.
 pub(super) fn rest_to_rest(way: f64, direction: f64, limits: &AxisLimits) -> Option<Phases> {
-    let (a, j) = (limits.max_acceleration, limits.jerk);
+    let a = limits.max_acceleration;
+    let j = limits.jerk;
     if a != -limits.min_acceleration {
         return None;
     }
@@ -29,8 +30,12 @@ pub(super) fn rest_to_rest(way: f64, direction: f64, limits: &AxisLimits) -> Opt
         (0.25 * j * way * way).cbrt()
     };
     let x = if v >= bend { a } else { (j * v).sqrt() };
-    let (t, held) = (x / j, (v / x - x / j).max(0.0));
+    let t = x / j;
+    let held = (v / x - x / j).max(0.0);
     let cruise = if cruise > 0.0 { cruise / v_max } else { 0.0 };
     let jerk = j * direction;
-    Some([(t, jerk), (held, 0.0), (t, -jerk), (cruise, 0.0), (t, -jerk), (held, 0.0), (t, jerk)])
+    let up = Phase::new(t, jerk);
+    let down = Phase::new(t, -jerk);
+    let held = Phase::new(held, 0.0);
+    Some([up, held, down, Phase::new(cruise, 0.0), down, held, up])
 }

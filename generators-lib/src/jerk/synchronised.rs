@@ -41,6 +41,29 @@ pub struct JointTarget<J> {
     pub acceleration: J,
 }
 
+/// What the duration of a motion must keep to; by default it is the shortest that is possible for every axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MoveDuration {
+    /// It is no shorter than this \[s\], finite, >= 0.
+    pub minimum: f64,
+    /// It is rounded up to a whole number of steps of this duration \[s\], finite, > 0: the end falls on a step.
+    pub step: Option<f64>,
+}
+
+impl MoveDuration {
+    fn validate(&self) -> Result<(), JerkError> {
+        if !(self.minimum.is_finite() && self.minimum >= 0.0) {
+            return Err(JerkError::MinimumDuration(self.minimum));
+        }
+        match self.step {
+            Some(step) if !(step.is_finite() && step > 0.0) => {
+                Err(JerkError::Limit { name: "step", value: step, sign: '>' })
+            }
+            Some(_) | None => Ok(()),
+        }
+    }
+}
+
 /// All axes at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointPoint<J> {
@@ -119,10 +142,27 @@ impl<J: JointVector> SynchronisedMove<J> {
         target: &JointTarget<J>,
         limits: &JointLimits<J>,
     ) -> Result<Self, JerkError> {
-        Self::with_limits(start, target, |i| limits.axis(i), None)
+        Self::with_limits(start, target, |i| limits.axis(i), MoveDuration::default())
     }
 
-    /// The same, its duration rounded up to a whole number of steps of `dt` \[s\], > 0: the end falls on a step.
+    /// The fastest of those motions that take at least `minimum` \[s\], finite, >= 0: for an axis that is to arrive together
+    /// with something else, a gripper, another robot, a process. From rest to rest it takes exactly that long, unless the
+    /// limits require longer; an axis that moves at its start or its target may not be able to take just as long, see
+    /// [`AxisPlan::blocked`], and then takes the next longer duration that is possible.
+    ///
+    /// # Errors
+    /// A minimum out of range; and of the first axis that cannot, see [`AxisPlan::new`].
+    pub fn with_minimum_duration(
+        start: &JointState<J>,
+        target: &JointTarget<J>,
+        limits: &JointLimits<J>,
+        minimum: f64,
+    ) -> Result<Self, JerkError> {
+        let duration = MoveDuration { minimum, ..MoveDuration::default() };
+        Self::with_limits(start, target, |i| limits.axis(i), duration)
+    }
+
+    /// The fastest motion whose duration is a whole number of steps of `dt` \[s\], > 0: the end falls on a step.
     ///
     /// # Errors
     /// Of the first axis that cannot; see [`AxisPlan::new`].
@@ -132,37 +172,38 @@ impl<J: JointVector> SynchronisedMove<J> {
         limits: &JointLimits<J>,
         dt: f64,
     ) -> Result<Self, JerkError> {
-        Self::with_limits(start, target, |i| limits.axis(i), Some(dt))
+        let duration = MoveDuration { step: Some(dt), ..MoveDuration::default() };
+        Self::with_limits(start, target, |i| limits.axis(i), duration)
     }
 
-    /// The same within limits of any kind per joint, in whole steps of `dt` \[s\], > 0, if given.
+    /// The fastest motion within limits of each joint that may differ by direction, whose duration keeps to `duration`.
     ///
     /// # Errors
-    /// Of the first axis that cannot; see [`AxisPlan::new`].
+    /// A minimum or a step out of range; and of the first axis that cannot, see [`AxisPlan::new`].
     pub fn with_limits(
         start: &JointState<J>,
         target: &JointTarget<J>,
         limits: impl Fn(usize) -> AxisLimits,
-        dt: Option<f64>,
+        duration: MoveDuration,
     ) -> Result<Self, JerkError> {
-        if let Some(dt) = dt
-            && !(dt.is_finite() && dt > 0.0)
-        {
-            return Err(JerkError::Limit { name: "step", value: dt, sign: '>' });
-        }
+        duration.validate()?;
+        let MoveDuration { minimum, step } = duration;
         let mut plans = [None; MAX_JOINTS];
-        let (mut duration, mut slowest) = (0.0, 0);
+        let mut duration = 0.0;
+        let mut slowest = 0;
         for (i, slot) in plans[..J::LEN].iter_mut().enumerate() {
             let plan = AxisPlan::new(&start.axis(i), &target.axis(i), &limits(i))?;
             if plan.least() > duration {
-                (duration, slowest) = (plan.least(), i);
+                duration = plan.least();
+                slowest = i;
             }
             *slot = Some(plan);
         }
+        duration = duration.max(minimum);
         let plans = || plans.iter().flatten();
         // Every axis moves the duration on once at most.
         for _ in 0..=2 * J::LEN {
-            let whole = match dt {
+            let whole = match step {
                 // A duration that is whole but for rounding must not gain a step.
                 Some(dt) => ((duration / dt - 1e-9).ceil() * dt).max(duration),
                 None => duration,
@@ -208,8 +249,10 @@ impl<J: JointVector> SynchronisedMove<J> {
         let mut all = JointPoint { position: zeros, velocity: zeros, acceleration: zeros, jerk: zeros };
         for (i, axis) in self.axes[..J::LEN].iter().enumerate() {
             let AxisPoint { position, velocity, acceleration, jerk } = axis.at(t);
-            (all.position[i], all.velocity[i]) = (position, velocity);
-            (all.acceleration[i], all.jerk[i]) = (acceleration, jerk);
+            all.position[i] = position;
+            all.velocity[i] = velocity;
+            all.acceleration[i] = acceleration;
+            all.jerk[i] = jerk;
         }
         all
     }
@@ -241,10 +284,12 @@ fn ratio<J: JointVector>(
     lead: usize,
 ) -> Option<f64> {
     let numbers = |i: usize| {
-        let (from, to) = (start.axis(i), target.axis(i));
+        let from = start.axis(i);
+        let to = target.axis(i);
         [to.position - from.position, from.velocity, from.acceleration, to.velocity, to.acceleration]
     };
-    let (ours, theirs) = (numbers(i), numbers(lead));
+    let ours = numbers(i);
+    let theirs = numbers(lead);
     let ratio = ours[0] / theirs[0];
     // A jump of the state as small as rounding makes it.
     let agree = ours.iter().zip(theirs).all(|(x, y)| (x - ratio * y).abs() <= 1e-13 * x.abs());
@@ -254,7 +299,8 @@ fn ratio<J: JointVector>(
 /// Whether a motion with `peaks`, multiplied by `ratio`, keeps `limits`.
 fn within(peaks: &Peaks, ratio: f64, limits: &AxisLimits) -> bool {
     let keeps = |(high, low): (f64, f64), most: f64, least: f64| {
-        let (x, y) = (high * ratio, low * ratio);
+        let x = high * ratio;
+        let y = low * ratio;
         x.max(y) <= most && x.min(y) >= least
     };
     keeps(peaks.velocity, limits.max_velocity, limits.min_velocity)

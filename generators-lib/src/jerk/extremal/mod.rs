@@ -27,7 +27,7 @@ mod free;
 mod one_held;
 mod piece;
 
-use super::profile::Phases;
+use super::profile::{Phase, Phases};
 use super::{AxisLimits, AxisState, AxisTarget};
 use piece::{Held, Piece, Ramps, Value};
 
@@ -99,11 +99,14 @@ impl Extremal {
     /// From `start`, which the limits allow, to the velocity and acceleration of `target`.
     #[inline]
     pub fn new(start: &AxisState, target: &AxisTarget, limits: &AxisLimits) -> Self {
-        let (j, v_max) = (limits.jerk, limits.max_velocity);
+        let j = limits.jerk;
+        let v_max = limits.max_velocity;
         let per_j = 1.0 / j;
-        let (a0, a1) = (start.acceleration, target.acceleration);
+        let a0 = start.acceleration;
+        let a1 = target.acceleration;
         let base = |v: f64, a: f64| v - 0.5 * a * a * per_j;
-        let (b0, b1) = (base(start.velocity, a0), base(target.velocity, a1));
+        let b0 = base(start.velocity, a0);
+        let b1 = base(target.velocity, a1);
         let from_base = |b: f64, a: f64| (b + a * a * per_j * (1.0 / 6.0)) * a * per_j;
         let ahead = [(a0 - a1) * per_j, from_base(b0, a0) - from_base(b1, a1)];
         // Differences of squares as small as the rounding of what they come from are none: their roots would not be small.
@@ -118,8 +121,10 @@ impl Extremal {
         // Where both are equally high, as it suits a start and a target on one ramp.
         let first_is_higher = if k == 0.0 { a0 <= 0.0 } else { b0 > b1 };
         let (higher, lower) = if first_is_higher { (0, 1) } else { (1, 0) };
-        let (g, l) = (bases[higher], bases[lower]);
-        let (a_g, a_l) = (accelerations[higher], accelerations[lower]);
+        let g = bases[higher];
+        let l = bases[lower];
+        let a_g = accelerations[higher];
+        let a_l = accelerations[lower];
         // The first ramp is at least `a0`, the second at least `-a1`: where `y` must be higher than from its base, `x` is at
         // least so high, or so low.
         let (edge_x, edge_y) = if first_is_higher { (a0, -a1) } else { (-a1, a0) };
@@ -190,7 +195,8 @@ impl Extremal {
                     return None;
                 }
                 let x = from.max(a_g);
-                let (v_g, v_l) = (g + x * x * per_j, l + a_l * a_l * per_j);
+                let v_g = g + x * x * per_j;
+                let v_l = l + a_l * a_l * per_j;
                 if stage == 5 {
                     if v_g >= v_l {
                         return None;
@@ -298,7 +304,8 @@ impl Extremal {
                         }
                     };
                 }
-                (here, from) = (end, cut);
+                here = end;
+                from = cut;
             }
         }
         gaps
@@ -309,7 +316,8 @@ impl Extremal {
     pub fn lasting(&self, duration: f64) -> Place {
         let time = duration + self.ahead[0];
         let (first, beginning, _) = self.first;
-        let (mut known, mut before) = (Some(beginning), 0.0);
+        let mut known = Some(beginning);
+        let mut before = 0.0;
         for stage in first..STAGES - 1 {
             let Some(piece) = known.take().or_else(|| self.piece(stage)) else { continue };
             before = self.ramps.time(piece.held, piece.to);
@@ -320,14 +328,15 @@ impl Extremal {
         Place { held: Held::Velocity, z: (time - before).max(0.0), duration }
     }
 
-    /// The motion itself, as phases of a duration and a jerk each; `direction` 1, or -1 for the mirrored axis.
+    /// The motion itself, as phases; `direction` 1, or -1 for the mirrored axis.
     pub fn phases(&self, place: &Place, direction: f64) -> Phases {
         let Ramps { j, per_j, .. } = self.ramps;
         let (peak, cruise) = self.ramps.peak(place.held, place.z);
         let heights = self.ramps.heights(place.held, place.z);
         let edges = [self.ends[0], -self.ends[1]];
         let ramp = |side: usize| {
-            let (a, rise) = (self.accelerations[side], (peak - self.bases[side]).max(0.0));
+            let a = self.accelerations[side];
+            let rise = (peak - self.bases[side]).max(0.0);
             match heights[if self.first_is_higher { side } else { 1 - side }] {
                 Some(height) => (height, 0.0),
                 // The velocity before a target may be above the limit by rounding: the height is that of the target then.
@@ -335,23 +344,26 @@ impl Extremal {
                 None => (a, (rise / a - a * per_j).max(0.0)),
             }
         };
-        let ((up, up_held), (down, down_held)) = (ramp(0), ramp(1));
+        let (up, up_held) = ramp(0);
+        let (down, down_held) = ramp(1);
         // Where the acceleration never is 0, the two middle phases of one jerk are one.
         let (up_end, down_begin) = if up < 0.0 || down < 0.0 { (up + down, 0.0) } else { (up, down) };
         let signed = j * direction;
-        let (mut first, mut last) = ((up - self.ends[0]) * per_j, (down + self.ends[1]) * per_j);
+        let mut first = (up - self.ends[0]) * per_j;
+        let mut last = (down + self.ends[1]) * per_j;
         // Both ends are on one ramp.
         if up == 0.0 && down == 0.0 && cruise == 0.0 {
-            (first, last) = (first + last, 0.0);
+            first += last;
+            last = 0.0;
         }
         [
-            (first, signed),
-            (up_held, 0.0),
-            (up_end * per_j, -signed),
-            (cruise, 0.0),
-            (down_begin * per_j, -signed),
-            (down_held, 0.0),
-            (last, signed),
+            Phase::new(first, signed),
+            Phase::new(up_held, 0.0),
+            Phase::new(up_end * per_j, -signed),
+            Phase::new(cruise, 0.0),
+            Phase::new(down_begin * per_j, -signed),
+            Phase::new(down_held, 0.0),
+            Phase::new(last, signed),
         ]
     }
 }

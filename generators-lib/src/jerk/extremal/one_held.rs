@@ -5,7 +5,8 @@ use super::Value;
 /// `t = (v - o) / A + A / J`; `T = 2 x / J + t`; `D = (b + v) x / J + (v + o) t / 2`.
 #[inline]
 pub(super) fn value(x: f64, base: f64, other: f64, held: f64, per_j: f64) -> Value {
-    let (i, per_held) = (per_j, 1.0 / held);
+    let i = per_j;
+    let per_held = 1.0 / held;
     let v = base + x * x * i;
     let t = (v - other) * per_held + held * i;
     let slope = 2.0 * x * i;

@@ -129,7 +129,8 @@ impl Ramps {
     pub fn crossing(&self, piece: &Piece, ends: [&Value; 2], target: f64) -> f64 {
         let [first, last] = ends.map(|value| value.way);
         let rising = last >= first;
-        let (mut low, mut high) = (piece.from, piece.to);
+        let mut low = piece.from;
+        let mut high = piece.to;
         let range = last - first;
         let share = ((target - first) / range).clamp(0.0, 1.0);
         // The way grows with a power between 1 and 3 of the variable.
