@@ -54,7 +54,8 @@ impl<G: Generator> Given<G> {
     /// Nothing of use: what a step function must not look at that does not name it in its class.
     fn nothing() -> Result<Self, Violation> {
         let order = G::Order::get(&[0; WORDS]).map_err(|bad| Violation(bad.to_string()))?;
-        let (e, v) = (<G::Robots as RobotList>::unknown(), <G::Sensors as SensorList>::unknown());
+        let e = <G::Robots as RobotList>::unknown();
+        let v = <G::Sensors as SensorList>::unknown();
         Ok(Given { order: Order::new(order), e: State::new(e), v: Reading::new(v) })
     }
 }
@@ -133,8 +134,8 @@ pub fn has_its_class<G: Generator>(
     ensure(G::CLASS.to_string() == class, || format!("the class is {}, not {class}", G::CLASS))?;
     Given::<G>::nothing()?;
     let told = |step: u64| {
-        let (known, uses) =
-            (given(step), if step == 0 { G::CLASS.first_uses() } else { G::CLASS.next_uses() });
+        let known = given(step);
+        let uses = if step == 0 { G::CLASS.first_uses() } else { G::CLASS.next_uses() };
         let Ok(Given { order, e, v }) = Given::<G>::nothing() else { return known };
         Given {
             order: if uses.order { known.order } else { order },
@@ -142,7 +143,8 @@ pub fn has_its_class<G: Generator>(
             v: if uses.sensors { known.v } else { v },
         }
     };
-    let (all, named) = (Run::of(make(), &given, |_| DT), Run::of(make(), told, |_| DT));
+    let all = Run::of(make(), &given, |_| DT);
+    let named = Run::of(make(), told, |_| DT);
     ensure(all == named, || "it looks at what its class does not name".into())
 }
 
@@ -154,7 +156,8 @@ pub fn is_deterministic<G: Generator>(
     make: impl Fn() -> G,
     given: impl Fn(u64) -> Given<G>,
 ) -> Result<(), Violation> {
-    let (one, two) = (Run::of(make(), &given, |_| DT), Run::of(make(), &given, |_| DT));
+    let one = Run::of(make(), &given, |_| DT);
+    let two = Run::of(make(), &given, |_| DT);
     let at = one.demands.iter().zip(&two.demands).position(|(a, b)| a != b);
     ensure(one == two, || format!("two runs differ, first in step {at:?}"))
 }

@@ -146,7 +146,8 @@ impl ForceControl {
         if dt <= 0.0 {
             return Ok(Pose::identity());
         }
-        let (f, m) = (&reading.force, &reading.torque);
+        let f = &reading.force;
+        let m = &reading.torque;
         // The law speaks of what the tool does to its surroundings.
         let present = -Vector6::new(f.x, f.y, f.z, m.x, m.y, m.z);
         for axis in 0..6 {
@@ -159,14 +160,16 @@ impl ForceControl {
         if !step.iter().all(|x| x.abs() <= FARTHEST) {
             return Err(Fault::thrown("the force law asks for more than 1 m or rad in a step"));
         }
-        let (way, turn) = (Vector3::new(step[0], step[1], step[2]), Vector3::new(step[3], step[4], step[5]));
+        let way = Vector3::new(step[0], step[1], step[2]);
+        let turn = Vector3::new(step[3], step[4], step[5]);
         let R_EE = UnitQuaternion::from_scaled_axis(turn);
         // The velocity goes on in the axes that the tool then has.
         let turned = |from: usize| {
             let v = &self.velocity;
             R_EE.inverse_transform_vector(&Vector3::new(v[from], v[from + 1], v[from + 2]))
         };
-        let (along, about) = (turned(0), turned(3));
+        let along = turned(0);
+        let about = turned(3);
         self.velocity = Vector6::new(along.x, along.y, along.z, about.x, about.y, about.z);
         Ok(Pose::from_parts(Translation3::from(way), R_EE))
     }
@@ -186,9 +189,12 @@ mod tests {
     /// Free space: `u_n = b Fd (1 - r^n)`, `r = b m / (T + b m)`, and the way is `T` times the sum.
     #[test]
     fn a_wanted_load_without_contact_gives_the_step_response_of_a_first_order_lag() {
-        let (b, m, load) = (0.005, 20.0, 10.0);
+        let b = 0.005;
+        let m = 20.0;
+        let load = 10.0;
         let mut law = along_z(Behaviour::Contact { load, give: Give { reciprocal_damping: b, inertia: m } });
-        let (r, mut z) = (b * m / (T + b * m), 0.0);
+        let r = b * m / (T + b * m);
+        let mut z = 0.0;
         for n in 1..=500 {
             z += law.advance(&Wrench::default(), T).expect("finite").translation.z;
             let decay = r.powi(n);
@@ -203,7 +209,9 @@ mod tests {
     fn equal_steps_give_the_increments_of_the_original_law() {
         let give = Give::FORCE;
         let mut law = along_z(Behaviour::Guarded { velocity: 0.02, give });
-        let (b, m, mut delta) = (give.reciprocal_damping, give.inertia, 0.0);
+        let b = give.reciprocal_damping;
+        let m = give.inertia;
+        let mut delta = 0.0;
         for n in 0..200 {
             let felt = 3.0 * (f64::from(n) * 0.1).sin();
             let reading = Wrench::new(Vector3::new(0.0, 0.0, -felt), Vector3::zeros());
@@ -221,7 +229,8 @@ mod tests {
             (Behaviour::Contact { load: 10.0, give: Give::FORCE }, 10.0),
             (Behaviour::Guarded { velocity: 0.02, give: Give::FORCE }, 4.0),
         ] {
-            let (mut law, mut z) = (along_z(behaviour), 0.0_f64);
+            let mut law = along_z(behaviour);
+            let mut z = 0.0_f64;
             for _ in 0..5000 {
                 let reading = Wrench::new(Vector3::new(0.0, 0.0, -stiffness * z.max(0.0)), Vector3::zeros());
                 z += law.advance(&reading, T).expect("finite").translation.z;

@@ -115,7 +115,7 @@ proptest! {
             JerkLimits { velocity: 1.0, acceleration: 3.0, jerk },
         );
         let limits = SmoothToolLimits { translation, rotation };
-        let motion = ViaPoses::new(&poses, limits, (0.02, 0.05)).unwrap();
+        let motion = ViaPoses::new(&poses, limits, PoseDeviation { distance: 0.02, angle: 0.05 }).unwrap();
         let n = 4000;
         let dt = motion.duration() / f64::from(n);
         let mut nearest = vec![(f64::INFINITY, f64::INFINITY); poses.len()];

@@ -23,6 +23,7 @@ use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
 use mrroc_generators::timing::PathLimits;
+use mrroc_generators::via::PoseDeviation;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::{UnitQuaternion, Vector3};
 use stage::*;
@@ -107,14 +108,21 @@ fn plain() -> Sheets {
         ),
         ("curve_move", alone(CurveMove::<Irp6, _>::along(helix, along()))),
         ("joint_via", alone(JointVia::<Irp6>::through(through.clone(), sixth * 0.01, joint_limits()))),
-        ("line_via", alone(LineVia::<Irp6>::through(corners.to_vec(), (0.005, 0.05), smooth()))),
+        (
+            "line_via",
+            alone(LineVia::<Irp6>::through(
+                corners.to_vec(),
+                PoseDeviation { distance: 0.005, angle: 0.05 },
+                smooth(),
+            )),
+        ),
         ("pose_spline_move", alone(PoseSplineMove::<Irp6>::through(corners.to_vec(), smooth()))),
         ("time_optimal_joints", alone(TimeOptimalJoints::<Irp6>::through(through, fastest()))),
         ("time_optimal_curve", alone(TimeOptimalCurve::along(Irp6::nominal(), helix, fastest()))),
         ("spline_track", alone(spline()?)),
         ("moving_frame", alone(onto_the_belt(1.5))),
         ("replay", alone(Replay::<Irp6>::of(taught, sixth, sixth, limits()))),
-        ("jog", alone(Jog::<Irp6, _>::by(panel, (0.5, 1.0), 0))),
+        ("jog", alone(Jog::<Irp6, _>::by(panel, 0.5, 1.0, 0))),
         ("sleep", alone(Sleep::<Irp6>::lasting(0.5))),
         ("delay", alone(Delay::<Irp6>::lasting(0.5))),
         ("await_operator", alone(AwaitOperator::<Irp6, _>::until(confirmed))),
@@ -155,7 +163,15 @@ fn told() -> Sheets {
     let pressed = |_: u64, at: &[Image; 2]| ((), Reading::new((table(&at[0], 0.02),)));
     let object = Pose::new(Vector3::new(0.1, 0.05, 0.15), Vector3::z() * 0.4);
     let camera = Pose::translation(0.0, 0.05, 0.0);
-    let how = Servoing { speed: 0.1, turning: 0.5, ramp: 0.2, gain: 4.0, tolerance: (1e-4, 1e-3), oldest: 2 };
+    let how = Servoing {
+        speed: 0.1,
+        turning: 0.5,
+        ramp: 0.2,
+        gain: 4.0,
+        tolerance: 1e-4,
+        angle_tolerance: 1e-3,
+        oldest: 2,
+    };
     let eye =
         EyeInHand::<Irp6, Camera>::to(Pose::translation(0.0, 0.0, -0.1), camera, |seen| Some(seen.pose), how);
     // The belt is seen every fifth step, two to six steps late.
@@ -166,7 +182,7 @@ fn told() -> Sheets {
     };
     let tracking = Tracking { rate: 15.0, acceleration: 1.0, turning: 5.0 };
     let place = Pose::translation(0.0, 0.1, 0.05);
-    let followed = FollowedFrame::<Irp6, Camera>::to(|seen| Some(seen.pose), place, tracking, (1.0, 1.5), 8);
+    let followed = FollowedFrame::<Irp6, Camera>::to(|seen| Some(seen.pose), place, tracking, 1.0, 1.5, 8);
     let aside = |step: u64, _: &[Image; 2]| {
         let pose = Pose::translation(0.0, if step < 100 { 0.0 } else { 0.01 }, 0.0);
         ((), Reading::new((SensorImage::<Camera>::new(Displacement { pose }, 0),)))

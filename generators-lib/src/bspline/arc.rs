@@ -30,9 +30,12 @@ pub(crate) fn length_measured(span: &Span, a: f64, b: f64) -> (f64, bool) {
     // the grid allows there.
     let floor = AGREEMENT * 1e-4 * whole;
     let width = (b - a) / GRID as f64;
-    let (mut at, mut size, mut sum) = (0, GRID / 2, 0.0);
+    let mut at = 0;
+    let mut size = GRID / 2;
+    let mut sum = 0.0;
     while at < GRID {
-        let (start, end) = (a + width * at as f64, a + width * (at + size) as f64);
+        let start = a + width * at as f64;
+        let end = a + width * (at + size) as f64;
         let fine = length_7(span, start, end);
         if size == 1 || (length_5(span, start, end) - fine).abs() <= (AGREEMENT * fine).max(floor) {
             sum += fine;
@@ -67,7 +70,8 @@ fn inverse(span: &Span, from: f64, to: f64, s: f64, length: impl Fn(f64, f64) ->
     let speed2 = slope.norm_squared();
     let first_order = s / speed2.sqrt();
     let taylor = first_order * (1.0 - 0.5 * first_order * slope.dot(&span.second(from)) / speed2);
-    let (mut low, mut high) = (from, to);
+    let mut low = from;
+    let mut high = to;
     let mut u = from + taylor;
     if !(u > low && u < high) {
         u = 0.5 * (low + high);

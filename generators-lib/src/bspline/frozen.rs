@@ -44,7 +44,8 @@ impl Row {
     #[inline]
     fn new(h: [f64; 4]) -> Self {
         let middle = h[1] + h[2];
-        let (left, right) = (h[0] + middle, middle + h[3]);
+        let left = h[0] + middle;
+        let right = middle + h[3];
         let alpha = h[2] * h[2] / (middle * left);
         let gamma = h[1] * h[1] / (middle * right);
         Self { alpha, beta: 1.0 - alpha - gamma, gamma, ratio: right / left }
@@ -99,7 +100,8 @@ impl Frozen {
         // c_k = r - f c_{k-1}, carried back from the far end.
         let end = row(n.checked_sub(1)?);
         let pivot = 1.0 / (end.beta + end.gamma * (1.0 + end.ratio));
-        let (mut r, mut f) = (points[n - 1] * pivot, (end.alpha - end.gamma * end.ratio) * pivot);
+        let mut r = points[n - 1] * pivot;
+        let mut f = (end.alpha - end.gamma * end.ratio) * pivot;
         for k in (1..n - 1).rev() {
             let Row { alpha, beta, gamma, .. } = row(k);
             let pivot = 1.0 / (beta - gamma * f);
@@ -141,7 +143,8 @@ impl Frozen {
 /// Position and slope at a knot from its three control points and `h_{k-2} .. h_{k+1}`.
 fn knot(c: [Point; 3], h: [f64; 4]) -> (Point, Point) {
     let Row { alpha, beta, gamma, .. } = Row::new(h);
-    let (before, after) = (h[1], h[2]);
+    let before = h[1];
+    let after = h[2];
     let d0 = (c[1] - c[0]) * (3.0 / (h[0] + before + after));
     let d1 = (c[2] - c[1]) * (3.0 / (before + after + h[3]));
     (c[0] * alpha + c[1] * beta + c[2] * gamma, (d0 * after + d1 * before) / (before + after))

@@ -26,7 +26,8 @@ pub(super) fn length_7(span: &Span, a: f64, b: f64) -> f64 {
 
 #[inline]
 fn rule<const N: usize>(span: &Span, a: f64, b: f64, centre: f64, nodes: &[(f64, f64); N]) -> f64 {
-    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let middle = 0.5 * (a + b);
+    let half = 0.5 * (b - a);
     let pairs = nodes.iter().fold(centre * span.first(middle).norm(), |sum, (x, weight)| {
         let offset = x * half;
         sum + weight * (span.first(middle - offset).norm() + span.first(middle + offset).norm())

@@ -219,7 +219,8 @@ impl MovingSegment {
         }
         let newest = self.first + self.count - 1;
         let here = self.points[newest];
-        let (before, after) = (here - self.points[newest - 1], next - here);
+        let before = here - self.points[newest - 1];
+        let after = next - here;
         match self.newest {
             Junction::Smooth => false,
             Junction::Corner => true,
@@ -257,7 +258,8 @@ impl MovingSegment {
 
     /// Solves the window, shifts it by one point, and gives the span that this completes.
     fn step(&mut self, draining: bool) -> Option<(Span, Part, SpanEnd)> {
-        let (n, at) = (self.count, self.first);
+        let n = self.count;
+        let at = self.first;
         let end = if draining && n == 2 { SpanEnd::Rest } else { SpanEnd::Continued };
         let complete = match self.settings.method {
             Method::FrozenControlPoints => self
@@ -305,7 +307,10 @@ impl MovingSegment {
     #[inline]
     fn hold(&mut self, m0: Vector3<f64>, m1: Vector3<f64>) -> Option<(Span, Part, SpanEnd)> {
         let at = self.first;
-        let (p0, p1, h, part) = (self.points[at], self.points[at + 1], self.h[at], self.parts[at]);
+        let p0 = self.points[at];
+        let p1 = self.points[at + 1];
+        let h = self.h[at];
+        let part = self.parts[at];
         let second = (self.chords[at] * 3.0 - m0 * 2.0 - m1) * (2.0 / h);
         let now = Held { start: [p0, m0, second], end: [p1, m1], h, part };
         let held = self.held.replace(now)?;

@@ -39,7 +39,8 @@ impl Span {
     #[must_use]
     #[inline]
     pub fn quintic(start: [Vector3<f64>; 3], end: [Vector3<f64>; 3], h: f64) -> Self {
-        let ([p0, v0, a0], [p1, v1, a1]) = (start, end);
+        let [p0, v0, a0] = start;
+        let [p1, v1, a1] = end;
         let d = p1 - p0 - v0 * h - a0 * (0.5 * h * h);
         let v = (v1 - v0 - a0 * h) * h;
         let a = (a1 - a0) * (0.5 * h * h);

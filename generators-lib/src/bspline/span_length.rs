@@ -41,8 +41,11 @@ fn cubic(f: [f64; 4]) -> [f64; 4] {
         1.0 / (Y[3] - Y[1]),
         1.0 / (Y[3] - Y[0]),
     ];
-    let (a, b, c) = ((f[1] - f[0]) * BY[0], (f[2] - f[1]) * BY[1], (f[3] - f[2]) * BY[2]);
-    let (d, e) = ((b - a) * BY[3], (c - b) * BY[4]);
+    let a = (f[1] - f[0]) * BY[0];
+    let b = (f[2] - f[1]) * BY[1];
+    let c = (f[3] - f[2]) * BY[2];
+    let d = (b - a) * BY[3];
+    let e = (c - b) * BY[4];
     let g = (e - d) * BY[5];
     // f0 + (y - y0) (a + (y - y1) (d + (y - y2) g)), multiplied out.
     let quadratic = d - g * (Y[0] + Y[1] + Y[2]);
@@ -56,16 +59,24 @@ impl SpanLength {
     pub fn new(span: &Span) -> Option<Self> {
         let half = 0.5 * span.knot_span();
         let speed = |x: f64| span.first(half * (1.0 + x)).norm();
-        let (mut even, mut odd) = ([0.0; 4], [0.0; 4]);
+        let mut even = [0.0; 4];
+        let mut odd = [0.0; 4];
         for (k, x) in NODES.into_iter().enumerate() {
-            let (ahead, behind) = (speed(x), speed(-x));
-            (even[k], odd[k]) = (0.5 * (ahead + behind), 0.5 * (ahead - behind) / x);
+            let ahead = speed(x);
+            let behind = speed(-x);
+            even[k] = 0.5 * (ahead + behind);
+            odd[k] = 0.5 * (ahead - behind) / x;
         }
-        let (e, o) = (cubic(even), cubic(odd));
+        let e = cubic(even);
+        let o = cubic(odd);
         // T_6 = 32 x^6 - 48 x^4 .., T_7 = 64 x^7 - 112 x^5 .., T_4 = 8 x^4 .., T_5 = 16 x^5 ..
-        let (c6, c7) = (e[3] / 32.0, o[3] / 64.0);
-        let (c4, c5) = ((e[2] + 48.0 * c6) / 8.0, (o[2] + 112.0 * c7) / 16.0);
-        let (last, before, mean) = (c6.abs() + c7.abs(), c4.abs() + c5.abs(), even[1]);
+        let c6 = e[3] / 32.0;
+        let c7 = o[3] / 64.0;
+        let c4 = (e[2] + 48.0 * c6) / 8.0;
+        let c5 = (o[2] + 112.0 * c7) / 16.0;
+        let last = c6.abs() + c7.abs();
+        let before = c4.abs() + c5.abs();
+        let mean = even[1];
         if !(last <= ROUNDING * mean || last * last <= ERROR * mean * before) {
             return None;
         }
@@ -82,7 +93,8 @@ impl SpanLength {
     /// The antiderivative and its first two derivatives by `x`.
     #[inline]
     fn taylor(&self, x: f64) -> [f64; 3] {
-        let (q, x2) = (&self.q, x * x);
+        let q = &self.q;
+        let x2 = x * x;
         let x4 = x2 * x2;
         // By pairs (Estrin), which do not wait for each other.
         let pairs = |c: [f64; 8]| {
@@ -104,7 +116,8 @@ impl SpanLength {
     #[inline]
     #[must_use]
     pub fn parameter_at(&self, s: f64, near: f64) -> f64 {
-        let (target, mut x) = (s + self.start, near / self.half - 1.0);
+        let target = s + self.start;
+        let mut x = near / self.half - 1.0;
         for _ in 0..16 {
             let [p, first, second] = self.taylor(x);
             let slope = 1.0 / first;
@@ -129,7 +142,8 @@ mod tests {
     /// Some 15 degrees of a circle of radius 1 and a piece of a parabola.
     fn spans() -> [Span; 2] {
         let (sin, cos) = (std::f64::consts::PI / 12.0).sin_cos();
-        let (p, t) = (Vector3::new(cos, sin, 0.0), Vector3::new(-sin, cos, 0.0));
+        let p = Vector3::new(cos, sin, 0.0);
+        let t = Vector3::new(-sin, cos, 0.0);
         let circle = Span::cubic(Vector3::x(), p, Vector3::y() * 0.998, t * 0.998, (p - Vector3::x()).norm());
         let end = Vector3::new(0.15, 0.0225, 0.0);
         [circle, Span::cubic(Vector3::zeros(), end, Vector3::x(), Vector3::new(1.0, 0.3, 0.0), 0.15)]
@@ -138,7 +152,8 @@ mod tests {
     #[test]
     fn lengths_and_parameters_agree_with_those_by_quadrature() {
         for span in spans() {
-            let (table, h) = (SpanLength::new(&span).expect("smooth"), span.knot_span());
+            let table = SpanLength::new(&span).expect("smooth");
+            let h = span.knot_span();
             let whole = length_between(&span, 0.0, h);
             for i in 0..=100 {
                 let u = f64::from(i) * 0.01 * h;
@@ -167,7 +182,8 @@ mod tests {
         let d = |t: f64| Vector3::new(2.0 * t, 3.0 * t * t, 0.0);
         assert_eq!(SpanLength::new(&Span::cubic(p(-0.3), p(1.0), d(-0.3), d(1.0), 1.3)), None);
         // A cusp at an end, of which the speed is a polynomial all the same.
-        let (zero, x) = (Vector3::zeros(), Vector3::x());
+        let zero = Vector3::zeros();
+        let x = Vector3::x();
         assert_eq!(SpanLength::new(&Span::cubic(zero, x, zero, x * 2.0, 1.0)), None);
         let nan = Vector3::repeat(f64::NAN);
         assert_eq!(SpanLength::new(&Span::cubic(nan, p(1.0), d(0.0), d(1.0), 1.0)), None);

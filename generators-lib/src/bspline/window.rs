@@ -38,11 +38,13 @@ pub(super) fn slopes_of_chords(
     start: EndCondition,
     end: EndCondition,
 ) -> Option<(Vector3<f64>, Vector3<f64>)> {
-    let (first, n) = (h.first()?, h.len() + 1);
+    let first = h.first()?;
+    let n = h.len() + 1;
     let mut later = chord(n - 2);
     let (mut r, mut f) = far_end(end, n, h, &later, &chord);
     for k in (1..n - 1).rev() {
-        let (before, after) = (h[k - 1], h[k]);
+        let before = h[k - 1];
+        let after = h[k];
         let earlier = chord(k - 1);
         let pivot = 1.0 / (2.0 * (before + after) - before * f);
         r = ((earlier * after + later * before) * 3.0 - r * before) * pivot;
@@ -55,7 +57,8 @@ pub(super) fn slopes_of_chords(
         EndCondition::NotAKnot if n == 2 => (later * 3.0 - r) / (2.0 - f),
         EndCondition::NotAKnot if n == 3 => (later * 2.0 - r) / (1.0 - f),
         EndCondition::NotAKnot => {
-            let (second, both) = (h[1], first + h[1]);
+            let second = h[1];
+            let both = first + h[1];
             let rhs = (later * ((first + 2.0 * both) * second) + chord(1) * (first * first)) / both;
             (rhs - r * both) / (second - both * f)
         }
@@ -78,7 +81,8 @@ fn far_end(
         EndCondition::NotAKnot if n == 2 => (d * 1.5, 0.5),
         EndCondition::NotAKnot if n == 3 => (d * 2.0, 1.0),
         EndCondition::NotAKnot => {
-            let (last, before) = (h[n - 2], h[n - 3]);
+            let last = h[n - 2];
+            let before = h[n - 3];
             let both = last + before;
             let rhs = (d * ((last + 2.0 * both) * before) + chord(n - 3) * (last * last)) / both;
             (rhs / before, both / before)

@@ -68,7 +68,8 @@ impl<G: Generator<Language = Motion>, S: Sensor> Corrected<G, S> {
 
     /// The correction after `t` more, towards what the sensor says.
     fn advance(&mut self, v: &Reading<(S,)>, t: Tick) -> Result<Pose, Fault> {
-        let (limits, age) = (self.limits, v.0.age());
+        let limits = self.limits;
+        let age = v.0.age();
         if let Some(reading) = v.0.reading() {
             if age > limits.oldest {
                 return Err(Fault::new(FaultKind::SensorStale).exceeds(
@@ -78,7 +79,8 @@ impl<G: Generator<Language = Motion>, S: Sensor> Corrected<G, S> {
                 ));
             }
             let goal = (self.correct)(&reading);
-            let (way, turn) = (goal.translation.vector, goal.rotation.scaled_axis());
+            let way = goal.translation.vector;
+            let turn = goal.rotation.scaled_axis();
             let finite = way.iter().chain(goal.rotation.coords.iter()).all(|x| x.is_finite());
             if !finite || way.norm() > limits.way || turn.norm() > limits.angle {
                 let fault = Fault::thrown("the sensor asks for a correction out of bounds");
@@ -125,8 +127,12 @@ where
     type Order = G::Order;
     const CLASS: Class = {
         let mut class = G::CLASS;
-        (class.first.sensors, class.first.state, class.first.tick) = (true, true, true);
-        (class.next.sensors, class.next.state, class.next.tick) = (true, true, true);
+        class.first.sensors = true;
+        class.first.state = true;
+        class.first.tick = true;
+        class.next.sensors = true;
+        class.next.state = true;
+        class.next.tick = true;
         class
     };
     const ENDS: bool = G::ENDS;
@@ -183,12 +189,15 @@ mod tests {
             Pose::translation(0.2, 0.0, 0.0),
             ToolLimits { translation: limits, rotation: limits },
         );
-        let (speed, ramp, dt) = (0.02, 0.1, 2e-3);
+        let speed = 0.02;
+        let ramp = 0.1;
+        let dt = 2e-3;
         let bounds = CorrectionLimits { speed, turning: 0.1, ramp, way: 0.02, angle: 0.1, oldest: 1 };
         let mut generator = Corrected::<_, Seam>::by(line, |seam| seam.pose, bounds);
         assert_eq!(<Corrected<ToolOffset<Irp6>, Seam> as Generator>::CLASS.to_string(), "ECP f*1(c, v)");
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
-        let (e, c0) = (State::new(RobotImage::new(state, state)), Order::new(()));
+        let e = State::new(RobotImage::new(state, state));
+        let c0 = Order::new(());
         let seam = |y: f64| {
             let pose = Pose::translation(0.0, y, 0.0);
             Reading::<(Seam,)>::new((SensorImage::new(Displacement { pose }, 0),))
@@ -202,7 +211,8 @@ mod tests {
         }
         assert_eq!(step, Ok(Step::Done));
         for w in p.windows(3) {
-            let (v, a) = ((w[1].y - w[0].y) / dt, (w[2].y - 2.0 * w[1].y + w[0].y) / (dt * dt));
+            let v = (w[1].y - w[0].y) / dt;
+            let a = (w[2].y - 2.0 * w[1].y + w[0].y) / (dt * dt);
             assert!(v.abs() <= speed * (1.0 + 1e-9) && a.abs() <= speed / ramp * (1.0 + 1e-6), "{v} {a}");
             assert!(w[2].y < 0.0103, "overshoot: {}", w[2].y);
         }
@@ -232,8 +242,10 @@ mod tests {
         let press = ForceLaw::<Irp6, Wrist>::lasting(law, 4.0, 1);
         let mut generator = Corrected::<_, Seam>::by(press, |seam| seam.pose, bounds);
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
-        let (c0, e) = (Order::new(()), State::new(RobotImage::new(state, state)));
-        let (mut at, t) = (Vector3::<f64>::zeros(), Tick { step: 0, dt: 2e-3, duration: 2e-3 });
+        let c0 = Order::new(());
+        let e = State::new(RobotImage::new(state, state));
+        let mut at = Vector3::<f64>::zeros();
+        let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
         for i in 0..1900 {
             let felt = Wrench::new(Vector3::new(0.0, 0.0, -2000.0 * at.z.max(0.0)), Vector3::zeros());
             let seam = Displacement { pose: Pose::translation(0.0, 0.01, 0.0) };

@@ -22,10 +22,23 @@ pub struct Handover<A: Generator, B, R: Robot> {
 }
 
 enum Stage<R: Robot> {
-    /// The last demand of the first, and its velocity.
-    First(Option<Demand<R>>, Option<Velocity<R::Joints>>),
-    /// Path time since the second began, what is fading, and the last demand of a second that is done.
-    Second(f64, Option<Velocity<R::Joints>>, Option<Demand<R>>, bool),
+    /// The first generator runs.
+    First {
+        /// Its last demand.
+        last: Option<Demand<R>>,
+        /// The velocity between its last two demands.
+        velocity: Option<Velocity<R::Joints>>,
+    },
+    /// The second one runs, or is done.
+    Second {
+        /// Path time since it began \[s\].
+        time: f64,
+        /// The velocity that is fading, until it has.
+        fading: Option<Velocity<R::Joints>>,
+        /// Its last demand.
+        last: Option<Demand<R>>,
+        done: bool,
+    },
 }
 
 #[derive(Clone, Copy)]
@@ -46,16 +59,17 @@ where
     pub fn of(first: A, second: B, fading: f64) -> Self {
         const { assert!(A::CLASS.level as u8 == B::CLASS.level as u8, "both of an MP, or both of an ECP") };
         const { assert!(A::ENDS, "the first must end by itself") };
-        Handover { first, second, fading, stage: Stage::First(None, None) }
+        Handover { first, second, fading, stage: Stage::First { last: None, velocity: None } }
     }
 }
 
 /// The velocity between two demands in the same coordinates, `dt` \[s\] > 0 apart.
-fn velocity<R: Robot>(from: &Demand<R>, to: &Demand<R>, dt: f64) -> Option<Velocity<R::Joints>> {
+fn velocity_between<R: Robot>(from: &Demand<R>, to: &Demand<R>, dt: f64) -> Option<Velocity<R::Joints>> {
     if let (Some(p), Some(q)) = (from.as_joints(), to.as_joints()) {
         return Some(Velocity::Joints((q - p) * (1.0 / dt)));
     }
-    let (from, to) = (from.as_pose()?, to.as_pose()?);
+    let from = from.as_pose()?;
+    let to = to.as_pose()?;
     let way = to.translation.vector - from.translation.vector;
     Some(Velocity::Tool(way / dt, (to.rotation * from.rotation.inverse()).scaled_axis() / dt))
 }
@@ -82,23 +96,23 @@ where
 {
     /// What the second demands, with what is left of the first's velocity.
     fn faded(&mut self, step: Step<R>, t: Tick) -> Result<Step<R>, Fault> {
-        let Stage::Second(time, left, last, done) = &mut self.stage else { return Ok(step) };
+        let Stage::Second { time, fading, last, done } = &mut self.stage else { return Ok(step) };
         *time += t.dt;
         let x = *time / self.fading;
         let demand = match step {
             Step::Next(demand) => demand,
             Step::Done => {
                 *done = true;
-                match (*last, *left) {
+                match (*last, *fading) {
                     (Some(last), Some(_)) if x < 1.0 => last,
                     _ => return Ok(Step::Done),
                 }
             }
         };
         *last = Some(demand);
-        let Some(velocity) = *left else { return Ok(Step::Next(demand)) };
+        let Some(velocity) = *fading else { return Ok(Step::Next(demand)) };
         if x >= 1.0 {
-            *left = None;
+            *fading = None;
             return Ok(Step::Next(demand));
         }
         let share = x - x * x * x * (6.0 - x * (8.0 - 3.0 * x));
@@ -109,13 +123,15 @@ where
     fn lead(
         &mut self,
         step: Step<R>,
-        known: (&Order<A::Order>, &State<R>, &Reading<A::Sensors>),
+        c0: &Order<A::Order>,
+        e: &State<R>,
+        v: &Reading<A::Sensors>,
         t: Tick,
     ) -> Result<Step<R>, Fault> {
-        let Stage::First(last, left) = &mut self.stage else { return Ok(step) };
+        let Stage::First { last, velocity } = &mut self.stage else { return Ok(step) };
         if let Step::Next(demand) = step {
             if let (Some(last), true) = (*last, t.dt > 0.0) {
-                *left = velocity(&last, &demand, t.dt);
+                *velocity = velocity_between(&last, &demand, t.dt);
             }
             *last = Some(demand);
             return Ok(step);
@@ -123,8 +139,8 @@ where
         if !(self.fading.is_finite() && self.fading > 0.0) {
             return Err(Fault::thrown("the time in which a velocity fades must be finite and > 0"));
         }
-        self.stage = Stage::Second(0.0, *left, None, false);
-        let step = self.second.first_step(known.0, known.1, known.2, t)?;
+        self.stage = Stage::Second { time: 0.0, fading: *velocity, last: None, done: false };
+        let step = self.second.first_step(c0, e, v, t)?;
         self.faded(step, t)
     }
 }
@@ -140,10 +156,12 @@ where
     type Sensors = A::Sensors;
     type Order = A::Order;
     const CLASS: Class = {
-        let (a, b) = (A::CLASS, B::CLASS);
+        let a = A::CLASS;
+        let b = B::CLASS;
         // The second may begin in any step, even in the first one.
         let mut next = a.next_uses().and(b.first_uses()).and(b.next_uses());
-        (next.state, next.tick) = (true, true);
+        next.state = true;
+        next.tick = true;
         Class { level: a.level, first: a.first_uses().and(next), next, until: None }
     };
     const ENDS: bool = B::ENDS;
@@ -156,7 +174,7 @@ where
         t: Tick,
     ) -> Result<Step<R>, Fault> {
         let step = self.first.first_step(c0, e, v, t)?;
-        self.lead(step, (c0, e, v), t)
+        self.lead(step, c0, e, v, t)
     }
 
     fn next_step(
@@ -167,11 +185,11 @@ where
         t: Tick,
     ) -> Result<Step<R>, Fault> {
         match self.stage {
-            Stage::First(..) => {
+            Stage::First { .. } => {
                 let step = self.first.next_step(c0, e, v, t)?;
-                self.lead(step, (c0, e, v), t)
+                self.lead(step, c0, e, v, t)
             }
-            Stage::Second(_, _, _, done) => {
+            Stage::Second { done, .. } => {
                 let step = if done { Step::Done } else { self.second.next_step(c0, e, v, t)? };
                 self.faded(step, t)
             }
@@ -194,10 +212,13 @@ mod tests {
     where
         G: Generator<Robots = Irp6, Language = Motion, Sensors = (), Order = ()>,
     {
-        let (mut pose, mut trace) = (start, vec![start.translation.vector]);
+        let mut pose = start;
+        let mut trace = vec![start.translation.vector];
         for step in 0..5000 {
             let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
-            let (c0, e, v) = (Order::new(()), State::new(RobotImage::new(state, state)), Reading::new(()));
+            let c0 = Order::new(());
+            let e = State::new(RobotImage::new(state, state));
+            let v = Reading::new(());
             let t = Tick { step, dt: dt(step), duration: 2e-3 };
             let stepped = if step == 0 {
                 generator.first_step(&c0, &e, &v, t)
@@ -256,7 +277,7 @@ mod tests {
     #[test]
     fn joints_go_on_at_their_velocity() {
         let [from, to] = [0.0, 1e-3].map(|q| Demand::<Irp6>::joints(Six::repeat(q)));
-        let left = velocity(&from, &to, 2e-3).expect("both are joints");
+        let left = velocity_between(&from, &to, 2e-3).expect("both are joints");
         let moved = moved(to, left, 0.1).expect("joints").as_joints().expect("joints");
         assert!((moved - Six::repeat(1e-3 + 0.5 * 0.1)).amax() < 1e-15, "{moved}");
     }

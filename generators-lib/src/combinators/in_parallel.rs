@@ -10,20 +10,22 @@ use super::Joined;
 /// For generators without orders, and of one sensor at most each: the sensors are those of the first, then those of the
 /// second. Its robots have transparent ECPs.
 pub struct InParallel<A, B> {
-    parts: (A, B),
-    done: (bool, bool),
+    first: A,
+    second: B,
+    first_is_done: bool,
+    second_is_done: bool,
 }
 
 impl<A, B> InParallel<A, B> {
     /// The motion of the list's first robot, and that of its second.
     #[must_use]
     pub fn of(first: A, second: B) -> Self {
-        InParallel { parts: (first, second), done: (false, false) }
+        InParallel { first, second, first_is_done: false, second_is_done: false }
     }
 }
 
-/// A demand, or to hold where the generator is done.
-fn told<R: Robot>(step: Step<R>, done: &mut bool) -> Demand<R> {
+/// What a generator demands in a step: to hold from where it is done.
+fn demanded<R: Robot>(step: Step<R>, done: &mut bool) -> Demand<R> {
     match step {
         Step::Next(demand) => demand,
         Step::Done => {
@@ -46,10 +48,13 @@ where
     type Sensors = <A::Sensors as Joined<B::Sensors>>::All;
     type Order = ();
     const CLASS: Class = {
-        let (a, b) = (A::CLASS, B::CLASS);
-        let (mut first, mut next) = (a.first_uses().and(b.first_uses()), a.next_uses().and(b.next_uses()));
+        let a = A::CLASS;
+        let b = B::CLASS;
+        let mut first = a.first_uses().and(b.first_uses());
+        let mut next = a.next_uses().and(b.next_uses());
         // Which of them is done is a state of the coordinator.
-        (first.state, next.state) = (true, true);
+        first.state = true;
+        next.state = true;
         Class { level: Level::Mp, first, next, until: None }
     };
     const ENDS: bool = A::ENDS && B::ENDS;
@@ -62,9 +67,9 @@ where
         t: Tick,
     ) -> Result<Step<(R, S)>, Fault> {
         let v = A::Sensors::split(v);
-        let one = told(self.parts.0.first_step(c0, &State::new(e.0), &v.0, t)?, &mut self.done.0);
-        let two = told(self.parts.1.first_step(c0, &State::new(e.1), &v.1, t)?, &mut self.done.1);
-        Ok(if self.done == (true, true) { Step::Done } else { Step::Next((one, two)) })
+        let one = demanded(self.first.first_step(c0, &State::new(e.0), &v.0, t)?, &mut self.first_is_done);
+        let two = demanded(self.second.first_step(c0, &State::new(e.1), &v.1, t)?, &mut self.second_is_done);
+        Ok(if self.first_is_done && self.second_is_done { Step::Done } else { Step::Next((one, two)) })
     }
 
     fn next_step(
@@ -74,14 +79,16 @@ where
         v: &Reading<Self::Sensors>,
         t: Tick,
     ) -> Result<Step<(R, S)>, Fault> {
-        let (v, mut one, mut two) = (A::Sensors::split(v), Demand::hold(), Demand::hold());
-        if !self.done.0 {
-            one = told(self.parts.0.next_step(c0, &State::new(e.0), &v.0, t)?, &mut self.done.0);
+        let v = A::Sensors::split(v);
+        let mut one = Demand::hold();
+        let mut two = Demand::hold();
+        if !self.first_is_done {
+            one = demanded(self.first.next_step(c0, &State::new(e.0), &v.0, t)?, &mut self.first_is_done);
         }
-        if !self.done.1 {
-            two = told(self.parts.1.next_step(c0, &State::new(e.1), &v.1, t)?, &mut self.done.1);
+        if !self.second_is_done {
+            two = demanded(self.second.next_step(c0, &State::new(e.1), &v.1, t)?, &mut self.second_is_done);
         }
-        Ok(if self.done == (true, true) { Step::Done } else { Step::Next((one, two)) })
+        Ok(if self.first_is_done && self.second_is_done { Step::Done } else { Step::Next((one, two)) })
     }
 }
 
@@ -96,14 +103,16 @@ mod tests {
 
     #[test]
     fn two_robots_move_at_once_and_the_longer_motion_ends_both() {
-        let (q6, q7) = (Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0), Seven::repeat(0.3));
+        let q6 = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let q7 = Seven::repeat(0.3);
         let arms = (SimulatedIrp6::new(Irp6::nominal(), &q6), Simulated::new(Polycrank::new(), &q7));
         let shafts = (arms.0.shaft(), arms.1.shaft());
         let cell = Cell::new(Duration::from_millis(2))
             .robot(RobotSetup::new("irp6", Irp6::nominal(), arms.0))
             .robot(RobotSetup::new("polycrank", Polycrank::new(), arms.1));
         let cell = cell.program(move |mp| {
-            let (mut one, mut two) = (mp.robot::<Irp6>("irp6")?, mp.robot::<Polycrank>("polycrank")?);
+            let mut one = mp.robot::<Irp6>("irp6")?;
+            let mut two = mp.robot::<Polycrank>("polycrank")?;
             let short = JointMove::to(q6 + Six::repeat(0.05), Six::repeat(0.4), Six::repeat(0.8));
             let long = JointMove::to(q7 + Seven::repeat(0.2), Seven::repeat(0.4), Seven::repeat(0.8));
             mp.move_robots((&mut one, &mut two), (), InParallel::of(short, long)).map(drop)
@@ -134,7 +143,8 @@ mod tests {
         let mut both = InParallel::of(approach(), approach());
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
         let image = RobotImage::<Irp6>::new(state, state);
-        let (c0, e) = (Order::new(()), State::new((image, image)));
+        let c0 = Order::new(());
+        let e = State::new((image, image));
         let felt = |pressed: bool| {
             SensorImage::new(
                 Wrench::new(-Vector3::z() * f64::from(u8::from(pressed)) * 2.0, Vector3::zeros()),

@@ -44,7 +44,8 @@ where
     type Sensors = A::Sensors;
     type Order = A::Order;
     const CLASS: Class = {
-        let (a, b) = (A::CLASS, B::CLASS);
+        let a = A::CLASS;
+        let b = B::CLASS;
         let own = Uses { sensors: true, state: true, tick: true, ..Uses::NOTHING };
         let next = a.next_uses().and(b.first_uses()).and(b.next_uses()).and(own);
         Class { level: a.level, first: a.first_uses(), next, until: None }
@@ -112,8 +113,15 @@ mod tests {
     fn a_search_is_braked_where_something_is_seen_and_the_tool_goes_there() {
         // It looks for something along x, and sees it from 0.1 m away on.
         let search = GuardedApproach::<Irp6, Eye>::along(Vector3::x_axis(), 0.1, 0.5, 2.0, |_| false);
-        let how =
-            Servoing { speed: 0.1, turning: 1.0, ramp: 0.2, gain: 4.0, tolerance: (1e-4, 1e-3), oldest: 1 };
+        let how = Servoing {
+            speed: 0.1,
+            turning: 1.0,
+            ramp: 0.2,
+            gain: 4.0,
+            tolerance: 1e-4,
+            angle_tolerance: 1e-3,
+            oldest: 1,
+        };
         let grasp =
             EyeInHand::<Irp6, Eye>::to(Pose::identity(), Pose::identity(), |seen| Some(seen.pose), how);
         let near = |v: &Reading<(Eye,)>| v.0.reading().is_some_and(|seen| seen.pose.translation.x < 0.1);
@@ -122,14 +130,17 @@ mod tests {
             <Override<GuardedApproach<Irp6, Eye>, EyeInHand<Irp6, Eye>>>::CLASS.to_string(),
             "ECP f*3(c, e, v)"
         );
-        let (object, dt) = (Pose::translation(0.3, 0.02, 0.0), 2e-3);
-        let (mut at, mut p) = (Pose::identity(), vec![Vector3::zeros(); 2]);
+        let object = Pose::translation(0.3, 0.02, 0.0);
+        let dt = 2e-3;
+        let mut at = Pose::identity();
+        let mut p = vec![Vector3::zeros(); 2];
         for i in 0..4000 {
             let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: at };
             let e = State::new(RobotImage::new(state, state));
             let pose = at.inverse() * object;
             let v = Reading::new((SensorImage::new(Displacement { pose }, 0),));
-            let (c0, t) = (Order::new(()), Tick { step: i, dt, duration: dt });
+            let c0 = Order::new(());
+            let t = Tick { step: i, dt, duration: dt };
             let step = if i == 0 {
                 generator.first_step(&c0, &e, &v, t)
             } else {

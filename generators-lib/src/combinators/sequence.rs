@@ -43,7 +43,8 @@ where
     type Sensors = A::Sensors;
     type Order = A::Order;
     const CLASS: Class = {
-        let (a, b) = (A::CLASS, B::CLASS);
+        let a = A::CLASS;
+        let b = B::CLASS;
         // The second may begin in any step, even in the first one.
         let later = b.first_uses().and(b.next_uses());
         Class {

@@ -267,7 +267,9 @@ impl<R: Robot> Arm<R> {
 
     /// Joint positions and the amount of the free direction that give the pose, from those that it has.
     fn solve(&self, X_WE: &Pose, direction: &FreeDirection, x: f64) -> Result<(R::Joints, f64), Cause> {
-        let (mut q, mut x, a) = (self.joints, x, direction.twist());
+        let mut q = self.joints;
+        let mut x = x;
+        let a = direction.twist();
         let mut left = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let error = difference(&self.pose_at(&q), &(X_WE * direction.pose(x)));

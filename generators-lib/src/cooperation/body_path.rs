@@ -150,7 +150,9 @@ impl<F: FnMut(f64) -> Pose> BodyPath for TimedBody<F> {
         if !(self.duration.is_finite() && self.duration >= 0.0) {
             return Err(Fault::thrown("the duration of a body's path must be finite and not negative"));
         }
-        (self.start, self.time, self.ended) = (*X_WB, 0.0, false);
+        self.start = *X_WB;
+        self.time = 0.0;
+        self.ended = false;
         Ok(())
     }
 
@@ -161,7 +163,8 @@ impl<F: FnMut(f64) -> Pose> BodyPath for TimedBody<F> {
         self.time += dt;
         // The sum of n increments may miss n * dt by rounding; that must not cost a step.
         if self.duration - self.time <= 1e-9 * dt {
-            (self.time, self.ended) = (self.duration, true);
+            self.time = self.duration;
+            self.ended = true;
         }
         Ok(Some(self.start * (self.displacement)(self.time)))
     }

@@ -101,7 +101,8 @@ mod tests {
             X_DG: Functional::new(|age| Pose::rotation(Vector3::x() * age)),
             X_EG: pose(0.4),
         };
-        let (X_WR, X_WD) = (pose(-1.0), pose(2.0));
+        let X_WR = pose(-1.0);
+        let X_WD = pose(2.0);
         let X_RE = turning.tool_in_base(&X_WR, &X_WD, 0.8);
         let around = (X_WR * X_RE * pose(0.4)).inverse() * X_WD * Pose::rotation(Vector3::x() * 0.8);
         assert!(around.translation.vector.norm() < 1e-14 && around.rotation.angle() < 1e-7);

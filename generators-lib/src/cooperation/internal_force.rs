@@ -116,7 +116,8 @@ impl Sharing {
     /// The external part at the tool of a load at B.
     #[must_use]
     pub fn external(&self, load: &Wrench) -> Wrench {
-        let (f, t) = (&load.force, &load.torque);
+        let f = &load.force;
+        let t = &load.torque;
         let part = self.share * Vector6::new(f.x, f.y, f.z, t.x, t.y, t.z);
         Wrench::new(part.fixed_rows::<3>(0).into(), part.fixed_rows::<3>(3).into())
     }
@@ -250,7 +251,8 @@ mod tests {
     fn the_internal_part_is_the_stress_of_misplaced_grasps() {
         // Two springs in a row on a bar: 1 mm too close makes f = k d / 2, pressing both tools outwards.
         let X_BE = [Pose::translation(-0.2, 0.0, 0.0), Pose::translation(0.2, 0.0, 0.0)];
-        let (press, weight) = (Vector3::new(25.0, 0.0, 0.0), Vector3::new(0.0, 0.0, -15.0));
+        let press = Vector3::new(25.0, 0.0, 0.0);
+        let weight = Vector3::new(0.0, 0.0, -15.0);
         let mut wrenches =
             [Wrench::new(weight - press, Vector3::zeros()), Wrench::new(weight + press, Vector3::zeros())];
         InternalForce::new([0, 1].map(|i| Sharing::elastic(&X_BE, i, K))).keep_internal(&mut wrenches);

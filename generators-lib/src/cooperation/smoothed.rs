@@ -25,7 +25,8 @@ impl Smoothed {
     pub fn follow(&mut self, reference: &Pose, dt: f64) -> Pose {
         if dt > 0.0 {
             let share = dt / (self.lag + dt);
-            let (from, to) = (self.pose.translation.vector, reference.translation.vector);
+            let from = self.pose.translation.vector;
+            let to = reference.translation.vector;
             let turn = (self.pose.rotation.inverse() * reference.rotation).scaled_axis();
             self.pose = Pose::from_parts(
                 Translation3::from(from + (to - from) * share),
@@ -44,7 +45,8 @@ mod tests {
     #[test]
     fn without_lag_it_is_the_reference_and_with_it_a_steady_motion_is_followed_one_lag_behind() {
         let at = |t: f64| Pose::new(Vector3::new(0.1 * t, 0.0, 0.0), Vector3::z() * 0.3 * t);
-        let (mut plain, mut lagging) = (Smoothed::new(at(0.0), 0.0), Smoothed::new(at(0.0), 0.05));
+        let mut plain = Smoothed::new(at(0.0), 0.0);
+        let mut lagging = Smoothed::new(at(0.0), 0.05);
         for i in 1..=1000 {
             let t = f64::from(i) * 1e-3;
             let error = plain.follow(&at(t), 1e-3).inverse() * at(t);

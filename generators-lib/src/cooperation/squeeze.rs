@@ -180,8 +180,10 @@ mod tests {
     /// A grasp misplaced by 1 mm and 2 mrad, `k` times as stiff as stated, read `delay` steps late: what is left after `steps`,
     /// and the largest overshoot.
     fn relax(law: &SqueezeLaw, k: f64, delay: usize, steps: usize) -> (f64, f64) {
-        let (mut c, mut past) = (Correction::default(), vec![(1e-3, 2e-3); delay + 1]);
-        let (mut left, mut overshoot) = (1.0_f64, 0.0_f64);
+        let mut c = Correction::default();
+        let mut past = vec![(1e-3, 2e-3); delay + 1];
+        let mut left = 1.0_f64;
+        let mut overshoot = 0.0_f64;
         for _ in 0..steps {
             let (way, angle) = past[past.len() - 1 - delay];
             let load = Wrench::new(Vector3::x() * (5e4 * k * way), Vector3::y() * (500.0 * k * angle));
@@ -242,9 +244,13 @@ mod tests {
     #[test]
     fn the_law_is_that_of_mrrocpp() {
         // facts: Delta = [(b (Fd - F)) T^2 + b m Delta'] / (T + b m), F the load on the environment.
-        let (b, m, t) = (2e-4, 250.0, 2e-3);
+        let b = 2e-4;
+        let m = 250.0;
+        let t = 2e-3;
         let law = SqueezeLaw::new(gains(b * 5e4, b * m), BOUNDS, 0.0).expect("reserve");
-        let (mut c, mut delta, mut way) = (Correction::default(), 0.0, 0.0);
+        let mut c = Correction::default();
+        let mut delta = 0.0;
+        let mut way = 0.0;
         for i in 0..50 {
             let force = 10.0 * f64::from(i % 7) - 20.0;
             let pose = law.advance(&mut c, &Wrench::new(Vector3::z() * force, Vector3::zeros()), t);

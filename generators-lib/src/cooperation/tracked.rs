@@ -86,7 +86,8 @@ impl TrackedFrame {
     /// A reading of the time `at`; one that is no later than the last is the last one.
     fn take(&mut self, pose: Pose, at: f64) {
         let Some((before, then)) = self.read else {
-            (self.pose, self.read) = (pose, Some((pose, at)));
+            self.pose = pose;
+            self.read = Some((pose, at));
             return;
         };
         let between = at - then;
@@ -140,7 +141,8 @@ mod tests {
         };
         let trace = followed(stops, 1000);
         for w in trace.windows(3) {
-            let (a, b) = (way(&w[0], &w[1]), way(&w[1], &w[2]));
+            let a = way(&w[0], &w[1]);
+            let b = way(&w[1], &w[2]);
             assert!(
                 (b[0] - a[0]).norm() <= 2.0 * DT * DT + 1e-15
                     && (b[1] - a[1]).norm() <= 10.0 * DT * DT + 1e-12
@@ -161,8 +163,9 @@ mod tests {
     /// At half the feed: v = u / r in path time, and k^2 e = 2 k (v - u).
     #[test]
     fn at_a_lower_feed_rate_it_lags_as_stated() {
-        let (k, r, mut frame) =
-            (20.0, 0.5, TrackedFrame::new(Tracking { rate: 20.0, acceleration: 2.0, turning: 10.0 }));
+        let k = 20.0;
+        let r = 0.5;
+        let mut frame = TrackedFrame::new(Tracking { rate: 20.0, acceleration: 2.0, turning: 10.0 });
         let mut here = None;
         for i in 1..=4000 {
             here = frame.follow(Some((belt(f64::from(i) * DT), 0.0)), DT, r * DT);

@@ -18,14 +18,17 @@ impl Arc {
     /// Points that coincide, lie on a line, or are not finite.
     pub fn through(start: Vector3<f64>, via: Vector3<f64>, end: Vector3<f64>) -> Result<Self, CurveError> {
         finite([&start, &via, &end])?;
-        let (u, v, w) = (via - start, end - start, end - via);
+        let u = via - start;
+        let v = end - start;
+        let w = end - via;
         let shortest = u.norm().min(v.norm()).min(w.norm());
         if !(shortest > 0.0 && v.norm_squared().is_finite()) {
             return Err(CurveError::Coincident);
         }
         // Of size 1: neither very large nor very small coordinates overflow.
         let size = u.norm().max(v.norm());
-        let (u, v) = (u / size, v / size);
+        let u = u / size;
+        let v = v / size;
         let n = u.cross(&v);
         if n.norm() <= COLLINEAR * u.norm() * v.norm() {
             return Err(CurveError::Collinear);
@@ -33,8 +36,10 @@ impl Arc {
         let to_centre = (n.cross(&u) * v.norm_squared() + v.cross(&n) * u.norm_squared())
             / (2.0 * n.norm_squared())
             * size;
-        let (centre, axis) = (start + to_centre, UnitVector3::new_normalize(n));
-        let (x, z) = (-to_centre, end - centre);
+        let centre = start + to_centre;
+        let axis = UnitVector3::new_normalize(n);
+        let x = -to_centre;
+        let z = end - centre;
         let angle = z.dot(&axis.cross(&x)).atan2(z.dot(&x)).rem_euclid(std::f64::consts::TAU);
         Ok(Arc(Helix::about(start, centre, axis, angle, 0.0)?.ending_at(end)))
     }

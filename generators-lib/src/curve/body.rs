@@ -29,7 +29,8 @@ impl<C: Curve, P: Profile> CurveBody<C, P> {
 impl<C: Curve, P: Profile> BodyPath for CurveBody<C, P> {
     #[allow(non_snake_case)]
     fn begin(&mut self, X_WB: &Pose) -> Result<(), Fault> {
-        let (distance, length) = (self.cursor.profile().distance(), self.curve.length());
+        let distance = self.cursor.profile().distance();
+        let length = self.curve.length();
         if (distance - length).abs() > 1e-9 * length {
             return Err(Fault::thrown("the distance of the profile is not the length of the curve"));
         }

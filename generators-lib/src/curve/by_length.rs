@@ -35,9 +35,11 @@ impl<P: Parametric<Value = Vector3<f64>>> ByLength<P> {
         let (first, last) = path.range();
         let mut cells = vec![(first, 0.0)];
         let inner: Vec<_> = path.knots().iter().copied().filter(|u| *u > first && *u < last).collect();
-        let (mut from, mut length) = (first, 0.0);
+        let mut from = first;
+        let mut length = 0.0;
         for to in inner.into_iter().chain([last]) {
-            let (mut u, mut size) = (from, to - from);
+            let mut u = from;
+            let mut size = to - from;
             while u < to {
                 let end = if u + size >= to { to } else { u + size };
                 let whole = measure(&path, u, end);
@@ -52,7 +54,8 @@ impl<P: Parametric<Value = Vector3<f64>>> ByLength<P> {
                 }
                 length += halves;
                 cells.push((end, length));
-                (u, size) = (end, 2.0 * size);
+                u = end;
+                size = 2.0 * size;
             }
             from = to;
         }
@@ -74,7 +77,8 @@ impl<P: Parametric<Value = Vector3<f64>>> ByLength<P> {
         if way == 0.0 || s >= after {
             return if way == 0.0 { from } else { to };
         }
-        let (mut low, mut high) = (from, to);
+        let mut low = from;
+        let mut high = to;
         let mut u = from + (to - from) * way / (after - before);
         // Newton doubles the digits; where it leaves the bracket, bisection gains one bit.
         for _ in 0..60 {
@@ -98,7 +102,8 @@ impl<P: Parametric<Value = Vector3<f64>>> ByLength<P> {
 
 /// Length from `a` to `b` by five nodes.
 fn measure<P: Parametric<Value = Vector3<f64>>>(path: &P, a: f64, b: f64) -> f64 {
-    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let middle = 0.5 * (a + b);
+    let half = 0.5 * (b - a);
     half * NODES.iter().map(|(x, weight)| weight * path.at(middle + half * x).first.norm()).sum::<f64>()
 }
 

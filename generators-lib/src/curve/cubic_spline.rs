@@ -95,9 +95,12 @@ impl<V: JointVector> CubicSpline<V> {
     pub fn at(&self, u: f64) -> SplinePoint<V> {
         let last = self.knots.len() - 2;
         let i = self.knots.partition_point(|knot| *knot <= u).saturating_sub(1).min(last);
-        let (from, to) = (self.knots[i], self.knots[i + 1]);
-        let (h, u) = (to - from, u.clamp(from, to) - from);
-        let (m, n) = (self.slopes[i], self.slopes[i + 1]);
+        let from = self.knots[i];
+        let to = self.knots[i + 1];
+        let h = to - from;
+        let u = u.clamp(from, to) - from;
+        let m = self.slopes[i];
+        let n = self.slopes[i + 1];
         let chord = (self.points[i + 1] - self.points[i]) * (1.0 / h);
         let c2 = (chord * 3.0 - m * 2.0 - n) * (1.0 / h);
         let c3 = (m + n - chord * 2.0) * (1.0 / (h * h));
@@ -109,9 +112,11 @@ impl<V: JointVector> CubicSpline<V> {
     /// knots, the first is largest at a knot or where the second passes zero.
     #[must_use]
     pub fn peaks(&self) -> (V, V) {
-        let (mut first, mut second) = (V::zeros(), V::zeros());
+        let mut first = V::zeros();
+        let mut second = V::zeros();
         for pair in self.knots.windows(2) {
-            let (from, to) = (self.at(pair[0]), self.at(pair[1].next_down()));
+            let from = self.at(pair[0]);
+            let to = self.at(pair[1].next_down());
             for i in 0..V::LEN {
                 first[i] = first[i].max(from.first[i].abs()).max(to.first[i].abs());
                 second[i] = second[i].max(from.second[i].abs()).max(to.second[i].abs());

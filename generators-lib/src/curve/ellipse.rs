@@ -72,7 +72,8 @@ impl Ellipse {
     }
 
     fn length_between(&self, u: f64, v: f64) -> f64 {
-        let (middle, half) = (0.5 * (u + v), 0.5 * (v - u));
+        let middle = 0.5 * (u + v);
+        let half = 0.5 * (v - u);
         half * NODES.iter().map(|(x, weight)| weight * self.speed(middle + x * half)).sum::<f64>()
     }
 
@@ -80,8 +81,8 @@ impl Ellipse {
     fn parameter(&self, s: f64) -> f64 {
         let panel = self.lengths.partition_point(|length| *length <= s).min(PANELS - 1);
         let start = if panel == 0 { 0.0 } else { self.lengths[panel - 1] };
-        let (low, high) =
-            (self.from + self.panel * panel as f64, self.from + self.panel * (panel + 1) as f64);
+        let low = self.from + self.panel * panel as f64;
+        let high = self.from + self.panel * (panel + 1) as f64;
         let mut u = low + self.panel * (s - start) / (self.lengths[panel] - start);
         // Within one of 64 panels the start is so near that four steps reach the last digit.
         for _ in 0..4 {
@@ -99,7 +100,8 @@ impl Curve for Ellipse {
     fn at(&self, s: f64) -> CurvePoint {
         let (sin, cos) = self.parameter(s.clamp(0.0, self.length())).sin_cos();
         let [a, b] = self.axes;
-        let (first, second) = (b * cos - a * sin, -(a * cos + b * sin));
+        let first = b * cos - a * sin;
+        let second = -(a * cos + b * sin);
         let i = 1.0 / first.norm();
         let tangent = first * i;
         CurvePoint {

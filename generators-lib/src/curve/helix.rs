@@ -46,7 +46,9 @@ impl Helix {
             return Err(CurveError::Coincident);
         }
         let radial = [radial, turn.cross(&radial)];
-        let (advance, angle, per_length) = (turn * per_angle, angle.abs(), 1.0 / rate);
+        let advance = turn * per_angle;
+        let angle = angle.abs();
+        let per_length = 1.0 / rate;
         Ok(Helix { centre, radial, advance, angle, length: rate * angle, per_length, end: None })
     }
 
@@ -59,8 +61,10 @@ impl Helix {
     #[inline]
     fn turned(&self, angle: f64) -> CurvePoint {
         let (sin, cos) = sin_cos(angle);
-        let ([x, y], i) = (self.radial, self.per_length);
-        let (out, across) = (x * cos + y * sin, y * cos - x * sin);
+        let [x, y] = self.radial;
+        let i = self.per_length;
+        let out = x * cos + y * sin;
+        let across = y * cos - x * sin;
         CurvePoint {
             position: self.centre + out + self.advance * angle,
             tangent: (across + self.advance) * i,

@@ -40,7 +40,8 @@ impl Nurbs {
         if weights.len() != points.len() || !weights.iter().all(right) {
             return Err(CurveError::Weights);
         }
-        let (n, p) = (points.len(), degree);
+        let n = points.len();
+        let p = degree;
         let matched = (1..=MOST).contains(&p) && n > p && knots.len() == n + p + 1;
         if !matched || !knots.iter().all(|knot| knot.is_finite()) || !knots.is_sorted() {
             return Err(CurveError::Knots);
@@ -85,7 +86,8 @@ impl Nurbs {
     fn de_boor(&self, points: &mut [Vector4<f64>], degree: usize, span: usize, u: f64) -> Vector4<f64> {
         for r in 1..=degree {
             for i in (r..=degree).rev() {
-                let (low, high) = (self.all_knots[span - degree + i], self.all_knots[span + i + 1 - r]);
+                let low = self.all_knots[span - degree + i];
+                let high = self.all_knots[span + i + 1 - r];
                 let share = (u - low) / (high - low);
                 points[i] = points[i - 1] + (points[i] - points[i - 1]) * share;
             }
@@ -120,7 +122,8 @@ impl Parametric for Nurbs {
         for (k, value) in values.iter_mut().enumerate().skip(1).take(p.min(2)) {
             let degree = p + 1 - k;
             for i in 0..degree {
-                let (low, high) = (self.all_knots[span - degree + 1 + i], self.all_knots[span + 1 + i]);
+                let low = self.all_knots[span - degree + 1 + i];
+                let high = self.all_knots[span + 1 + i];
                 derivative[i] = (derivative[i + 1] - derivative[i]) * (degree as f64 / (high - low));
             }
             let mut points = derivative;

@@ -33,16 +33,20 @@ pub fn blended(points: &[Vector3<f64>], deviation: f64) -> Result<SpanCurve, Cur
         return Err(CurveError::Coincident);
     };
     let line = |a: Vector3<f64>, b: Vector3<f64>| Span::cubic(a, b, b - a, b - a, 1.0);
-    let (mut spans, mut at) = (Vec::with_capacity(2 * corners.len()), first);
+    let mut spans = Vec::with_capacity(2 * corners.len());
+    let mut at = first;
     for corner in corners.windows(3) {
-        let (before, after) = (corner[1] - corner[0], corner[2] - corner[1]);
-        let (t, u) = (before.normalize(), after.normalize());
+        let before = corner[1] - corner[0];
+        let after = corner[2] - corner[1];
+        let t = before.normalize();
+        let u = after.normalize();
         let bend = (t - u).norm();
         let reach = if bend > 0.0 { 4.0 * deviation / bend } else { 0.0 };
         let d = reach.min(HALF * before.norm()).min(HALF * after.norm());
         // A parabola that turns straight back has a cusp, where the motion would have to stop.
         let d = if (t + u).norm() < 1e-9 { 0.0 } else { d };
-        let (begin, end) = (corner[1] - t * d, corner[1] + u * d);
+        let begin = corner[1] - t * d;
+        let end = corner[1] + u * d;
         spans.push(line(at, begin));
         if d > 0.0 {
             // The quadratic Bezier curve with the corner as its control point, as a cubic.

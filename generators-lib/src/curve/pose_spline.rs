@@ -49,9 +49,11 @@ impl PoseSpline {
     /// What the derivatives by the parameter do not exceed.
     #[must_use]
     pub fn bounds(&self) -> PoseBounds {
-        let (mut first, mut second) = (0.0_f64, 0.0_f64);
+        let mut first = 0.0_f64;
+        let mut second = 0.0_f64;
         for pair in self.origin.knots().windows(2) {
-            let (from, to) = (self.origin.at(pair[0]), self.origin.at(pair[1].next_down()));
+            let from = self.origin.at(pair[0]);
+            let to = self.origin.at(pair[1].next_down());
             // The slope is a parabola within the hull of its ends and its control point.
             let control = from.first + from.second * (0.5 * (pair[1] - pair[0]));
             first = first.max(from.first.norm()).max(control.norm()).max(to.first.norm());

@@ -53,14 +53,16 @@ fn coefficients(x: f64) -> [f64; 4] {
 
 /// The right Jacobian at the rotation vector `f`: `w = J f'` in the moving frame.
 fn jacobian(f: &Vector3<f64>) -> Matrix3<f64> {
-    let ([b, c, ..], cross) = (coefficients(f.norm()), f.cross_matrix());
+    let [b, c, ..] = coefficients(f.norm());
+    let cross = f.cross_matrix();
     Matrix3::identity() - cross * b + cross * cross * c
 }
 
 /// What of the angular acceleration depends on the rotation vector's slope alone: `(dJ/dt) f'`.
 fn rest(f: &Vector3<f64>, slope: &Vector3<f64>) -> Vector3<f64> {
     let [_, c, db, dc] = coefficients(f.norm());
-    let (along, turn) = (f.dot(slope), f.cross(slope));
+    let along = f.dot(slope);
+    let turn = f.cross(slope);
     (f.cross(&turn) * dc - turn * db) * along + slope.cross(&turn) * c
 }
 
@@ -86,7 +88,10 @@ impl RotationSpline {
         let inverses = inverses.collect::<Result<Vec<_>, _>>()?;
         let rates = rates(&h, &turns, &jacobians, &inverses)?;
         let spans = (0..n - 1).map(|i| {
-            let (slope, end, f, h) = (rates[i], inverses[i] * rates[i + 1], turns[i], h[i]);
+            let slope = rates[i];
+            let end = inverses[i] * rates[i + 1];
+            let f = turns[i];
+            let h = h[i];
             let second = (f * 3.0 - slope * (2.0 * h) - end * h) / (h * h);
             [slope, second, (slope * h + end * h - f * 2.0) / (h * h * h)]
         });
@@ -103,11 +108,13 @@ impl RotationSpline {
     pub fn at(&self, u: f64) -> (UnitQuaternion<f64>, Vector3<f64>, Vector3<f64>) {
         let last = self.spans.len() - 1;
         let i = self.knots.partition_point(|knot| *knot <= u).saturating_sub(1).min(last);
-        let (from, to) = (self.knots[i], self.knots[i + 1]);
+        let from = self.knots[i];
+        let to = self.knots[i + 1];
         let x = u.clamp(from, to) - from;
         let [a, b, c] = self.spans[i];
         let f = (a + (b + c * x) * x) * x;
-        let (slope, bend) = (a + (b * 2.0 + c * (3.0 * x)) * x, b * 2.0 + c * (6.0 * x));
+        let slope = a + (b * 2.0 + c * (3.0 * x)) * x;
+        let bend = b * 2.0 + c * (6.0 * x);
         let j = jacobian(&f);
         let end = x == to - from;
         let orientation = if end {
@@ -122,14 +129,17 @@ impl RotationSpline {
     /// `J` lengthens nothing; its second derivative, and at most `w^2 (x / 6 + x^2 / 12 + x^3 / 60)` at an angle `x`.
     #[must_use]
     pub fn bounds(&self) -> (f64, f64) {
-        let (mut velocity, mut acceleration) = (0.0_f64, 0.0_f64);
+        let mut velocity = 0.0_f64;
+        let mut acceleration = 0.0_f64;
         for (span, pair) in self.spans.iter().zip(self.knots.windows(2)) {
-            let ([a, b, c], h) = (*span, pair[1] - pair[0]);
+            let [a, b, c] = *span;
+            let h = pair[1] - pair[0];
             // Bernstein coefficients of slope and vector.
             let slopes = [a, a + b * h, a + b * (2.0 * h) + c * (3.0 * h * h)];
             let vectors = [a * (h / 3.0), (a * 2.0 + b * h) * (h / 3.0), (a + (b + c * h) * h) * h];
             let most = |all: [Vector3<f64>; 3]| all.iter().map(|v| v.norm()).fold(0.0, f64::max);
-            let (w, x) = (most(slopes), most(vectors));
+            let w = most(slopes);
+            let x = most(vectors);
             let bend = (b * 2.0).norm().max((b * 2.0 + c * (6.0 * h)).norm());
             velocity = velocity.max(w);
             acceleration = acceleration.max(bend + w * w * x * (1.0 / 6.0 + x * (1.0 / 12.0 + x / 60.0)));
@@ -156,7 +166,8 @@ fn rates(
         let mut right = vec![rates[0]; n];
         for i in 1..n {
             let slope = inverses[i - 1] * rates[i];
-            let (before, own) = (jacobians[i - 1] * (2.0 / h[i - 1]), 4.0 * (1.0 / h[i - 1] + 1.0 / h[i]));
+            let before = jacobians[i - 1] * (2.0 / h[i - 1]);
+            let own = 4.0 * (1.0 / h[i - 1] + 1.0 / h[i]);
             let known = turns[i - 1] * (6.0 / (h[i - 1] * h[i - 1])) + turns[i] * (6.0 / (h[i] * h[i]))
                 - rest(&turns[i - 1], &slope);
             let pivot = Matrix3::from_diagonal_element(own) - before * behind[i - 1];

@@ -19,7 +19,8 @@ impl Segment {
     /// Points that coincide or are not finite.
     pub fn new(from: Vector3<f64>, to: Vector3<f64>) -> Result<Self, CurveError> {
         finite([&from, &to])?;
-        let (way, length) = (to - from, (to - from).norm());
+        let way = to - from;
+        let length = (to - from).norm();
         if !(length > 0.0 && length.is_finite()) {
             return Err(CurveError::Coincident);
         }

@@ -34,7 +34,8 @@ pub(super) fn sin_cos(x: f64) -> (f64, f64) {
         return x.sin_cos();
     }
     let shifted = x * core::f64::consts::FRAC_2_PI + WHOLE;
-    let (n, quadrant) = (shifted - WHOLE, shifted.to_bits());
+    let n = shifted - WHOLE;
+    let quadrant = shifted.to_bits();
     let r = (x - n * HALF_PI[0]) - n * HALF_PI[1];
     let z = r * r;
     let zz = z * z;

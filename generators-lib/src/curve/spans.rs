@@ -49,7 +49,8 @@ impl Curve for SpanCurve {
 
     fn at(&self, s: f64) -> CurvePoint {
         let i = self.lengths.partition_point(|length| *length <= s).min(self.spans.len() - 1);
-        let (span, start) = (&self.spans[i], if i == 0 { 0.0 } else { self.lengths[i - 1] });
+        let span = &self.spans[i];
+        let start = if i == 0 { 0.0 } else { self.lengths[i - 1] };
         let h = span.knot_span();
         let u = if s >= self.lengths[i] { h } else { parameter_at(span, 0.0, h, s - start) };
         let geometry = span.at(u);

@@ -57,11 +57,13 @@ impl Cell {
     /// Where the curvature goes on from `self` into `next`, so do the limits that it sets: without this every cell would be
     /// entered and left at the lower limit of two, and travelled at its own, by full acceleration up and down.
     pub(super) fn join(&mut self, next: &mut Cell, feed: f64) {
-        let (ours, theirs) = (self.curvature[1], next.curvature[0]);
+        let ours = self.curvature[1];
+        let theirs = next.curvature[0];
         let goes_on = (ours - theirs).abs() <= SAME * ours.max(theirs);
         if goes_on && self.limit2.max(next.limit2) < feed * feed {
             let lower = self.limit2.min(next.limit2);
-            (self.top2[1], next.top2[0]) = (lower, lower);
+            self.top2[1] = lower;
+            next.top2[0] = lower;
         }
     }
 }
@@ -85,15 +87,19 @@ pub(super) fn cut(span: &Span, limits: &FeedLimits, mut take: impl FnMut(Cell)) 
             Some((table, from)) => (table.to(end) - from, true),
             None => length_measured(span, start, end),
         };
-        let (limit2, span) = (limit * limit, *span);
-        let (top2, join2, entry2) = ([limit2; 2], limit2, 0.0);
+        let limit2 = limit * limit;
+        let span = *span;
+        let top2 = [limit2; 2];
+        let join2 = limit2;
+        let entry2 = 0.0;
         take(Cell { span, u, length, by_parameter, plain, limit2, curvature, top2, join2, entry2 });
     }
 }
 
 /// First and last parameter of cell `i` of `count`.
 fn parameters(span: &Span, i: usize, count: usize) -> [f64; 2] {
-    let (h, width) = (span.knot_span(), span.knot_span() / count as f64);
+    let h = span.knot_span();
+    let width = span.knot_span() / count as f64;
     [width * i as f64, if i + 1 == count { h } else { width * (i + 1) as f64 }]
 }
 
@@ -106,7 +112,8 @@ fn is_too_wide(span: &Span, [start, end]: [f64; 2], limits: &FeedLimits) -> bool
 /// A bound of the curvature [1/m] over `a..=b`, and the curvatures at its ends.
 fn curvature_bound(span: &Span, a: f64, b: f64) -> (f64, [f64; 2]) {
     let eighth = 0.125 * (b - a) * (b - a);
-    let (start, end) = (span.at(a), span.at(b));
+    let start = span.at(a);
+    let end = span.at(b);
     let larger = |x: f64, y: f64| x.max(y);
     let fifth = (span.fourth(b) - span.fourth(a)).norm() / (b - a);
     let m4 = larger(span.fourth(a).norm(), span.fourth(b).norm());

@@ -112,10 +112,12 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
         self.cells[at].join2 = join2.min(self.cells[at].limit2);
         for k in before.max(1)..self.count {
             let [earlier, later] = [k - 1, k].map(|k| (self.first + k) % HORIZON);
-            let (mut previous, mut cell) = (self.cells[earlier], self.cells[later]);
+            let mut previous = self.cells[earlier];
+            let mut cell = self.cells[later];
             cell.join2 = cell.join2.min(previous.limit2);
             previous.join(&mut cell, self.limits.feed);
-            (self.cells[earlier].top2, self.cells[later]) = (previous.top2, cell);
+            self.cells[earlier].top2 = previous.top2;
+            self.cells[later] = cell;
         }
         if before == 0
             && let Some(travel) = &self.travel
@@ -162,7 +164,8 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
                 self.ended = self.finished;
                 return Some(self.end_point());
             }
-            let (exit2, length) = (travel.exit2, travel.cell.length);
+            let exit2 = travel.exit2;
+            let length = travel.cell.length;
             // The sum of n increments may miss n * dt by rounding: nothing is lost while at rest.
             left = if at_rest && rest.abs() <= 1e-9 * dt { 0.0 } else { left - rest };
             self.length += length;
@@ -204,7 +207,8 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
         let Some(travel) = &mut self.travel else { return self.end_point() };
         let (s, speed) = travel.speeds.at(travel.time);
         let s = s.clamp(travel.s, travel.cell.length);
-        let (span, end) = (&travel.cell.span, travel.cell.u[1]);
+        let span = &travel.cell.span;
+        let end = travel.cell.u[1];
         let further = s - travel.s;
         travel.u = match &travel.cell.by_parameter {
             Some((table, start)) => table.parameter_at(start + s, travel.u),
@@ -225,7 +229,8 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
 
 #[inline]
 fn on_span(span: &Span, u: f64, length: f64, speed: f64) -> PathPoint {
-    let (position, first) = (span.position(u), span.first(u));
+    let position = span.position(u);
+    let first = span.first(u);
     let at = SpanGeometry { position, first, second: span.second(u), third: Vector3::zeros() };
     PathPoint { position, tangent: at.tangent(), curvature: at.curvature(), length, speed }
 }

@@ -29,13 +29,15 @@ impl CellTrapezoid {
         let meets = if slope < steepest { (top2[0] - entry2) / (steepest - slope) } else { length };
         let leaves = if slope > -steepest { length - (top2[1] - exit2) / (steepest + slope) } else { 0.0 };
         let (first, second, squares) = if meets < leaves {
-            let (first, second) = (meets.max(0.0), leaves.min(length));
+            let first = meets.max(0.0);
+            let second = leaves.min(length);
             (first, second, [top2[0] + slope * first, top2[0] + slope * second])
         } else {
             let turn = (0.5 * (length + (exit2 - entry2) / steepest)).clamp(0.0, length);
             (turn, turn, [(entry2 + steepest * turn).max(exit2); 2])
         };
-        let (entry, exit) = (entry2.sqrt(), exit2.sqrt());
+        let entry = entry2.sqrt();
+        let exit = exit2.sqrt();
         let [meeting, leaving] = squares.map(|square| square.max(0.0).sqrt());
         let time = |way: f64, from: f64, to: f64| if way > 0.0 { 2.0 * way / (from + to) } else { 0.0 };
         let up = time(first, entry, meeting);
@@ -61,11 +63,14 @@ impl CellTrapezoid {
     pub(super) fn at(&self, t: f64) -> (f64, f64) {
         // Backwards from the exit, which is met exactly.
         if t >= self.times[1] {
-            let (left, a) = ((self.times[2] - t).max(0.0), -self.accelerations[2]);
+            let left = (self.times[2] - t).max(0.0);
+            let a = -self.accelerations[2];
             return (self.length - left * (self.exit + 0.5 * a * left), self.exit + a * left);
         }
         let (phase, start) = if t < self.times[0] { (0, 0.0) } else { (1, self.times[0]) };
-        let (t, a, v) = (t - start, self.accelerations[phase], self.speeds[phase]);
+        let t = t - start;
+        let a = self.accelerations[phase];
+        let v = self.speeds[phase];
         (self.lengths[phase] + t * (v + 0.5 * a * t), v + a * t)
     }
 }

@@ -74,11 +74,14 @@ mod tests {
     #[test]
     fn half_a_circle_is_a_circle_and_takes_the_closed_form_time() {
         const RADIUS: f64 = 0.03;
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
-        let (trace, pose) = (Rc::new(RefCell::new(Vec::new())), irp6.forward(&start));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let trace = Rc::new(RefCell::new(Vec::new()));
+        let pose = irp6.forward(&start);
         let recorder = Rc::clone(&trace);
         let at = |x: f64, y: f64| pose * Pose::translation(x, y, 0.0);
-        let (via, goal) = (at(RADIUS, RADIUS).translation.vector, at(2.0 * RADIUS, 0.0));
+        let via = at(RADIUS, RADIUS).translation.vector;
+        let goal = at(2.0 * RADIUS, 0.0);
         let limits = JerkLimits { velocity: 0.05, acceleration: 0.25, jerk: 2.5 };
         let limits = SmoothToolLimits { translation: limits, rotation: limits };
         let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start))

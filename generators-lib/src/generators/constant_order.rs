@@ -90,7 +90,8 @@ mod tests {
         });
         let cell = Cell::new(Duration::from_millis(2)).robot(one("left")).robot(two("right"));
         let cell = cell.program(|mp| {
-            let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
+            let mut left = mp.robot::<Irp6>("left")?;
+            let mut right = mp.robot::<Irp6>("right")?;
             let orders = ConstantOrder::<[Irp6; 2], Phase>::separate([Phase::Stay, Phase::Turn]);
             mp.move_robots([&mut left, &mut right], (), orders).map(drop)
         });

@@ -63,7 +63,8 @@ mod tests {
 
     #[test]
     fn a_turn_of_a_helix_ends_one_pitch_higher_in_the_closed_form_time() {
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let turn = std::f64::consts::TAU;

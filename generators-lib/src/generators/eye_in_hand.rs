@@ -18,8 +18,10 @@ pub struct Servoing {
     pub ramp: f64,
     /// Share of the remaining way that is covered in a second [1/s], > 0; times the delay of the image, well below 1.
     pub gain: f64,
-    /// Distance \[m\] and angle \[rad\] at which the tool has arrived, > 0.
-    pub tolerance: (f64, f64),
+    /// Distance at which the tool has arrived \[m\], > 0.
+    pub tolerance: f64,
+    /// Angle at which it has \[rad\], > 0.
+    pub angle_tolerance: f64,
     /// Age of an image that is too old \[steps\].
     pub oldest: u32,
 }
@@ -50,8 +52,8 @@ impl<R: Robot, S: Sensor> EyeInHand<R, S> {
 #[generator(ecp)]
 impl<R: Robot, S: Sensor> EyeInHand<R, S> {
     fn first_step(&mut self, e: &State<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
-        let Servoing { speed, turning, ramp, gain, tolerance, .. } = self.how;
-        let all = [speed, turning, ramp, gain, tolerance.0, tolerance.1];
+        let Servoing { speed, turning, ramp, gain, tolerance, angle_tolerance, .. } = self.how;
+        let all = [speed, turning, ramp, gain, tolerance, angle_tolerance];
         if !all.iter().all(|x| x.is_finite() && *x > 0.0) {
             return Err(Fault::thrown(
                 "speeds, ramp, gain and tolerances of visual servoing must be finite and > 0",
@@ -62,7 +64,8 @@ impl<R: Robot, S: Sensor> EyeInHand<R, S> {
     }
 
     fn next_step(&mut self, e: &State<R>, v: &Reading<(S,)>, t: Tick) -> Result<Step<R>, Fault> {
-        let (how, age) = (self.how, v.0.age());
+        let how = self.how;
+        let age = v.0.age();
         if v.0.reading().is_some() && age > how.oldest {
             return Err(Fault::new(FaultKind::SensorStale).exceeds(age.into(), how.oldest.into(), "step"));
         }
@@ -75,7 +78,7 @@ impl<R: Robot, S: Sensor> EyeInHand<R, S> {
             return Err(Fault::thrown("what the camera sees is at no finite place"));
         }
         let line = LinePath::new(self.pose, goal);
-        if line.length() <= how.tolerance.0 && line.angle() <= how.tolerance.1 {
+        if line.length() <= how.tolerance && line.angle() <= how.angle_tolerance {
             return Ok(Step::Done);
         }
         // In seconds at the largest speeds; the rate is the share of these.
@@ -110,9 +113,17 @@ mod tests {
 
     #[test]
     fn the_tool_comes_to_its_place_beside_an_object_that_is_moved_on_the_way() {
-        let (camera, beside) = (Pose::translation(0.0, 0.05, -0.1), Pose::translation(0.0, 0.0, -0.02));
-        let how =
-            Servoing { speed: 0.2, turning: 1.0, ramp: 0.2, gain: 4.0, tolerance: (1e-4, 1e-3), oldest: 2 };
+        let camera = Pose::translation(0.0, 0.05, -0.1);
+        let beside = Pose::translation(0.0, 0.0, -0.02);
+        let how = Servoing {
+            speed: 0.2,
+            turning: 1.0,
+            ramp: 0.2,
+            gain: 4.0,
+            tolerance: 1e-4,
+            angle_tolerance: 1e-3,
+            oldest: 2,
+        };
         let mut generator = EyeInHand::<Irp6, Camera>::to(beside, camera, |seen| Some(seen.pose), how);
         let t = Tick { step: 0, dt: 4e-3, duration: 4e-3 };
         let mut at = Pose::new(Vector3::new(0.8, 0.0, 0.4), Vector3::new(3.0, 0.1, 0.0));

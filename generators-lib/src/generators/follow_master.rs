@@ -28,8 +28,10 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> FollowMaster<L, P, O> {
     /// start; the motion ends ten times the lag after the path.
     #[must_use]
     pub fn along(path: P, lag: f64) -> Self {
-        let (goal, starts) = (Pose::identity(), L::array(|_| Pose::identity()));
-        let (slaves, master) = (Grasps::close(&goal, starts), Smoothed::new(goal, lag));
+        let goal = Pose::identity();
+        let starts = L::array(|_| Pose::identity());
+        let slaves = Grasps::close(&goal, starts);
+        let master = Smoothed::new(goal, lag);
         FollowMaster { path, lag, goal, settling: 0.0, starts, slaves, master, of: PhantomData }
     }
 
@@ -83,7 +85,8 @@ mod tests {
 
     #[test]
     fn slaves_go_where_the_master_is_pushed() {
-        let (one, two) = (Pose::translation(0.5, 0.0, 0.25), Pose::translation(0.875, 0.125, 0.25));
+        let one = Pose::translation(0.5, 0.0, 0.25);
+        let two = Pose::translation(0.875, 0.125, 0.25);
         let at = |push: f64| {
             let measured = Pose::translation(0.0, push, 0.0) * one;
             State::<[Irp6; 2]>::new([image(measured, one), image(two, two)])

@@ -33,7 +33,8 @@ impl<R: Robot, S: Sensor> FollowedFrame<R, S> {
         see: fn(&S::Reading) -> Option<Pose>,
         X_FG: Pose,
         how: Tracking,
-        (approach, duration): (f64, f64),
+        approach: f64,
+        duration: f64,
         oldest: u32,
     ) -> Self {
         let (frame, start, age) = (TrackedFrame::new(how), Pose::identity(), 0.0);
@@ -71,7 +72,8 @@ impl<R: Robot, S: Sensor> FollowedFrame<R, S> {
         if self.age >= self.duration {
             return Ok(Step::Done);
         }
-        let (reading, age) = (v.0.reading(), v.0.age());
+        let reading = v.0.reading();
+        let age = v.0.age();
         if reading.is_some() && age > self.oldest {
             let fault = Fault::new(FaultKind::SensorStale);
             return Err(fault.exceeds(age.into(), self.oldest.into(), "step"));
@@ -121,14 +123,16 @@ mod tests {
         const DT: f64 = 2e-3;
         let gone = |t: f64| if t < 2.0 { 0.1 * t } else { 0.2 + 0.05 * (t - 2.0) };
         let how = Tracking { rate: 15.0, acceleration: 1.0, turning: 5.0 };
-        let (start, place) = (Pose::translation(0.4, -0.2, 0.5), Pose::translation(0.3, 0.1, 0.2));
+        let start = Pose::translation(0.4, -0.2, 0.5);
+        let place = Pose::translation(0.3, 0.1, 0.2);
         let see = |gone: &Gone| Some(Pose::translation(gone.way, 0.0, 0.0));
-        let mut generator = FollowedFrame::<Irp6, Encoder>::to(see, place, how, (1.0, 4.0), 8);
+        let mut generator = FollowedFrame::<Irp6, Encoder>::to(see, place, how, 1.0, 4.0, 8);
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: start };
         let e = State::new(RobotImage::new(state, state));
         let t = Tick { step: 0, dt: DT, duration: DT };
-        let (mut trace, mut step, mut i) =
-            (vec![start.translation.vector; 2], Ok(Step::Next(Demand::hold())), 0_u32);
+        let mut trace = vec![start.translation.vector; 2];
+        let mut step = Ok(Step::Next(Demand::hold()));
+        let mut i = 0_u32;
         while let Ok(Step::Next(_)) = step {
             i += 1;
             let of = (i.saturating_sub(2) / 5) * 5;

@@ -83,7 +83,8 @@ mod tests {
 
     #[test]
     fn the_tool_finds_the_table_and_presses_on_it_as_told() {
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let height = irp6.forward(&start).translation.z - 5e-3;

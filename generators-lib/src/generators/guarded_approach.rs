@@ -32,7 +32,9 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
         way: f64,
         contact: fn(&S::Reading) -> bool,
     ) -> Self {
-        let (start, travelled, rate) = (Pose::identity(), 0.0, 0.0);
+        let start = Pose::identity();
+        let travelled = 0.0;
+        let rate = 0.0;
         GuardedApproach {
             direction,
             speed,
@@ -110,7 +112,8 @@ mod tests {
 
     #[test]
     fn the_tool_stops_at_the_surface() {
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let surface = irp6.forward(&start).translation.z - 0.01;

@@ -33,8 +33,13 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
     #[must_use]
     pub fn yielding(give: Give, threshold: f64, reach: f64, duration: f64) -> Self {
         const { assert!(<L as RobotList>::LEN == <V as SensorList>::LEN, "one wrist sensor for each robot") };
-        let (starts, still) = (L::array(|_| Pose::identity()), Vector3::zeros());
-        let (weight, velocity, way, time, of) = (None, still, still, 0.0, PhantomData);
+        let starts = L::array(|_| Pose::identity());
+        let still = Vector3::zeros();
+        let weight = None;
+        let velocity = still;
+        let way = still;
+        let time = 0.0;
+        let of = PhantomData;
         GuidedBody { give, threshold, reach, duration, starts, weight, velocity, way, time, of }
     }
 }
@@ -61,7 +66,8 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
             return Ok(Step::Done);
         }
         self.time += t.dt;
-        let (measured, readings) = (e.measured_poses(), v.each::<Wrench>());
+        let measured = e.measured_poses();
+        let readings = v.each::<Wrench>();
         let mut sum = Some(Vector3::zeros());
         for (X, reading) in measured.as_ref().iter().zip(readings.as_ref()) {
             let fresh = reading.filter(|(_, age)| *age <= 1).map(|(wrench, _)| X.rotation * wrench.force);
@@ -84,7 +90,8 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
                 Fault::thrown("a guided body was pushed out of its reach").exceeds(far, self.reach, "m")
             );
         }
-        let (starts, moved) = (&self.starts, Translation3::from(self.way));
+        let starts = &self.starts;
+        let moved = Translation3::from(self.way);
         Ok(Step::Next(L::each(|i| Placed { X_WEs: starts.as_ref()[i], X_WE: moved * starts.as_ref()[i] })))
     }
 }
@@ -115,7 +122,9 @@ mod tests {
         let felt =
             |x| SensorImage::<Wrist>::new(Wrench::new(Vector3::new(x, 0.0, 15.0), Vector3::zeros()), 0);
         let v = |x| Reading::<[Wrist; 2]>::new([felt(x), felt(0.0)]);
-        let (b, m, dt) = (0.01, 10.0, 2e-3);
+        let b = 0.01;
+        let m = 10.0;
+        let dt = 2e-3;
         let give = Give { reciprocal_damping: b, inertia: m };
         let mut generator = GuidedBody::<[Irp6; 2], [Wrist; 2]>::yielding(give, 2.0, 0.1, 5.0);
         let t = Tick { step: 0, dt, duration: dt };

@@ -11,7 +11,8 @@ use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
 /// The motion ends at rest; what was recorded is taken from the generator that the Move gives back.
 pub struct Jog<R, F> {
     panel: F,
-    acceleration: (f64, f64),
+    acceleration: f64,
+    turning_acceleration: f64,
     pose: Pose,
     along: Vector3<f64>,
     about: Vector3<f64>,
@@ -21,14 +22,17 @@ pub struct Jog<R, F> {
 }
 
 impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
-    /// By `panel`, asked once a step, within `acceleration` [m/s²] and [rad/s²], both > 0; room for `most` poses.
+    /// By `panel`, asked once a step, within an `acceleration` [m/s²] and a `turning_acceleration` [rad/s²], both > 0; with
+    /// memory for `most` poses.
     #[must_use]
-    pub fn by(panel: F, acceleration: (f64, f64), most: usize) -> Self {
-        let (still, recorded) = (Vector3::zeros(), Vec::with_capacity(most));
+    pub fn by(panel: F, acceleration: f64, turning_acceleration: f64, most: usize) -> Self {
+        let still = Vector3::zeros();
+        let recorded = Vec::with_capacity(most);
         let pose = Pose::identity();
         Jog {
             panel,
             acceleration,
+            turning_acceleration,
             pose,
             along: still,
             about: still,
@@ -59,7 +63,7 @@ fn towards(v: Vector3<f64>, goal: Vector3<f64>, most: f64) -> Vector3<f64> {
 #[generator(ecp)]
 impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
-        if ![self.acceleration.0, self.acceleration.1].iter().all(|a| a.is_finite() && *a > 0.0) {
+        if ![self.acceleration, self.turning_acceleration].iter().all(|a| a.is_finite() && *a > 0.0) {
             return Err(Fault::thrown("the accelerations of jogging must be finite and > 0"));
         }
         self.pose = e.demanded().pose;
@@ -72,13 +76,13 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
         if !(along.norm_squared() + about.norm_squared()).is_finite() {
             return Err(Fault::thrown("the panel asks for a velocity that is not finite"));
         }
-        self.along = towards(self.along, along, self.acceleration.0 * t.dt);
-        self.about = towards(self.about, about, self.acceleration.1 * t.dt);
+        self.along = towards(self.along, along, self.acceleration * t.dt);
+        self.about = towards(self.about, about, self.turning_acceleration * t.dt);
         let rotation = UnitQuaternion::from_scaled_axis(self.about * t.dt);
         self.pose *= Pose::from_parts(Translation3::from(self.along * t.dt), rotation);
         self.pose.rotation.renormalize_fast();
         if record && !self.pressed {
-            // Room was made for so many: a step must not make more.
+            // Memory was set aside for so many: a step must not ask for more.
             if self.recorded.len() == self.recorded.capacity() {
                 return Err(Fault::thrown("there is no room to record one more pose"));
             }
@@ -101,7 +105,8 @@ mod tests {
         let start = Pose::new(Vector3::new(0.8, 0.0, 0.3), Vector3::x() * 3.0);
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: start };
         let e = State::<Irp6>::new(RobotImage::new(state, state));
-        let (t, mut i) = (Tick { step: 0, dt: 0.01, duration: 0.01 }, 0);
+        let t = Tick { step: 0, dt: 0.01, duration: 0.01 };
+        let mut i = 0;
         let panel = || {
             i += 1;
             Jogging {
@@ -111,7 +116,7 @@ mod tests {
                 ..Default::default()
             }
         };
-        let mut jog = Jog::<Irp6, _>::by(panel, (1.0, 1.0), 2);
+        let mut jog = Jog::<Irp6, _>::by(panel, 1.0, 1.0, 2);
         let mut step = jog.first_step(&e, t);
         while matches!(step, Ok(Step::Next(_))) {
             step = jog.next_step(t);

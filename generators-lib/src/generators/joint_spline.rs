@@ -49,9 +49,11 @@ impl<R: Robot> JointSpline<R> {
         let spline = CubicSpline::new(knots, core::mem::take(&mut self.points), SplineEnds::Natural);
         let spline = spline.map_err(|error| Fault::thrown(&error.to_string()))?;
         let (first, second) = spline.peaks();
-        let (mut velocity, mut acceleration) = (f64::MAX, f64::MAX);
+        let mut velocity = f64::MAX;
+        let mut acceleration = f64::MAX;
         for i in 0..R::Joints::LEN {
-            let (v, a) = (self.velocity[i], 0.5 * self.acceleration[i]);
+            let v = self.velocity[i];
+            let a = 0.5 * self.acceleration[i];
             velocity = velocity.min(v / first[i]).min((a / second[i]).sqrt());
             acceleration = acceleration.min(a / first[i]);
         }
@@ -74,10 +76,12 @@ mod tests {
 
     #[test]
     fn every_point_is_passed_within_the_limits_of_every_joint() {
-        let (robot, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let robot = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
         let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
-        let (velocity, acceleration) = (Six::repeat(0.5), Six::new(1.0, 2.0, 3.0, 1.0, 2.0, 3.0));
+        let velocity = Six::repeat(0.5);
+        let acceleration = Six::new(1.0, 2.0, 3.0, 1.0, 2.0, 3.0);
         let state = RobotState { joints: start, velocity: Six::zeros(), pose: robot.forward(&start) };
         let mut motion = JointSpline::<Irp6>::through(points.clone(), velocity, acceleration, 0.05);
         let tick = Tick { step: 0, dt: 1e-3, duration: 1e-3 };
@@ -91,7 +95,8 @@ mod tests {
             step = motion.next_step(tick);
         }
         for q in trace.windows(3) {
-            let (v0, v1) = ((q[1] - q[0]) / 1e-3, (q[2] - q[1]) / 1e-3);
+            let v0 = (q[1] - q[0]) / 1e-3;
+            let v1 = (q[2] - q[1]) / 1e-3;
             let a = (v1 - v0) / 1e-3;
             assert!(
                 (0..6).all(|i| v1[i].abs() <= 0.5 + 1e-9 && a[i].abs() <= acceleration[i] + 1e-6),

@@ -59,7 +59,8 @@ mod tests {
 
     #[test]
     fn via_points_are_passed_within_the_deviation_and_all_limits_kept() {
-        let (robot, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let robot = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
         let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
         let limits = JointLimits {
@@ -78,7 +79,8 @@ mod tests {
         }
         assert_eq!(trace.last(), points.last());
         for q in trace.windows(4) {
-            let (v, a) = ((q[3] - q[2]) / 1e-3, (q[3] - q[2] * 2.0 + q[1]) / 1e-6);
+            let v = (q[3] - q[2]) / 1e-3;
+            let a = (q[3] - q[2] * 2.0 + q[1]) / 1e-6;
             let j = (q[3] - q[2] * 3.0 + q[1] * 3.0 - q[0]) / 1e-9;
             assert!(v.amax() < 0.5 + 1e-9 && a.amax() < 2.0 + 1e-6 && j.amax() < 20.0 + 1e-3, "{v} {a} {j}");
         }

@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
 
 use mrroc_generators::line::SmoothToolLimits;
-use mrroc_generators::via::ViaPoses;
+use mrroc_generators::via::{PoseDeviation, ViaPoses};
 
 /// Leads the tool from where it is straight from pose to pose, to rest at the last one, with limited jerk or, where that is
 /// infinite, with parabolic blends.
@@ -14,16 +14,16 @@ use mrroc_generators::via::ViaPoses;
 /// joint coordinates: it serves every robot.
 pub struct LineVia<R> {
     poses: Vec<Pose>,
-    deviation: (f64, f64),
+    deviation: PoseDeviation,
     limits: SmoothToolLimits,
     motion: Option<(ViaPoses, f64)>,
     of: PhantomData<R>,
 }
 
 impl<R: Robot> LineVia<R> {
-    /// Through `poses` `X_WE` of the tool in the world, passed within `deviation` \[m\], \[rad\], both > 0, and within `limits`.
+    /// Through `poses` `X_WE` of the tool in the world, each passed within `deviation`, and within `limits`.
     #[must_use]
-    pub fn through(poses: Vec<Pose>, deviation: (f64, f64), limits: SmoothToolLimits) -> Self {
+    pub fn through(poses: Vec<Pose>, deviation: PoseDeviation, limits: SmoothToolLimits) -> Self {
         LineVia { poses, deviation, limits, motion: None, of: PhantomData }
     }
 
@@ -66,7 +66,8 @@ mod tests {
 
     #[test]
     fn a_square_with_rounded_corners_is_executed_and_ends_where_it_began() {
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let here = irp6.forward(&start);
@@ -75,7 +76,8 @@ mod tests {
         let limits = JerkLimits { velocity: 0.2, acceleration: 1.0, jerk: 10.0 };
         let limits = SmoothToolLimits { translation: limits, rotation: limits };
         let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(move |ecp| {
-            ecp.move_robot((), LineVia::through(square.clone(), (0.005, 0.1), limits)).map(drop)
+            let deviation = PoseDeviation { distance: 0.005, angle: 0.1 };
+            ecp.move_robot((), LineVia::through(square.clone(), deviation, limits)).map(drop)
         });
         let report = Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
         // Longer than 0.4 m at 0.2 m/s, shorter than four legs from rest to rest: D / V + V / A + A / J each.

@@ -28,7 +28,8 @@ impl<R: Robot, F: Transform> MovingFrame<R, F> {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn to(X_WF: F, X_FG: Pose, approach: f64, duration: f64) -> Self {
-        let (start, age) = (Pose::identity(), 0.0);
+        let start = Pose::identity();
+        let age = 0.0;
         MovingFrame { frame: X_WF, place: X_FG, approach, duration, start, age, of: PhantomData }
     }
 }
@@ -78,10 +79,12 @@ mod tests {
         const SPEED: f64 = 0.1;
         let belt = Conveyor::new();
         let mark = Functional::new(move |age| belt.forward(&One::new(SPEED * age)));
-        let (above, start) = (Pose::translation(0.2, 0.1, 0.3), Pose::translation(0.5, -0.3, 0.6));
+        let above = Pose::translation(0.2, 0.1, 0.3);
+        let start = Pose::translation(0.5, -0.3, 0.6);
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: start };
         let e = State::<Irp6>::new(RobotImage::new(state, state));
-        let (dt, mut generator) = (2e-3, MovingFrame::to(mark, above, 1.0, 2.0));
+        let dt = 2e-3;
+        let mut generator = MovingFrame::to(mark, above, 1.0, 2.0);
         let t = Tick { step: 0, dt, duration: dt };
         let mut p = vec![start.translation.vector; 2];
         let mut step = generator.first_step(&e, t);
@@ -99,7 +102,8 @@ mod tests {
         assert_eq!(step, Ok(Step::Done));
         assert_eq!(p.len(), 2 + 1000);
         // b'' is at most 5.7735, b' 1.875 over the way of a second: |a| <= 5.7735 |way| + 2 * 1.875 * SPEED.
-        let (way, end) = ((above.translation.vector - start.translation.vector).norm() + SPEED, p.len() - 1);
+        let way = (above.translation.vector - start.translation.vector).norm() + SPEED;
+        let end = p.len() - 1;
         for w in p.windows(3) {
             assert!(((w[2] - w[1]) - (w[1] - w[0])).norm() / (dt * dt) < 5.78 * way + 3.75 * SPEED);
         }

@@ -58,8 +58,8 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> OrderedForce<R, S> {
         v: &Reading<(S,)>,
         t: Tick,
     ) -> Result<Step<R>, Fault> {
-        let (Pressing { force: load, across: [x, y] }, law) = (order.value(), self.law.as_mut());
-        let law = law.map_err(|fault| fault.clone())?;
+        let Pressing { force: load, across: [x, y] } = order.value();
+        let law = self.law.as_mut().map_err(|fault| fault.clone())?;
         let behaviours = [x, y].map(|velocity| Behaviour::Unguarded { velocity });
         for (axis, behaviour) in
             behaviours.into_iter().chain([Behaviour::Contact { load, give: self.give }]).enumerate()
@@ -95,7 +95,8 @@ mod tests {
         let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: down };
         let e = State::<Irp6>::new(RobotImage::new(state, state));
         let order = Order::new(Pressing { force: 10.0, across: [0.01, 0.0] });
-        let (t, stiffness) = (Tick { step: 0, dt: 2e-3, duration: 2e-3 }, 2000.0);
+        let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
+        let stiffness = 2000.0;
         let mut generator = OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE);
         let mut z = 0.0_f64;
         for i in 0..3000 {

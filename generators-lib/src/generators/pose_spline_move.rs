@@ -90,7 +90,8 @@ mod tests {
 
     #[test]
     fn every_pose_is_passed_within_the_limits_of_the_tool() {
-        let (robot, q) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let robot = Irp6::nominal();
+        let q = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let start = robot.forward(&q);
         let by =
             |x: f64, y: f64, z: f64| start * Pose::new(Vector3::new(x, y, z), Vector3::new(y, z, x) * 5.0);

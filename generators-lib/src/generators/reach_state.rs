@@ -65,8 +65,11 @@ mod tests {
     #[test]
     fn a_target_that_moves_in_every_step_is_pursued_within_the_limits_and_caught() {
         const DT: f64 = 1e-3;
-        let (robot, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
-        let (velocity, acceleration, jerk) = (0.5, 2.0, 20.0);
+        let robot = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+        let velocity = 0.5;
+        let acceleration = 2.0;
+        let jerk = 20.0;
         let limits = JointLimits {
             velocity: Six::repeat(velocity),
             acceleration: Six::repeat(acceleration),
@@ -91,8 +94,11 @@ mod tests {
             trace.push(here);
         }
         for q in trace.windows(4) {
-            let (v0, v1, v2) = ((q[1] - q[0]) / DT, (q[2] - q[1]) / DT, (q[3] - q[2]) / DT);
-            let (a0, a1) = ((v1 - v0) / DT, (v2 - v1) / DT);
+            let v0 = (q[1] - q[0]) / DT;
+            let v1 = (q[2] - q[1]) / DT;
+            let v2 = (q[3] - q[2]) / DT;
+            let a0 = (v1 - v0) / DT;
+            let a1 = (v2 - v1) / DT;
             assert!(v2.amax() < velocity + 1e-9 && a1.amax() < acceleration + 1e-6, "{v2} {a1}");
             assert!(((a1 - a0) / DT).amax() < jerk + 2e-3, "{}", (a1 - a0) / DT);
         }

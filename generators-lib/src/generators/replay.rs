@@ -43,7 +43,8 @@ impl<R: Robot> Replay<R> {
                     .joints::<R::Joints>()
                     .ok_or_else(|| Fault::thrown("a pose was taught to another robot"))?;
                 let line = JointLine::new(self.from.0, if relative { self.from.0 + q } else { q });
-                let (v, a) = (self.velocity * pose.velocity, self.acceleration * pose.acceleration);
+                let v = self.velocity * pose.velocity;
+                let a = self.acceleration * pose.acceleration;
                 self.from.0 = line.joints(1.0);
                 Ok(Leg::Joints(line, line.profile(&v, &a).map_err(|error| refused(&error))?.cursor()))
             }

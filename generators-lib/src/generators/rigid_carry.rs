@@ -68,7 +68,8 @@ mod tests {
     #[test]
     fn two_arms_lift_a_body_in_the_closed_form_time() {
         let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-        let (left, right) = (Irp6::nominal(), Irp6::nominal().with_base(Pose::translation(1.8, 0.3, 0.0)));
+        let left = Irp6::nominal();
+        let right = Irp6::nominal().with_base(Pose::translation(1.8, 0.3, 0.0));
         let arms = [SimulatedIrp6::new(left.clone(), &start), SimulatedIrp6::new(right.clone(), &start)];
         let shafts = arms.each_ref().map(|arm| arm.shaft());
         let [one, two] = arms;
@@ -79,7 +80,8 @@ mod tests {
             let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
             let limits = ToolLimits { translation: limits, rotation: limits };
             let path = StraightBody::by(Pose::translation(0.0, 0.0, 0.05), limits);
-            let (mut one, mut two) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
+            let mut one = mp.robot::<Irp6>("left")?;
+            let mut two = mp.robot::<Irp6>("right")?;
             let lift = RigidCarry::<(Irp6, Irp6), _>::along(BodyFrame::Centroid, path);
             mp.move_robots((&mut one, &mut two), (), lift).map(drop)
         });

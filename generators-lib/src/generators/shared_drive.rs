@@ -37,14 +37,18 @@ where
     #[must_use]
     #[allow(non_snake_case)]
     pub fn from(X_WD: Pose, path: P, loops: L::Each<KinematicLoop<D, E>>, limits: ToolLimits) -> Self {
-        let (starts, approaches) = (L::array(|_| Pose::identity()), L::array(|_| None));
-        let (engaged, age, of) = (false, 0.0, PhantomData);
+        let starts = L::array(|_| Pose::identity());
+        let approaches = L::array(|_| None);
+        let engaged = false;
+        let age = 0.0;
+        let of = PhantomData;
         SharedDrive { drive: X_WD, path, loops, limits, starts, approaches, engaged, age, of }
     }
 
     #[allow(non_snake_case)]
     fn advance(&mut self, t: Tick) -> Result<Step<L, O>, Fault> {
-        let (X_WEs, loops) = (self.starts, self.loops.as_mut());
+        let X_WEs = self.starts;
+        let loops = self.loops.as_mut();
         if !self.engaged {
             let mut under_way = false;
             let X_WE = L::array(|i| {
@@ -112,8 +116,9 @@ mod tests {
 
     #[test]
     fn the_drive_frame_starts_when_the_last_arm_has_engaged() {
-        let (one, two, X_WD) =
-            (Pose::translation(0.5, 0.0, 0.3), Pose::translation(0.9, 0.1, 0.3), Pose::identity());
+        let one = Pose::translation(0.5, 0.0, 0.3);
+        let two = Pose::translation(0.9, 0.1, 0.3);
+        let X_WD = Pose::identity();
         let up = Pose::translation(0.0, 0.0, 0.01);
         let loops = [KinematicLoop::held(&X_WD, &one), KinematicLoop::held(&X_WD, &(up * two))];
         let limits = ProfileLimits { velocity: 0.1, acceleration: 1.0 };

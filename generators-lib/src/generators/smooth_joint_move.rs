@@ -32,7 +32,8 @@ impl<R: Robot> SmoothJointMove<R> {
 #[generator(ecp)]
 impl<R: Robot> SmoothJointMove<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
-        let (start, target) = (JointState::rest(e.demanded().joints), JointTarget::rest(self.goal));
+        let start = JointState::rest(e.demanded().joints);
+        let target = JointTarget::rest(self.goal);
         let motion = SynchronisedMove::new(&start, &target, &self.limits);
         let motion = motion.map_err(|error| Fault::thrown(&error.to_string()))?;
         self.motion = Some(MoveCursor::new(motion));

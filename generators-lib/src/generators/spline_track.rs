@@ -76,7 +76,8 @@ mod tests {
     fn a_circle_of_points_is_tracked_as_a_circle() {
         const RADIUS: f64 = 0.02;
         const SPAN: f64 = std::f64::consts::TAU / 48.0;
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let points = (0..=48)
             .map(|i| f64::from(i) * SPAN)
             .map(|angle| Vector3::new(angle.cos(), angle.sin(), 0.0) * RADIUS);

@@ -34,8 +34,11 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, P: BodyPath, O: 'static> 
     #[must_use]
     pub fn along(body: BodyFrame, path: P, law: SqueezeLaw, squeeze: f64, oldest: u32) -> Self {
         const { assert!(<L as RobotList>::LEN == <V as SensorList>::LEN, "one wrist sensor for each robot") };
-        let (starts, corrections) = (L::array(|_| Pose::identity()), L::array(|_| Correction::default()));
-        let (grasps, split, of) = (Grasps::close(&Pose::identity(), starts), None, PhantomData);
+        let starts = L::array(|_| Pose::identity());
+        let corrections = L::array(|_| Correction::default());
+        let grasps = Grasps::close(&Pose::identity(), starts);
+        let split = None;
+        let of = PhantomData;
         SqueezedCarry { body, path, law, squeeze, oldest, unread: 0, starts, grasps, split, corrections, of }
     }
 
@@ -114,8 +117,8 @@ mod tests {
         let mut generator =
             SqueezedCarry::<[Irp6; 2], [Wrist; 2], _>::along(BodyFrame::Centroid, rest, law, 0.0, 1);
         let load = |x| SensorImage::new(Wrench::new(Vector3::new(x, 0.0, -15.0), Vector3::zeros()), 0);
-        let (e, v) =
-            (State::new([image(0.5), image(0.9)]), Reading::<[Wrist; 2]>::new([load(-25.0), load(25.0)]));
+        let e = State::new([image(0.5), image(0.9)]);
+        let v = Reading::<[Wrist; 2]>::new([load(-25.0), load(25.0)]);
         let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
         let Ok(Step::Next(demands)) = generator.first_step(&e, &v, t) else { panic!("a fault or the end") };
         // F / K a T = 25 / 5e4 * 5 * 2e-3 outwards, and nothing downwards.

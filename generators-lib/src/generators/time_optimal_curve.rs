@@ -66,13 +66,15 @@ mod tests {
 
     #[test]
     fn a_helix_is_executed_within_the_robots_own_limits() {
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let turn = std::f64::consts::TAU;
         let helix = Helix::about(Vector3::x() * 0.05, Vector3::zeros(), Vector3::z_axis(), turn, 0.03);
         let helix = helix.expect("a helix");
-        let (of, motion) = (*irp6.limits(), irp6.clone());
+        let of = *irp6.limits();
+        let motion = irp6.clone();
         let limits = PathLimits { velocity: of.velocity, acceleration: of.acceleration, speed: 1.0 };
         let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(move |ecp| {
             ecp.move_robot((), TimeOptimalCurve::along(motion.clone(), helix, limits)).map(drop)

@@ -86,7 +86,8 @@ mod tests {
 
     #[test]
     fn some_joint_is_at_a_limit_throughout_and_none_beyond() {
-        let (robot, start) = (Irp6::nominal(), Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0));
+        let robot = Irp6::nominal();
+        let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
         let at = |x: f64, y: f64| start + Six::new(x, y, -0.5 * x, 0.0, y * x, 0.3 * x);
         let points = vec![at(0.2, 0.1), at(0.4, -0.1), at(0.3, 0.2), at(0.0, 0.1)];
         let limits =
@@ -103,7 +104,8 @@ mod tests {
         assert_eq!(trace.last(), points.last());
         let mut at_limit = 0;
         for q in trace.windows(3) {
-            let (v0, v1) = ((q[1] - q[0]) / 1e-3, (q[2] - q[1]) / 1e-3);
+            let v0 = (q[1] - q[0]) / 1e-3;
+            let v1 = (q[2] - q[1]) / 1e-3;
             let share = (v1.amax() / 0.5).max((v1 - v0).amax() / 1e-3 / 2.0);
             assert!(share < 1.0 + 1e-6, "{share}");
             at_limit += usize::from(share > 0.97);

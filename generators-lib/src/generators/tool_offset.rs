@@ -54,7 +54,8 @@ mod tests {
 
     #[test]
     fn the_tool_goes_by_the_offset_from_wherever_it_is() {
-        let (irp6, start) = (Irp6::nominal(), Six::new(0.1, -1.57, 0.16, -0.16, 4.71, 0.3));
+        let irp6 = Irp6::nominal();
+        let start = Six::new(0.1, -1.57, 0.16, -0.16, 4.71, 0.3);
         let arm = SimulatedIrp6::new(irp6.clone(), &start);
         let shaft = arm.shaft();
         let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(|ecp| {

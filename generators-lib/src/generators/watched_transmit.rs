@@ -52,7 +52,8 @@ mod tests {
             State::<Irp6>::new(RobotImage::new(at(Pose::translation(off, 0.0, 0.0)), at(Pose::identity())))
         };
         let pose = Pose::translation(0.1, 0.2, 0.3);
-        let (order, watched) = (Order::new(Displacement { pose }), WatchedTransmit::within(5e-3, 0.02));
+        let order = Order::new(Displacement { pose });
+        let watched = WatchedTransmit::within(5e-3, 0.02);
         let step = watched.next_step(&order, &e(4e-3)).expect("near");
         assert_eq!(step, Step::Next(Demand::displacement(pose)));
         let fault = watched.next_step(&order, &e(6e-3)).expect_err("far");

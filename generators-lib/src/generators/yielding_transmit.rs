@@ -50,7 +50,8 @@ mod tests {
     #[allow(non_snake_case)]
     fn an_arm_of_five_joints_goes_aside_and_turns_where_it_may() {
         // The tool is level; its x axis is upright.
-        let (robot, q) = (Irp6FiveDof::nominal(), Five::new(0.0, -1.5, 0.1, -0.170_796_326_794_896_6, 0.0));
+        let robot = Irp6FiveDof::nominal();
+        let q = Five::new(0.0, -1.5, 0.1, -0.170_796_326_794_896_6, 0.0);
         let X_WE = robot.forward(&q);
         let state = RobotState { joints: q, velocity: Five::zeros(), pose: X_WE };
         let aside = X_WE.inverse() * Pose::translation(0.0, 0.02, 0.0) * X_WE;

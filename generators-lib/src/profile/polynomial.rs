@@ -64,7 +64,8 @@ impl Profile for Cubic {
     }
 
     fn at(&self, t: f64) -> ProfilePoint {
-        let (d, i) = (self.distance, 1.0 / self.duration);
+        let d = self.distance;
+        let i = 1.0 / self.duration;
         let x = t * i;
         if t >= self.duration {
             return ProfilePoint { s: d, v: 0.0, a: 0.0 };
@@ -95,7 +96,8 @@ impl Profile for Quintic {
     }
 
     fn at(&self, t: f64) -> ProfilePoint {
-        let (d, i) = (self.distance, 1.0 / self.duration);
+        let d = self.distance;
+        let i = 1.0 / self.duration;
         let x = t * i;
         if t >= self.duration {
             return ProfilePoint { s: d, v: 0.0, a: 0.0 };

@@ -230,7 +230,8 @@ mod tests {
         #[test]
         fn a_profile_run_backwards_is_itself(d in 0.0..10.0f64, v in 0.05..3.0f64, a in 0.1..20.0f64, x in 0.0..1.0f64) {
             let profile = trapezoid(d, v, a);
-            let (there, back) = (profile.at(x * profile.duration()), profile.at((1.0 - x) * profile.duration()));
+            let there = profile.at(x * profile.duration());
+            let back = profile.at((1.0 - x) * profile.duration());
             prop_assert!((there.s + back.s - d).abs() < 1e-9 * (1.0 + d));
             prop_assert!((there.v - back.v).abs() < 1e-9 * (1.0 + v));
         }

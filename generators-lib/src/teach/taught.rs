@@ -62,7 +62,8 @@ impl TaughtPose {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn of_pose(velocity: f64, acceleration: f64, X_WE: &Pose) -> Option<Self> {
-        let (p, r) = (X_WE.translation.vector, AngleAxis::of(&X_WE.rotation).0);
+        let p = X_WE.translation.vector;
+        let r = AngleAxis::of(&X_WE.rotation).0;
         Self::new(velocity, acceleration, &[p.x, p.y, p.z, r.x, r.y, r.z])
     }
 

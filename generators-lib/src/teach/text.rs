@@ -55,10 +55,11 @@ fn add(
     poses: &mut Vec<TaughtPose>,
     space: Space,
     line: usize,
-    (v, a): (f64, f64),
-    c: &[f64],
+    velocity: f64,
+    acceleration: f64,
+    coordinates: &[f64],
 ) -> Result<(), BadFile> {
-    for (name, share) in [("velocity", v), ("acceleration", a)] {
+    for (name, share) in [("velocity", velocity), ("acceleration", acceleration)] {
         if !(share > 0.0 && share <= 1.0) {
             return bad(
                 line,
@@ -70,10 +71,10 @@ fn add(
         Space::Zyz | Space::AngleAxis => Some(6),
         Space::Motor | Space::Joint => poses.first().map(|pose| pose.coordinates().len()),
     };
-    if let Some(expected) = expected.filter(|expected| *expected != c.len()) {
-        return bad(line, format!("{} coordinates, there must be {expected}", c.len()));
+    if let Some(expected) = expected.filter(|expected| *expected != coordinates.len()) {
+        return bad(line, format!("{} coordinates, there must be {expected}", coordinates.len()));
     }
-    match TaughtPose::new(v, a, c) {
+    match TaughtPose::new(velocity, acceleration, coordinates) {
         Some(pose) => poses.push(pose),
         None => return bad(line, "no pose"),
     }
@@ -133,7 +134,8 @@ impl Taught {
             let (line, coordinates) = row("coordinates")?;
             for (row_line, row) in [(v_line, &v), (a_line, &a)] {
                 if row.len() != coordinates.len() {
-                    let (here, there) = (row.len(), coordinates.len());
+                    let here = row.len();
+                    let there = coordinates.len();
                     return bad(row_line, format!("{here} shares for {there} coordinates"));
                 }
                 if let Some(share) = row.iter().find(|share| !(**share > 0.0 && **share <= 1.0)) {
@@ -143,7 +145,7 @@ impl Taught {
                     );
                 }
             }
-            add(&mut poses, space, line, (least(&v), least(&a)), &coordinates)?;
+            add(&mut poses, space, line, least(&v), least(&a), &coordinates)?;
         }
         match lines.next() {
             Some((line, _)) => bad(line, format!("more than the {count} poses that the head announces")),
@@ -180,7 +182,8 @@ impl FromStr for Taught {
     type Err = BadFile;
 
     fn from_str(text: &str) -> Result<Self, BadFile> {
-        let (last, mut lines) = (text.lines().count().max(1), lines(text, "#"));
+        let last = text.lines().count().max(1);
+        let mut lines = lines(text, "#");
         let mut named = |name: &str| match lines.next() {
             Some((line, words)) => match words[..] {
                 [word, value] if word == name => Ok((line, value)),
@@ -207,7 +210,7 @@ impl FromStr for Taught {
             };
             let shares = numbers(&(line, vec![*v, *a]))?;
             let coordinates = numbers(&(line, coordinates.to_vec()))?;
-            add(&mut poses, space, line, (shares[0], shares[1]), &coordinates)?;
+            add(&mut poses, space, line, shares[0], shares[1], &coordinates)?;
         }
         Ok(Taught { space, reference, poses })
     }

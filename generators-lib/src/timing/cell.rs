@@ -10,12 +10,19 @@ struct Row {
     high: f64,
 }
 
+/// The values between two ends, both included.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Interval {
+    pub least: f64,
+    pub most: f64,
+}
+
 /// The limits of one cell.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cell {
     rows: Vec<Row>,
     /// Least and largest `x`, by the limits in which `u` does not occur.
-    x: (f64, f64),
+    x: Interval,
 }
 
 /// The tightest limits of `u` at one `x`.
@@ -71,7 +78,7 @@ impl Cell {
     /// No limits but `0 <= x <= most`.
     pub fn clear(&mut self, most: f64) {
         self.rows.clear();
-        self.x = (0.0, most);
+        self.x = Interval { least: 0.0, most };
     }
 
     /// Adds a limit.
@@ -84,10 +91,12 @@ impl Cell {
             self.rows.push(row);
         } else if b != 0.0 {
             // `u` does not occur in it.
-            let (p, q) = (low / b, high / b);
-            self.x = (self.x.0.max(p.min(q)), self.x.1.min(p.max(q)));
+            let p = low / b;
+            let q = high / b;
+            self.x.least = self.x.least.max(p.min(q));
+            self.x.most = self.x.most.min(p.max(q));
         } else if low > 0.0 || high < 0.0 {
-            self.x.1 = f64::NEG_INFINITY;
+            self.x.most = f64::NEG_INFINITY;
         }
     }
 
@@ -96,12 +105,15 @@ impl Cell {
         let mut edges = Edges { lower: none, upper: none, least: f64::NEG_INFINITY, most: f64::INFINITY };
         for row in &self.rows {
             let by = row.slope * x;
-            let (least, most) = (row.low - by, row.high - by);
+            let least = row.low - by;
+            let most = row.high - by;
             if least > edges.least {
-                (edges.least, edges.lower) = (least, *row);
+                edges.least = least;
+                edges.lower = *row;
             }
             if most < edges.most {
-                (edges.most, edges.upper) = (most, *row);
+                edges.most = most;
+                edges.upper = *row;
             }
         }
         edges
@@ -115,14 +127,13 @@ impl Cell {
     }
 
     /// The least and the largest `x` for which there is a `u`; none if there is no such `x`.
-    pub fn range(&self) -> Option<(f64, f64)> {
-        let (low, high) = self.x;
-        if low > high {
+    pub fn range(&self) -> Option<Interval> {
+        if self.x.least > self.x.most {
             return None;
         }
-        let most = self.feasible(high, -1.0)?;
-        let least = self.feasible(low, 1.0)?;
-        (least <= most).then_some((least, most))
+        let most = self.feasible(self.x.most, -1.0)?;
+        let least = self.feasible(self.x.least, 1.0)?;
+        (least <= most).then_some(Interval { least, most })
     }
 
     /// The first `x` from `from` on, in the `direction` 1 or -1, for which there is a `u`: Newton's iteration on the gap
@@ -147,6 +158,6 @@ impl Cell {
             }
             x = next;
         }
-        (x >= self.x.0 && x <= self.x.1).then_some(x)
+        (x >= self.x.least && x <= self.x.most).then_some(x)
     }
 }

@@ -7,7 +7,8 @@ use crate::curve::Parametric;
 pub fn grid<P: Parametric>(path: &P, cells: usize) -> Vec<f64> {
     let (first, last) = path.range();
     let inner = path.knots().iter().copied().filter(|knot| *knot > first && *knot < last);
-    let (mut grid, mut from) = (vec![first], first);
+    let mut grid = vec![first];
+    let mut from = first;
     for to in inner.chain([last]) {
         let share = ((to - from) / (last - first) * cells as f64).round().max(1.0);
         // A share that is not a number comes from a range that is none, which the plan refuses.

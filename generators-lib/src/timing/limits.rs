@@ -134,6 +134,7 @@ pub fn torque_limits<J: JointVector>(
     let still = tau(&at.value, &zeros, &zeros);
     let a = tau(&at.value, &zeros, &at.first) - still;
     let b = tau(&at.value, &at.first, &at.second) - still;
-    let (low, high) = (*low - still, *high - still);
+    let low = *low - still;
+    let high = *high - still;
     (0..J::LEN).map(move |i| LinearLimit { a: a[i], b: b[i], low: low[i], high: high[i] })
 }

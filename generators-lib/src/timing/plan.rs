@@ -2,7 +2,7 @@
 
 use mrroc::JointVector;
 
-use super::cell::{Cell, cubic, parabola};
+use super::cell::{Cell, Interval, cubic, parabola};
 use super::{LinearLimit, PathLimits, TimingError, speeds};
 use crate::curve::{Parametric, SplinePoint};
 use crate::profile::{Profile, ProfileError, ProfilePoint, check_stretch};
@@ -114,7 +114,8 @@ impl Problem {
                 return Err(TimingError::NotFinite(*at));
             }
         }
-        let (mut further, mut expected) = (Vec::new(), 0);
+        let mut further = Vec::new();
+        let mut expected = 0;
         for (i, (cell, ends)) in cells.iter().zip(grid.windows(2)).enumerate() {
             let at = |share: f64| path.at(ends[0] + share * (ends[1] - ends[0]));
             for k in 0..4 {
@@ -142,9 +143,10 @@ impl Problem {
     }
 
     /// The limits of cell `i`, which is to end within `next`.
-    fn cell(&self, i: usize, next: (f64, f64), cell: &mut Cell) {
+    fn cell(&self, i: usize, next: Interval, cell: &mut Cell) {
         cell.clear(self.most[i]);
-        let (width, [joints, more]) = (self.width(i), self.rows);
+        let width = self.width(i);
+        let [joints, more] = self.rows;
         for at in &self.joints[i * joints..(i + 1) * joints] {
             parabola(*at, width).into_iter().for_each(|limit| cell.push(limit));
         }
@@ -152,17 +154,17 @@ impl Problem {
             let at = [0, 1, 2, 3].map(|place| self.more[k + place * more]);
             cubic(at, width).into_iter().for_each(|limit| cell.push(limit));
         }
-        cell.push(LinearLimit { a: 2.0 * width, b: 1.0, low: next.0, high: next.1 });
+        cell.push(LinearLimit { a: 2.0 * width, b: 1.0, low: next.least, high: next.most });
     }
 
     /// The squares of speed at each point of the grid from which the `end` speed can be reached.
-    fn controllable(&self, end: f64) -> Result<Vec<(f64, f64)>, TimingError> {
+    fn controllable(&self, end: f64) -> Result<Vec<Interval>, TimingError> {
         let last = self.grid.len() - 1;
         let most = self.most[last].sqrt();
         if !(end >= 0.0 && end <= most) {
             return Err(TimingError::Speed { place: "end", asked: end, least: 0.0, most });
         }
-        let mut sets = vec![(end * end, end * end); last + 1];
+        let mut sets = vec![Interval { least: end * end, most: end * end }; last + 1];
         let mut cell = Cell::default();
         for i in (0..last).rev() {
             self.cell(i, sets[i + 1], &mut cell);
@@ -172,19 +174,23 @@ impl Problem {
     }
 
     /// The largest acceleration in every cell that stays in the controllable `sets`.
-    fn fastest(&self, sets: &[(f64, f64)], start: f64) -> Result<TimeOptimal, TimingError> {
-        let (least, most) = (sets[0].0.sqrt(), sets[0].1.sqrt());
+    fn fastest(&self, sets: &[Interval], start: f64) -> Result<TimeOptimal, TimingError> {
+        let least = sets[0].least.sqrt();
+        let most = sets[0].most.sqrt();
         // A speed that was computed may exceed its limit by rounding.
         if !(start >= least * (1.0 - 1e-12) && start <= most * (1.0 + 1e-12)) {
             return Err(TimingError::Speed { place: "start", asked: start, least, most });
         }
         let mut knots = Vec::with_capacity(self.grid.len());
-        let (mut cell, mut time, mut x) = (Cell::default(), 0.0, start * start);
+        let mut cell = Cell::default();
+        let mut time = 0.0;
+        let mut x = start * start;
         for (i, next) in sets[1..].iter().enumerate() {
             self.cell(i, *next, &mut cell);
             let width = self.width(i);
-            let beyond = (x + 2.0 * width * cell.most(x)).min(next.1).max(next.0);
-            let (v, after) = (x.sqrt(), beyond.sqrt());
+            let beyond = (x + 2.0 * width * cell.most(x)).min(next.most).max(next.least);
+            let v = x.sqrt();
+            let after = beyond.sqrt();
             knots.push(Knot { time, s: self.grid[i] - self.grid[0], v, a: (beyond - x) / (2.0 * width) });
             time += 2.0 * width / (v + after);
             if !time.is_finite() {
@@ -223,7 +229,9 @@ impl Profile for TimeOptimal {
         check_stretch(duration, self.duration())?;
         let k = duration / self.duration();
         for knot in &mut self.knots {
-            (knot.time, knot.v, knot.a) = (knot.time * k, knot.v / k, knot.a / (k * k));
+            knot.time *= k;
+            knot.v /= k;
+            knot.a /= k * k;
         }
         if let Some(last) = self.knots.last_mut() {
             last.time = duration;

@@ -35,21 +35,25 @@ pub(super) fn most<J: JointVector>(cells: &[[SplinePoint<J>; 3]], limits: &PathL
             hull = hull.max(p.abs()).max(q.abs()).max(r.abs());
         }
         let reversing = REVERSING / (hull * hull);
-        (most[i], most[i + 1]) = (most[i].min(reversing), most[i + 1].min(reversing));
+        most[i] = most[i].min(reversing);
+        most[i + 1] = most[i + 1].min(reversing);
     }
     let mut share = vec![1.0_f64; most.len()];
     for (i, cell) in cells.iter().enumerate() {
-        let (g, h) = (most[i], most[i + 1]);
+        let g = most[i];
+        let h = most[i + 1];
         let mut excess = 1.0_f64;
         for j in 0..J::LEN {
             let [p, q, r] = controls(cell, j);
             let squares = [p * p, p * q, (p * r + 2.0 * q * q) / 3.0, q * r, r * r];
             for k in 1..5 {
-                let (k_of_5, rest) = (0.2 * k as f64, 1.0 - 0.2 * k as f64);
+                let k_of_5 = 0.2 * k as f64;
+                let rest = 1.0 - 0.2 * k as f64;
                 excess = excess.max(rest * squares[k] * g + k_of_5 * squares[k - 1] * h);
             }
         }
-        (share[i], share[i + 1]) = (share[i].min(1.0 / excess), share[i + 1].min(1.0 / excess));
+        share[i] = share[i].min(1.0 / excess);
+        share[i + 1] = share[i + 1].min(1.0 / excess);
     }
     most.iter().zip(share).map(|(most, share)| most * share).collect()
 }

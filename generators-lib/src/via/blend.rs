@@ -14,7 +14,8 @@ impl Blend {
     /// `(dv, acceleration, jerk)`.
     pub(super) fn of(changes: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Self {
         let most = |f: fn((f64, f64, f64)) -> f64| changes.clone().map(f).fold(0.0, f64::max);
-        let (ramp, area) = (most(|(dv, a, _)| dv / a), most(|(dv, _, j)| dv / j));
+        let ramp = most(|(dv, a, _)| dv / a);
+        let area = most(|(dv, _, j)| dv / j);
         if area >= ramp * ramp {
             let both = area.sqrt();
             return Blend { ramp: both, soft: both };
@@ -39,7 +40,8 @@ impl Blend {
     #[must_use]
     pub fn at(&self, x: f64) -> (f64, f64, f64) {
         let Blend { ramp, soft } = *self;
-        let (half, flat) = (0.5 * (ramp + soft), 0.5 * (ramp - soft));
+        let half = 0.5 * (ramp + soft);
+        let flat = 0.5 * (ramp - soft);
         if x > 0.0 {
             let (way, share, rise) = self.at(-x);
             return (x + way, 1.0 - share, rise);
@@ -69,7 +71,9 @@ mod tests {
             let h = 1e-4;
             for i in -200..=200 {
                 let x = f64::from(i) * 0.01 + 0.0031;
-                let (before, here, after) = (blend.at(x - h), blend.at(x), blend.at(x + h));
+                let before = blend.at(x - h);
+                let here = blend.at(x);
+                let after = blend.at(x + h);
                 assert!(((after.0 - before.0) / (2.0 * h) - here.1).abs() < 1e-6, "{x}");
                 assert!(((after.1 - before.1) / (2.0 * h) - here.2).abs() < 1e-3, "{x}");
             }

@@ -90,7 +90,8 @@ fn largest(most: f64, good: impl Fn(f64) -> bool) -> f64 {
     if good(most) {
         return most;
     }
-    let (mut low, mut high) = (0.0, most);
+    let mut low = 0.0;
+    let mut high = most;
     for _ in 0..STEPS {
         let middle = 0.5 * (low + high);
         if good(middle) { low = middle } else { high = middle }
@@ -120,7 +121,8 @@ impl Problem<'_> {
 
     /// The change of velocity round a corner that is passed with a share of the largest rates.
     fn change(&self, corner: usize, share: f64) -> Way {
-        let (before, after) = (&self.ways[corner - 1], &self.ways[corner]);
+        let before = &self.ways[corner - 1];
+        let after = &self.ways[corner];
         let rates = (share * self.most[corner - 1], share * self.most[corner]);
         core::array::from_fn(|i| after[i] * rates.1 - before[i] * rates.0)
     }
@@ -179,7 +181,8 @@ impl Problem<'_> {
 
     fn times(&self, legs: impl Iterator<Item = Leg>) -> Result<Times, ViaError> {
         let mut knots = Vec::with_capacity(3 * self.ways.len() + 1);
-        let (mut time, mut before) = (0.0, (0, 0.0));
+        let mut time = 0.0;
+        let mut before = (0, 0.0);
         for (k, Leg { rates, blends, times }) in legs.enumerate() {
             let blend = self.corner(k, rates[0]);
             if k == 0 {
@@ -191,7 +194,8 @@ impl Problem<'_> {
                 way += rates[i] * times[i];
                 time += times[i];
                 if let Some(blend) = blends[i] {
-                    let (before, after) = ((k, rates[i]), (k, rates[i + 1]));
+                    let before = (k, rates[i]);
+                    let after = (k, rates[i + 1]);
                     knots.push(Knot { time, place: (k, way), before, after, blend });
                 }
             }

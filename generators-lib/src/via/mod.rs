@@ -24,7 +24,7 @@ mod times;
 
 pub use blend::Blend;
 pub use joints::ViaJoints;
-pub use poses::ViaPoses;
+pub use poses::{PoseDeviation, ViaPoses};
 
 use thiserror::Error;
 

@@ -8,6 +8,15 @@ use super::legs::{Group, Way, plan};
 use super::times::Times;
 use crate::line::SmoothToolLimits;
 
+/// How far from a via pose the tool may pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PoseDeviation {
+    /// Distance of the tool's origin \[m\], finite, > 0.
+    pub distance: f64,
+    /// Angle of its orientation \[rad\], finite, > 0.
+    pub angle: f64,
+}
+
 /// Straight lines of the tool through via poses, from rest to rest, over path time; immutable.
 ///
 /// On each leg the origin moves straight and the orientation turns about a constant axis, the short way round. Round a
@@ -21,13 +30,12 @@ pub struct ViaPoses {
 }
 
 impl ViaPoses {
-    /// Through `poses` in one common frame \[m\], which the origin passes within `deviation.0` \[m\] and the orientation
-    /// within `deviation.1` \[rad\], both > 0, and within `limits`, of which jerk may be infinite. The limit of angular jerk is
-    /// that of the rotation vector. Poses that coincide with the one before are left out.
+    /// Through `poses` in one common frame \[m\], each passed within `deviation`, and within `limits`, of which jerk may be
+    /// infinite. The limit of angular jerk is that of the rotation vector. Poses that coincide with the one before are left out.
     ///
     /// # Errors
     /// No two poses that differ; numbers that are none.
-    pub fn new(poses: &[Pose], limits: SmoothToolLimits, deviation: (f64, f64)) -> Result<Self, ViaError> {
+    pub fn new(poses: &[Pose], limits: SmoothToolLimits, deviation: PoseDeviation) -> Result<Self, ViaError> {
         let finite = |pose: &Pose| {
             pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite())
         };
@@ -53,8 +61,10 @@ impl ViaPoses {
             deviation,
             turns,
         };
-        let groups =
-            [group(0, limits.translation, deviation.0, false), group(3, limits.rotation, deviation.1, true)];
+        let groups = [
+            group(0, limits.translation, deviation.distance, false),
+            group(3, limits.rotation, deviation.angle, true),
+        ];
         let coordinates: Vec<Way> = ways
             .iter()
             .map(|(way, turn)| {
@@ -89,7 +99,9 @@ impl ViaPoses {
         let (k, share) = at.place;
         let from = self.poses[k];
         // On a leg the turns are about one axis: they add up.
-        let (on_leg, before, after) = (leg((k, share)), leg(at.before), leg(at.after));
+        let on_leg = leg((k, share));
+        let before = leg(at.before);
+        let after = leg(at.after);
         let way = on_leg.0 + before.0 + after.0;
         let turn =
             UnitQuaternion::from_scaled_axis(on_leg.1) * UnitQuaternion::from_scaled_axis(before.1 + after.1);

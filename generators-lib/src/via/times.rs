@@ -41,7 +41,8 @@ impl Times {
         let knot = &self.knots[begun.max(1) - 1];
         let x = (t - knot.time).max(-0.5 * knot.blend.duration());
         let (way, _, _) = knot.blend.at(x);
-        let (before, after) = (knot.before, knot.after);
+        let before = knot.before;
+        let after = knot.after;
         ViaPoint {
             place: knot.place,
             before: (before.0, before.1 * (x - way)),

@@ -21,6 +21,7 @@ use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 use mrroc_generators::timing::PathLimits;
+use mrroc_generators::via::PoseDeviation;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -130,6 +131,11 @@ pub fn tool_limits(velocity: f64, acceleration: f64) -> ToolLimits {
 pub fn smooth_limits(velocity: f64, acceleration: f64, jerk: f64) -> SmoothToolLimits {
     let limits = JerkLimits { velocity, acceleration, jerk };
     SmoothToolLimits { translation: limits, rotation: limits }
+}
+
+/// A deviation from via poses [m], [rad].
+pub fn within(distance: f64, angle: f64) -> PoseDeviation {
+    PoseDeviation { distance, angle }
 }
 
 pub fn joint_limits(velocity: f64, acceleration: f64, jerk: f64) -> JointLimits<Six> {
@@ -272,7 +278,7 @@ pub fn seen<G: Generator<Robots = Irp6, Sensors = (Camera,), Order = ()>>(x: f64
 }
 
 pub fn servoing(speed: f64, ramp: f64, gain: f64) -> Servoing {
-    Servoing { speed, turning: 5.0 * speed, ramp, gain, tolerance: (1e-4, 1e-3), oldest: 2 }
+    Servoing { speed, turning: 5.0 * speed, ramp, gain, tolerance: 1e-4, angle_tolerance: 1e-3, oldest: 2 }
 }
 
 /// One arm at rest with an order, which is pushed more and more.
@@ -303,9 +309,15 @@ pub fn shown(x: f64, share: f64, space: Space) -> Option<Taught> {
 }
 
 /// To a place beside the object that the camera sees.
-pub fn followed(place: Pose, rate: f64, most: f64, times: (f64, f64)) -> FollowedFrame<Irp6, Camera> {
+pub fn followed(
+    place: Pose,
+    rate: f64,
+    most: f64,
+    approach: f64,
+    duration: f64,
+) -> FollowedFrame<Irp6, Camera> {
     let how = Tracking { rate, acceleration: most, turning: most };
-    FollowedFrame::to(|seen: &Displacement| Some(seen.pose), place, how, times, 2)
+    FollowedFrame::to(|seen: &Displacement| Some(seen.pose), place, how, approach, duration, 2)
 }
 
 /// Onto a belt, and off it to `goal`.

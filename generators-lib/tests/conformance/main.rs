@@ -179,17 +179,17 @@ generator_conformance! {
     class: "ECP f*0(c), first step f*2(c, e)",
     make: LineVia::through(
         vec![away(), start() * Pose::translation(0.05, 0.05, 0.05), start()],
-        (0.005, 0.05),
+        within(0.005, 0.05),
         smooth_limits(0.3, 1.0, 10.0),
     ),
     given: alone,
     odd: |x| {
-        let mut odd = vec![LineVia::through(vec![start()], (0.01, 0.01), smooth_limits(0.1, 1.0, 10.0))];
+        let mut odd = vec![LineVia::through(vec![start()], within(0.01, 0.01), smooth_limits(0.1, 1.0, 10.0))];
         for [v, a, j] in odd_limits(x) {
             for pose in odd_poses(x) {
                 for poses in [vec![pose], vec![pose, start()], vec![away(), pose, away()]] {
-                    odd.push(LineVia::through(poses.clone(), (0.01, 0.1), smooth_limits(v, a, j)));
-                    odd.push(LineVia::through(poses, (0.01, x), smooth_limits(v, a, j)));
+                    odd.push(LineVia::through(poses.clone(), within(0.01, 0.1), smooth_limits(v, a, j)));
+                    odd.push(LineVia::through(poses, within(0.01, x), smooth_limits(v, a, j)));
                 }
             }
         }
@@ -415,12 +415,12 @@ generator_conformance! {
 generator_conformance! {
     followed_frame: FollowedFrame<Irp6, Camera>,
     class: "ECP f*1(c, v), first step f*3(c, e, v)",
-    make: followed(Pose::identity(), 10.0, 1.0, (0.5, 1.0)),
+    make: followed(Pose::identity(), 10.0, 1.0, 0.5, 1.0),
     given: |step| seen(step as f64 * 4e-4),
     odd: |x| {
-        let mut odd: Vec<_> = odd_poses(x).map(|pose| followed(pose, 10.0, 1.0, (0.5, 1.0))).collect();
-        odd.extend([(x, 1.0), (10.0, x), (x, x)].map(|(rate, most)| followed(Pose::identity(), rate, most, (0.5, 1.0))));
-        odd.extend([(x, 1.0), (0.5, x), (x, x)].map(|times| followed(Pose::identity(), 10.0, 1.0, times)));
+        let mut odd: Vec<_> = odd_poses(x).map(|pose| followed(pose, 10.0, 1.0, 0.5, 1.0)).collect();
+        odd.extend([(x, 1.0), (10.0, x), (x, x)].map(|(rate, most)| followed(Pose::identity(), rate, most, 0.5, 1.0)));
+        odd.extend([(x, 1.0), (0.5, x), (x, x)].map(|(approach, duration)| followed(Pose::identity(), 10.0, 1.0, approach, duration)));
         odd
     },
     allocated: bytes,
@@ -594,13 +594,13 @@ generator_conformance! {
 generator_conformance! {
     jog: Jog<Irp6, fn() -> Jogging>,
     class: "ECP f*0(c), first step f*2(c, e)",
-    make: Jog::by(|| Jogging { along: Vector3::x() * 0.1, record: true, ..Jogging::default() }, (1.0, 1.0), 1),
+    make: Jog::by(|| Jogging { along: Vector3::x() * 0.1, record: true, ..Jogging::default() }, 1.0, 1.0, 1),
     given: alone,
     odd: |x| vec![
-        Jog::by(|| Jogging { along: Vector3::x() * 0.1, ..Jogging::default() }, (x, 1.0), 1),
-        Jog::by(|| Jogging { about: Vector3::x() * f64::NAN, ..Jogging::default() }, (1.0, 1.0), 1),
-        Jog::by(|| Jogging { about: Vector3::x() * 1e300, ..Jogging::default() }, (1.0, x), 1),
-        Jog::by(|| Jogging { along: Vector3::x() * 1e100, ..Jogging::default() }, (1e300, 1e300), 0),
+        Jog::by(|| Jogging { along: Vector3::x() * 0.1, ..Jogging::default() }, x, 1.0, 1),
+        Jog::by(|| Jogging { about: Vector3::x() * f64::NAN, ..Jogging::default() }, 1.0, 1.0, 1),
+        Jog::by(|| Jogging { about: Vector3::x() * 1e300, ..Jogging::default() }, 1.0, x, 1),
+        Jog::by(|| Jogging { along: Vector3::x() * 1e100, ..Jogging::default() }, 1e300, 1e300, 0),
     ],
     allocated: bytes,
 }
