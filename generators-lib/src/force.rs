@@ -133,8 +133,8 @@ impl ForceControl {
         self.velocity
     }
 
-    /// `X_EE'`, the tool's next displacement in its own axes, where its surroundings do `reading` to it. With `dt = 0` \[s\] it
-    /// is none.
+    /// `X_EE'`, the tool's next displacement in its own axes, where its surroundings do `reading` to it. Without path
+    /// time (`dt = 0`) the tool is not displaced.
     ///
     /// # Errors
     /// A reading that is not finite, or one that asks for more than 1 m or rad in a step.

@@ -176,7 +176,7 @@ impl LinePath {
             return self.to.rotation;
         }
         let (sin, cos) = (self.half_angle * s).sin_cos();
-        // Of length 1 but for rounding, since both quaternions are and are perpendicular.
+        // Of length 1, up to rounding, because both quaternions are, and are perpendicular to each other.
         UnitQuaternion::new_unchecked(self.from.rotation.into_inner() * cos + self.across * sin)
     }
 

@@ -11,7 +11,7 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 /// d(x) = v T (x - 6 x^3 + 8 x^4 - 3 x^5)        d'(0) = v, all else is 0 at both ends
 /// ```
 ///
-/// is added: joints to joints, or a displacement along and about the world's axes to poses. It goes astray by `0.2 v T` at
+/// is added: joints to joints, or a displacement along and about the world's axes to poses. It leads off the path by `0.2 v T` at
 /// most and takes accelerations of `3.95 v / T`. If `B` ends sooner, its last demand stands until the velocity has faded.
 /// [`Sequence`](super::Sequence) is for what ends at rest.
 pub struct Handover<A: Generator, B, R: Robot> {

@@ -173,7 +173,7 @@ impl From<&Unattainable> for Fault {
     }
 }
 
-/// An arm that follows poses of its tool in thought.
+/// A model of an arm that is led through poses of its tool before the arm itself moves.
 pub trait ArmModel {
     /// Where its tool is.
     fn tool(&self) -> Pose;

@@ -36,7 +36,7 @@ enum Goal {
     Displacement(Pose),
 }
 
-/// Straight on while the body turns the short way, by one trapezoidal profile.
+/// Along a straight line while the body turns the short way, by one trapezoidal profile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StraightBody {
     goal: Goal,

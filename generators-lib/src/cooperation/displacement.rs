@@ -1,4 +1,4 @@
-//! What the coordinator tells an arm in a step of tight cooperation.
+//! What the coordinator orders an arm in a step of tight cooperation.
 //!
 //! ```text
 //! X_EsE = X_WEs^-1 X_WE        of X_WE, and of X_WEs demanded at the start of the instruction
@@ -25,7 +25,7 @@ impl Displacement {
     }
 }
 
-/// Where a tool was and where it is to be: told to a transparent ECP as a pose, to one that transmits as a
+/// Where a tool was and where it is to be: sent to a transparent ECP as a pose, to one that transmits as a
 /// [`Displacement`]. One generator serves both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(non_snake_case)]

@@ -5,7 +5,7 @@
 //! X_WE_i = X_WB X_BE_i         in every step
 //! ```
 //!
-//! so that `X_WE_i^-1 X_WE_j = X_BE_i^-1 X_BE_j` is the same in every step, but for rounding.
+//! so that `X_WE_i^-1 X_WE_j = X_BE_i^-1 X_BE_j` is the same in every step, up to rounding.
 
 use mrroc::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};

@@ -1,4 +1,4 @@
-//! A frame that moves by itself, followed by readings that come late and now and then.
+//! A frame that moves by itself, followed by readings that come late and not in every step.
 //!
 //! A reading of age `a` says where the frame was; with the velocity `u` between readings (low-passed), it now is at
 //! `z = Exp(u a) X_read`. With the rate `k`, the frame that is followed is drawn there critically damped:

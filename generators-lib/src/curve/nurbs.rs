@@ -28,7 +28,7 @@ impl Nurbs {
     /// tangent is to be continuous.
     ///
     /// # Errors
-    /// Knots, weights or points that are none, or whose numbers do not match.
+    /// Knots, weights or points that are out of range, or not as many as belong together.
     pub fn new(
         degree: usize,
         points: &[Vector3<f64>],

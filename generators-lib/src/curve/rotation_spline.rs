@@ -58,7 +58,7 @@ fn jacobian(f: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() - cross * b + cross * cross * c
 }
 
-/// What of the angular acceleration depends on the rotation vector's slope alone: `(dJ/dt) f'`.
+/// The part of the angular acceleration that depends on the rotation vector's slope alone: `(dJ/dt) f'`.
 fn rest(f: &Vector3<f64>, slope: &Vector3<f64>) -> Vector3<f64> {
     let [_, c, db, dc] = coefficients(f.norm());
     let along = f.dot(slope);

@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 
 /// Most cells of one span, a power of two: four halvings.
 pub(super) const CELLS_PER_SPAN: usize = 16;
-/// A bound of the curvature this much above the curvature found is near enough; what it is then is no matter of chance.
+/// A bound of the curvature this much above the curvature found is near enough, and does not depend on where the span was cut.
 const NEAR: f64 = 1.05;
-/// Relative difference of two curvatures that are one, but for what a window of the spline leaves.
+/// Two curvatures whose relative difference is below this count as the same: a window of the spline makes such differences.
 const SAME: f64 = 1e-2;
 
 /// A piece of a span with one speed limit, and what the planner allows at its start.

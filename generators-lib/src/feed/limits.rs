@@ -46,7 +46,7 @@ impl FeedLimits {
     /// Checks every limit.
     ///
     /// # Errors
-    /// The first that is not positive, infinite where it must not be, or so small or large that its square is none.
+    /// The first that is not positive, infinite where it must not be, or so small or large that its square is not a positive finite number.
     pub fn validate(&self) -> Result<(), FeedError> {
         let all = [
             ("feed", self.feed, true),

@@ -173,7 +173,7 @@ impl<const HORIZON: usize> FeedPlanner<HORIZON> {
         }
     }
 
-    /// From the newest cell backwards, until the plan is as it was.
+    /// Plans from the newest cell backwards, until a cell whose plan does not change.
     fn plan_backward(&mut self, added: usize) {
         let mut exit2 = 0.0;
         for k in (0..self.count).rev() {

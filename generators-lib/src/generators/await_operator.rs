@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use mrroc::{Demand, Robot, Step, generator};
 
 /// Holds the robot until what it asks in every step says yes: a button, a dialog's answer that another thread has stored in
-/// an `AtomicBool`. While the cell is suspended nobody is asked.
+/// an `AtomicBool`. While the cell is suspended it does not ask.
 pub struct AwaitOperator<R, F> {
     confirmed: F,
     of: PhantomData<R>,

@@ -40,7 +40,7 @@ impl<L: Robots<O>, O: 'static> Generator for ConstantOrder<L, O> {
         _: &Reading<()>,
         _: Tick,
     ) -> Result<Step<L, O>, Fault> {
-        const { assert!(<L as RobotList>::LEN > 0, "somebody to tell it to") };
+        const { assert!(<L as RobotList>::LEN > 0, "a constant order needs a robot to receive it") };
         Ok(Step::Next(self.0))
     }
 

@@ -13,7 +13,7 @@ use mrroc_generators::force::Give;
 /// m)`, with `F` the sum of what the wrist sensors of the list `V` read, turned into the world by the tools as *measured*, less
 /// what it was in the first step: the body's weight, of which a translation changes nothing. No arm presses against another.
 ///
-/// Pushes below the threshold are none. Farther from the start than it may go, it is a fault; readings of any arm that are
+/// Pushes below the threshold count as none. A body pushed out of its reach is a fault; readings of any arm that are
 /// missing or too old hold the body.
 pub struct GuidedBody<L: RobotList, V, O = Motion> {
     give: Give,

@@ -45,7 +45,7 @@ fn along(spline: &PoseSpline, limits: SmoothToolLimits) -> JerkLimits {
     let mut unit = JerkLimits { velocity: f64::MAX, acceleration: f64::MAX, jerk: f64::MAX };
     for ((first, second), JerkLimits { velocity, acceleration, jerk }) in shares {
         let half = 0.5 * acceleration;
-        // A limit that is none stays one: `f64::min` would drop it.
+        // A limit that is not a number must stay so, to be refused: `f64::min` would drop it.
         let least = |a: f64, b: f64| if a <= b { a } else { b };
         unit.velocity = least(least(unit.velocity, velocity / first), (half / second).sqrt());
         unit.acceleration = least(unit.acceleration, half / first);

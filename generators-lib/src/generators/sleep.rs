@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use mrroc::{Demand, Fault, Robot, Step, Tick, generator};
 
-/// Holds the robot for a path time, or for as long as nobody ends the motion.
+/// Holds the robot for a path time, or until the coordinator ends the motion.
 ///
 /// Path time stands still while the cell is suspended, and so does the sleep.
 pub struct Sleep<R> {

@@ -7,9 +7,9 @@
 //! D_min(T) <= D <= D_max(T)
 //! ```
 //!
-//! From the shortest duration on all are possible, but for a few open intervals: too long to go straight there and too
-//! short to turn round. Where the shortest is not asked for, `D` divides the extremal motions of the duration in a
-//! ratio, and the same ratio of the motions themselves is a motion within the limits.
+//! All durations from the shortest on are possible, except in a few open intervals: they are too long to go straight to the
+//! target and too short to turn round on the way. For a duration longer than the shortest, `D` lies between the ends of
+//! the two extremal motions in some ratio; the mixture of both motions in that ratio ends at `D` and is within the limits.
 
 use super::extremal::Extremal;
 use super::profile::{End, Phase, Phases, mixed};

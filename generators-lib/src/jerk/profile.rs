@@ -126,7 +126,7 @@ pub(super) fn mixed(ours: &Phases, theirs: &Phases, share: f64) -> ([Phase; 14],
     let mut left = ours[0].duration;
     let mut right = theirs[0].duration;
     loop {
-        // What is left of each phase; at most one of them ends in a turn of the loop, but for both at once.
+        // What is left of each phase. In each turn of the loop one of them ends, or both at once.
         while left <= 0.0 {
             i += 1;
             let Some(phase) = ours.get(i) else { return (merged, count) };

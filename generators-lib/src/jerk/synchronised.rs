@@ -204,7 +204,7 @@ impl<J: JointVector> SynchronisedMove<J> {
         // Every axis moves the duration on once at most.
         for _ in 0..=2 * J::LEN {
             let whole = match step {
-                // A duration that is whole but for rounding must not gain a step.
+                // A duration that is a whole number of steps, up to rounding, must not gain one.
                 Some(dt) => ((duration / dt - 1e-9).ceil() * dt).max(duration),
                 None => duration,
             };

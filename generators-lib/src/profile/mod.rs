@@ -103,7 +103,7 @@ pub trait Profile: Sized {
 
 /// `duration` rounded up to a whole number of steps of `dt` \[s\]; as it is where `dt` is not positive.
 pub(crate) fn whole_steps(duration: f64, dt: f64) -> f64 {
-    // A duration that is whole but for rounding must not gain a step.
+    // A duration that is a whole number of steps, up to rounding, must not gain one.
     if dt > 0.0 { ((duration / dt - 1e-9).ceil() * dt).max(duration) } else { duration }
 }
 

@@ -11,7 +11,7 @@ pub fn grid<P: Parametric>(path: &P, cells: usize) -> Vec<f64> {
     let mut from = first;
     for to in inner.chain([last]) {
         let share = ((to - from) / (last - first) * cells as f64).round().max(1.0);
-        // A share that is not a number comes from a range that is none, which the plan refuses.
+        // A share that is not a number comes from a range that is not finite, which the plan refuses.
         let count = if share.is_finite() { share as usize } else { 1 };
         grid.extend((1..count).map(|i| from + (to - from) * i as f64 / count as f64));
         grid.push(to);

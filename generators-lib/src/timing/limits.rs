@@ -45,7 +45,7 @@ pub enum TimingError {
     /// The grid does not lead from the path's start to its end in rising order.
     #[error("the grid must rise from the start {0} of the path to its end {1}")]
     Grid(f64, f64),
-    /// A number of the path or of a limit along it is infinite or not a number, or the square of their ratio is none.
+    /// A number of the path or of a limit along it is infinite or not a number, or the square of their ratio is not finite.
     #[error(
         "the path or a limit along it is not finite at {0}, or they are too many orders of magnitude apart"
     )]

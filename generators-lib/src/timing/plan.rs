@@ -43,7 +43,8 @@ impl TimeOptimal {
     /// [`grid`](super::grid)), with the speeds `[start, end]` of the parameter [1/s].
     ///
     /// # Errors
-    /// Limits, grid or path that are none; a speed that the limits do not allow.
+    /// Limits out of range, a grid that does not suit the path, a path that is not finite; a speed that the limits do not
+    /// allow.
     pub fn plan<P: Parametric>(
         path: &P,
         grid: &[f64],

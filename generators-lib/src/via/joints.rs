@@ -20,7 +20,7 @@ impl<J: JointVector> ViaJoints<J> {
     /// which jerk may be infinite. Points that coincide with the one before are left out.
     ///
     /// # Errors
-    /// No two points that differ; numbers that are none.
+    /// No two points that differ; numbers out of range.
     pub fn new(points: &[J], limits: &JointLimits<J>, deviation: &J) -> Result<Self, ViaError> {
         if !points.iter().all(J::is_finite) {
             return Err(ViaError::NotFinite);

@@ -34,7 +34,7 @@ impl ViaPoses {
     /// infinite. The limit of angular jerk is that of the rotation vector. Poses that coincide with the one before are left out.
     ///
     /// # Errors
-    /// No two poses that differ; numbers that are none.
+    /// No two poses that differ; numbers out of range.
     pub fn new(poses: &[Pose], limits: SmoothToolLimits, deviation: PoseDeviation) -> Result<Self, ViaError> {
         let finite = |pose: &Pose| {
             pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|x| x.is_finite())

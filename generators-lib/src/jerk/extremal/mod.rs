@@ -109,7 +109,7 @@ impl Extremal {
         let b1 = base(target.velocity, a1);
         let from_base = |b: f64, a: f64| (b + a * a * per_j * (1.0 / 6.0)) * a * per_j;
         let ahead = [(a0 - a1) * per_j, from_base(b0, a0) - from_base(b1, a1)];
-        // Differences of squares as small as the rounding of what they come from are none: their roots would not be small.
+        // A difference of squares as small as the rounding of the squares counts as 0: its root would not be small.
         // A start on the way to `b1` may bring the rounding of higher velocities along.
         let brought = (v_max - limits.min_velocity).min(1e3 * b1.abs());
         let rounding = 8.0 * f64::EPSILON * (a0 * a0 + a1 * a1 + j * (b0.abs() + b1.abs() + brought));
