@@ -21,7 +21,8 @@ bench:
 
 # What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
 sweep-profiles:
-    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test profile_properties --test jerk_properties
+    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test generators profile_properties
+    MRROC_SWEEP=256000 cargo test --release -p mrroc-generators --test generators jerk_properties
 
 # Inverse kinematics of the arms read from URDF, for 100,000 poses each.
 test-urdf:

@@ -1,8 +1,6 @@
 //! Curves against scipy, Pinocchio and KDL.
 
-mod common;
-
-use common::rows;
+use crate::reference::rows;
 use mrroc::Pose;
 use mrroc_generators::curve::*;
 use mrroc_generators::line::{LinePath, ToolPoint};

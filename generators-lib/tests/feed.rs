@@ -1,8 +1,6 @@
 //! The feed planner keeps its limits at and between samples, and its path at any feed rate.
 
-mod common;
-
-use common::*;
+use crate::reference::*;
 use mrroc_generators::bspline::*;
 use mrroc_generators::feed::*;
 

@@ -1,8 +1,6 @@
 //! Jerk-limited plans against Ruckig's durations.
 
-mod common;
-
-use common::rows;
+use crate::reference::rows;
 use mrroc_generators::jerk::*;
 use nalgebra::SVector;
 

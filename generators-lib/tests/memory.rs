@@ -4,6 +4,7 @@ use mrroc::{
     Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Step, Tick,
     Wrench,
 };
+use mrroc_counting_allocator::bytes;
 use mrroc_generators::bspline::{SpanStream, SplineSettings};
 use mrroc_generators::cooperation::{
     BodyFrame, Displacement, FreeDirection, GraspStiffness, KinematicLoop, SqueezeBounds, SqueezeGains,
@@ -20,34 +21,12 @@ use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
 use mrroc_generators::profile::{JerkLimits, ProfileLimits};
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::Vector3;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 
-thread_local! { static BYTES: Cell<usize> = const { Cell::new(0) }; }
-
-struct Counting;
-
-// SAFETY: every call goes to the system's allocator unchanged; only a counter is added.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        BYTES.with(|bytes| bytes.set(bytes.get() + layout.size()));
-        // SAFETY: the caller's contract is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's contract is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
+/// Bytes that the work allocates.
 fn allocated(work: impl FnOnce()) -> usize {
-    let before = BYTES.with(Cell::get);
+    let before = bytes();
     work();
-    BYTES.with(Cell::get) - before
+    bytes() - before
 }
 
 fn wave(points: u32) -> impl Iterator<Item = Vector3<f64>> {

@@ -1,8 +1,6 @@
 //! What every moving segment keeps, whatever the points.
 
-mod common;
-
-use common::*;
+use crate::reference::*;
 use mrroc_generators::bspline::*;
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;

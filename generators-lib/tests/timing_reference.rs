@@ -1,8 +1,6 @@
 //! Time-optimal motion along paths, against TOPPRA's durations and within its limits.
 
-mod common;
-
-use common::rows;
+use crate::reference::rows;
 use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::Profile;
 use mrroc_generators::timing::*;

@@ -1,7 +1,5 @@
 //! Arms, sensors and paths that the generators are tried on.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::f64::consts::PI;
 
 use mrroc::JointVector as _;
@@ -25,31 +23,7 @@ use mrroc_generators::via::PoseDeviation;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Six};
 use nalgebra::{UnitQuaternion, Vector3};
 
-thread_local! { static BYTES: Cell<usize> = const { Cell::new(0) }; }
-
-struct Counting;
-
-// SAFETY: every call goes to the system's allocator unchanged; only a counter is added.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        BYTES.with(|bytes| bytes.set(bytes.get() + layout.size()));
-        // SAFETY: the caller's contract is passed on.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: the caller's contract is passed on.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// Bytes that this thread has allocated so far.
-pub fn bytes() -> usize {
-    BYTES.with(Cell::get)
-}
+pub use mrroc_counting_allocator::bytes;
 
 pub type Two = [Irp6; 2];
 

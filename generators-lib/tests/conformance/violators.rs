@@ -4,7 +4,7 @@ use mrroc::{Class, Demand, Fault, Generator, Level, Order, Pose, Reading, State,
 use mrroc_generators::conformance::{self, Violation};
 use mrroc_robots::Irp6;
 
-use crate::kit::{alone, bytes};
+use super::kit::{alone, bytes};
 
 /// What it does wrong.
 #[derive(Clone, Copy, PartialEq)]

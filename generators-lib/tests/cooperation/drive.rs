@@ -6,7 +6,7 @@ use mrroc_generators::generators::{FollowMaster, SharedDrive};
 use mrroc_robots::Irp6;
 use nalgebra::Vector3;
 
-use crate::kit::{STEP, apart, arm, irp6_facing, irp6_start, limits, relative_error};
+use super::kit::{STEP, apart, arm, irp6_facing, irp6_start, limits, relative_error};
 
 #[test]
 fn a_slave_follows_the_measured_master_at_the_stated_distance_and_arrives() {

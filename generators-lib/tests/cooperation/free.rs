@@ -9,7 +9,7 @@ use mrroc_generators::generators::{RigidCarry, YieldingTransmit};
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Kinematics};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::kit::{STEP, Trace, arm, irp6_start, limits};
+use super::kit::{STEP, Trace, arm, irp6_start, limits};
 
 /// Tools level, along the arms: the tool's x axis is upright.
 fn start() -> Five {

@@ -12,7 +12,7 @@ use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World, WristForce};
 use mrroc_robots::{Polycrank, Seven, Simulated};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use crate::kit::STEP;
+use super::kit::STEP;
 
 type Two = [Polycrank; 2];
 

@@ -16,7 +16,7 @@ use mrroc_generators::generators::{RigidCarry, SqueezedCarry};
 use mrroc_robots::{Irp6, Shaft};
 use nalgebra::{Matrix6, Vector3, Vector6};
 
-use crate::kit::{STEP, Trace, arm, irp6_facing, irp6_start, limits};
+use super::kit::{STEP, Trace, arm, irp6_facing, irp6_start, limits};
 
 const K: GraspStiffness = GraspStiffness { force: 5e4, torque: 500.0 };
 

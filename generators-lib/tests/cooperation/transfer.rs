@@ -12,7 +12,7 @@ use mrroc_generators::line::LinePath;
 use mrroc_robots::{Irp6, Polycrank, Rnt, Seven, Six};
 use nalgebra::Vector3;
 
-use crate::kit::{STEP, Trace, apart, arm, irp6_facing, irp6_start, limits, relative_error};
+use super::kit::{STEP, Trace, apart, arm, irp6_facing, irp6_start, limits, relative_error};
 
 /// 45 mm and 0.1 rad: the turn takes D / V + V / A = 1 s.
 fn by() -> Pose {

@@ -1,6 +1,4 @@
-//! Prints the table of the library's generators and their classes, made from the code:
-//! `cargo run -p mrroc-generators --example classes > generators-lib/classes.md`
-#![allow(dead_code)] // A test includes this file.
+//! The table of the library's generators and their classes, made from the code.
 
 use mrroc::{Class, Generator, Level, Pose, Sensor, Uses, Wrench};
 use mrroc_generators::cooperation::StraightBody;
@@ -36,7 +34,7 @@ macro_rules! rows {
         [$(Row {
             name: stringify!($name),
             class: <$generator as Generator>::CLASS,
-            source: include_str!(concat!("../src/generators/", stringify!($name), ".rs")),
+            source: include_str!(concat!("../../src/generators/", stringify!($name), ".rs")),
             type_name: stringify!($generator),
         }),*]
     };
@@ -124,8 +122,4 @@ pub fn table() -> String {
         table += &format!("| [`{kind}`] | {what} | {name} | `{function}` | {first} | {next} | {lines} |\n");
     }
     table
-}
-
-fn main() {
-    print!("{}", table());
 }

@@ -10,7 +10,10 @@ use mrroc_generators::cooperation::Displacement;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::Vector3;
 
-use super::chart::{DT, Trace};
+use super::sheet::Trace;
+
+/// Path time of a step \[s\].
+pub const DT: f64 = 4e-3;
 
 /// Two arms.
 pub type Two = [Irp6; 2];

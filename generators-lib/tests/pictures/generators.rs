@@ -1,15 +1,8 @@
 //! Draws what every generator demands, one SVG each: way, velocity, acceleration, jerk over time, and the path in space.
-//! `cargo run -p mrroc-generators --example pictures -- generators-lib/pictures`
-#![allow(dead_code)] // A test includes this file.
-
-pub mod chart;
-pub mod stage;
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::path::PathBuf;
 
-use chart::{DT, Trace, draw};
 use mrroc::{Demand, Pose, Reading, SensorImage, Wrench};
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::*;
@@ -26,7 +19,9 @@ use mrroc_generators::timing::PathLimits;
 use mrroc_generators::via::PoseDeviation;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::{UnitQuaternion, Vector3};
-use stage::*;
+
+use super::sheet::{Sheet, Trace};
+use super::stage::*;
 
 type Track = SplineTrack<Irp6, std::vec::IntoIter<Vector3<f64>>>;
 type Sheets = Result<Vec<(&'static str, Vec<Trace>)>, Box<dyn Error>>;
@@ -300,14 +295,5 @@ fn pairs() -> Sheets {
 /// A name and an SVG for every generator and every combinator.
 pub fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
     let all = plain()?.into_iter().chain(told()?).chain(pairs()?);
-    Ok(all.map(|(name, tools)| (name, draw(name, &tools))).collect())
-}
-
-fn main() -> Result<(), Box<dyn Error>> {
-    let folder = PathBuf::from(std::env::args().nth(1).ok_or("say into which folder")?);
-    std::fs::create_dir_all(&folder)?;
-    for (name, svg) in pictures()? {
-        std::fs::write(folder.join(format!("{name}.svg")), svg)?;
-    }
-    Ok(())
+    Ok(all.map(|(name, tools)| (name, Sheet::of_tools(name, &tools, DT).draw())).collect())
 }

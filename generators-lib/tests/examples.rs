@@ -1,0 +1,37 @@
+//! The numbered examples do what they say: each asserts its own outcome.
+
+#[path = "../examples/05_force.rs"]
+pub mod force;
+#[path = "../examples/01_jerk_limited_plan.rs"]
+pub mod jerk_limited_plan;
+#[path = "../examples/02_spline_through_points.rs"]
+pub mod spline_through_points;
+#[path = "../examples/04_two_arms_carry.rs"]
+pub mod two_arms_carry;
+#[path = "../examples/03_via_points.rs"]
+pub mod via_points;
+
+#[test]
+fn example_01_plans_joints_that_arrive_together_within_their_limits() {
+    jerk_limited_plan::main().expect("in range");
+}
+
+#[test]
+fn example_02_passes_its_points_on_a_spline() {
+    spline_through_points::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_03_passes_via_points_within_a_deviation() {
+    via_points::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_04_keeps_two_arms_on_one_body() {
+    two_arms_carry::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_05_presses_on_a_table() {
+    force::main().expect("runs without a fault");
+}

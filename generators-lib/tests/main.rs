@@ -1,0 +1,27 @@
+//! All tests of the library but those that stand in a generator's file: one executable, as each takes its time to link.
+
+mod classes;
+mod conformance;
+mod contact;
+mod cooperation;
+mod curve_reference;
+mod curve_splines;
+mod curves;
+mod examples;
+mod feed;
+mod jerk_plan;
+mod jerk_properties;
+mod jerk_reference;
+mod memory;
+mod pictures;
+mod profile_properties;
+mod profiles;
+mod reference;
+mod spline_properties;
+mod spline_reference;
+mod timing;
+mod timing_reference;
+mod via;
+
+#[global_allocator]
+static ALLOCATOR: mrroc_counting_allocator::Counting = mrroc_counting_allocator::Counting;

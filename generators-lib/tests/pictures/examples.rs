@@ -1,0 +1,146 @@
+//! What the numbered examples do.
+
+use std::error::Error;
+
+use nalgebra::Vector3;
+
+use super::sheet::{Chart, Paths, Sheet, Trace, derivatives};
+use crate::examples::{force, jerk_limited_plan, spline_through_points, two_arms_carry, via_points};
+
+/// Every second servo period: enough for a picture.
+const EVERY: usize = 2;
+
+/// Without the standstill before and after a motion.
+fn moving(mut path: Trace) -> Trace {
+    let still = |pair: &[Vector3<f64>]| (pair[1] - pair[0]).norm() < 1e-9;
+    let before = path.windows(2).take_while(|pair| still(pair)).count();
+    path.drain(..before);
+    let behind = path.windows(2).rev().take_while(|pair| still(pair)).count();
+    path.truncate(path.len() - behind);
+    path
+}
+
+fn thinned(path: &[Vector3<f64>]) -> Trace {
+    path.iter().step_by(EVERY).copied().collect()
+}
+
+/// Three joints, with their limits.
+fn plan() -> Result<Sheet, Box<dyn Error>> {
+    const DT: f64 = 4e-3;
+    let motion = jerk_limited_plan::plan(0.0)?;
+    let steps = (motion.duration() / DT).ceil() as usize;
+    let points: Vec<_> = (0..=steps).map(|i| motion.at(i as f64 * DT)).collect();
+    let chart = |heading: &str, values: Trace, limit: Option<f64>| Chart {
+        heading: heading.to_owned(),
+        values: vec![values],
+        rounding: 1e-9,
+        lines: limit.into_iter().flat_map(|limit| [limit, -limit]).collect(),
+    };
+    let position: Trace = points.iter().map(|point| point.position).collect();
+    Ok(Sheet {
+        title: "A jerk-limited plan of three joints".to_owned(),
+        axes: vec!["1", "2", "3"],
+        dashed: "joint; dotted: its limits",
+        duration: motion.duration(),
+        charts: vec![
+            chart("position [rad]", position.clone(), None),
+            chart(
+                "velocity [rad/s]",
+                points.iter().map(|point| point.velocity).collect(),
+                Some(jerk_limited_plan::VELOCITY),
+            ),
+            chart(
+                "acceleration [rad/s²]",
+                points.iter().map(|point| point.acceleration).collect(),
+                Some(jerk_limited_plan::ACCELERATION),
+            ),
+            chart(
+                "jerk [rad/s³]",
+                points.iter().map(|point| point.jerk).collect(),
+                Some(jerk_limited_plan::JERK),
+            ),
+        ],
+        paths: Some(Paths {
+            ways: vec![position],
+            axes: ["joint 1", "joint 2", "joint 3"],
+            unit: "rad",
+            ..Paths::default()
+        }),
+    })
+}
+
+/// The path of one tool past points.
+fn past(title: &str, path: Trace, marks: &[Vector3<f64>], period: f64) -> Sheet {
+    let path = thinned(&moving(path));
+    let mut sheet = Sheet::of_tools(title, &[path], EVERY as f64 * period);
+    if let Some(paths) = &mut sheet.paths {
+        paths.marks = marks.to_vec();
+    }
+    sheet
+}
+
+/// Two tools and the body between them, from above and from the side.
+fn carry() -> Result<Sheet, Box<dyn Error>> {
+    let tools = two_arms_carry::tools()?;
+    let [left, right] = tools.map(|tool| tool.iter().map(|pose| pose.translation.vector).collect::<Trace>());
+    let length = moving(left.clone()).len();
+    let begin = left.windows(2).take_while(|pair| (pair[1] - pair[0]).norm() < 1e-9).count();
+    let part = |tool: &Trace| thinned(&tool[begin..begin + length]);
+    let both = [part(&left), part(&right)];
+    let mut sheet = Sheet::of_tools(
+        "Two arms carry one body, which turns on its way",
+        &both,
+        EVERY as f64 * two_arms_carry::PERIOD,
+    );
+    let middle = (both[0][0] + both[1][0]) * 0.5;
+    let ways = both.map(|way| way.iter().map(|p| p - middle).collect::<Trace>());
+    let last = ways[0].len() - 1;
+    let bars = [0, last / 2, last].map(|i| [ways[0][i], ways[1][i]]).to_vec();
+    sheet.paths =
+        Some(Paths { bars, ways: ways.to_vec(), axes: ["x", "y", "z"], unit: "m", ..Paths::default() });
+    Ok(sheet)
+}
+
+/// The way down to the table, and the force on it.
+fn press() -> Result<Sheet, Box<dyn Error>> {
+    let depths = force::depths()?;
+    let ways: Trace = depths.iter().step_by(EVERY).map(|depth| Vector3::new(*depth, 0.0, 0.0)).collect();
+    let forces = ways.iter().map(|way| Vector3::x() * force::STIFFNESS * (way.x - force::GAP).max(0.0));
+    let forces: Trace = forces.collect();
+    let duration = EVERY as f64 * force::PERIOD * (ways.len() - 1) as f64;
+    let mut charts = derivatives("way down [m]; dotted: the table's surface", "m", vec![ways], 1.0);
+    charts.truncate(1);
+    charts[0].heading = "way down [m]; dotted: where the table begins".to_owned();
+    charts[0].lines = vec![force::GAP];
+    charts.push(Chart {
+        heading: "force on the table [N]; dotted: what was asked for".to_owned(),
+        values: vec![forces],
+        rounding: 1e-3,
+        lines: vec![force::LOAD],
+    });
+    let title = "A tool finds a table and presses on it".to_owned();
+    Ok(Sheet { title, axes: vec![""], dashed: "", charts, paths: None, duration })
+}
+
+/// A name and an SVG for every example.
+pub fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+    let spline = past(
+        "A spline through four poses; circles: the poses",
+        spline_through_points::path()?,
+        &spline_through_points::POINTS,
+        spline_through_points::PERIOD,
+    );
+    let via = past(
+        "Straight lines past via poses; circles: the poses",
+        via_points::path()?,
+        &via_points::CORNERS,
+        via_points::PERIOD,
+    );
+    Ok(vec![
+        ("01_jerk_limited_plan", plan()?.draw()),
+        ("02_spline_through_points", spline.draw()),
+        ("03_via_points", via.draw()),
+        ("04_two_arms_carry", carry()?.draw()),
+        ("05_force", press()?.draw()),
+    ])
+}

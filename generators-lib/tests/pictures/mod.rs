@@ -1,0 +1,56 @@
+//! Every generator, every combinator and every example has its picture, and all in it are numbers.
+
+mod examples;
+mod generators;
+mod sheet;
+mod stage;
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/pictures");
+
+/// Names of the files of a folder of this crate.
+fn names(folder: &str) -> Vec<String> {
+    let files = fs::read_dir(format!("{}/{folder}", env!("CARGO_MANIFEST_DIR"))).expect("a folder");
+    let name = |file: fs::DirEntry| file.file_name().into_string().expect("a plain name");
+    let files = files.map(|file| name(file.expect("an entry")));
+    files
+        .filter_map(|file| file.strip_suffix(".rs").map(str::to_owned))
+        .filter(|name| !["mod", "joined"].contains(&name.as_str()))
+        .collect()
+}
+
+/// A name and an SVG for each.
+fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+    let mut all = generators::pictures()?;
+    all.extend(examples::pictures()?);
+    Ok(all)
+}
+
+#[test]
+fn everything_is_drawn_and_nothing_that_is_no_number() {
+    let drawn = pictures().expect("the inputs are in range");
+    let readme = include_str!("../../pictures/README.md");
+    for name in ["src/generators", "src/combinators", "examples"].into_iter().flat_map(names) {
+        let (_, svg) =
+            drawn.iter().find(|(drawn, _)| *drawn == name).unwrap_or_else(|| panic!("no picture of {name}"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
+        let points = svg.matches(',').count();
+        assert!(points > 40, "{name} is empty: {points} points");
+    }
+    for (name, _) in drawn {
+        assert!(readme.contains(&format!("({name}.svg)")), "{name} is not shown in pictures/README.md");
+        assert!(Path::new(&format!("{FOLDER}/{name}.svg")).exists(), "pictures/{name}.svg is not kept");
+    }
+}
+
+/// Not a test: writes the pictures that are kept.
+#[test]
+#[ignore = "writes the folder `pictures`"]
+fn draw_all_pictures_anew() {
+    for (name, svg) in pictures().expect("the inputs are in range") {
+        fs::write(format!("{FOLDER}/{name}.svg"), svg).expect("the folder can be written");
+    }
+}
