@@ -100,9 +100,9 @@ fuzz N="10000000":
     MRROC_FUZZ={{N}} cargo test --release -p mrroc-tests --features recording --test parsers -- --nocapture
 
 # The same with coverage, on nightly and with cargo-fuzz: a target of tests/parsers for some seconds; what it finds goes
-# into fuzz/corpus.
+# into tests/fuzz/corpus.
 fuzz-nightly TARGET SECONDS="60":
-    cd fuzz && cargo +nightly fuzz run {{TARGET}} corpus/{{TARGET}} ../tests/parsers/corpus/{{TARGET}} -- -max_total_time={{SECONDS}}
+    cd tests/fuzz && cargo +nightly fuzz run {{TARGET}} corpus/{{TARGET}} ../parsers/corpus/{{TARGET}} -- -max_total_time={{SECONDS}}
 
 # Mutants of one file and the unit tests of the runtime, with cargo-mutants; takes minutes to hours.
 mutants FILE="runtime/src/stopping.rs":

@@ -1,5 +1,5 @@
 //! What reads what others wrote: each target reads bytes and must refuse or accept them, whatever they are. The fuzz
-//! targets in `fuzz/` are the same functions.
+//! targets in `tests/fuzz/` are the same functions.
 
 use engraving::drawing::{Limits, read_bytes};
 pub use mrroc::testing::readers;

@@ -1,7 +1,7 @@
-//! `cargo +nightly fuzz run svg ../tests/parsers/corpus/svg`, in this folder.
+//! `cargo +nightly fuzz run svg ../parsers/corpus/svg`, in this folder.
 #![no_main]
 
-#[path = "../../tests/parsers/targets.rs"]
+#[path = "../../parsers/targets.rs"]
 #[allow(dead_code, reason = "each target is one of them")]
 mod targets;
 
