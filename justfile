@@ -30,9 +30,9 @@ test-urdf:
 
 # Kinematics beside KDL, Pinocchio and rs-opw-kinematics, motions beside KDL and Ruckig, all installed into target/peers.
 bench-peers:
-    benches/peers/run
-    benches/peers/timing
-    benches/peers/motions
+    tests/benches/peers/run
+    tests/benches/peers/timing
+    tests/benches/peers/motions
 
 # Accept changed snapshots of expansions, diagnostics and the template's files.
 snapshots:
@@ -70,12 +70,12 @@ test-both-links:
 
 # Two robots and a sensor as processes at 1 kHz for so many seconds, beside cyclictest: skipped steps, rate, memory.
 soak SECONDS="600":
-    benches/peers/realtime soak {{SECONDS}}
+    tests/benches/peers/realtime soak {{SECONDS}}
 
 # A whole step of 1 to 4 robots beside bare shared memory and futexes, and cyclictest, in microseconds; `all` placements
 # of the processes on cores, or the launcher's.
 bench-step PLACEMENTS="launcher":
-    benches/peers/realtime step {{PLACEMENTS}}
+    tests/benches/peers/realtime step {{PLACEMENTS}}
 
 # A round trip between two processes beside bare iceoryx2, a futex and a socket, in microseconds.
 bench-latency:

@@ -1,7 +1,7 @@
 //! Prints how long lines, circles and plans take, as `what nanoseconds` per line, for the comparison with KDL and Ruckig by
 //! `just bench-peers`. Run alone with `cargo bench -p mrroc-generators --bench peers`.
 //!
-//! The inputs are those of `benches/peers/README.md`, and so are the sums that show it.
+//! The inputs are those of `tests/benches/peers/README.md`, and so are the sums that show it.
 
 #![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
 

@@ -1,4 +1,4 @@
-//! Times of time-optimal planning: `cargo bench -p mrroc-generators --bench timing`. `benches/peers/timing` measures
+//! Times of time-optimal planning: `cargo bench -p mrroc-generators --bench timing`. `tests/benches/peers/timing` measures
 //! TOPPRA on the same paths and grids in the same run.
 
 #![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
@@ -12,7 +12,7 @@ use std::time::Instant;
 
 type Six = SVector<f64, 6>;
 
-/// Point `i` of path `k`, joint `j`: as in `benches/peers/toppra_time.py`.
+/// Point `i` of path `k`, joint `j`: as in `tests/benches/peers/toppra_time.py`.
 fn waypoint(k: usize, i: usize, j: usize) -> f64 {
     ((k * 7 + i * 13 + j * 29) as f64 * 0.618_033_988_749_894_9).fract() * 2.0 - 1.0
 }

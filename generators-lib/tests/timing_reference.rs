@@ -41,7 +41,7 @@ fn cells(knots: &[f64], count: usize) -> Vec<f64> {
     starts.chain(knots.last().copied()).collect()
 }
 
-/// The arm of `benches/peers/toppra_reference.py`.
+/// The arm of `tests/benches/peers/toppra_reference.py`.
 fn dynamics<const N: usize>(q: &Vector<N>, v: &Vector<N>, a: &Vector<N>) -> Vector<N> {
     let (c, s, k) = (q[1].cos(), q[1].sin(), 0.25);
     let first = k * ((3.0 + 2.0 * c) * a[0] + (1.0 + c) * a[1] - s * (2.0 * v[0] * v[1] + v[1] * v[1]));

@@ -1,7 +1,7 @@
 //! Prints how long the kinematics of arms read from URDF take, as `what nanoseconds` per line, for the comparison with
 //! other libraries by `just bench-peers`. Run alone with `cargo bench -p mrroc-robots --bench peers`.
 //!
-//! The joint positions are those of `benches/peers/README.md`: SplitMix64 from a fixed seed, uniform within the limits.
+//! The joint positions are those of `tests/benches/peers/README.md`: SplitMix64 from a fixed seed, uniform within the limits.
 
 #![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
 

@@ -36,7 +36,7 @@ fn another_librarys_values_are_those_that_the_drives_got_and_measured() {
         .run()
         .expect("keeps the limits");
     fs::write(&values, &*seen.borrow()).expect("a file");
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/peers/recording");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/peers/recording");
     let read = Command::new(script).args([&file, &values]).output().expect("bash is there");
     let said = [read.stdout, read.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
     println!("{said}");

@@ -73,7 +73,7 @@ fn soak() -> ExitCode {
         Some((late, all)) => {
             println!("cyclictest: {late} of {all} wake-ups were late by more than {STEP} us")
         }
-        None => println!("no cyclictest\n help: benches/peers/realtime soak {seconds} installs it"),
+        None => println!("no cyclictest\n help: tests/benches/peers/realtime soak {seconds} installs it"),
     }
     launch.assert_nothing_left(&[]);
     match launch.record(program::COUNT).first().map(|line| read(line)) {

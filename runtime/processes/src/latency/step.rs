@@ -294,7 +294,7 @@ fn whole_steps_beside_bare_futexes() {
         }
         match cyclictest() {
             Some(late) => println!("cyclictest in the same minute: {}", shown(late)),
-            None => println!("no cyclictest\n help: benches/peers/realtime step installs it"),
+            None => println!("no cyclictest\n help: tests/benches/peers/realtime step installs it"),
         }
     }
     let file = samples_folder().join("steps.csv");

@@ -1,6 +1,6 @@
 """Cubic splines by scipy (PyPI `scipy`, 1.17.1), for generators-lib/tests/curve_reference.rs.
 
-    python3 benches/peers/spline_reference.py > generators-lib/tests/reference/cubic_splines.csv
+    python3 tests/benches/peers/spline_reference.py > generators-lib/tests/reference/cubic_splines.csv
 
 Per case: a row `knots` of the knots, rows `point` of a knot's three values, a row `ends` of the end slopes (empty for
 the natural spline), then rows `at` of the parameter, the values, their first and second derivatives.

@@ -1,4 +1,4 @@
-"""Time of TOPPRA (PyPI `toppra`, 0.6.10) per path of six joints, for `benches/peers/timing`: grid points, least time
+"""Time of TOPPRA (PyPI `toppra`, 0.6.10) per path of six joints, for `tests/benches/peers/timing`: grid points, least time
 per path [us], sum of all durations [s]. The paths are those of generators-lib/benches/timing.rs."""
 import time
 

@@ -1,7 +1,7 @@
 """Durations by Ruckig (PyPI `ruckig`, 0.19.4), for generators-lib/tests/jerk_reference.rs.
 
     python3 -m venv target/peers/ruckig && target/peers/ruckig/bin/pip install ruckig==0.19.4
-    target/peers/ruckig/bin/python benches/peers/ruckig_reference.py > generators-lib/tests/reference/ruckig.csv
+    target/peers/ruckig/bin/python tests/benches/peers/ruckig_reference.py > generators-lib/tests/reference/ruckig.csv
 
 One row per random case: kind, per axis p0 v0 a0 p1 v1 v_max v_min a_max a_min j (axes that a kind lacks are left out),
 then the duration. Cases that Ruckig refuses are drawn anew.

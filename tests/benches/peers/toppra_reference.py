@@ -1,7 +1,7 @@
 """Durations by TOPPRA (PyPI `toppra`, 0.6.10), for generators-lib/tests/timing_reference.rs.
 
     python3 -m venv target/peers/toppra && target/peers/toppra/bin/pip install toppra==0.6.10
-    target/peers/toppra/bin/python benches/peers/toppra_reference.py > generators-lib/tests/reference/toppra.csv
+    target/peers/toppra/bin/python tests/benches/peers/toppra_reference.py > generators-lib/tests/reference/toppra.csv
 
 Per case rows `kind,case,numbers`: `knots`; `point`, the joints at a knot, of a natural cubic spline; `velocity`,
 `acceleration`, and `torque` where it is limited, per joint; `speeds` of the path at its start and end; `duration`, of a

@@ -1,8 +1,8 @@
 // Circles and straight lines by KDL 1.5 (Debian `liborocos-kdl-dev`), for generators-lib/tests/curve_reference.rs. Where
-// `benches/peers/motions` has put KDL, from the root of the repository:
+// `tests/benches/peers/motions` has put KDL, from the root of the repository:
 //
 //     kdl=target/peers/kdl/usr; lib=$(dirname $(find $kdl/lib -name liborocos-kdl.so))
-//     g++ -std=c++20 -O2 -w -I$kdl/include -I$kdl/include/eigen3 benches/peers/kdl_reference.cpp \
+//     g++ -std=c++20 -O2 -w -I$kdl/include -I$kdl/include/eigen3 tests/benches/peers/kdl_reference.cpp \
 //         -o target/peers/kdl-reference -L$lib -Wl,-rpath,$PWD/$lib -l:liborocos-kdl.so.1.5
 //     target/peers/kdl-reference > generators-lib/tests/reference/kdl_paths.csv
 //

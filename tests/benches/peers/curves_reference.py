@@ -1,6 +1,6 @@
 """Curves by scipy (PyPI `scipy`, 1.17.1) and Pinocchio (PyPI `pin`, 4.1.0), for generators-lib/tests/curve_reference.rs.
 
-    python3 benches/peers/curves_reference.py > generators-lib/tests/reference/curves.csv
+    python3 tests/benches/peers/curves_reference.py > generators-lib/tests/reference/curves.csv
 
 Rows `kind,case,what,numbers`. Kinds:
 `smoothing`: `make_smoothing_spline`; `knots`, `point`s, `weights`, `lambda`, then `at` parameter, values, first and second
