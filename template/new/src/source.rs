@@ -9,7 +9,7 @@ use crate::template::Template;
 /// The checkout that this program was built from, when it is still there.
 #[must_use]
 pub fn checkout() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2)?;
     is_checkout(root).then(|| root.to_owned())
 }
 
@@ -72,7 +72,7 @@ mod tests {
         let here = checkout.to_str().expect("a plain path");
         assert_eq!(completed(&[], Some(&checkout)).expect("complete")["mrroc_path"], here);
         assert!(completed(&[], None).expect_err("nothing given").contains("mrroc_path=FOLDER"));
-        assert_eq!(completed(&[("mrroc_path", "..")], None).expect("complete")["mrroc_source"], "path");
+        assert_eq!(completed(&[("mrroc_path", "../..")], None).expect("complete")["mrroc_source"], "path");
         let git = completed(&[("mrroc_git", "https://x")], Some(&checkout)).expect("complete");
         assert_eq!((git["mrroc_source"].as_str(), git.get("mrroc_path")), ("git", None));
     }

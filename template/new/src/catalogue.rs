@@ -42,7 +42,7 @@ macro_rules! entry {
             name: $name,
             type_name: $type_name,
             class: $class,
-            source: include_str!(concat!("../../generators-lib/src/generators/", $name, ".rs")),
+            source: include_str!(concat!("../../../generators-lib/src/generators/", $name, ".rs")),
         }
     };
 }
@@ -159,7 +159,7 @@ mod tests {
 
     #[test]
     fn every_generator_of_the_library_is_in_the_catalogue() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../generators-lib/src/generators");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../generators-lib/src/generators");
         let mut files: Vec<_> = std::fs::read_dir(folder)
             .expect("the folder of the generators")
             .map(|entry| entry.expect("an entry").file_name().into_string().expect("a plain name"))

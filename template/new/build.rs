@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 fn main() -> io::Result<()> {
-    let root = PathBuf::from(env::var("CARGO_MANIFEST_DIR").map_err(io::Error::other)?).join("..");
-    let template = root.join("template");
+    let here = PathBuf::from(env::var("CARGO_MANIFEST_DIR").map_err(io::Error::other)?);
+    let template = here.join("..");
+    let root = template.join("..");
     // Cargo looks at the whole folder, so new and removed files count too.
-    println!("cargo::rerun-if-changed=../template");
-    println!("cargo::rerun-if-changed=../Cargo.toml");
+    println!("cargo::rerun-if-changed=..");
+    println!("cargo::rerun-if-changed=../../Cargo.toml");
     let mut files = Vec::new();
     collect(&template, &template, &mut files)?;
+    // This program lies in the template's folder and is not part of it, as the template's description says, too.
+    files.retain(|(name, _)| !name.starts_with("new/"));
     files.sort();
     let mut text = String::from("&[\n");
     for (name, path) in &files {
