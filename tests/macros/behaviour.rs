@@ -11,9 +11,7 @@ use mrroc::{
     generator,
 };
 
-#[allow(unreachable_pub, dead_code)]
-mod cell;
-use cell::{Camera, Displacement, Force, Phase, Polycrank, Rnt, WristForce};
+use super::cell::{Camera, Displacement, Force, Phase, Polycrank, Rnt, WristForce};
 
 const TICK: Tick = Tick { step: 3, dt: 0.002, duration: 0.004 };
 

@@ -67,7 +67,7 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     let root = here.join("../..").canonicalize().unwrap();
     let manifest = format!(
         "[package]\nname = \"mistakes\"\nedition = \"2024\"\n\n[workspace]\n\n[dependencies]\n\
-         mrroc = {{ path = {:?} }}\nnalgebra = \"*\"\n\n[profile.dev.package.\"*\"]\nopt-level = 2\n",
+         mrroc = {{ path = {:?} }}\nnalgebra = {{ version = \"*\", default-features = false, features = [\"std\"] }}\n\n[profile.dev.package.\"*\"]\nopt-level = 2\n",
         root.join("runtime")
     );
     let library = format!(

@@ -5,7 +5,7 @@ use mrroc_robots::Irp6;
 use mrroc_tests::Q;
 use nalgebra::Translation3;
 
-use crate::kinds::Slides;
+use crate::newcomer::kinds::Slides;
 
 /// Ten seconds of what a closure makes of the state and the path time.
 pub struct Shift<F> {

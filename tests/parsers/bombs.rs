@@ -1,18 +1,20 @@
 //! Input that is made to take memory and time: refused, or read, within 256 MB.
 
-use crate::targets::TARGETS;
-use crate::{MEMORY, memory, read};
+use mrroc_counting_allocator::peak;
 
-fn target(name: &str) -> crate::targets::Target {
+use crate::parsers::targets::TARGETS;
+use crate::parsers::{MEMORY, read};
+
+fn target(name: &str) -> crate::parsers::targets::Target {
     TARGETS.iter().find(|(known, _)| *known == name).expect("a reader").1
 }
 
 fn reads(name: &str, what: &str, input: &str) {
     let began = std::time::Instant::now();
-    let ((), peak) = memory::peak(|| read(name, target(name), input.as_bytes()));
-    let (seconds, megabytes) = (began.elapsed().as_secs_f64(), peak as f64 / 1e6);
+    let ((), most) = peak(|| read(name, target(name), input.as_bytes()));
+    let (seconds, megabytes) = (began.elapsed().as_secs_f64(), most as f64 / 1e6);
     println!("{name:<6}{what:<34}{:>10} bytes: {megabytes:6.1} MB, {seconds:.2} s", input.len());
-    assert!(peak <= MEMORY, "{name}, {what}: {peak} bytes");
+    assert!(most <= MEMORY, "{name}, {what}: {most} bytes");
 }
 
 const SVG: &str = "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"9mm\" height=\"9mm\">";

@@ -4,44 +4,52 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use mrroc_tests::fixture::{ARMS, COUNTS, PROGRAM, RECORDS};
 use rustix::process::{Pid, Signal, kill_process};
-
-/// The variable that names the folder of what is counted of processes.
-pub const COUNTS: &str = "MRROC_TEST_COUNTS";
 
 /// How long anything may take before it counts as hanging.
 const LIVENESS: Duration = Duration::from_secs(120);
 
+/// A test that has a place: one after the other, because their processes would take each other's time.
+static ONE: Mutex<()> = Mutex::new(());
+
 /// A folder of a test: the cell, its sessions, the records of its robots.
-pub struct Place(PathBuf);
+pub struct Place {
+    folder: PathBuf,
+    program: &'static str,
+    _only: MutexGuard<'static, ()>,
+}
 
 impl Place {
-    /// Short, because names of sockets in it have 108 bytes.
+    /// For the arms.
     pub fn new(test: u32) -> Place {
-        Place::of(test, include_str!("cell.toml"))
+        Place::of(test, ARMS, include_str!("cell.toml"))
     }
 
-    /// With this cell.
-    pub fn of(test: u32, cell: &str) -> Place {
+    /// For this program and its cell. The folder's name is short, because names of sockets in it have 108 bytes.
+    pub fn of(test: u32, program: &'static str, cell: &str) -> Place {
+        // A test that failed has left nothing behind that another one minds.
+        let only = ONE.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = PathBuf::from(format!("/tmp/mr{}-{test}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder");
         fs::write(folder.join("cell.toml"), cell).expect("a file");
-        Place(folder)
+        Place { folder, program, _only: only }
     }
 
     /// The program, in this folder.
     pub fn program(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(std::env::current_exe().expect("a test has a path"));
-        command.args(["--cell", "cell.toml"]).args(arguments).current_dir(&self.0);
-        command.env("MRROC_TEST_PROGRAM", "1").env("XDG_RUNTIME_DIR", &self.0);
+        let mut command = Command::new(env!("CARGO_BIN_EXE_cell"));
+        command.args(["--cell", "cell.toml"]).args(arguments).current_dir(&self.folder);
+        command.env(PROGRAM, self.program).env("XDG_RUNTIME_DIR", &self.folder);
         command
     }
 
     /// Starts the program; its records go to a folder of this name.
     pub fn start(&self, records: &str, arguments: &[&str]) -> Launch {
-        self.start_for(crate::program::RECORDS, records, arguments)
+        self.start_for(RECORDS, records, arguments)
     }
 
     /// Starts the program; the counts of what its processes allocate go to a folder of this name.
@@ -51,7 +59,7 @@ impl Place {
 
     /// Starts the program with a variable that names a folder of its own.
     pub fn start_for(&self, what: &str, records: &str, arguments: &[&str]) -> Launch {
-        let records = self.0.join(records);
+        let records = self.folder.join(records);
         let _ = fs::remove_dir_all(&records);
         fs::create_dir_all(&records).expect("a folder");
         let errors = records.join("stderr");
@@ -62,12 +70,12 @@ impl Place {
             .stderr(File::create(&errors).expect("a file"))
             .spawn()
             .expect("the program starts");
-        Launch { child, place: self.0.clone(), records, seen: BTreeSet::new() }
+        Launch { child, place: self.folder.clone(), records, seen: BTreeSet::new() }
     }
 
     /// The folder of the sessions.
     pub fn base(&self) -> PathBuf {
-        self.0.join("mrroc")
+        self.folder.join("mrroc")
     }
 
     /// The sessions that there are.
@@ -78,7 +86,7 @@ impl Place {
 
 impl Drop for Place {
     fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+        let _ = fs::remove_dir_all(&self.folder);
     }
 }
 

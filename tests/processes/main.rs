@@ -1,17 +1,14 @@
 //! A cell as processes of the operating system: the same demands to the bit, and a clean end whatever is killed.
 //!
-//! This executable is the tests and the task program that they start: it has a main function of its own.
+//! The processes are those of the task programs in `tests/cell/`. The tests run one after the other, and in an executable
+//! of their own: in real time they need the processors for themselves.
 
-mod allocations;
+#![cfg(target_os = "linux")]
+
+mod both_links;
+mod kills;
 mod launch;
 mod operator;
-mod program;
-mod records;
 mod rows;
-mod tests;
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    if std::env::var_os("MRROC_TEST_PROGRAM").is_some() { program::main() } else { tests::main() }
-}
+mod runs;
+mod soak;

@@ -11,41 +11,7 @@ use std::time::Duration;
 use rustix::process::Signal;
 
 use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
-use crate::tests::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
-
-/// Their names, and they.
-pub const TESTS: [(&str, fn()); 9] = [
-    (
-        "a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have",
-        a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have,
-    ),
-    ("a_cell_runs_at_the_speed_that_is_asked_for", a_cell_runs_at_the_speed_that_is_asked_for),
-    (
-        "a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand",
-        a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand,
-    ),
-    (
-        "a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset",
-        a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset,
-    ),
-    (
-        "fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token",
-        fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token,
-    ),
-    (
-        "fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it",
-        fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it,
-    ),
-    (
-        "fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost_in_it",
-        fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost_in_it,
-    ),
-    (
-        "fault_38_the_console_of_another_user_is_refused_and_told_of",
-        fault_38_the_console_of_another_user_is_refused_and_told_of,
-    ),
-    ("a_cell_that_does_not_run_cannot_be_operated", a_cell_that_does_not_run_cannot_be_operated),
-];
+use crate::runs::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
 
 /// How often a test is tried on a machine that is late for more steps than a cell endures.
 const ATTEMPTS: usize = 5;
@@ -155,6 +121,7 @@ fn stand(launch: &Launch) -> bool {
     ROBOTS.iter().all(|robot| periods_at_rest(&launch.record(robot)) >= 50)
 }
 
+#[test]
 fn a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have() {
     let place = Place::new(20);
     let operator = |launch: &mut Launch| {
@@ -175,6 +142,7 @@ fn a_cell_that_another_process_suspends_and_resumes_ends_where_it_would_have() {
     });
 }
 
+#[test]
 fn a_cell_runs_at_the_speed_that_is_asked_for() {
     let place = Place::new(21);
     let operator = |launch: &mut Launch| {
@@ -192,6 +160,7 @@ fn a_cell_runs_at_the_speed_that_is_asked_for() {
     });
 }
 
+#[test]
 fn a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand() {
     let place = Place::new(22);
     for (word, told, fault) in [
@@ -208,6 +177,7 @@ fn a_cell_that_is_stopped_or_aborted_says_so_and_its_robots_stand() {
     }
 }
 
+#[test]
 fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
     let place = Place::new(28);
     let cell = place.base().parent().expect("a folder").join("cell.toml");
@@ -243,6 +213,7 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
     });
 }
 
+#[test]
 fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() {
     let place = Place::new(23);
     let operator = |_: &mut Launch| {
@@ -273,6 +244,7 @@ fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() 
     });
 }
 
+#[test]
 fn fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it() {
     let place = Place::new(24);
     let operator = |_: &mut Launch| {
@@ -303,6 +275,7 @@ fn fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it() {
     });
 }
 
+#[test]
 fn fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost_in_it() {
     let place = Place::new(25);
     let operator = |launch: &mut Launch| {
@@ -351,6 +324,7 @@ fn fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost
     });
 }
 
+#[test]
 fn fault_38_the_console_of_another_user_is_refused_and_told_of() {
     if !rustix::process::geteuid().is_root() {
         return println!("skipped: only root can be another user");
@@ -386,6 +360,7 @@ fn fault_38_the_console_of_another_user_is_refused_and_told_of() {
     });
 }
 
+#[test]
 fn a_cell_that_does_not_run_cannot_be_operated() {
     let place = Place::new(27);
     for words in [&["status"][..], &["stop"], &["console"], &["speed", "10%"]] {

@@ -5,33 +5,12 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use mrroc_tests::fixture::OTHER;
+
 use crate::launch::{Place, segments};
-use crate::program::OTHER;
-use crate::tests::{MEMORY, PROCESSES, REAL, ROBOTS, VIRTUAL};
+use crate::runs::{MEMORY, PROCESSES, REAL, ROBOTS, VIRTUAL};
 
-pub const TESTS: [(&str, fn()); 5] = [
-    (
-        "fault_29_a_second_edp_of_a_robot_takes_no_part_and_disturbs_nothing",
-        fault_29_a_second_edp_of_a_robot_takes_no_part_and_disturbs_nothing,
-    ),
-    (
-        "fault_31_a_process_of_another_program_is_refused_before_anything_moves",
-        fault_31_a_process_of_another_program_is_refused_before_anything_moves,
-    ),
-    (
-        "fault_35_too_few_open_files_are_refused_with_what_to_change",
-        fault_35_too_few_open_files_are_refused_with_what_to_change,
-    ),
-    (
-        "fault_35_shared_memory_that_is_full_is_refused_with_what_to_change",
-        fault_35_shared_memory_that_is_full_is_refused_with_what_to_change,
-    ),
-    (
-        "fault_38_another_user_can_neither_read_nor_write_nor_remove_what_the_cell_shares",
-        fault_38_another_user_can_neither_read_nor_write_nor_remove_what_the_cell_shares,
-    ),
-];
-
+#[test]
 fn fault_29_a_second_edp_of_a_robot_takes_no_part_and_disturbs_nothing() {
     let place = Place::new(30);
     let mut launch = place.start("first", VIRTUAL);
@@ -50,6 +29,7 @@ fn fault_29_a_second_edp_of_a_robot_takes_no_part_and_disturbs_nothing() {
     }
 }
 
+#[test]
 fn fault_31_a_process_of_another_program_is_refused_before_anything_moves() {
     let place = Place::new(31);
     let mut launch = place.start_for(OTHER, "other", REAL);
@@ -77,6 +57,7 @@ fn may_mount() -> bool {
     Command::new("unshare").args(["--mount", "true"]).status().is_ok_and(|status| status.success())
 }
 
+#[test]
 fn fault_35_too_few_open_files_are_refused_with_what_to_change() {
     if !may_mount() {
         return println!("skipped: needs unshare");
@@ -90,9 +71,10 @@ fn fault_35_too_few_open_files_are_refused_with_what_to_change() {
     assert!(said.contains("\n help: ulimit -n "), "{said}");
     // What it may raise it raises itself.
     let (status, said) = after(&place, "ulimit -S -n 24");
-    assert!(status == Some(0) || crate::tests::is_late(&said), "{status:?}: {said}");
+    assert!(status == Some(0) || crate::runs::is_late(&said), "{status:?}: {said}");
 }
 
+#[test]
 fn fault_35_shared_memory_that_is_full_is_refused_with_what_to_change() {
     if !may_mount() {
         return println!("skipped: only root can have shared memory of its own");
@@ -107,6 +89,7 @@ fn fault_35_shared_memory_that_is_full_is_refused_with_what_to_change() {
     assert!(place.sessions().is_empty());
 }
 
+#[test]
 fn fault_38_another_user_can_neither_read_nor_write_nor_remove_what_the_cell_shares() {
     if !rustix::process::geteuid().is_root() {
         return println!("skipped: only root can be another user");

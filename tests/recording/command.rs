@@ -4,11 +4,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The program, which `cargo test` builds as an example, and `cargo build --example recorded` alone.
-pub fn program() -> PathBuf {
-    let test = std::env::current_exe().expect("a test has a path");
-    let profile = test.parent().and_then(Path::parent).expect("target/debug/deps");
-    profile.join("examples").join(format!("recorded{}", std::env::consts::EXE_SUFFIX))
+use mrroc_tests::fixture::{CHANGE, PROGRAM, RECORDED};
+
+/// The program.
+pub fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cell"));
+    command.env(PROGRAM, RECORDED);
+    command
 }
 
 /// A folder of its own for one test, with the cell and what is added to it.
@@ -21,9 +23,9 @@ pub fn folder(name: &str, more: &str) -> PathBuf {
 }
 
 pub fn run(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(program());
+    let mut command = program();
     command.current_dir(folder).arg("--no-picture").args(arguments);
-    command.output().expect("the example `recorded` has been built")
+    command.output().expect("the program starts")
 }
 
 pub fn said(output: &Output, status: i32) -> String {
@@ -45,8 +47,8 @@ fn a_recorded_run_is_replayed_identically() {
 fn a_changed_program_is_told_with_both_values() {
     let folder = folder("command-changed", "[recording]\nfile = \"b.mcap\"\n");
     said(&run(&folder, &[]), 0);
-    let mut command = Command::new(program());
-    let changed = command.current_dir(&folder).env("MRROC_TEST_CHANGE", "0.25").args(["replay", "b.mcap"]);
+    let mut command = program();
+    let changed = command.current_dir(&folder).env(CHANGE, "0.25").args(["replay", "b.mcap"]);
     let told = said(&changed.output().expect("the program starts"), 1);
     assert!(told.starts_with("error: b.mcap: step "), "{told}");
     assert!(told.contains(", right joint 1: recorded ") && told.contains(", replayed "), "{told}");

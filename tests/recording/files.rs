@@ -10,8 +10,8 @@ use mrroc_robots::{Irp6, SimulatedIrp6};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 use proptest::prelude::*;
 
-use crate::cell::{Change, START, STEP, arms};
-use crate::recorded;
+use crate::recording::cell::{Change, START, STEP, arms};
+use crate::recording::recorded;
 
 /// A recording, whole.
 fn whole() -> &'static [u8] {

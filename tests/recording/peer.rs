@@ -10,7 +10,7 @@ use std::rc::Rc;
 
 use mrroc::Observation;
 
-use crate::cell::{Change, STEP, arms};
+use crate::recording::cell::{Change, STEP, arms};
 
 #[test]
 #[ignore = "installs PyPI's mcap: just test-recording-peer"]

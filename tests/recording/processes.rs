@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Child, Command};
 use std::time::Duration;
 
-use crate::command::{folder, program, run, said};
+use crate::recording::command::{folder, program, run, said};
 
 #[test]
 fn processes_in_lock_step_record_what_a_replay_demands() {
@@ -28,7 +28,7 @@ fn child(launcher: &Child, arguments: &str) -> Option<String> {
 #[test]
 fn a_process_that_is_killed_leaves_a_file_that_is_whole() {
     let folder = folder("killed", "");
-    let mut launcher = Command::new(program());
+    let mut launcher = program();
     launcher.current_dir(&folder).args(["--virtual", "--record", "b.mcap", "--quiet"]);
     let launcher = launcher.spawn().expect("the program starts");
     // In lock-step, so that a busy machine changes nothing; soon after the first chunk of the file.
@@ -50,7 +50,7 @@ fn a_process_that_is_killed_leaves_a_file_that_is_whole() {
 fn demands_that_were_late_in_real_time_are_late_again() {
     let folder = folder("late", "");
     for pauses in [0, 4] {
-        let mut launcher = Command::new(program());
+        let mut launcher = program();
         launcher.current_dir(&folder).args(["--processes", "--record", "c.mcap", "--quiet"]);
         let launcher = launcher.spawn().expect("the program starts");
         let signal = |name: &str, pid: &str| {

@@ -2,8 +2,8 @@
 
 use mrroc::recording::{CutOff, Replay};
 
-use crate::cell::{Change, arms};
-use crate::recorded;
+use crate::recording::cell::{Change, arms};
+use crate::recording::recorded;
 
 #[test]
 fn the_same_programs_demand_the_same_to_the_bit() {

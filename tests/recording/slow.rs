@@ -9,7 +9,7 @@ use std::time::Duration;
 use mrroc::RunReport;
 use mrroc::recording::{CutOff, Replay};
 
-use crate::cell::{Change, arms};
+use crate::recording::cell::{Change, arms};
 
 fn bare() -> RunReport {
     arms(Change::Nothing).run().expect("keeps the limits")

@@ -3,7 +3,7 @@
 use mrroc::{Always, Cell, FaultKind, condition, generator};
 use mrroc_tests::{Gantry, MS, fault, gantry, peaks};
 
-use crate::kit::{Phase, Smooth, Twin};
+use crate::runtime::kit::{Phase, Smooth, Twin};
 
 #[test]
 fn after_an_abort_the_mp_may_move_transparent_robots_again() {
@@ -189,7 +189,7 @@ fn rising(c: &mut Rising, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
     c.steps -= 1;
     c.v = (c.v + 5.0 * t.dt).min(0.25);
     c.x += c.v * t.dt;
-    mrroc::Step::Next((crate::kit::x(c.x),))
+    mrroc::Step::Next((crate::runtime::kit::x(c.x),))
 }
 
 struct Nudging2(u32);
@@ -220,7 +220,7 @@ fn forges(c: &mut Forges, t: mrroc::Tick) -> Result<mrroc::Step<(Gantry, Gantry)
         return Err(mrroc::Fault::new(c.0));
     }
     let u = (t.step + 1) as f64;
-    Ok(mrroc::Step::Next((crate::kit::x(4e-6 * u * u), crate::kit::x(-4e-6 * u * u))))
+    Ok(mrroc::Step::Next((crate::runtime::kit::x(4e-6 * u * u), crate::runtime::kit::x(-4e-6 * u * u))))
 }
 
 struct ForgesAlone(FaultKind);
@@ -231,7 +231,7 @@ fn forges_alone(c: &mut ForgesAlone, t: mrroc::Tick) -> Result<mrroc::Step<Gantr
         return Err(mrroc::Fault::new(c.0));
     }
     let u = (t.step + 1) as f64;
-    Ok(mrroc::Step::Next(crate::kit::x(4e-6 * u * u)))
+    Ok(mrroc::Step::Next(crate::runtime::kit::x(4e-6 * u * u)))
 }
 
 const ENDS: [FaultKind; 5] = [

@@ -3,7 +3,7 @@
 use mrroc::{Always, Cell, FaultKind, Reading, SensorSetup, Step, Tick, condition, generator};
 use mrroc_tests::{Gantry, MS, Turntable, fault, gantry, peaks, turntable};
 
-use crate::kit::{Along, Coast, Counter, Counting, Phase, Smooth, transmit};
+use crate::runtime::kit::{Along, Coast, Counter, Counting, Phase, Smooth, transmit};
 
 #[generator(mp)]
 fn separate() -> Always<(Gantry, Gantry), Phase> {

@@ -5,7 +5,7 @@ use std::time::Duration;
 use mrroc::{Always, Cell, RobotSetup, SensorSetup, VspMode, generator};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, gantry, traced};
 
-use crate::kit::{Counter, Counting, Phase, Smooth, Twin, Watch};
+use crate::runtime::kit::{Counter, Counting, Phase, Smooth, Twin, Watch};
 
 #[generator(mp)]
 fn told() -> Always<(Gantry, Gantry), Phase> {
@@ -113,7 +113,7 @@ fn one(c: &mut One, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
     }
     c.0.duration = (c.0.duration - t.dt).max(0.0);
     let u = 1.0 - c.0.duration / 0.5;
-    mrroc::Step::Next((crate::kit::x(c.1 + (0.1 - c.1) * u * u * (3.0 - 2.0 * u)),))
+    mrroc::Step::Next((crate::runtime::kit::x(c.1 + (0.1 - c.1) * u * u * (3.0 - 2.0 * u)),))
 }
 
 fn from_here(c: &mut One, e: &mrroc::State<(Gantry,)>, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {

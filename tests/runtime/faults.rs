@@ -7,7 +7,7 @@ use mrroc::{
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, Trace, fault, gantry, peaks, traced};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-use crate::kit::{Smooth, Twin, x};
+use crate::runtime::kit::{Smooth, Twin, x};
 
 /// Moves along x by a smoothstep, and in step `at` demands something else.
 struct Misbehave {

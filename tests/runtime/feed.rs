@@ -3,7 +3,7 @@
 use mrroc::{Cell, FaultKind, Operator};
 use mrroc_tests::{Gantry, MS, Q, fault, gantry, peaks};
 
-use crate::kit::{Smooth, Twin};
+use crate::runtime::kit::{Smooth, Twin};
 
 fn run(act: impl FnMut(u64, &Operator) + 'static) -> (u64, Vec<Q<3>>) {
     let (robot, trace) = gantry("g");

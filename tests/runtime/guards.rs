@@ -6,7 +6,7 @@ use std::rc::Rc;
 use mrroc::{Cell, Fault, FaultKind, RobotView};
 use mrroc_tests::{Gantry, MS, fault, gantry, peaks};
 
-use crate::kit::{Smooth, Twin};
+use crate::runtime::kit::{Smooth, Twin};
 
 /// Stops the cell when the first robot is demanded beyond `x` \[m\].
 fn fence(x: f64) -> impl FnMut(&[RobotView]) -> Result<(), Fault> {
@@ -217,7 +217,7 @@ fn a_guard_sees_a_robot_that_goes_on_while_its_instruction_ends() {
     // The MP ends a loose motion in whose middle the ECP's generator slows down on its own path.
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| {
-        ecp.obey(|ecp, _: crate::kit::Phase| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop))
+        ecp.obey(|ecp, _: crate::runtime::kit::Phase| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop))
     });
     let tripped = Rc::new(std::cell::Cell::new(0.0));
     let keep = Rc::clone(&tripped);
@@ -248,7 +248,7 @@ fn a_guard_sees_a_robot_that_goes_on_while_its_instruction_ends() {
 struct Approach(u32);
 
 #[mrroc::generator(mp)]
-fn approach(c: &mut Approach) -> mrroc::Step<(Gantry,), crate::kit::Phase> {
+fn approach(c: &mut Approach) -> mrroc::Step<(Gantry,), crate::runtime::kit::Phase> {
     c.0 -= 1;
-    if c.0 == 0 { mrroc::Step::Done } else { mrroc::Step::Next((crate::kit::Phase::Approach,)) }
+    if c.0 == 0 { mrroc::Step::Done } else { mrroc::Step::Next((crate::runtime::kit::Phase::Approach,)) }
 }

@@ -7,7 +7,7 @@ use mrroc::{
 };
 use mrroc_tests::{Gantry, MS, Q, Trace, fault, gantry, peaks};
 
-use crate::kit::{Along, Counter, Counting, Phase, transmit, x};
+use crate::runtime::kit::{Along, Counter, Counting, Phase, transmit, x};
 
 /// Speeds up along x by 10 m/s² to 0.5 m/s in 50 steps, and ends there.
 struct Up {

@@ -7,7 +7,7 @@ use std::time::Duration;
 use mrroc::{Cell, CellError, DriveFault, FaultKind, Homing, RobotSetup, Search};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, traced};
 
-use crate::kit::Smooth;
+use crate::runtime::kit::Smooth;
 
 /// Finds its marks after so many ticks, at 0.1 m along x; trips instead when told to.
 struct Blind {

@@ -8,7 +8,7 @@ use mrroc::{
 use mrroc::{FaultKind, RobotSetup, VspMode, generator};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 
-use crate::kit::{Counter, Counting, Smooth, Watch, x};
+use crate::runtime::kit::{Counter, Counting, Smooth, Watch, x};
 
 /// Moves along x by a smoothstep whose steps wait for a sensor.
 struct Looking {
@@ -129,9 +129,9 @@ struct Heard {
 }
 
 #[generator(mp)]
-fn heard(c: &mut Heard, v: &Reading<(Echo,)>) -> Step<(Gantry,), crate::kit::Phase> {
+fn heard(c: &mut Heard, v: &Reading<(Echo,)>) -> Step<(Gantry,), crate::runtime::kit::Phase> {
     c.values.extend(v.0.reading().map(|told| told.value));
-    if c.values.len() >= 10 { Step::Done } else { Step::Next((crate::kit::Phase::Approach,)) }
+    if c.values.len() >= 10 { Step::Done } else { Step::Next((crate::runtime::kit::Phase::Approach,)) }
 }
 
 struct HeardByEcp {
@@ -150,7 +150,7 @@ fn an_mp_and_an_ecp_that_configure_one_sensor_differently_each_get_their_own_rea
     let robot = robot.program(|ecp| {
         let mut echo = ecp.sensor::<Echo>("echo")?;
         echo.configure(Told { value: 2 });
-        ecp.obey(|ecp, _: crate::kit::Phase| {
+        ecp.obey(|ecp, _: crate::runtime::kit::Phase| {
             let heard = ecp.move_robot((&mut echo,), HeardByEcp { values: Vec::new() })?;
             assert!(
                 heard.values.len() > 5 && heard.values.iter().all(|value| *value == 2),
@@ -177,7 +177,7 @@ fn a_free_running_sensor_that_an_mp_and_an_ecp_configure_differently_gives_each_
     let robot = robot.program(|ecp| {
         let mut echo = ecp.sensor::<Echo>("echo")?;
         echo.configure(Told { value: 2 });
-        ecp.obey(|ecp, _: crate::kit::Phase| {
+        ecp.obey(|ecp, _: crate::runtime::kit::Phase| {
             let heard = ecp.move_robot((&mut echo,), HeardByEcp { values: Vec::new() })?.values;
             // Of the default configuration until the first order has come, and then of its own.
             let own = heard.iter().position(|value| *value == 2).expect("its own");

@@ -126,7 +126,7 @@ fn all_that_is_wrong_with_a_cell_is_told_at_once() {
         .robot(setup("a", wrong))
         .robot(setup("b", Bench::with(|limits| limits.acceleration[2] = 1.0)))
         .robot(setup("b", Bench::new()))
-        .sensor(mrroc::SensorSetup::new("counter", crate::kit::Counting::default()).of("c"));
+        .sensor(mrroc::SensorSetup::new("counter", crate::runtime::kit::Counting::default()).of("c"));
     let Err(CellError::Several(errors)) = cell.run() else { panic!("refused") };
     let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
     assert_eq!(texts.len(), 6, "{texts:?}");

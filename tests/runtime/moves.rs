@@ -7,7 +7,7 @@ use mrroc::{Cell, Demand, Fault, FaultKind, Reading, State, Step, Tick, generato
 use mrroc::{RobotSetup, SensorSetup};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 
-use crate::kit::{Coast, Counter, Counting, Smooth, Twin, Watch, x};
+use crate::runtime::kit::{Coast, Counter, Counting, Smooth, Twin, Watch, x};
 
 #[test]
 fn a_program_of_an_ecp_alone_is_nudged_and_moves_its_robot() {

@@ -4,7 +4,7 @@ use mrroc::{Always, Cell, DriveFault, Driver, Fault, FaultKind, Measured, Order,
 use mrroc::{condition, generator};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, traced};
 
-use crate::kit::{Along, Phase, Smooth, x};
+use crate::runtime::kit::{Along, Phase, Smooth, x};
 
 #[generator(mp)]
 fn nudge() -> Always<(Gantry,), Phase> {
@@ -265,7 +265,7 @@ fn a_period_of_no_time_is_refused() {
     let robot = RobotSetup::new("g", Gantry::default(), timeless).program(|_| Ok(()));
     assert!(matches!(Cell::new(MS).robot(robot).run(), Err(mrroc::CellError::NoServo(_))));
     let free = mrroc::VspMode::NonInteractive(std::time::Duration::ZERO);
-    let sensor = mrroc::SensorSetup::new("counter", crate::kit::Counting::default()).mode(free);
+    let sensor = mrroc::SensorSetup::new("counter", crate::runtime::kit::Counting::default()).mode(free);
     let result = Cell::new(MS).robot(gantry("g").0.program(|_| Ok(()))).sensor(sensor).run();
     assert!(matches!(result, Err(mrroc::CellError::NoPeriod(_))));
 }

@@ -6,7 +6,7 @@ use mrroc::{
 use mrroc::{DriveFault, Driver, Measured};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, peaks, traced};
 
-use crate::kit::{Count, Counter, Offset, Smooth, Twin, Watch};
+use crate::runtime::kit::{Count, Counter, Offset, Smooth, Twin, Watch};
 
 fn stopped(result: Result<mrroc::RunReport, CellError>, process: &str, trace: &[Q<3>]) {
     let fault = fault(result);

@@ -11,7 +11,7 @@ use mrroc::{
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, traced};
 use nalgebra::Vector3;
 
-use crate::kit::Smooth;
+use crate::runtime::kit::Smooth;
 
 /// Four gantries along x together, in the MP.
 struct Together(Smooth);

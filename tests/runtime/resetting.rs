@@ -9,7 +9,7 @@ use mrroc::{
 };
 use mrroc_tests::{Gantry, MS, Q, fault, gantry, peaks, traced};
 
-use crate::kit::{Phase, Smooth};
+use crate::runtime::kit::{Phase, Smooth};
 
 /// The left gantry to `end` and the right one to `-end` \[m\], by a smoothstep of 1 s from where they are; throws a fault
 /// in a step, if it is to.
@@ -295,7 +295,7 @@ fn what_a_fault_stop_has_switched_off_comes_on_again_and_what_cannot_be_switched
 
 #[test]
 fn programs_of_ecps_start_again_with_their_sensors_and_their_obedience() {
-    use crate::kit::{Counter, Counting};
+    use crate::runtime::kit::{Counter, Counting};
     let (robot, trace) = gantry("g");
     let runs = Rc::new(RefCell::new((0, 0)));
     let (ecps, mps) = (Rc::clone(&runs), Rc::clone(&runs));
@@ -484,17 +484,17 @@ struct Gives {
 }
 
 impl mrroc::VirtualSensor for Gives {
-    type Kind = crate::kit::Counter;
+    type Kind = crate::runtime::kit::Counter;
 
     fn aggregate(
         &mut self,
-        order: &mrroc::ReadingOrder<crate::kit::Offset>,
-    ) -> Result<crate::kit::Count, Fault> {
+        order: &mrroc::ReadingOrder<crate::runtime::kit::Offset>,
+    ) -> Result<crate::runtime::kit::Count, Fault> {
         self.left = self.left.saturating_sub(1);
         if self.left == 0 {
             return Err(Fault::thrown("the cable is cut"));
         }
-        Ok(crate::kit::Count { count: u64::from(self.left), x: 0.0, step: order.step })
+        Ok(crate::runtime::kit::Count { count: u64::from(self.left), x: 0.0, step: order.step })
     }
 }
 
@@ -502,8 +502,8 @@ impl mrroc::VirtualSensor for Gives {
 struct Sees(Smooth);
 
 #[generator(ecp)]
-fn sees(c: &mut Sees, _v: &mrroc::Reading<(crate::kit::Counter,)>, t: Tick) -> Step<Gantry> {
-    c.0.advance(t.dt).map_or(Step::Done, |x| Step::Next(crate::kit::x(x)))
+fn sees(c: &mut Sees, _v: &mrroc::Reading<(crate::runtime::kit::Counter,)>, t: Tick) -> Step<Gantry> {
+    c.0.advance(t.dt).map_or(Step::Done, |x| Step::Next(crate::runtime::kit::x(x)))
 }
 
 #[test]
@@ -511,7 +511,7 @@ fn fault_25_robots_stop_on_their_paths_together_when_a_sensor_of_one_of_them_fai
     for fails_at in [2, 50, 300, 500, 800] {
         let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
         let left = left.program(|ecp| {
-            let mut counter = ecp.sensor::<crate::kit::Counter>("counter")?;
+            let mut counter = ecp.sensor::<crate::runtime::kit::Counter>("counter")?;
             ecp.move_robot((&mut counter,), Sees(Smooth::to(0.4, 1.0))).map(drop)
         });
         let right = right.program(|ecp| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop));

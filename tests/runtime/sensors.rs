@@ -6,7 +6,7 @@ use std::time::Duration;
 use mrroc::{Cell, FaultKind, SensorSetup, VspMode};
 use mrroc_tests::{Gantry, MS, fault, gantry};
 
-use crate::kit::{Counter, Counting, Offset, Smooth, Watch};
+use crate::runtime::kit::{Counter, Counting, Offset, Smooth, Watch};
 use mrroc::{Reading, condition};
 
 fn watched(mode: VspMode, latency: Duration, steps: usize) -> Vec<Option<(u64, u32)>> {
@@ -207,10 +207,13 @@ struct OfRobot;
 
 impl mrroc::VirtualSensor for OfRobot {
     type Kind = Counter;
-    fn aggregate(&mut self, order: &mrroc::ReadingOrder<Offset>) -> Result<crate::kit::Count, mrroc::Fault> {
+    fn aggregate(
+        &mut self,
+        order: &mrroc::ReadingOrder<Offset>,
+    ) -> Result<crate::runtime::kit::Count, mrroc::Fault> {
         order
             .robot
-            .map(|_| crate::kit::Count { count: 1, x: 0.0, step: order.step })
+            .map(|_| crate::runtime::kit::Count { count: 1, x: 0.0, step: order.step })
             .ok_or_else(|| mrroc::Fault::thrown("no state"))
     }
 }

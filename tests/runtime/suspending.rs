@@ -3,7 +3,7 @@
 use mrroc::{Always, Cell, Operator, RobotSetup, Step, Tick, generator};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, gantry, peaks, traced};
 
-use crate::kit::{Phase, x};
+use crate::runtime::kit::{Phase, x};
 
 /// Along x by a trapezoid of velocity: `up` and `down` \[m/s²\], `speed` \[m/s\], `cruise` \[s\].
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use mrroc::{Cell, FaultKind, Reading, RobotSetup, SensorSetup, Step, Tick, generator};
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 
-use crate::kit::{Counter, Counting, Smooth, x};
+use crate::runtime::kit::{Counter, Counting, Smooth, x};
 
 #[test]
 fn fault_36_an_abort_in_every_step_of_a_motion_stops_it_on_its_path_within_the_limits() {

@@ -3,7 +3,7 @@
 use mrroc::{Cell, Fault, FaultKind, Reading, SensorSetup, State, condition};
 use mrroc_tests::{Gantry, MS, fault, gantry};
 
-use crate::kit::{Counter, Counting, Phase, Smooth};
+use crate::runtime::kit::{Counter, Counting, Phase, Smooth};
 use mrroc::{Always, generator};
 
 struct CountTo(u64);

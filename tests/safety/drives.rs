@@ -7,7 +7,7 @@ use mrroc::testing::{DriveTrouble, FaultyDrive, Sweep};
 use mrroc::{Cell, CellError, FaultKind, RobotSetup};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q};
 
-use crate::cells::{back_and_forth, gantry};
+use crate::safety::cells::{back_and_forth, gantry};
 
 /// Two gantries of which the first one's drive fails in a servo period; 1 mm of following error.
 fn failing(trouble: DriveTrouble, at: u64) -> Cell {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use mrroc::{Cell, Demand, Step, generator};
 use mrroc_tests::{Gantry, MS};
 
-use crate::cells::gantry;
+use crate::safety::cells::gantry;
 
 struct Endless;
 
@@ -31,7 +31,8 @@ fn loops_for_ever() {
 #[test]
 fn fault_09_an_endless_loop_in_a_generator_is_named_and_ended() {
     let mut again = Command::new(std::env::current_exe().expect("this test"));
-    let output = again.args(["--exact", "endless::loops_for_ever", "--ignored", "--nocapture"]).output();
+    let output =
+        again.args(["--exact", "safety::endless::loops_for_ever", "--ignored", "--nocapture"]).output();
     let output = output.expect("it starts");
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");

@@ -5,7 +5,7 @@ use core::time::Duration;
 use mrroc::testing::{FaultySensor, SensorFault, Sweep, SweepReport};
 use mrroc::{Cell, CellError, FaultKind, Plausible, VspMode};
 
-use crate::cells::{At, Path, following};
+use crate::safety::cells::{At, Path, following};
 
 const FAULTS: [(&str, SensorFault<At>); 9] = [
     ("ok", SensorFault::Ok),
@@ -95,7 +95,7 @@ fn fault_04_a_sensor_that_says_nothing_more_stops_the_motion_that_reads_it() {
 fn fault_04_a_motion_that_does_not_read_a_dead_sensor_goes_on() {
     let cell = || -> Cell {
         let setup = mrroc::SensorSetup::new("place", Path);
-        crate::cells::transparent().sensor(setup)
+        crate::safety::cells::transparent().sensor(setup)
     };
     let report = Sweep::new(cell).kills().every(7).threads(2).run();
     let vsp = &report.rows().iter().find(|(row, _)| row == "kill vsp").expect("a row").1;

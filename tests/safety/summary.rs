@@ -2,9 +2,9 @@
 
 use mrroc::testing::SweepReport;
 
-use crate::cells::{cooperating, interpolated, sensing, transparent};
-use crate::sensors::{MODES, failing};
-use crate::sweeps::everything;
+use crate::safety::cells::{cooperating, interpolated, sensing, transparent};
+use crate::safety::sensors::{MODES, failing};
+use crate::safety::sweeps::everything;
 
 /// The rows of the table: a number, the fault, the names of its tests.
 fn rows() -> Vec<(String, String, usize)> {

@@ -3,7 +3,7 @@
 use mrroc::Cell;
 use mrroc::testing::{LinkFault, Press, Sweep, SweepReport};
 
-use crate::cells::{cooperating, interpolated, sensing, transparent};
+use crate::safety::cells::{cooperating, interpolated, sensing, transparent};
 
 /// What is done to a cell: its processes, its links, its operator.
 pub fn everything(cell: fn() -> Cell) -> Sweep<'static> {

@@ -1,6 +1,8 @@
 //! What the whole-system tests of `mrroc` share: two small robots, drives that do exactly what they are told
 //! (the tests here are about the runtime; real dynamics are in `mrroc-robots`), and a recorder.
 
+pub mod fixture;
+
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;

@@ -1,16 +1,11 @@
 //! Chapter 1 of the tutorial: a line, one that asks too much, and a circle.
 
-mod support;
-
-#[path = "../../template/src/arm.rs"]
-mod arm;
 #[path = "1_line/point_to_point.rs"]
 mod circle;
-#[path = "../../template/sets/mp_one/generators/point_to_point.rs"]
-mod line;
 
-use arm::Arm;
-use support::{ONE, extent, file, matches, printed, shows, watched};
+use super::point_to_point as line;
+use super::support::{ONE, extent, file, matches, printed, shows, watched};
+use crate::arm::{self, Arm};
 
 #[test]
 fn a_line_goes_up_and_down_again() {

@@ -3,20 +3,15 @@
 // As it stands in a newcomer's project.
 #![allow(missing_docs)]
 
-mod support;
-
-#[path = "../../template/src/arm.rs"]
-mod arm;
-#[path = "../../template/sets/mp_one/generators/point_to_point.rs"]
-mod line;
 #[path = "../../template/src/touch.rs"]
 mod touch;
 
-use arm::{Arm, kinds};
-use line::PointToPoint;
 use mrroc::{Cell, Fault, Mp, Reading, RobotHandle, condition};
-use support::{ONE, file, printed, shows};
 use touch::{Table, Touch};
+
+use super::point_to_point::PointToPoint;
+use super::support::{ONE, file, printed, shows};
+use crate::arm::{Arm, kinds};
 
 // ANCHOR: clear
 #[derive(Default)]

@@ -1,17 +1,12 @@
 //! Chapter 3 of the tutorial: two robots that cooperate tightly. Its loose half is the template's own.
 
-mod support;
-
-#[path = "../../template/src/arm.rs"]
-mod arm;
 #[path = "3_tight/ecp.rs"]
 mod ecp;
 #[path = "3_tight/mp.rs"]
 mod mp;
-#[path = "3_tight/orders.rs"]
-mod orders;
 
-use support::{TWO, extent, file, printed, shows, watched};
+use super::support::{TWO, extent, file, printed, shows, watched};
+use crate::arm;
 
 #[test]
 fn both_tools_are_equally_high_in_every_servo_period() {

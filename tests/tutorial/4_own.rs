@@ -1,21 +1,10 @@
 //! Chapter 4 of the tutorial: a copied generator in the place of the template's own, as it is and changed.
 
-mod support;
-
-#[path = "../../template/src/arm.rs"]
-mod arm;
 #[path = "4_own/ecp.rs"]
 mod ecp;
 
-/// The copy, changed; it has a constructor more than the chapter calls.
-#[allow(dead_code)]
-#[path = "4_own"]
-mod generators {
-    mod my_line;
-    pub use my_line::MyLine;
-}
-
-use support::{ONE, extent, file, watched};
+use super::support::{ONE, extent, file, watched};
+use crate::arm;
 
 #[test]
 fn the_changed_copy_bends_by_two_centimetres() {

@@ -1,14 +1,12 @@
 //! Chapter 5 of the tutorial: drives of one's own in the place of the simulated ones.
 
-mod support;
-
 #[path = "5_driver/arm.rs"]
 mod arm;
-#[path = "../../template/sets/mp_one/generators/point_to_point.rs"]
-mod line;
 
 use mrroc::{Cell, FaultKind, Kinds, RobotSetup};
-use support::{ONE, extent, file, printed, shows, watched};
+
+use super::point_to_point as line;
+use super::support::{ONE, extent, file, printed, shows, watched};
 
 fn cell(kinds: &Kinds) -> Cell {
     file(ONE).cell(kinds).expect("known").program(|mp| {

@@ -1,13 +1,10 @@
 //! The book in `docs/` says what is true: its code, links, paths, commands and edits fit the repository.
 
-mod page;
-mod support;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use page::{Edit, Step, chapters, included, links, pages, read, root, shown, steps};
-use support::matches;
+use super::page::{Edit, Step, chapters, included, links, pages, read, root, shown, steps};
+use super::support::matches;
 
 #[test]
 fn every_code_that_is_shown_is_that_of_its_file() {
@@ -209,7 +206,7 @@ fn what_is_tested_is_what_a_newcomer_gets() {
     assert_eq!(generator(&bow), generator(&without_anchors("4_own/my_line.rs")));
 }
 
-/// Does all that the tutorial says, word for word: `cargo test -p mrroc-tests --test book -- --ignored`.
+/// Does all that the tutorial says, word for word: `just tutorial`.
 ///
 /// Builds five projects, which takes minutes.
 #[test]

@@ -1,0 +1,27 @@
+//! The cell of the tests of recordings as a task program; its swing may be another one from some path time on.
+
+#[allow(dead_code, reason = "the tests use the rest")]
+#[path = "../recording/cell.rs"]
+mod cell;
+
+use std::process::ExitCode;
+
+use mrroc::{Cell, CellError, CellFile};
+use mrroc_tests::fixture::CHANGE;
+
+use crate::Nothing;
+use cell::{Change, Counting, programmed};
+
+pub fn main() -> ExitCode {
+    mrroc::launch(assemble, Nothing)
+}
+
+fn assemble(file: &CellFile) -> Result<Cell, CellError> {
+    let change = std::env::var(CHANGE).ok().and_then(|text| text.parse().ok());
+    let cell = file
+        .cell(&mrroc_robots::simulated())?
+        .sensor(file.sensor("count", Counting::default())?)
+        .sensor(file.sensor("slow", Counting::default())?)
+        .sensor(file.sensor("free", Counting::default())?);
+    Ok(programmed(cell, change.map_or(Change::Nothing, Change::Swing)))
+}

@@ -1,0 +1,64 @@
+//! Readers under bad input, row 33 of SAFETY.md: no panic, and no more than 256 MB, whatever they read.
+//!
+//! `MRROC_FUZZ=1000000` runs so many mutated inputs in all; what fails is written to the target folder.
+
+mod bombs;
+mod mutation;
+mod targets;
+
+use std::panic::catch_unwind;
+use std::time::Instant;
+
+use mrroc_counting_allocator::peak;
+use mutation::{Random, mutate};
+use targets::TARGETS;
+
+/// Most memory that reading may take \[bytes\].
+const MEMORY: usize = 256 << 20;
+
+fn corpus(name: &str) -> Vec<Vec<u8>> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("parsers/corpus").join(name);
+    let mut files: Vec<_> =
+        std::fs::read_dir(folder).expect("a corpus").map(|file| file.expect("a file").path()).collect();
+    files.sort();
+    files.iter().map(|file| std::fs::read(file).expect("readable")).collect()
+}
+
+/// Reads one input; where it panics or takes too much, the input is kept and named.
+fn read(name: &str, target: targets::Target, input: &[u8]) {
+    let (outcome, most) = peak(|| catch_unwind(|| target(input)));
+    if outcome.is_err() || most > MEMORY {
+        let kept = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.failing"));
+        std::fs::write(&kept, input).expect("the target folder can be written");
+        panic!("{name}: {} bytes at once, reading {}", most, kept.display());
+    }
+}
+
+#[test]
+fn fault_33_readers_survive_what_they_read() {
+    let all: usize = std::env::var("MRROC_FUZZ").ok().and_then(|n| n.parse().ok()).unwrap_or(70_000);
+    let seed = std::env::var("MRROC_SEED").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
+    let each = all / TARGETS.len();
+    std::thread::scope(|scope| {
+        for half in 0..2 {
+            scope.spawn(move || {
+                for (name, target) in TARGETS.iter().skip(half).step_by(2) {
+                    let (corpus, mut random) = (corpus(name), Random(seed));
+                    corpus.iter().for_each(|input| read(name, *target, input));
+                    let (began, mut worst) = (Instant::now(), 0.0_f64);
+                    for _ in 0..each {
+                        let input = mutate(&corpus, &mut random);
+                        let one = Instant::now();
+                        read(name, *target, &input);
+                        worst = worst.max(one.elapsed().as_secs_f64());
+                    }
+                    let all = began.elapsed().as_secs_f64();
+                    println!(
+                        "{name:<9} seed {seed}: {each} inputs in {all:.1} s, the slowest {:.1} ms",
+                        worst * 1e3
+                    );
+                }
+            });
+        }
+    });
+}

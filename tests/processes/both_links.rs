@@ -1,0 +1,51 @@
+//! The engraving and the transfer on both links: the same demands to the bit on the memory link and as processes of the
+//! operating system under the virtual clock, and the same pictures and measurements of them.
+
+use mrroc_tests::fixture::{SEEN, TASKS};
+
+use crate::launch::Place;
+
+/// Two arms, two hands, a sensor of forces in each wrist.
+#[test]
+fn the_transfer_demands_the_same_on_both_links_to_the_bit() {
+    compare(40, &["transfer"], &["rnt", "polycrank", "rnt-hand", "polycrank-hand"]);
+}
+
+/// One letter; `just test-both-links` engraves the nameplate.
+#[test]
+fn the_engraving_demands_the_same_on_both_links_to_the_bit() {
+    let whole = std::env::var_os("MRROC_WHOLE").is_some();
+    compare(41, &["engraving", if whole { "nameplate" } else { "I" }], &["irp6"]);
+}
+
+/// Runs a task on both links and compares every demand of every servo period.
+fn compare(test: u32, task: &[&str], robots: &[&str]) {
+    let place = Place::of(test, TASKS, include_str!("cell.toml"));
+    let run = |link: &str| {
+        let mut launch = place.start(link, &[task, &[link]].concat());
+        assert!(launch.end().success(), "{task:?} on {link}: {}", launch.said());
+        launch
+    };
+    let (memory, processes) = (run("memory"), run("processes"));
+    for robot in robots {
+        let (here, apart) = (memory.record(robot), processes.record(robot));
+        // Longer than the shortest motion of both tasks takes.
+        assert!(here.len() > 1000, "{task:?}: {robot} has {} periods", here.len());
+        let same = here.iter().zip(&apart).take_while(|(a, b)| a == b).count();
+        assert!(
+            here.len() == apart.len() && same == here.len(),
+            "{task:?}: {robot}: {} and {} periods, the first {same} of them the same: {:?}, {:?}",
+            here.len(),
+            apart.len(),
+            here.get(same),
+            apart.get(same)
+        );
+        println!("{}: {robot}: {same} demands are the same to the bit", task.join(" "));
+    }
+    let [here, apart] = [&memory, &processes].map(|launch| launch.text(SEEN));
+    assert!(
+        !here.is_empty() && here == apart,
+        "{task:?}: what observers see differs: {here:.2000}\n{apart:.2000}"
+    );
+    processes.assert_nothing_left(&[]);
+}

@@ -1,0 +1,17 @@
+//! The tutorial: what its chapters make of the template's files does what they say, and all that they show is true.
+
+mod book;
+#[path = "5_driver.rs"]
+mod driver;
+#[path = "1_line.rs"]
+mod line;
+#[path = "4_own.rs"]
+mod own;
+mod page;
+#[path = "3_pair.rs"]
+mod pair;
+#[path = "../../template/sets/mp_one/generators/point_to_point.rs"]
+mod point_to_point;
+#[path = "2_sensor.rs"]
+mod sensor;
+mod support;
