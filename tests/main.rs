@@ -8,6 +8,7 @@ mod cell_file;
 mod library;
 mod macros;
 mod newcomer;
+mod outside;
 mod parsers;
 mod programs;
 mod readme;

@@ -10,7 +10,6 @@ use std::collections::{BTreeMap, HashSet};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
@@ -67,7 +66,7 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     let root = here.join("../..").canonicalize().unwrap();
     let manifest = format!(
         "[package]\nname = \"mistakes\"\nedition = \"2024\"\n\n[workspace]\n\n[dependencies]\n\
-         mrroc = {{ path = {:?} }}\nnalgebra = {{ version = \"*\", default-features = false, features = [\"std\"] }}\n\n[profile.dev.package.\"*\"]\nopt-level = 2\n",
+         mrroc = {{ path = {:?} }}\nnalgebra = {{ version = \"*\", default-features = false, features = [\"std\"] }}\n",
         root.join("runtime")
     );
     let library = format!(
@@ -77,17 +76,12 @@ fn check(here: &Path, cases: &BTreeMap<String, String>) -> BTreeMap<String, Vec<
     );
     fs::write(scratch.join("Cargo.toml"), manifest).unwrap();
     fs::write(scratch.join("src/lib.rs"), library).unwrap();
-    fs::copy(root.join("Cargo.lock"), scratch.join("Cargo.lock")).unwrap();
     for (name, source) in cases {
         fs::write(scratch.join(format!("examples/{name}.rs")), source).unwrap();
     }
 
-    // The workspace's own target directory, so that the dependencies are there already.
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap();
-    let output = Command::new(env!("CARGO"))
-        .args(["check", "--offline", "--keep-going", "--message-format=json", "--examples"])
-        .current_dir(&scratch)
-        .env("CARGO_TARGET_DIR", target)
+    let output = crate::outside::cargo(&root, &scratch, "check")
+        .args(["--keep-going", "--message-format=json", "--examples"])
         .output()
         .unwrap();
     let stdout = String::from_utf8(output.stdout).unwrap();

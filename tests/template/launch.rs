@@ -4,13 +4,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// The template's own main program, which `cargo test` builds as an example.
-fn program() -> PathBuf {
-    let test = std::env::current_exe().expect("a test has a path");
-    let profile = test.parent().and_then(Path::parent).expect("target/debug/deps");
-    profile.join("examples").join(format!("template_main{}", std::env::consts::EXE_SUFFIX))
-}
-
 /// A folder of its own for one test, with the cell.
 fn project(name: &str, cell: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
@@ -22,7 +15,11 @@ fn project(name: &str, cell: &str) -> PathBuf {
 }
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(program()).current_dir(folder).args(arguments).output().expect("the program starts")
+    Command::new(env!("CARGO_BIN_EXE_template_main"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("the program starts")
 }
 
 fn error(output: &Output, status: i32) -> String {

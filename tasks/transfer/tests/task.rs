@@ -1,11 +1,9 @@
 //! The task with nothing between the hands: what is demanded of the arms, whatever the operator does.
 
-mod support;
-
+use crate::support::{Demands, apart, off_path, task, watched};
 use mrroc::{Always, CellError, FaultKind, generator};
 use mrroc_generators::cooperation::Displacement;
 use mrroc_robots::{Polycrank, Rnt};
-use support::{Demands, apart, off_path, task, watched};
 use transfer::generators::Nudge;
 use transfer::orders::{Arms, Hands, Phase};
 use transfer::places::{End, back, bar, grasp, legs};

@@ -1,23 +1,25 @@
 //! What the template becomes: every combination of its choices has its files, compiles and passes its own tests.
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use crate::support::{
+    Cargo, Folder, checkout, combinations, covering, generated, label, said, this_checkout,
+};
 use mrroc_new::choices::{Chosen, Given};
+use mrroc_new::project::GENERATION;
 use mrroc_new::template::Template;
-use support::{Cargo, combinations, covering, generated, label, said, this_checkout};
 
 fn all() -> Vec<Chosen> {
     let template = Template::built_in().expect("the template's description");
     combinations(&template, &this_checkout(&template))
 }
 
-fn check(combinations: &[Chosen]) {
+/// Each in this folder, one after the other.
+fn check(place: &str, combinations: &[Chosen]) {
     for chosen in combinations {
         println!("{}", label(chosen));
-        let folder = generated("my-task", chosen);
+        let folder = generated(Folder::to_build_in(place), "my-task", chosen);
         let tested = Cargo::new(&folder.path().join("my-task")).check();
         assert!(!tested.contains("warning"), "{tested}");
     }
@@ -25,20 +27,22 @@ fn check(combinations: &[Chosen]) {
 
 #[test]
 fn projects_in_which_every_choice_occurs_pass_their_tests_and_are_tidy() {
-    check(&covering(&all()));
+    check("projects", &covering(&all()));
 }
 
 #[test]
 #[ignore = "takes minutes: `just template-all`"]
 fn projects_of_all_choices_pass_their_tests_and_are_tidy() {
-    check(&all());
+    check("all-projects", &all());
 }
 
 #[test]
 fn every_combination_has_its_files() {
     let projects: Vec<(String, BTreeSet<String>)> = all()
         .iter()
-        .map(|chosen| (label(chosen), generated("my-task", chosen).files().into_iter().collect()))
+        .map(|chosen| {
+            (label(chosen), generated(Folder::new(), "my-task", chosen).files().into_iter().collect())
+        })
         .collect();
     let in_all = projects.iter().map(|(_, files)| files.clone()).reduce(|a, b| &a & &b).expect("a project");
     let mut text = String::from("in every project:\n");
@@ -56,9 +60,31 @@ fn every_combination_has_its_files() {
     });
 }
 
+/// `cargo generate --path template` reads the folder where it lies, with this program in it.
+#[test]
+#[cfg(unix)]
+fn the_templates_folder_makes_the_same_project_as_this_program() {
+    let chosen = all().swap_remove(0);
+    let made = generated(Folder::new(), "my-task", &chosen);
+    let parts = Folder::new();
+    let template = parts.path().join("template");
+    std::os::unix::fs::symlink(checkout().join("template"), template).expect("a link");
+    let values = chosen.iter().map(|(name, value)| format!("{name} = {:?}\n", value.to_string()));
+    parts.write("values.toml", &format!("[values]\n{}", values.collect::<String>()));
+    parts.write("settings.toml", "");
+    let folder = Folder::new();
+    let mut command = folder.mrroc_new();
+    command.args([GENERATION, "my-task"]).args([parts.path(), folder.path()]).env("CARGO_NAME", "nobody");
+    assert!(command.status().expect("the program starts").success());
+    assert_eq!(folder.files(), made.files());
+    for file in made.files() {
+        assert_eq!(folder.read(&file), made.read(&file), "{file}");
+    }
+}
+
 /// The lines by which a project depends on mrroc's crates.
 fn dependencies(given: &[&str]) -> Vec<toml::Value> {
-    let folder = support::Folder::new();
+    let folder = Folder::new();
     said(&folder.run(&[&["my-task", "--defaults"], given].concat()));
     let manifest: toml::Table = folder.read("my-task/Cargo.toml").parse().expect("a manifest");
     let section = manifest["dependencies"].as_table().expect("the dependencies");
@@ -87,9 +113,9 @@ fn mrroc_from_git_has_the_address_that_was_given() {
 #[test]
 #[cfg(unix)]
 fn mrroc_in_a_folder_with_blanks_quotes_and_backslashes_is_found() {
-    let elsewhere = support::Folder::new();
+    let elsewhere = Folder::new();
     let odd = elsewhere.path().join(r#"my "own" 'mrroc' \ ż #{{x}}"#);
-    std::os::unix::fs::symlink(support::checkout(), &odd).expect("a link");
+    std::os::unix::fs::symlink(checkout(), &odd).expect("a link");
     for line in dependencies(&["-d", &format!("mrroc_path={}", odd.display())]) {
         let path = std::path::Path::new(line["path"].as_str().expect("a path"));
         assert_eq!(path.parent(), Some(odd.as_path()));
@@ -132,7 +158,8 @@ fn the_minimal_project_has_one_binary_and_at_most_sixty_lines_of_rust() {
         let label = label(chosen);
         minimal.iter().all(|choice| label.split(' ').any(|chosen| chosen == *choice))
     };
-    let project = generated("my-task", all().iter().find(of_minimal).expect("there is such a project"));
+    let project =
+        generated(Folder::new(), "my-task", all().iter().find(of_minimal).expect("there is such a project"));
     let files = project.files();
     assert_eq!(files.iter().filter(|file| file.ends_with("main.rs") || file.contains("/bin/")).count(), 1);
     // Comments count, blank lines do not.
@@ -143,10 +170,10 @@ fn the_minimal_project_has_one_binary_and_at_most_sixty_lines_of_rust() {
 
 #[test]
 fn a_project_takes_the_same_nalgebra_as_mrroc() {
-    let folder = support::Folder::new();
+    let folder = Folder::new();
     said(&folder.run(&["my-task", "--defaults"]));
     let manifest: toml::Table = folder.read("my-task/Cargo.toml").parse().expect("a manifest");
-    let workspace = std::fs::read_to_string(support::checkout().join("Cargo.toml")).expect("the workspace's");
+    let workspace = std::fs::read_to_string(checkout().join("Cargo.toml")).expect("the workspace's");
     let workspace: toml::Table = workspace.parse().expect("a manifest");
     assert_eq!(manifest["dependencies"]["nalgebra"], workspace["workspace"]["dependencies"]["nalgebra"]);
 }

@@ -1,16 +1,13 @@
 //! A generator of the library, copied into a project, is the project's own: it compiles there, passes its test, and is
 //! tidy.
 
-mod support;
-
 use std::fs;
 
+use crate::support::{Cargo, Folder, checkout, refusal, said};
 use mrroc_new::catalogue::CATALOGUE;
-use support::{Cargo, Folder, checkout, refusal, said};
 
-/// A project, without the template.
-fn project() -> Folder {
-    let folder = Folder::new();
+/// A project in a folder, without the template.
+fn project(folder: Folder) -> Folder {
     let mut manifest = String::from(
         "[package]\nname = \"my-task\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n[workspace]\n\n[dependencies]\n",
     );
@@ -32,7 +29,7 @@ fn project() -> Folder {
 
 #[test]
 fn every_generator_is_copied_under_another_name_and_passes_its_test() {
-    let folder = project();
+    let folder = project(Folder::to_build_in("generators"));
     for (i, entry) in CATALOGUE.iter().enumerate() {
         // Shorter and longer than the library's, so that rustfmt breaks lines elsewhere.
         let name = if i % 2 == 0 { format!("g{i}") } else { format!("my_own_copy_of_the_{}", entry.name) };
@@ -55,7 +52,7 @@ fn every_generator_is_copied_under_another_name_and_passes_its_test() {
 
 #[test]
 fn without_another_name_the_copy_has_the_librarys() {
-    let folder = project();
+    let folder = project(Folder::new());
     fs::write(folder.path().join("src/generators/mod.rs"), "mod a;\n\npub use a::A;\n").expect("a file");
     let text = said(&folder.run(&["generator", "straight_line"]));
     assert!(text.contains("use crate::generators::StraightLine;"), "{text}");
@@ -68,7 +65,7 @@ fn without_another_name_the_copy_has_the_librarys() {
 
 #[test]
 fn bad_requests_are_refused_with_good_ones() {
-    let folder = project();
+    let folder = project(Folder::new());
     folder.write("src/generators/mine.rs", "");
     folder.write("src/generators/mod.rs", "mod inline {}\n");
     let before = folder.files();
@@ -100,7 +97,7 @@ fn bad_requests_are_refused_with_good_ones() {
 
 #[test]
 fn a_project_that_lacks_a_dependency_is_told_the_line() {
-    let folder = project();
+    let folder = project(Folder::new());
     let manifest = folder.read("Cargo.toml");
     for (name, section) in [("nalgebra", "dependencies"), ("mrroc-robots", "dev-dependencies")] {
         let is_its = |line: &&str| line.starts_with(&format!("{name} "));

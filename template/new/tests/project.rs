@@ -1,11 +1,9 @@
 //! A new project is made as it was asked for, or not at all.
 
-mod support;
-
 use std::fs;
 
+use crate::support::{Cargo, Folder, complaint, refusal, said};
 use mrroc_new::template::{Kind, Template};
-use support::{Cargo, Folder, complaint, refusal, said};
 
 #[test]
 fn the_last_words_are_the_next_two_commands() {
@@ -136,7 +134,7 @@ fn a_project_in_another_workspace_stays_on_its_own() {
     said(&folder.run(&["a", "--defaults"]));
     assert_eq!(folder.read("Cargo.toml"), outer);
     let project = folder.path().join("a");
-    let found = Cargo::new(&project).run(&["locate-project", "--workspace", "--message-format", "plain"]);
+    let found = Cargo::new(&project).run("locate-project", &["--workspace", "--message-format", "plain"]);
     assert!(found.trim().ends_with(&["a", "Cargo.toml"].join(std::path::MAIN_SEPARATOR_STR)), "{found}");
 }
 

@@ -1,8 +1,8 @@
 //! What the tests of `mrroc-new` share: the program in a folder of its own, the template's combinations, and cargo in
 //! a generated project.
 
-// Each test file uses a part of it.
-#![allow(dead_code)]
+#[path = "../../../../tests/outside.rs"]
+mod outside;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,16 +18,31 @@ pub fn checkout() -> PathBuf {
     source::checkout().expect("tests run in a checkout")
 }
 
-/// A folder that is removed at the end.
-pub struct Folder(tempfile::TempDir);
+/// A folder for one test.
+pub struct Folder {
+    path: PathBuf,
+    /// Removes it at the end, if it is there.
+    _temporary: Option<tempfile::TempDir>,
+}
 
 impl Folder {
+    /// One that is removed at the end.
     pub fn new() -> Self {
-        Folder(tempfile::tempdir().expect("a temporary folder"))
+        let temporary = tempfile::tempdir().expect("a temporary folder");
+        Folder { path: temporary.path().to_owned(), _temporary: Some(temporary) }
+    }
+
+    /// One for projects that are built: its path is the same in every run, so that what cargo keeps of a project takes the
+    /// place of what it kept of the last one.
+    pub fn to_build_in(name: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).expect("a folder");
+        Folder { path, _temporary: None }
     }
 
     pub fn path(&self) -> &Path {
-        self.0.path()
+        &self.path
     }
 
     /// The program, started here.
@@ -181,9 +196,8 @@ pub fn label(chosen: &Chosen) -> String {
     words.join(" ")
 }
 
-/// A project made of these choices.
-pub fn generated(name: &str, chosen: &Chosen) -> Folder {
-    let folder = Folder::new();
+/// A project made of these choices in a folder.
+pub fn generated(folder: Folder, name: &str, chosen: &Chosen) -> Folder {
     let mut command = folder.mrroc_new();
     command.args([name, "--defaults"]);
     for (choice, value) in chosen {
@@ -193,44 +207,35 @@ pub fn generated(name: &str, chosen: &Chosen) -> Folder {
     folder
 }
 
-/// Cargo in a project: without the network, with the versions and a target folder of this workspace.
+/// Cargo in a project.
 pub struct Cargo<'a>(&'a Path);
 
 impl<'a> Cargo<'a> {
     pub fn new(project: &'a Path) -> Self {
-        fs::copy(checkout().join("Cargo.lock"), project.join("Cargo.lock"))
-            .expect("the workspace's Cargo.lock");
         Cargo(project)
     }
 
     /// Runs a command that must succeed; returns what it printed.
-    pub fn run(&self, arguments: &[&str]) -> String {
-        let target = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("generated");
-        let mut command = Command::new(env!("CARGO"));
-        command
-            .args(arguments)
-            .current_dir(self.0)
-            .env("CARGO_TARGET_DIR", target)
-            .env("CARGO_NET_OFFLINE", "true");
-        let output = command.env("CARGO_TERM_COLOR", "never").output().expect("cargo starts");
+    pub fn run(&self, subcommand: &str, arguments: &[&str]) -> String {
+        let mut command = outside::cargo(&checkout(), self.0, subcommand);
+        let output = command.args(arguments).output().expect("cargo starts");
         let said = [text(&output.stdout), text(&output.stderr)].concat();
-        assert!(output.status.success(), "cargo {}\n{said}", arguments.join(" "));
+        assert!(output.status.success(), "cargo {subcommand} {}\n{said}", arguments.join(" "));
         said
     }
 
     /// `cargo test`, and what a tidy project passes too, as far as the toolchain has it.
     pub fn check(&self) -> String {
-        let tested = self.run(&["test"]);
-        for (tool, arguments) in [
-            ("clippy", &["clippy", "--all-targets", "--", "-D", "warnings"][..]),
-            ("fmt", &["fmt", "--check"]),
-        ] {
+        let tested = self.run("test", &[]);
+        for (tool, arguments) in
+            [("clippy", &["--all-targets", "--", "-D", "warnings"][..]), ("fmt", &["--check"])]
+        {
             if Command::new(env!("CARGO"))
                 .args([tool, "--version"])
                 .output()
                 .is_ok_and(|o| o.status.success())
             {
-                self.run(arguments);
+                self.run(tool, arguments);
             }
         }
         tested
