@@ -3,7 +3,7 @@
 use engraving::deviation::{Corners, Deviation};
 use engraving::drawing::hershey::Font;
 use engraving::drawing::{Limits, NaturalSpline, Vec2, read_file, read_str};
-use engraving::options::{HELP, Options, Request, Source, parse};
+use engraving::options::{Options, Source, parse};
 use engraving::paths_svg::PathsSvg;
 use engraving::picture::{Material, render};
 use engraving::placement::place;
@@ -16,19 +16,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 fn main() -> ExitCode {
-    let run = match parse(std::env::args_os().skip(1)) {
-        Ok(Request::Engrave(options)) => preview(&options),
-        Ok(Request::Help) => {
-            print!("{HELP}");
-            Ok(())
-        }
-        Ok(Request::Version) => {
-            println!("{}", env!("CARGO_PKG_VERSION"));
-            Ok(())
-        }
-        Err(error) => Err(error.into()),
-    };
-    match run {
+    let options = parse(std::env::args_os().skip(1)).unwrap_or_else(|answer| answer.exit());
+    match preview(&options) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

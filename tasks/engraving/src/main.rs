@@ -11,7 +11,7 @@ use std::time::Instant;
 use engraving::drawing::hershey::Font;
 use engraving::drawing::{Import, Limits, Vec2, read_file, read_str};
 use engraving::layout::{HEIGHT_ERROR, Layout};
-use engraving::options::{HELP, Options, Request, Source, Talk, parse};
+use engraving::options::{Options, Source, Talk, parse};
 use engraving::ordering::nearest_first;
 use engraving::paths_svg::PathsSvg;
 use engraving::picture::{Material, render};
@@ -39,14 +39,9 @@ fn main() -> ExitCode {
     if let Some(status) = launch.operate() {
         return status;
     }
-    let request = match parse(launch.arguments().iter().cloned()) {
-        Ok(request) => request,
-        Err(error) => return refused(&error),
-    };
-    let options = match request {
-        Request::Help => return say(HELP),
-        Request::Version => return say(concat!("engraving ", env!("CARGO_PKG_VERSION"), "\n")),
-        Request::Engrave(options) => options,
+    let options = match parse(launch.arguments().iter().cloned()) {
+        Ok(options) => options,
+        Err(answer) => return Launch::answer(&answer),
     };
     let launch = match options.processes {
         Some(clock) => launch.processes(clock).watching(),

@@ -1,12 +1,19 @@
 //! The command line.
+//!
+//! In: the arguments. Out: the options of a run, checked; or what there is to say instead: the help, the version, or what is
+//! wrong with them.
+
+use std::ffi::OsString;
+use std::iter;
+use std::path::PathBuf;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+use mrroc::{Clock, Launch};
 
 use crate::drawing::hershey::Font;
 use crate::placement::{Plate, Sizing};
 use crate::plate::Cutter;
-use lexopt::prelude::*;
-use mrroc::Clock;
-use std::ffi::OsString;
-use std::path::PathBuf;
 
 /// What is engraved.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -58,279 +65,219 @@ pub struct Options {
     pub talk: Talk,
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            source: Source::Nameplate,
-            out: PathBuf::from("engraving"),
-            sizing: Sizing::Natural,
-            plate: Plate::default(),
-            cutter: Cutter::default(),
-            depth: 0.3,
-            feed: 20.0,
-            step: 0.002,
-            processes: None,
-            talk: Talk::Normal,
-        }
-    }
-}
-
-/// What the command line asks for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Request {
-    /// A run.
-    Engrave(Box<Options>),
-    /// The help, to be printed.
-    Help,
-    /// The version, to be printed.
-    Version,
-}
-
-/// A command line that cannot be followed; the text says what to write instead.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what}\n help: {help}")]
-pub struct OptionsError {
-    what: String,
-    help: String,
-}
-
-/// The text of `--help`.
-pub const HELP: &str = "\
+const ABOUT: &str = "\
 Engraves a drawing with a simulated IRp-6 arm and shows the result.
 
-Usage: engraving [OPTIONS] [FILE]
+FILE is a drawing: .svg, .dxf, or G-code (.ngc .nc .gcode .tap). Without a FILE
+and without --text a nameplate that is built in is engraved.";
 
-  FILE is a drawing: .svg, .dxf, or G-code (.ngc .nc .gcode .tap).
-  Without a FILE and without --text a nameplate that is built in is engraved.
+/// The command line as it is written.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    about = ABOUT,
+    override_usage = "engraving [OPTIONS] [FILE]\n       engraving COMMAND",
+    after_help = after_help(),
+    args_override_self = true,
+    max_term_width = 80
+)]
+struct Arguments {
+    #[arg(value_name = "FILE", hide = true)]
+    files: Vec<PathBuf>,
 
-Drawing:
-  --text STRING       engrave a text instead of a file; \\n begins a new line
-  --font NAME         its font: futural, rowmans, scripts, timesr, or a .jhf
-                      [default: futural]
-  --size WxH          as large as fits into W x H mm
-  --scale FACTOR      so many times as large as in the file
-  --fit               as large as the plate has room for [default for --text]
+    /// Engrave a text instead of a file; \n begins a new line.
+    #[arg(long, value_name = "STRING", allow_hyphen_values = true, help_heading = "Drawing")]
+    text: Option<String>,
+    #[arg(long, value_name = "NAME", help = font_help(), help_heading = "Drawing")]
+    font: Option<String>,
+    /// As large as fits into W x H mm.
+    #[arg(long, value_name = "WxH", value_parser = sides, group = "sizing", help_heading = "Drawing")]
+    size: Option<Sides>,
+    /// So many times as large as in the file.
+    #[arg(long, value_name = "FACTOR", value_parser = number(1e-6, 1e6), group = "sizing")]
+    #[arg(allow_negative_numbers = true, help_heading = "Drawing")]
+    scale: Option<f64>,
+    /// As large as the plate has room for [default for --text].
+    #[arg(long, group = "sizing", help_heading = "Drawing")]
+    fit: bool,
 
-Plate and tool:
-  --plate WxH         size of the plate in mm [default: 200x120]
-  --margin MM         kept free on every side [default: 10]
-  --tool v:DEG        a V of this full angle [default: v:90]
-  --tool ball:MM      a ball of this diameter
-  --depth MM          depth of the groove [default: 0.3]
-  --feed MM/S         speed along the path [default: 20]
-  --step-ms MS        step of the controller: 0.5, 1 or a multiple of 2
-                      [default: 2]
+    /// Size of the plate in mm.
+    #[arg(long, value_name = "WxH", value_parser = sides, default_value = "200x120")]
+    #[arg(help_heading = "Plate and tool")]
+    plate: Sides,
+    /// Kept free on every side.
+    #[arg(long, value_name = "MM", value_parser = number(0.0, 1000.0), default_value = "10")]
+    #[arg(allow_negative_numbers = true, help_heading = "Plate and tool")]
+    margin: f64,
+    /// The tool's end: v:DEG, a V of this full angle, or ball:MM, a ball of this diameter.
+    #[arg(long, value_name = "END", value_parser = tool, default_value = "v:90", help_heading = "Plate and tool")]
+    tool: Cutter,
+    /// Depth of the groove.
+    #[arg(long, value_name = "MM", value_parser = number(0.001, 20.0), default_value = "0.3")]
+    #[arg(allow_negative_numbers = true, help_heading = "Plate and tool")]
+    depth: f64,
+    /// Speed along the path.
+    #[arg(long, value_name = "MM/S", value_parser = number(0.01, 1000.0), default_value = "20")]
+    #[arg(allow_negative_numbers = true, help_heading = "Plate and tool")]
+    feed: f64,
+    /// Step of the controller: 0.5, 1 or a multiple of 2.
+    #[arg(long = "step-ms", value_name = "MS", value_parser = step, default_value = "2")]
+    #[arg(allow_negative_numbers = true, help_heading = "Plate and tool")]
+    step: f64,
 
-Processes:
-  --processes         run every process of the cell as one of the operating
-                      system, in real time (Linux)
-  --virtual           the same in lock-step under the virtual clock
-  status, suspend, resume, speed 50%, abort, stop, console
-                      from another terminal, to the arm that engraves by
-                      --processes
-  doctor              say what this machine can do for --processes
+    /// Run every process of the cell as one of the operating system, in real time (Linux).
+    #[arg(long, help_heading = "Processes")]
+    processes: bool,
+    /// The same in lock-step under the virtual clock.
+    #[arg(long = "virtual", help_heading = "Processes")]
+    lock_step: bool,
 
-Results:
-  -o, --out DIR       folder for plate.png, paths.svg and summary.json
-                      [default: engraving/]
-  -q, --quiet         print errors only
-  -h, --help          print this text
-  -V, --version       print the version
+    /// Folder for plate.png, paths.svg and summary.json.
+    #[arg(short, long, value_name = "DIR", default_value = "engraving", help_heading = "Results")]
+    out: PathBuf,
+    /// Print errors only.
+    #[arg(short, long, help_heading = "Results")]
+    quiet: bool,
+}
+
+fn font_help() -> String {
+    format!("Its font: {}, or a .jhf file [default: {DEFAULT_FONT}]", fonts())
+}
+
+fn after_help() -> String {
+    let launch = Launch::help();
+    format!(
+        "{launch}
 
 Exit status: 0 if all bounds were kept, 1 if not, 2 if the drawing or the
 command line was refused; then nothing has moved.
-";
 
-const NAMES: &[&str] = &[
-    "text",
-    "font",
-    "size",
-    "scale",
-    "fit",
-    "plate",
-    "margin",
-    "tool",
-    "depth",
-    "feed",
-    "step-ms",
-    "out",
-    "processes",
-    "virtual",
-    "quiet",
-    "help",
-    "version",
-];
+Examples:
+  engraving                                  the nameplate
+  engraving drawing.svg --fit --out plate/   a drawing as large as there is room
+  engraving --text \"Hello\" --font scripts    a text
+  engraving drawing.svg --processes          in real time; meanwhile, elsewhere:
+  engraving speed 50%"
+    )
+}
+
+/// Width and height \[mm\], > 0.
+#[derive(Clone, Copy, Debug)]
+struct Sides {
+    width: f64,
+    height: f64,
+}
 
 /// Reads the arguments after the program's name.
 ///
 /// # Errors
-/// [`OptionsError`] with what to write instead.
-pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, OptionsError> {
-    let mut parser = lexopt::Parser::from_args(arguments);
-    let mut options = Options::default();
-    let (mut file, mut text, mut font) = (None, None, None);
-    let mut sizing: Option<(&str, Sizing)> = None;
-    while let Some(argument) = parser.next().map_err(|e| refuse(e.to_string(), "see --help"))? {
-        let name = match argument {
-            Short('h') => return Ok(Request::Help),
-            Short('V') => return Ok(Request::Version),
-            Short('q') => "quiet".to_owned(),
-            Short('o') => "out".to_owned(),
-            Short(other) => return Err(unknown(&format!("-{other}"), "")),
-            Long(name) => name.to_owned(),
-            Value(value) => {
-                if let Some(first) = file.replace(PathBuf::from(&value)) {
-                    let what = format!("two files: {} and {}", first.display(), value.display());
-                    return Err(refuse(what, "give one; quote a path that has blanks"));
-                }
-                continue;
-            }
-        };
-        let mut new_sizing = None;
-        match name.as_str() {
-            "help" => return Ok(Request::Help),
-            "version" => return Ok(Request::Version),
-            "quiet" => options.talk = Talk::Quiet,
-            "processes" => options.processes = options.processes.or(Some(Clock::Real)),
-            "virtual" => options.processes = Some(Clock::Virtual),
-            "fit" => new_sizing = Some(("--fit", Sizing::Fill)),
-            "text" => text = Some(value(&mut parser, "--text")?.replace("\\n", "\n")),
-            "font" => font = Some(value(&mut parser, "--font")?),
-            "out" => options.out = PathBuf::from(value(&mut parser, "--out")?),
-            "size" => {
-                let (width, height) = size(&value(&mut parser, "--size")?, "--size")?;
-                new_sizing = Some(("--size", Sizing::Within { width, height }));
-            }
-            "scale" => {
-                new_sizing = Some(("--scale", Sizing::Scale(number(&mut parser, "--scale", 1e-6, 1e6)?)))
-            }
-            "plate" => {
-                (options.plate.width, options.plate.height) =
-                    size(&value(&mut parser, "--plate")?, "--plate")?
-            }
-            "margin" => options.plate.margin = number(&mut parser, "--margin", 0.0, 1000.0)?,
-            "tool" => options.cutter = tool(&value(&mut parser, "--tool")?)?,
-            "depth" => options.depth = number(&mut parser, "--depth", 0.001, 20.0)?,
-            "feed" => options.feed = number(&mut parser, "--feed", 0.01, 1000.0)?,
-            "step-ms" => options.step = step(number(&mut parser, "--step-ms", 0.5, 100.0)?)?,
-            other => return Err(unknown(&format!("--{other}"), other)),
-        }
-        if let Some(new) = new_sizing
-            && let Some((first, _)) = sizing.replace(new)
-        {
-            return Err(refuse(
-                format!("{first} and {}: both say how large", new.0),
-                "give one of --size, --scale, --fit",
-            ));
-        }
-    }
-    options.source = source(file, text, font)?;
-    options.sizing = match (sizing, &options.source) {
-        (Some((_, sizing)), _) => sizing,
-        (None, Source::Text { .. }) => Sizing::Fill,
-        (None, Source::File(_) | Source::Nameplate) => Sizing::Natural,
-    };
-    let room = options.plate.room();
+/// What there is to say instead ([`Launch::answer`]): the help, the version, or what is wrong and what to write.
+pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, clap::Error> {
+    let read = Arguments::try_parse_from(iter::once(OsString::from("engraving")).chain(arguments))?;
+    let plate = Plate { width: read.plate.width, height: read.plate.height, margin: read.margin };
+    let room = plate.room();
     if room.x <= 0.0 || room.y <= 0.0 {
-        let what = format!("a margin of {} mm leaves nothing of the plate", options.plate.margin);
-        return Err(refuse(what, "give a smaller --margin or a larger --plate"));
+        let what = format!("a margin of {} mm leaves nothing of the plate", plate.margin);
+        return Err(refuse(&what, "give a smaller --margin or a larger --plate"));
     }
-    Ok(Request::Engrave(Box::new(options)))
+    Ok(Options {
+        sizing: read.sizing(),
+        processes: read.clock(),
+        source: source(&read.files, read.text, read.font)?,
+        out: read.out,
+        plate,
+        cutter: read.tool,
+        depth: read.depth,
+        feed: read.feed,
+        step: read.step,
+        talk: if read.quiet { Talk::Quiet } else { Talk::Normal },
+    })
+}
+
+impl Arguments {
+    fn sizing(&self) -> Sizing {
+        match (self.size, self.scale) {
+            (Some(Sides { width, height }), _) => Sizing::Within { width, height },
+            (None, Some(factor)) => Sizing::Scale(factor),
+            (None, None) if self.fit || self.text.is_some() => Sizing::Fill,
+            (None, None) => Sizing::Natural,
+        }
+    }
+
+    fn clock(&self) -> Option<Clock> {
+        match (self.processes, self.lock_step) {
+            (_, true) => Some(Clock::Virtual),
+            (true, false) => Some(Clock::Real),
+            (false, false) => None,
+        }
+    }
 }
 
 /// The longest text: it fills the largest plate that the arm reaches.
 const MOST_CHARACTERS: usize = 2000;
 
-fn source(file: Option<PathBuf>, text: Option<String>, font: Option<String>) -> Result<Source, OptionsError> {
-    match (file, text, font) {
-        (Some(file), Some(_), _) => Err(refuse(
-            format!("{} and --text: both say what to engrave", file.display()),
+const DEFAULT_FONT: &str = "futural";
+
+fn source(files: &[PathBuf], text: Option<String>, font: Option<String>) -> Result<Source, clap::Error> {
+    match (files, text, font) {
+        ([first, second, ..], ..) => Err(refuse(
+            &format!("two files: {} and {}", first.display(), second.display()),
+            "give one; quote a path that has blanks",
+        )),
+        ([file], Some(_), _) => Err(refuse(
+            &format!("{} and --text: both say what to engrave", file.display()),
             "give one of them",
         )),
-        (None, Some(text), _) if text.chars().count() > MOST_CHARACTERS => Err(refuse(
-            format!("--text has {} characters, more than {MOST_CHARACTERS}", text.chars().count()),
-            "engrave it in parts: no plate has room for more",
-        )),
-        (None, Some(text), font) => {
-            Ok(Source::Text { text, font: font.unwrap_or_else(|| "futural".to_owned()) })
-        }
         (_, None, Some(_)) => Err(refuse("--font without --text", "give the text by --text \"..\"")),
-        (Some(file), None, None) => Ok(Source::File(file)),
-        (None, None, None) => Ok(Source::Nameplate),
-    }
-}
-
-fn refuse(what: impl Into<String>, help: impl Into<String>) -> OptionsError {
-    OptionsError { what: what.into(), help: help.into() }
-}
-
-fn unknown(shown: &str, name: &str) -> OptionsError {
-    let nearest = NAMES.iter().map(|known| (distance(known, name), known)).min();
-    match nearest {
-        Some((d, known)) if !name.is_empty() && d <= 2 => {
-            refuse(format!("no option {shown}"), format!("did you mean --{known}?"))
+        ([], Some(text), font) => {
+            let text = text.replace("\\n", "\n");
+            let characters = text.chars().count();
+            if characters > MOST_CHARACTERS {
+                let what = format!("--text has {characters} characters, more than {MOST_CHARACTERS}");
+                return Err(refuse(&what, "engrave it in parts: no plate has room for more"));
+            }
+            Ok(Source::Text { text, font: font.unwrap_or_else(|| DEFAULT_FONT.to_owned()) })
         }
-        _ => refuse(format!("no option {shown}"), "--help lists them all"),
+        ([file], None, None) => Ok(Source::File(file.clone())),
+        ([], None, None) => Ok(Source::Nameplate),
     }
 }
 
-/// How many letters differ: Levenshtein's distance.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let above = row[j + 1];
-            row[j + 1] = (diagonal + usize::from(x != *y)).min(above + 1).min(row[j] + 1);
-            diagonal = above;
-        }
-    }
-    row[b.len()]
+fn refuse(what: &str, help: &str) -> clap::Error {
+    clap::Error::raw(ErrorKind::ValueValidation, format!("{what}\n help: {help}\n"))
 }
 
-fn value(parser: &mut lexopt::Parser, option: &str) -> Result<String, OptionsError> {
-    let value = parser
-        .value()
-        .map_err(|_| refuse(format!("{option} without a value"), format!("see {option} in --help")))?;
-    value.into_string().map_err(|_| refuse(format!("{option}: not a text in UTF-8"), "use plain characters"))
-}
-
-fn number(parser: &mut lexopt::Parser, option: &str, low: f64, high: f64) -> Result<f64, OptionsError> {
-    let text = value(parser, option)?;
-    match text.parse::<f64>() {
+/// A parser of numbers in these bounds.
+fn number(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| match text.parse::<f64>() {
         Ok(number) if (low..=high).contains(&number) => Ok(number),
-        _ => Err(refuse(format!("{option} {text}"), format!("give a number from {low} to {high}"))),
+        _ => Err(format!("give a number from {low} to {high}")),
     }
 }
 
-/// A step [ms] in seconds: a multiple of the arm's servo period of 2 ms, or an even part of it.
-fn step(step_ms: f64) -> Result<f64, OptionsError> {
+/// A step \[ms\] in seconds: a multiple of the arm's servo period of 2 ms, or an even part of it.
+fn step(text: &str) -> Result<f64, String> {
     const SERVO_MS: f64 = 2.0;
+    let step_ms = number(0.5, 100.0)(text)?;
     let periods = (step_ms / SERVO_MS).max(SERVO_MS / step_ms);
     if (periods - periods.round()).abs() < 1e-9 {
         return Ok(step_ms * 1e-3);
     }
-    Err(refuse(
-        format!("--step-ms {step_ms}: the arm's servo period of 2 ms does not divide it, nor it the period"),
-        "give 1 or a multiple of 2",
-    ))
+    Err("the arm's servo period of 2 ms does not divide it, nor it the period: give 1 or a multiple of 2"
+        .to_owned())
 }
 
-fn size(text: &str, option: &str) -> Result<(f64, f64), OptionsError> {
+fn sides(text: &str) -> Result<Sides, &'static str> {
     let sides: Result<Vec<f64>, _> = text.split(['x', 'X', '×']).map(|side| side.trim().parse()).collect();
     match sides.as_deref() {
-        Ok(&[w, h]) if w > 0.0 && h > 0.0 && w <= 2000.0 && h <= 2000.0 => Ok((w, h)),
-        _ => Err(refuse(
-            format!("{option} {text}"),
-            format!("give width and height in mm up to 2000, as {option} 200x120"),
-        )),
+        Ok(&[width, height]) if width > 0.0 && height > 0.0 && width <= 2000.0 && height <= 2000.0 => {
+            Ok(Sides { width, height })
+        }
+        _ => Err("give width and height in mm up to 2000, as 200x120"),
     }
 }
 
-fn tool(text: &str) -> Result<Cutter, OptionsError> {
-    let help = "give v:90 for a V of 90 degrees (10 to 170), or ball:1.5 for a ball of 1.5 mm (0.1 to 20)";
+fn tool(text: &str) -> Result<Cutter, &'static str> {
     let (kind, number) = text.split_once(':').unwrap_or((text, ""));
     match (kind, number.parse::<f64>()) {
         ("v", Ok(degrees)) if (10.0..=170.0).contains(&degrees) => {
@@ -339,7 +286,7 @@ fn tool(text: &str) -> Result<Cutter, OptionsError> {
         ("ball", Ok(diameter)) if (0.1..=20.0).contains(&diameter) => {
             Ok(Cutter::Ball { radius: diameter / 2.0 })
         }
-        _ => Err(refuse(format!("--tool {text}"), help)),
+        _ => Err("give v:90 for a V of 90 degrees (10 to 170), or ball:1.5 for a ball of 1.5 mm (0.1 to 20)"),
     }
 }
 
@@ -352,16 +299,14 @@ pub fn fonts() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory;
 
-    fn run(line: &str) -> Result<Request, OptionsError> {
+    fn run(line: &str) -> Result<Options, clap::Error> {
         parse(line.split_whitespace().map(OsString::from))
     }
 
     fn options(line: &str) -> Options {
-        match run(line).unwrap() {
-            Request::Engrave(options) => *options,
-            other => panic!("{other:?}"),
-        }
+        run(line).unwrap()
     }
 
     #[test]
@@ -373,7 +318,19 @@ mod tests {
 
     #[test]
     fn no_argument_engraves_the_nameplate() {
-        assert_eq!(options(""), Options::default());
+        let expected = Options {
+            source: Source::Nameplate,
+            out: PathBuf::from("engraving"),
+            sizing: Sizing::Natural,
+            plate: Plate::default(),
+            cutter: Cutter::default(),
+            depth: 0.3,
+            feed: 20.0,
+            step: 0.002,
+            processes: None,
+            talk: Talk::Normal,
+        };
+        assert_eq!(options(""), expected);
     }
 
     #[test]
@@ -393,26 +350,32 @@ mod tests {
             assert_eq!(options(both).processes, Some(Clock::Virtual));
         }
         assert_eq!(options("--text Hi").sizing, Sizing::Fill);
-        assert_eq!(run("--help"), Ok(Request::Help));
+        assert_eq!(options("a.svg --fit").sizing, Sizing::Fill);
+        assert_eq!(options("--text Hi --scale 2").sizing, Sizing::Scale(2.0));
+        let text = Source::Text { text: "-5\n6".to_owned(), font: DEFAULT_FONT.to_owned() };
+        assert_eq!(options(r"--text -5\n6").source, text);
+        assert_eq!(options("--depth 1 --depth 2").depth, 2.0);
+        assert_eq!(run("--help").expect_err("help").kind(), ErrorKind::DisplayHelp);
+        assert_eq!(run("-V").expect_err("version").kind(), ErrorKind::DisplayVersion);
     }
 
     #[test]
     fn wrong_options_say_what_to_write() {
         for (line, part) in [
-            ("--plat 3x4", "did you mean --plate?"),
-            ("--zzzzzz", "--help lists them all"),
+            ("--plat 3x4", "a similar argument exists: '--plate'"),
+            ("--zzzzzz", "For more information, try '--help'"),
             ("--depth -1", "0.001 to 20"),
             ("--depth nan", "0.001 to 20"),
-            ("--plate 3", "as --plate 200x120"),
-            ("--plate 3xx4", "as --plate 200x120"),
-            ("--plate 3x4xy", "as --plate 200x120"),
+            ("--plate 3", "'--plate <WxH>': give width and height in mm up to 2000, as 200x120"),
+            ("--plate 3xx4", "as 200x120"),
+            ("--plate 3x4xy", "as 200x120"),
             ("--step-ms 3", "a multiple of 2"),
             ("--step-ms 1.5", "a multiple of 2"),
-            ("--size 3x4 --fit", "both say how large"),
+            ("--size 3x4 --fit", "'--size <WxH>' cannot be used with '--fit'"),
             ("a.svg b.svg", "two files"),
             ("a.svg --text x", "both say what to engrave"),
             ("--font x", "--font without --text"),
-            ("--feed", "--feed without a value"),
+            ("--feed", "a value is required for '--feed <MM/S>'"),
             ("--margin 90", "leaves nothing"),
             ("--tool spoon", "v:90"),
         ] {
@@ -422,11 +385,11 @@ mod tests {
     }
 
     #[test]
-    fn the_help_names_every_option_and_font() {
-        for name in NAMES {
-            assert!(HELP.contains(&format!("--{name}")), "{name}");
-        }
-        assert!(HELP.contains(&fonts()));
-        assert!(HELP.lines().all(|line| line.len() <= 80));
+    fn the_help_fits_a_terminal_and_names_every_font() {
+        Arguments::command().debug_assert();
+        let help = run("--help").unwrap_err().to_string();
+        assert!(help.lines().all(|line| line.len() <= 80), "{help}");
+        let words: Vec<_> = help.split_whitespace().collect();
+        assert!(words.join(" ").contains(&fonts()), "{help}");
     }
 }

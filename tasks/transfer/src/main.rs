@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use mrroc::console::{complain, refused, say};
 use mrroc::{CellError, CellFile, CellFileError, Launch, Ran, RunPicture, RunReport};
 use mrroc_pictures::Film;
-use transfer::options::{HELP, Options, Talk, parse};
+use transfer::options::{Options, Talk, parse};
 use transfer::pictures::{film, filmed, plot};
 use transfer::summary::Summary;
 use transfer::variant::Variant;
@@ -19,9 +19,8 @@ fn main() -> ExitCode {
         return status;
     }
     let options = match parse(launch.arguments().iter().cloned()) {
-        Ok(Some(options)) => options,
-        Ok(None) => return say(HELP),
-        Err(error) => return refused(&error),
+        Ok(options) => options,
+        Err(answer) => return Launch::answer(&answer),
     };
     let file = match &options.cell {
         Some(path) => CellFile::read(path),

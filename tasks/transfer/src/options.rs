@@ -1,37 +1,13 @@
 //! The command line.
 
 use std::ffi::OsString;
+use std::iter;
 use std::path::PathBuf;
 
-use lexopt::prelude::*;
-use mrroc::Clock;
+use clap::Parser;
+use mrroc::{Clock, Launch};
 
 use crate::variant::{Bases, Sensors};
-
-/// What `--help` prints.
-pub const HELP: &str = "\
-Two simulated arms carry a bar together: prints what was measured, and draws
-one of the runs.
-
-Options:
-  --no-sensor            draw the run without force sensors
-  --no-error             draw the run with bases where they are believed to be
-  --cell FILE            the cell [default: the task's own cell.toml]
-  --processes            run every process of the cell as one of the operating
-                         system, in real time (Linux); draws arms.svg alone, and
-                         measures nothing
-  --virtual              the same in lock-step under the virtual clock
-  status, suspend, resume, speed 50%, abort, stop, console
-                         from another terminal, to the arms that carry the bar
-                         by --processes
-  doctor                 say what this machine can do for --processes
-  --out DIR              where the pictures go [default: transfer]
-  -q, --quiet            print errors only
-  -h, --help             print this text
-
-Exit status: 0 if all runs ended well and kept their bounds, 1 if not, 2 if
-the cell or the command line was refused; then nothing has moved.
-";
 
 /// How much is said on the terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,59 +35,102 @@ pub struct Options {
     pub talk: Talk,
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        let (bases, sensors, talk) = (Bases::Off, Sensors::Used, Talk::Normal);
-        Options { bases, sensors, cell: None, out: PathBuf::from("transfer"), processes: None, talk }
-    }
+/// The command line as it is written.
+#[derive(Debug, Parser)]
+#[command(
+    about = "Two simulated arms carry a bar together: prints what was measured, and draws one of the runs",
+    override_usage = "transfer [OPTIONS]\n       transfer COMMAND",
+    after_help = after_help(),
+    args_override_self = true,
+    max_term_width = 80
+)]
+struct Arguments {
+    /// Draw the run without force sensors.
+    #[arg(long)]
+    no_sensor: bool,
+    /// Draw the run with bases where they are believed to be.
+    #[arg(long)]
+    no_error: bool,
+    /// The cell [default: the task's own cell.toml].
+    #[arg(long, value_name = "FILE")]
+    cell: Option<PathBuf>,
+    /// Where the pictures go.
+    #[arg(long, value_name = "DIR", default_value = "transfer")]
+    out: PathBuf,
+    /// Print errors only.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Run every process of the cell as one of the operating system, in real time (Linux); draws arms.svg alone, and
+    /// measures nothing.
+    #[arg(long, help_heading = "Processes")]
+    processes: bool,
+    /// The same in lock-step under the virtual clock.
+    #[arg(long = "virtual", help_heading = "Processes")]
+    lock_step: bool,
 }
 
-/// A command line that cannot be followed.
-#[derive(Debug, thiserror::Error)]
-#[error("{0}\n help: see --help")]
-pub struct BadOption(#[from] lexopt::Error);
+fn after_help() -> String {
+    let launch = Launch::help();
+    format!(
+        "{launch}
 
-/// Reads the arguments; nothing when the help is asked for.
+Exit status: 0 if all runs ended well and kept their bounds, 1 if not, 2 if
+the cell or the command line was refused; then nothing has moved.
+
+Examples:
+  transfer --out pictures/           all runs; draws the one with force sensors
+  transfer --no-sensor               draws the one without
+  transfer --processes               in real time; meanwhile, elsewhere:
+  transfer suspend"
+    )
+}
+
+/// Reads the arguments after the program's name.
 ///
 /// # Errors
-/// An option that there is not, or one without its value.
-pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Option<Options>, BadOption> {
-    let mut parser = lexopt::Parser::from_args(arguments);
-    let mut options = Options::default();
-    while let Some(argument) = parser.next()? {
-        match argument {
-            Long("no-sensor") => options.sensors = Sensors::Unused,
-            Long("no-error") => options.bases = Bases::Calibrated,
-            Long("processes") => options.processes = options.processes.or(Some(Clock::Real)),
-            Long("virtual") => options.processes = Some(Clock::Virtual),
-            Long("cell") => options.cell = Some(parser.value()?.into()),
-            Long("out") => options.out = parser.value()?.into(),
-            Short('q') | Long("quiet") => options.talk = Talk::Quiet,
-            Short('h') | Long("help") => return Ok(None),
-            other => return Err(other.unexpected().into()),
-        }
-    }
-    Ok(Some(options))
+/// What there is to say instead ([`Launch::answer`]): the help, or what is wrong.
+pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, clap::Error> {
+    let read = Arguments::try_parse_from(iter::once(OsString::from("transfer")).chain(arguments))?;
+    Ok(Options {
+        bases: if read.no_error { Bases::Calibrated } else { Bases::Off },
+        sensors: if read.no_sensor { Sensors::Unused } else { Sensors::Used },
+        cell: read.cell,
+        out: read.out,
+        processes: match (read.processes, read.lock_step) {
+            (_, true) => Some(Clock::Virtual),
+            (true, false) => Some(Clock::Real),
+            (false, false) => None,
+        },
+        talk: if read.quiet { Talk::Quiet } else { Talk::Normal },
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory;
 
     #[test]
     fn options_are_read_and_others_refused() {
         let read = |arguments: &[&str]| parse(arguments.iter().map(OsString::from));
-        let options = read(&["--no-sensor", "--out=x", "-q"]).expect("right").expect("no help");
+        let options = read(&["--no-sensor", "--out=x", "-q"]).expect("right");
         assert_eq!((options.sensors, options.bases), (Sensors::Unused, Bases::Off));
         assert_eq!((options.out, options.talk), (PathBuf::from("x"), Talk::Quiet));
         assert_eq!(options.processes, None);
+        assert_eq!(read(&[]).expect("right").out, PathBuf::from("transfer"));
         for (arguments, clock) in
             [(&["--processes"][..], Clock::Real), (&["--virtual", "--processes"], Clock::Virtual)]
         {
-            assert_eq!(read(arguments).expect("right").expect("no help").processes, Some(clock));
+            assert_eq!(read(arguments).expect("right").processes, Some(clock));
         }
-        assert_eq!(read(&["-h"]).expect("right"), None);
-        assert!(read(&["--sensors"]).expect_err("none").to_string().contains("--sensors"));
-        assert!(read(&["--out"]).is_err());
+        assert!(read(&["--sensors"]).expect_err("none").to_string().contains("'--no-sensor'"));
+        assert!(read(&["--out"]).expect_err("no folder").to_string().contains("'--out <DIR>'"));
+    }
+
+    #[test]
+    fn the_help_fits_a_terminal() {
+        Arguments::command().debug_assert();
+        let help = parse(["-h".into()]).expect_err("help").to_string();
+        assert!(help.lines().all(|line| line.len() <= 80), "{help}");
     }
 }
