@@ -83,7 +83,7 @@ pub(super) struct Options {
 #[derive(Clone, Debug, Args)]
 pub(super) struct RecordingOption {
     /// Record every step to an MCAP file (feature `recording`).
-    #[arg(long = "record", value_name = "FILE")]
+    #[arg(long = "record", value_name = "FILE", help_heading = "Recording")]
     pub(super) file: Option<PathBuf>,
 }
 
