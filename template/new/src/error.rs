@@ -11,6 +11,9 @@ pub enum Error {
         /// What to write instead.
         help: String,
     },
+    /// The command line cannot be read; nothing was written. What is wrong, and how it is used.
+    #[error("{}", .0.trim_start_matches("error: ").trim_end())]
+    Usage(String),
     /// It was asked for rightly but did not succeed; nothing is left behind.
     #[error("{what}\n help: {help}")]
     Failed {
@@ -34,7 +37,7 @@ impl Error {
     #[must_use]
     pub fn status(&self) -> u8 {
         match self {
-            Error::Refused { .. } => 2,
+            Error::Refused { .. } | Error::Usage(_) => 2,
             Error::Failed { .. } => 1,
         }
     }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use mrroc_new::choices::settle;
 use mrroc_new::error::Error;
 use mrroc_new::generator::{self, Copy};
-use mrroc_new::options::{HELP, Project, Request, Rest, parse};
+use mrroc_new::options::{Project, Request, Rest, parse};
 use mrroc_new::project::{GENERATION, generate, make, place};
 use mrroc_new::template::{Placeholder, Template};
 use mrroc_new::{prompt, shell, source};
@@ -35,8 +35,7 @@ fn main() -> ExitCode {
 /// Does what was asked for; returns what there is to say.
 fn carry_out(request: Request) -> Result<String, Error> {
     match request {
-        Request::Help => Ok(HELP.to_owned()),
-        Request::Version => Ok(concat!("mrroc-new ", env!("CARGO_PKG_VERSION"), "\n").to_owned()),
+        Request::Print(text) => Ok(text),
         Request::Choices => choices(),
         Request::Generators => Ok(generator::list()),
         Request::Generator { name, as_name } => {

@@ -1,13 +1,13 @@
 //! The command line.
 
 use std::ffi::OsString;
+use std::iter;
 use std::path::PathBuf;
 
-use lexopt::prelude::*;
+use clap::Parser;
 
 use crate::choices::Given;
 use crate::error::Error;
-use crate::suggestion;
 
 /// What the command line asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,10 +25,8 @@ pub enum Request {
     Generators,
     /// The list of choices, to be printed.
     Choices,
-    /// The help, to be printed.
-    Help,
-    /// The version, to be printed.
-    Version,
+    /// The help or the version, to be printed.
+    Print(String),
 }
 
 /// A new project.
@@ -53,143 +51,136 @@ pub enum Rest {
     Default,
 }
 
-/// The text of `--help`.
-pub const HELP: &str = "\
-Makes a new mrroc project, and copies generators of the library into it.
-
-Usage: mrroc-new [OPTIONS] NAME
-       mrroc-new generator GENERATOR [--as NAME]
-       mrroc-new generator --list
-
-A new project in a folder of its own, NAME:
-  -d, --define CHOICE=VALUE  choose beforehand; may be repeated
-      --defaults             ask nothing: take the defaults for the rest
-      --into FOLDER          where the project's folder is made [default: .]
-      --choices              print what can be chosen
-  What is left open is asked for when there is a terminal, and otherwise
-  taken by default.
-
-A generator of the library, copied into the project in which you are, to be
-changed there:
-      --as NAME              call the copy NAME [default: as in the library]
-      --list                 print the library's generators
-
-  -h, --help                 print this text
-  -V, --version              print the version
+const AFTER_HELP: &str = "\
+What --define leaves open is asked for when there is a terminal, and otherwise
+taken by default.
 
 Exit status: 0 if it was made, 2 if what was asked for was refused, and 1 if
 it failed; then nothing was written.
-";
 
-const NAMES: &[&str] = &["define", "defaults", "into", "choices", "as", "list", "help", "version"];
+Examples:
+  mrroc-new my-task                  asks what it shall be
+  mrroc-new my-task --defaults       asks nothing
+  mrroc-new my-pair -d robots=two    asks the rest
+  mrroc-new generator straight_line  in a project: copies it there";
+
+/// The command line as it is written.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    about = "Makes a new mrroc project, and copies generators of the library into it",
+    override_usage = "mrroc-new [OPTIONS] NAME\n       mrroc-new generator [--as NAME] GENERATOR\n       mrroc-new generator --list",
+    after_help = AFTER_HELP,
+    args_override_self = true,
+    max_term_width = 80
+)]
+struct Arguments {
+    #[arg(value_name = "NAME", hide = true)]
+    words: Vec<String>,
+
+    /// Choose beforehand; may be repeated.
+    #[arg(short, long = "define", value_name = "CHOICE=VALUE", help_heading = PROJECT)]
+    defined: Vec<String>,
+    /// Ask nothing: take the defaults for the rest.
+    #[arg(long, help_heading = PROJECT)]
+    defaults: bool,
+    /// Where the project's folder is made [default: .].
+    #[arg(long, value_name = "FOLDER", help_heading = PROJECT)]
+    into: Option<PathBuf>,
+    /// Print what can be chosen.
+    #[arg(long, help_heading = PROJECT)]
+    choices: bool,
+
+    /// Call the copy NAME [default: as in the library].
+    #[arg(long = "as", value_name = "NAME", help_heading = GENERATOR)]
+    as_name: Option<String>,
+    /// Print the library's generators.
+    #[arg(long, help_heading = GENERATOR)]
+    list: bool,
+}
+
+const PROJECT: &str = "A new project, in a folder of its own";
+const GENERATOR: &str = "A generator of the library, copied into the project in which you are";
 
 /// Reads the arguments after the program's name.
 ///
 /// # Errors
-/// [`Error::Refused`] with what to write instead.
+/// [`Error::Refused`] or [`Error::Usage`], with what to write instead.
 pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, Error> {
-    let mut parser = lexopt::Parser::from_args(arguments);
-    let mut words: Vec<String> = Vec::new();
-    let (mut into, mut as_name, mut given) = (None, None, Given::new());
-    let (mut rest, mut choices, mut list) = (Rest::Asked, false, false);
-    while let Some(argument) = parser.next().map_err(|error| refused(error.to_string(), "see `--help`"))? {
-        let name = match argument {
-            Short('h') => "help".to_owned(),
-            Short('V') => "version".to_owned(),
-            Short('d') => "define".to_owned(),
-            Short(other) => return Err(refused(format!("no option -{other}"), "`--help` lists them all")),
-            Long(name) => name.to_owned(),
-            Value(word) => {
-                words.push(text(word)?);
-                continue;
-            }
-        };
-        match name.as_str() {
-            "help" => return Ok(Request::Help),
-            "version" => return Ok(Request::Version),
-            "choices" => choices = true,
-            "defaults" => rest = Rest::Default,
-            "list" => list = true,
-            "into" => into = Some(PathBuf::from(value(&mut parser, "--into")?)),
-            "as" => as_name = Some(text(value(&mut parser, "--as")?)?),
-            "define" => define(&mut given, &text(value(&mut parser, "--define")?)?)?,
-            other => {
-                let help = match suggestion::nearest(other, NAMES.iter().copied()) {
-                    Some(name) => format!("did you mean `--{name}`?"),
-                    None => "`--help` lists them all".to_owned(),
-                };
-                return Err(refused(format!("no option --{other}"), help));
-            }
-        }
+    let program = OsString::from("mrroc-new");
+    match Arguments::try_parse_from(iter::once(program).chain(arguments)) {
+        Ok(read) if read.words.first().is_some_and(|word| word == "generator") => read.generator(),
+        Ok(read) => read.project(),
+        Err(answer) if answer.use_stderr() => Err(Error::Usage(answer.to_string())),
+        Err(answer) => Ok(Request::Print(answer.to_string())),
     }
-    let mut words = words.into_iter();
-    let first = words.next();
-    if first.as_deref() == Some("generator") {
-        if into.is_some() || choices || !given.is_empty() || rest == Rest::Default {
+}
+
+impl Arguments {
+    fn generator(self) -> Result<Request, Error> {
+        if self.into.is_some() || self.choices || self.defaults || !self.defined.is_empty() {
             let help = "write `mrroc-new generator GENERATOR --as NAME` in the project's folder";
-            return Err(refused("this option is for a new project", help));
+            return Err(Error::refused("this option is for a new project", help));
         }
-        let name = words.next();
-        no_more(words)?;
-        return match name {
-            _ if list => Ok(Request::Generators),
-            None => Err(refused("no generator given", "`mrroc-new generator --list` lists them")),
-            Some(name) => Ok(Request::Generator { as_name: as_name.unwrap_or_else(|| name.clone()), name }),
-        };
+        no_more(self.words.get(2))?;
+        match self.words.into_iter().nth(1) {
+            _ if self.list => Ok(Request::Generators),
+            None => Err(Error::refused("no generator given", "`mrroc-new generator --list` lists them")),
+            Some(name) => {
+                Ok(Request::Generator { as_name: self.as_name.unwrap_or_else(|| name.clone()), name })
+            }
+        }
     }
-    if list || as_name.is_some() {
-        let help = "write `mrroc-new generator --list` or `mrroc-new generator GENERATOR --as NAME`";
-        return Err(refused("this option is for generators", help));
+
+    fn project(self) -> Result<Request, Error> {
+        if self.list || self.as_name.is_some() {
+            let help = "write `mrroc-new generator --list` or `mrroc-new generator GENERATOR --as NAME`";
+            return Err(Error::refused("this option is for generators", help));
+        }
+        no_more(self.words.get(1))?;
+        let mut given = Given::new();
+        self.defined.iter().try_for_each(|definition| define(&mut given, definition))?;
+        if self.choices {
+            return Ok(Request::Choices);
+        }
+        let name = self.words.into_iter().next().ok_or_else(|| {
+            let help = "write `cargo run -p mrroc-new -- my-task`; see also `--help`";
+            Error::refused("the project has no name", help)
+        })?;
+        let into = self.into.unwrap_or_else(|| ".".into());
+        let rest = if self.defaults { Rest::Default } else { Rest::Asked };
+        Ok(Request::Project(Project { name, into, given, rest }))
     }
-    no_more(words)?;
-    if choices {
-        return Ok(Request::Choices);
+}
+
+fn no_more(word: Option<&String>) -> Result<(), Error> {
+    match word {
+        None => Ok(()),
+        Some(word) => Err(Error::refused(
+            format!("`{word}` is one name too many"),
+            "a name has no blanks; see `--help`",
+        )),
     }
-    let name = first.ok_or_else(|| {
-        refused("the project has no name", "write `cargo run -p mrroc-new -- my-task`; see also `--help`")
-    })?;
-    Ok(Request::Project(Project { name, into: into.unwrap_or_else(|| ".".into()), given, rest }))
 }
 
 fn define(given: &mut Given, definition: &str) -> Result<(), Error> {
     let Some((name, value)) = definition.split_once('=') else {
         let what = format!("`{definition}` chooses nothing");
-        return Err(refused(what, "write `--define name=value`; `--choices` lists them"));
+        return Err(Error::refused(what, "write `--define name=value`; `--choices` lists them"));
     };
     match given.insert(name.to_owned(), value.to_owned()) {
         Some(first) if first != value => {
             let what = format!("{name} is chosen twice: `{first}` and `{value}`");
-            Err(refused(what, "choose one of them"))
+            Err(Error::refused(what, "choose one of them"))
         }
         Some(_) | None => Ok(()),
     }
 }
 
-fn value(parser: &mut lexopt::Parser, name: &str) -> Result<OsString, Error> {
-    parser.value().map_err(|_| refused(format!("{name} without a value"), "see `--help`"))
-}
-
-fn text(word: OsString) -> Result<String, Error> {
-    word.into_string()
-        .map_err(|word| refused(format!("{} is no valid text", word.display()), "write it in UTF-8"))
-}
-
-fn no_more(mut words: impl Iterator<Item = String>) -> Result<(), Error> {
-    match words.next() {
-        None => Ok(()),
-        Some(word) => {
-            Err(refused(format!("`{word}` is one name too many"), "a name has no blanks; see `--help`"))
-        }
-    }
-}
-
-fn refused(what: impl Into<String>, help: impl Into<String>) -> Error {
-    Error::refused(what, help)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory;
 
     fn run(line: &str) -> Result<Request, String> {
         parse(line.split_whitespace().map(OsString::from)).map_err(|error| error.to_string())
@@ -210,25 +201,33 @@ mod tests {
         assert_eq!(run("generator straight_line --as my_line"), copy("straight_line", "my_line"));
         assert_eq!(run("generator --list"), Ok(Request::Generators));
         assert_eq!(run("--choices"), Ok(Request::Choices));
-        assert_eq!(run("a -h"), Ok(Request::Help));
-        assert_eq!(run("-V"), Ok(Request::Version));
+        let Ok(Request::Print(help)) = run("a -h") else { panic!() };
+        assert!(help.contains("--define <CHOICE=VALUE>"), "{help}");
+        assert_eq!(
+            run("-V"),
+            Ok(Request::Print(concat!("mrroc-new ", env!("CARGO_PKG_VERSION"), "\n").to_owned()))
+        );
     }
 
     #[test]
     fn wrong_options_say_what_to_write() {
         for (line, part) in [
             ("", "cargo run -p mrroc-new -- my-task"),
-            ("--defalts a", "did you mean `--defaults`?"),
-            ("--zzz", "`--help` lists them all"),
-            ("-x", "`--help` lists them all"),
+            ("--defalts a", "a similar argument exists: '--defaults'"),
+            ("--zzz", "For more information, try '--help'"),
+            ("-x", "For more information, try '--help'"),
             ("a b", "one name too many"),
-            ("a --define", "--define without a value"),
+            ("a generator", "one name too many"),
+            ("a --define", "a value is required for '--define <CHOICE=VALUE>'"),
+            ("a --define x", "`x` chooses nothing"),
             ("a --define x", "--define name=value"),
             ("a -d x=1 -d x=2", "x is chosen twice: `1` and `2`"),
             ("a --as b", "for generators"),
+            ("a --list", "for generators"),
             ("generator", "no generator given"),
             ("generator a b", "one name too many"),
             ("generator a --into b", "for a new project"),
+            ("--into b generator a", "for a new project"),
         ] {
             let message = run(line).expect_err(line);
             assert!(message.contains(part), "{line}: {message}");
@@ -236,8 +235,9 @@ mod tests {
     }
 
     #[test]
-    fn the_help_names_every_option() {
-        assert!(NAMES.iter().all(|name| HELP.contains(&format!("--{name}"))));
-        assert!(HELP.lines().all(|line| line.len() <= 80));
+    fn the_help_fits_a_terminal() {
+        Arguments::command().debug_assert();
+        let Ok(Request::Print(help)) = run("generator --help") else { panic!() };
+        assert!(help.lines().all(|line| line.len() <= 80), "{help}");
     }
 }

@@ -75,7 +75,9 @@ fn answer(placeholder: &Placeholder) -> dialoguer::Result<Value> {
             };
             let valid = |text: &String| match placeholder.read(text) {
                 Ok(_) => Ok(()),
-                Err(Error::Refused { help, .. } | Error::Failed { help, .. }) => Err(help),
+                Err(Error::Refused { help, .. } | Error::Failed { help, .. } | Error::Usage(help)) => {
+                    Err(help)
+                }
             };
             Value::Text(input.validate_with(valid).interact_text()?)
         }

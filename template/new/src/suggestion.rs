@@ -1,7 +1,7 @@
 //! "Did you mean ..?"
 
 /// The name that was probably meant.
-pub fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+fn nearest<'a>(written: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let written = written.to_lowercase();
     let farthest = (written.chars().count() / 3).clamp(1, 3);
     names
