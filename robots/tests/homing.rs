@@ -1,7 +1,7 @@
 //! Simulated drives that do not know where they are find out, from anywhere, and exactly.
 
-use mrroc_launch::cell_file::CellFile;
 use mrroc::{DriveFault, Driver, Homing, Search};
+use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Serial,
     Seven, Simulated, Six, Unhomed, homing_conformance, simulated,
