@@ -5,6 +5,7 @@
 
 mod allocation;
 mod cell_file;
+mod layers;
 mod library;
 mod macros;
 mod newcomer;

@@ -90,14 +90,16 @@ pub mod prelude {
 pub mod robot {
     pub use crate::control::guard::RobotView;
     pub use crate::model::driver::{DriveFault, Driver, Homing, Measured, Regulators, Search};
-    pub use crate::model::image::{RobotImage, RobotState, State};
+    pub use crate::model::image::{RobotImage, RobotState};
+    pub use crate::model::list::State;
     pub use crate::model::joints::{JointVector, MAX_JOINTS};
     pub use crate::model::robot::{CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, Robot};
 }
 
 /// Virtual sensors: what they read, and how they are ordered.
 pub mod sensor {
-    pub use crate::model::image::{Reading, Sensor, SensorImage};
+    pub use crate::model::image::{Sensor, SensorImage};
+    pub use crate::model::list::Reading;
     pub use crate::model::plausible::Plausible;
     pub use crate::model::sensor::{EffectorState, ReadingOrder, VirtualSensor, VspMode};
 }

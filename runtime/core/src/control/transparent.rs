@@ -7,7 +7,7 @@ use crate::model::class::{Class, Level, Uses};
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
-use crate::model::image::{Reading, State};
+use crate::model::list::{Reading, State};
 use crate::model::list::Motion;
 use crate::model::payload::Order;
 use crate::model::robot::Robot;

@@ -2,7 +2,7 @@
 
 use crate::model::class::{Class, Level, Uses};
 use crate::model::fault::Fault;
-use crate::model::image::{Reading, State};
+use crate::model::list::{Reading, State};
 use crate::model::list::{RobotList, Robots, SensorList};
 use crate::model::payload::{Order, Payload};
 use crate::model::step::{Always, Step, Tick};

@@ -7,7 +7,7 @@
 use crate::model::class::Uses;
 use crate::model::fault::Fault;
 use crate::model::generator::Generator;
-use crate::model::image::{Reading, State};
+use crate::model::list::{Reading, State};
 use crate::model::list::{RobotList, Robots, SensorList};
 use crate::model::payload::{Order, Payload};
 use crate::model::step::{IntoStep, IntoVerdict, Step, Tick};

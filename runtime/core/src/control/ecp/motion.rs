@@ -8,7 +8,7 @@ use crate::link::message::{RequestKind, flag};
 use crate::model::demand::Demand;
 use crate::model::fault::Fault;
 use crate::model::generator::Generator;
-use crate::model::image::{Reading, State};
+use crate::model::list::{Reading, State};
 use crate::model::list::{Motion, SensorList, SensorsOf};
 use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};

@@ -9,7 +9,7 @@ use crate::control::guard::RobotView;
 use crate::link::Client;
 use crate::link::message::{Header, Kind, Message, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
-use crate::model::image::State;
+use crate::model::list::State;
 use crate::model::list::{PayloadType, RobotList, SensorList, SensorsOf};
 use crate::model::name::Name;
 use crate::model::sensor::EffectorState;

@@ -4,7 +4,7 @@
 use crate::link::message::{OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Condition;
-use crate::model::image::{Reading, State};
+use crate::model::list::{Reading, State};
 use crate::model::list::{RobotsOf, SensorsOf};
 use crate::model::payload::Order;
 

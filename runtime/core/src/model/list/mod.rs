@@ -4,10 +4,12 @@
 //! passes handles in the same form, `(&mut rnt, &mut polycrank)`; another robot, order or number does not
 //! compile.
 
+mod images;
 mod robots;
 mod sensors;
 mod tuples;
 
+pub use images::{Reading, State};
 #[doc(hidden)]
 pub use robots::PayloadType;
 pub use robots::{AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf};
