@@ -75,7 +75,8 @@ pub fn place(drawing: &Drawing, plate: &Plate, sizing: Sizing) -> Result<Placeme
         Sizing::Within { width, height } => fit(size, Vec2::new(width, height)),
         Sizing::Fill => fit(size, plate.room()),
     };
-    let (room, scaled) = (plate.room(), size * scale);
+    let room = plate.room();
+    let scaled = size * scale;
     let rounding = 1e-6;
     if !scale.is_finite() || scaled.x > room.x + rounding || scaled.y > room.y + rounding {
         return Err(DrawingError::LargerThanPlate {

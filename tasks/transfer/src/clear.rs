@@ -89,8 +89,8 @@ fn build(file: &CellFile, around: Around) -> Result<Clearance, ClearanceError> {
     clearance.build(Stopping { reaction: 0.0, stop: Stop::Braking })
 }
 
-/// What a guard does: stops the cell where an arm is nearer to the other or to the table than it may be, of which it looks
-/// at one by turns.
+/// What a guard does: it looks at the distance to the other arm and to the table by turns, and stops the cell where an arm
+/// is nearer than it may be.
 ///
 /// # Errors
 /// As [`clearance`].

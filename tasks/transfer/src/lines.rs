@@ -30,7 +30,8 @@ impl Counts {
         let transmit = include_str!("generators/ecp_common.rs");
         let trajectory = include_str!("generators/mp_common.rs");
         let path = include_str!("paths.rs");
-        let (mp, ecp) = (include_str!("mp.rs"), include_str!("ecp.rs"));
+        let mp = include_str!("mp.rs");
+        let ecp = include_str!("ecp.rs");
         // The body of a function is all of it but its first and its last line.
         let bodies = |source: &str, names: &[&str]| -> usize {
             names.iter().map(|name| body(&function(source, name))).sum()

@@ -18,7 +18,7 @@ impl Soft {
     /// `10/sqrt(3) d/T²` of a way `d` in the time `T`.
     ///
     /// # Errors
-    /// A limit that is not finite and above 0, or poses of which no time follows.
+    /// A limit that is not finite and above 0, or poses that give no duration.
     pub fn between(from: Pose, to: Pose, limits: ToolLimits) -> Result<Soft, Fault> {
         let line = LinePath::new(from, to);
         let ways = [(line.length(), limits.translation), (line.angle(), limits.rotation)];

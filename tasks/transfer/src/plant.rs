@@ -61,7 +61,9 @@ impl Plant {
     /// The kinds of `cell.toml`, with drives in this world.
     #[must_use]
     pub fn kinds(&self) -> Kinds {
-        let (rnt, polycrank, hand) = (self.clone(), self.clone(), self.clone());
+        let rnt = self.clone();
+        let polycrank = self.clone();
+        let hand = self.clone();
         Kinds::new()
             .with("rnt", move |entry| {
                 rnt.arm(entry, Rnt::new().with_base(entry.base()), Rnt::new().with_base(entry.base()))

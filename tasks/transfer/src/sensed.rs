@@ -18,7 +18,7 @@ pub const STIFFNESS: GraspStiffness = GraspStiffness { force: 5e4, torque: 500.0
 /// From a demand to the reading that tells of it \[s\]: the step, the cell's delay of 7 ms, about 20 ms of the drives, 3 ms
 /// of the sensor's filter, a step until it is read.
 const DELAY: f64 = 0.034;
-/// Readings of which the bias is the mean.
+/// The bias is the mean of so many readings.
 const AVERAGED: u32 = 100;
 /// Steps after which a reading is too old.
 const OLDEST: u32 = 1;
@@ -56,7 +56,8 @@ fn readings(c: &mut Readings, v: &Reading<(WristForce, WristForce)>) -> bool {
 /// Measures the bias of the sensors, while nothing touches the tools.
 fn zero(
     mp: &mut Mp,
-    (rnt, polycrank): (&mut RobotHandle<Rnt>, &mut RobotHandle<Polycrank>),
+    rnt: &mut RobotHandle<Rnt>,
+    polycrank: &mut RobotHandle<Polycrank>,
     wrists: &mut (SensorHandle<WristForce>, SensorHandle<WristForce>),
 ) -> Result<(), Fault> {
     for order in [WristOrder::MeasureBias, WristOrder::Read] {
@@ -76,7 +77,7 @@ pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
     let mut hands = (mp.robot::<Gripper>("rnt-hand")?, mp.robot::<Gripper>("polycrank-hand")?);
     let mut wrists = (mp.sensor::<WristForce>("rnt-wrist")?, mp.sensor::<WristForce>("polycrank-wrist")?);
-    zero(mp, (&mut rnt, &mut polycrank), &mut wrists)?;
+    zero(mp, &mut rnt, &mut polycrank, &mut wrists)?;
     mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
     mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
     let mut X_WB = bar();

@@ -11,7 +11,7 @@ use crate::witness::Seen;
 /// Bounds of what is measured.
 const DEMANDED: f64 = 1e-9;
 const SHARE: f64 = 0.2;
-/// Runs of which the fastest counts.
+/// So many runs are made, and the fastest counts.
 const RUNS: usize = 3;
 
 /// One line of the table.
@@ -100,7 +100,8 @@ impl Summary {
         let peak = |sensors| {
             self.seen(Variant::Bar { bases: Bases::Off, sensors }).map_or(0.0, |seen| seen.internal)
         };
-        let (without, with) = (peak(Sensors::Unused), peak(Sensors::Used));
+        let without = peak(Sensors::Unused);
+        let with = peak(Sensors::Used);
         // Asked so that no number at all is a miss, too.
         let eased = without > 0.0 && with <= SHARE * without;
         if !eased {
@@ -132,12 +133,11 @@ impl fmt::Display for Summary {
             "", "m", "rad", "mm", "mrad", "mm", "mrad", "N", "speed"
         )?;
         for (row, (_, name)) in self.rows.iter().zip(VARIANTS) {
-            let Row { seen, speed, .. } = row;
-            let (demanded, measured, strain) = (seen.demanded, seen.measured, seen.strain);
+            let Row { seen: Seen { demanded, measured, strain, internal, .. }, speed, .. } = row;
             write!(f, "{name:30}{:10.1e}{:10.1e}", demanded.distance, demanded.angle)?;
             write!(f, "{:9.3}{:9.3}", measured.distance * 1e3, measured.angle * 1e3)?;
             write!(f, "{:9.3}{:9.3}", strain.distance * 1e3, strain.angle * 1e3)?;
-            writeln!(f, "{:10.2}{speed:8.0} x", seen.internal)?;
+            writeln!(f, "{:10.2}{speed:8.0} x", internal)?;
         }
         let time = self.rows.first().map_or(0.0, |row| row.time);
         writeln!(

@@ -104,7 +104,8 @@ impl Witness {
         plant: Option<&Plant>,
         mut clear: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static,
     ) -> Cell {
-        let (demands, encoders) = (Rc::clone(&self.0), Rc::clone(&self.0));
+        let demands = Rc::clone(&self.0);
+        let encoders = Rc::clone(&self.0);
         let hands = plant.and_then(|plant| Some([plant.hand_of("rnt")?, plant.hand_of("polycrank")?]));
         let mut looks = 0_u32;
         // A cell has one guard: this one takes the place of its own.

@@ -18,8 +18,8 @@ pub fn list() -> String {
     CATALOGUE
         .iter()
         .map(|entry| {
-            let (name, blank) = (entry.name, "");
-            format!("{name:width$}  {}\n{blank:width$}  {}\n", entry.summary(), entry.class)
+            let name = entry.name;
+            format!("{name:width$}  {}\n{:width$}  {}\n", entry.summary(), "", entry.class)
         })
         .collect()
 }
@@ -97,8 +97,8 @@ impl Copy {
     fn check_dependencies(&self) -> Result<(), Error> {
         let (generator, tests) =
             self.entry.source.split_once("#[cfg(test)]").unwrap_or((self.entry.source, ""));
-        let (always, in_tests) =
-            (self.dependencies(&["dependencies"]), self.dependencies(&["dev-dependencies"]));
+        let always = self.dependencies(&["dependencies"]);
+        let in_tests = self.dependencies(&["dev-dependencies"]);
         for name in ["mrroc", "mrroc-generators", "mrroc-robots", "nalgebra"] {
             let is_used = |text| words(text).any(|word| word == name.replace('-', "_"));
             let has = |table: &[(String, &Value)]| table.iter().any(|(found, _)| found == name);
@@ -147,7 +147,8 @@ impl Copy {
     /// # Errors
     /// [`Error::Failed`] when it cannot be written; nothing is left behind.
     pub fn write(&self) -> Result<String, Error> {
-        let (path, modules_path) = (self.project.join(self.file()), self.project.join(MODULES));
+        let path = self.project.join(self.file());
+        let modules_path = self.project.join(MODULES);
         let text = self.formatted(&renamed(self.entry, &self.name, &self.type_name));
         let (modules, lines) = declared(&self.modules, &self.name, &self.type_name);
         fs::File::create_new(&path)
@@ -367,7 +368,9 @@ fn constructor(source: &str) -> Option<String> {
     let (signature, _) = signature.split_once('{')?;
     let name = signature.split(['(', '<']).next()?;
     let (_, arguments) = signature.split_once('(')?;
-    let (mut depth, mut names, mut argument) = (0, Vec::new(), String::new());
+    let mut depth = 0;
+    let mut names = Vec::new();
+    let mut argument = String::new();
     let mut rest = arguments.char_indices();
     let end = loop {
         let (i, c) = rest.next()?;

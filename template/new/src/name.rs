@@ -36,8 +36,8 @@ pub fn is_keyword(word: &str) -> bool {
 pub fn check(name: &str) -> Result<(), Error> {
     if let Some((folder, last)) = name.trim_end_matches(['/', '\\']).rsplit_once(['/', '\\']) {
         let what = format!("`{name}` is a path, not the name of a project");
-        let (folder, last) = (if folder.is_empty() { "/" } else { folder }, good(last));
-        return Err(Error::refused(what, format!("write `--into {folder} {last}`")));
+        let folder = if folder.is_empty() { "/" } else { folder };
+        return Err(Error::refused(what, format!("write `--into {folder} {}`", good(last))));
     }
     let Some(why) = fault(name) else { return Ok(()) };
     Err(Error::refused(

@@ -239,7 +239,7 @@ impl Placeholder {
     /// The default, or why there must be an answer.
     ///
     /// # Errors
-    /// [`Error::Refused`] when there is none.
+    /// [`Error::Refused`] for a choice without a default.
     pub fn default(&self) -> Result<Value, Error> {
         self.default.clone().ok_or_else(|| {
             let what = format!("{} has no default: {}", self.name, self.prompt);

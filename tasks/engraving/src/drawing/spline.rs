@@ -15,7 +15,7 @@ pub struct NaturalSpline {
 }
 
 impl NaturalSpline {
-    /// The spline through points of which neighbours differ by more than 1e-9 mm; fewer than two give none.
+    /// The spline through two or more points; `None` for fewer, or where neighbours lie within 1e-9 mm.
     #[must_use]
     pub fn new(points: Vec<Vec2>) -> Option<Self> {
         let chords: Vec<f64> = points.windows(2).map(|w| (w[1] - w[0]).norm()).collect();

@@ -1,13 +1,14 @@
 //! The caption and the scale bar, drawn in the same single-stroke font that engraves texts.
 
 use super::Picture;
+use super::relief::Frame;
 use crate::drawing::{Vec2, hershey::Font};
-use crate::placement::Plate;
 
 const INK: [f32; 3] = [0.80, 0.80, 0.77];
 
-/// Writes the caption at the left and the scale bar at the right of the strip below the plate.
-pub fn draw(picture: &mut Picture, plate: &Plate, per_mm: f64, (bench, strip): (f64, f64), caption: &str) {
+/// Writes the caption at the left and the scale bar at the right of the strip below the plate, which is so high \[mm\].
+pub fn draw(picture: &mut Picture, frame: &Frame<'_>, strip: f64, caption: &str) {
+    let &Frame { plate, bench, per_mm, .. } = frame;
     let pen = Pen { per_mm, half_width: 0.16 };
     let baseline = bench + plate.height + bench * 0.55 + strip * 0.55;
     let length = bar_length(plate.width);

@@ -48,7 +48,7 @@ pub fn render(map: &HeightMap, plate: &Plate, material: Material, caption: &str)
     let mut picture = Picture { width, height, rgb: vec![0; width * height * 3] };
     let frame = relief::Frame { plate, bench: BENCH, per_mm, material };
     relief::draw(&mut picture, map, &frame);
-    lettering::draw(&mut picture, plate, per_mm, (BENCH, CAPTION), caption);
+    lettering::draw(&mut picture, &frame, CAPTION, caption);
     picture
 }
 

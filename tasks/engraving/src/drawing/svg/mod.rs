@@ -83,7 +83,8 @@ fn line_of(text: &str, byte: usize) -> usize {
 
 fn xml_error(file: &str, text: &str, error: &roxmltree::Error) -> DrawingError {
     let pos = error.pos();
-    let (line, column) = (pos.row as usize, pos.col as usize);
+    let line = pos.row as usize;
+    let column = pos.col as usize;
     let source = text.lines().nth(line.saturating_sub(1)).unwrap_or("");
     let at = Place::column(file, line, column, source);
     let message = error.to_string();

@@ -61,8 +61,17 @@ impl<'a> Walk<'a> {
     /// A walk that has not begun.
     pub fn new(file: &'a str, text: &'a str, document: &'a Document<'a>, budget: &'a mut Budget) -> Self {
         let ids = document.descendants().filter_map(|n| Some((n.attribute("id")?, n))).collect();
-        let (outlines, warnings) = (Vec::new(), Vec::new());
-        Self { file, text, document, budget, ids, outlines, warnings, texts: None, used: 0 }
+        Self {
+            file,
+            text,
+            document,
+            budget,
+            ids,
+            outlines: Vec::new(),
+            warnings: Vec::new(),
+            texts: None,
+            used: 0,
+        }
     }
 
     /// The whole document: its size in mm, y turned up.
@@ -230,7 +239,8 @@ impl<'a> Walk<'a> {
                 let rx = self.length(node, "rx", view.x)?;
                 let ry = self.length(node, "ry", view.y)?;
                 let (rx, ry) = (rx.or(ry).unwrap_or(0.0), ry.or(rx).unwrap_or(0.0));
-                let (width, height) = (x("width")?, y("height")?);
+                let width = x("width")?;
+                let height = y("height")?;
                 if width <= 0.0 || height <= 0.0 {
                     return Ok(Vec::new());
                 }
