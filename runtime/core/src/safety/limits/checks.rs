@@ -7,33 +7,64 @@ use crate::model::joints::JointVector;
 use crate::model::robot::{CoupledLimit, Limits, Robot};
 use crate::safety::braking::stopping_distance;
 
-use super::{Acceptor, RELATIVE, ROUND_OFF};
+use super::state::JointState;
+use super::{RELATIVE, ROUND_OFF};
 
 /// Where a robot would stand if its demands were lost now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Standstill<J> {
-    pub(super) position: J,
+    pub position: J,
     /// A time for the way there in which no joint is faster than at its beginning \[s\].
-    pub(super) time: f64,
+    pub time: f64,
 }
 
-impl<R: Robot> Acceptor<R> {
+/// A state that is to be checked, for the end of a step.
+#[derive(Clone, Copy)]
+pub(super) struct Proposed<'a, J> {
+    pub position: &'a J,
+    pub velocity: &'a J,
+    /// The velocity that is held when the next demands are lost.
+    pub held: &'a J,
+    pub acceleration: &'a J,
+}
+
+/// The step that is to be checked.
+#[derive(Clone, Copy)]
+pub(super) struct CheckedStep<'a, J> {
+    /// The state at its beginning.
+    pub from: &'a JointState<J>,
+    /// Its length \[s\].
+    pub duration: f64,
+    /// Whether its demand is the first one of a motion that begins at a standstill.
+    pub starting: bool,
+}
+
+/// A robot, whose limits are checked.
+pub(super) struct Checks<R> {
+    pub robot: R,
+    /// Time that passes between a lost peer and the start of braking \[s\].
+    pub reaction: f64,
+}
+
+impl<R: Robot> Checks<R> {
     /// The velocity of a step to a position, within all limits; `held` is the velocity that is held when the demands after it
     /// are lost, the step's own where there is none.
-    pub(super) fn velocity_to(
+    pub fn velocity_to(
         &self,
         position: &R::Joints,
         held: Option<&R::Joints>,
-        duration: f64,
+        step: &CheckedStep<'_, R::Joints>,
     ) -> Result<R::Joints, Fault> {
         // The joints may be those of a robot's own `inverse`.
         if let Some(joint) = position.as_slice().iter().position(|q| !q.is_finite()) {
             return Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint));
         }
-        let velocity = (*position - self.position) * duration.recip();
-        let acceleration = (velocity - self.velocity) * duration.recip();
-        let stop = self.check(position, &velocity, held.unwrap_or(&velocity), &acceleration, duration)?;
-        self.check_coupled(position, &stop, duration)?;
+        let velocity = (*position - step.from.position) * step.duration.recip();
+        let acceleration = step.from.acceleration_to(&velocity, step.duration);
+        let held = held.unwrap_or(&velocity);
+        let next = Proposed { position, velocity: &velocity, held, acceleration: &acceleration };
+        let stop = self.check(&next, step)?;
+        self.check_coupled(position, &stop, step)?;
         Ok(velocity)
     }
 
@@ -42,13 +73,13 @@ impl<R: Robot> Acceptor<R> {
         &self,
         position: &R::Joints,
         stop: &Standstill<R::Joints>,
-        duration: f64,
+        step: &CheckedStep<'_, R::Joints>,
     ) -> Result<(), Fault> {
         let coupled = |limit: CoupledLimit| {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
             fault.exceeds(limit.actual, limit.limit, limit.unit)
         };
-        self.robot.check_coupled(&self.position, position, duration).map_err(coupled)?;
+        self.robot.check_coupled(&step.from.position, position, step.duration).map_err(coupled)?;
         if stop.time > 0.0 {
             self.robot.check_coupled(position, &stop.position, stop.time).map_err(coupled)?;
         }
@@ -58,7 +89,8 @@ impl<R: Robot> Acceptor<R> {
     /// Whether the joints may go this way [rad or m] in `duration` \[s\].
     pub fn check_way(&self, way: &R::Joints, duration: f64) -> Result<(), Fault> {
         for i in 0..R::Joints::LEN {
-            let (speed, limit) = (way[i].abs() / duration, self.robot.limits().velocity[i]);
+            let speed = way[i].abs() / duration;
+            let limit = self.robot.limits().velocity[i];
             // A NaN is no small speed.
             let is_small = speed <= limit * (1.0 + RELATIVE) + ROUND_OFF / duration;
             if !is_small {
@@ -69,21 +101,18 @@ impl<R: Robot> Acceptor<R> {
         Ok(())
     }
 
-    /// Position `q`, velocity `v` and acceleration `a` against the limits; `held` is the velocity that is held when
-    /// the next demands are lost.
-    pub(super) fn check(
+    /// A state against the limits.
+    pub fn check(
         &self,
-        q: &R::Joints,
-        v: &R::Joints,
-        held: &R::Joints,
-        a: &R::Joints,
-        duration: f64,
+        next: &Proposed<'_, R::Joints>,
+        step: &CheckedStep<'_, R::Joints>,
     ) -> Result<Standstill<R::Joints>, Fault> {
+        let Proposed { position: q, velocity: v, held, acceleration: a } = *next;
+        let duration = step.duration;
         let mut stop = Standstill { position: *q, time: 0.0 };
         let limits: &Limits<R::Joints> = self.robot.limits();
         let per_second = duration.recip();
         let slack = |limit: f64, round_off: f64| limit * (1.0 + RELATIVE) + round_off;
-        let starting = self.starting && self.is_at_rest();
         // Without a jerk limit all joints brake in the time that the slowest to stop needs.
         let faster = |i: usize| v[i].abs().max(held[i].abs());
         let stop_time = (0..R::Joints::LEN).map(|i| faster(i) / limits.acceleration[i]).fold(0.0, f64::max);
@@ -94,9 +123,10 @@ impl<R: Robot> Acceptor<R> {
             };
             let speed_limit = limits.velocity[i];
             if v[i].abs() > slack(speed_limit, round_off * per_second) {
-                if starting {
+                if step.starting {
                     // A first demand a whole jump away is not a fast motion but a wrong start.
-                    let (jump, way) = (v[i].abs() * duration, speed_limit * duration);
+                    let jump = v[i].abs() * duration;
+                    let way = speed_limit * duration;
                     let fault = excess(FaultKind::StartPoseMismatch, jump, way, self.robot.joint(i).unit(0));
                     return Err(
                         fault.text("the first demand jumps; begin at `e.demanded()`, as in `first = ..`")
@@ -123,7 +153,8 @@ impl<R: Robot> Acceptor<R> {
                 None => 0.5 * lost * stop_time,
             };
             let distance = braking + lost * self.reaction;
-            let (lower, upper) = (limits.lower[i] - round_off, limits.upper[i] + round_off);
+            let lower = limits.lower[i] - round_off;
+            let upper = limits.upper[i] + round_off;
             stop.position[i] = q[i] + distance.copysign(if kept.abs() > v[i].abs() { kept } else { v[i] });
             if lost > 0.0 {
                 stop.time = stop.time.max(distance / lost);
@@ -147,7 +178,7 @@ impl<R: Robot> Acceptor<R> {
                 ));
             }
             if let Some(limit) = jerk_limit {
-                let jerk = (a[i] - self.acceleration[i]) * per_second;
+                let jerk = (a[i] - step.from.acceleration[i]) * per_second;
                 if jerk.abs() > slack(limit, 8.0 * round_off * per_second * per_second * per_second) {
                     return Err(excess(
                         FaultKind::DemandedJerk,

@@ -10,15 +10,13 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::pose::Pose;
 use crate::model::robot::{NoInverse, Robot};
 
-use super::Acceptor;
-
 /// Deviation of a quaternion's norm from 1 below which a rotation is taken, normalised.
 const FRAME_TOLERANCE: f64 = 1e-6;
 
 /// How far from a demanded pose `forward` of its `inverse` may be \[m\].
 const AGREEMENT: f64 = 1e-3;
 
-/// What a robot is told of whose `inverse` and `forward` are not of one arm.
+/// The message of a robot whose `inverse` and `forward` do not belong to one arm.
 pub(crate) const DISAGREEMENT: &str = "`forward` of the joints that `inverse` gives is another pose";
 
 /// How the message of [`NoInverse::NotAttainable`] begins.
@@ -30,56 +28,72 @@ pub(crate) const NOT_REDUNDANT: &str = "a redundancy is demanded of a robot that
 /// How the message of [`NoInverse::NotConverged`] begins.
 pub(crate) const NOT_FOUND: &str = "no joints found from here";
 
-impl<R: Robot> Acceptor<R> {
-    pub(super) fn joints_at(
-        &self,
-        pose: &Pose,
-        tool: &Pose,
-        redundancy: Option<f64>,
-    ) -> Result<R::Joints, Fault> {
-        let flange = pose * tool.inverse();
-        // Beside the path: a redundant robot that has been elsewhere must not bend the path that it comes back to.
-        let near = &self.path.position;
-        let joints = match redundancy {
-            None => self.robot.inverse(&flange, near),
-            Some(value) if value.is_finite() => self.robot.inverse_at(&flange, value, near),
-            Some(_) => return Err(Fault::new(FaultKind::DemandNotFinite).text("the redundancy")),
-        };
-        joints.map_err(|error| no_inverse(&error, pose, "tool"))
-    }
+/// A pose of the tool that is demanded, and how.
+#[derive(Clone, Copy)]
+pub(super) struct ToolPose<'a> {
+    /// `X_WE`.
+    pub pose: &'a Pose,
+    /// `X_FE`.
+    pub tool: &'a Pose,
+    /// The value of the robot's redundancy that is asked for.
+    pub redundancy: Option<f64>,
+}
 
-    /// The joints that put the flange at `pose`, for a servo period between two demands.
-    pub fn flange_joints(&self, pose: &Pose, near: &R::Joints) -> Result<R::Joints, Fault> {
-        self.robot.inverse(pose, near).map_err(|error| no_inverse(&error, pose, "flange"))
-    }
+/// The joints that put the tool there, on the branch nearest to `near`.
+pub(super) fn joints_at<R: Robot>(
+    robot: &R,
+    at: &ToolPose<'_>,
+    near: &R::Joints,
+) -> Result<R::Joints, Fault> {
+    let flange = at.pose * at.tool.inverse();
+    let joints = match at.redundancy {
+        None => robot.inverse(&flange, near),
+        Some(value) if value.is_finite() => robot.inverse_at(&flange, value, near),
+        Some(_) => return Err(Fault::new(FaultKind::DemandNotFinite).text("the redundancy")),
+    };
+    joints.map_err(|error| no_inverse(&error, at.pose, "tool"))
+}
 
-    /// Whether a pose that breaks a limit does so because the robot's `inverse` is none of its `forward`.
-    pub(super) fn disagreement(&self, demand: &Demand<R>, q: &R::Joints, tool: &Pose) -> Option<Fault> {
-        let Coordinates::Pose(pose) = &demand.coordinates else { return None };
-        let off = (self.robot.forward(q) * tool).translation.vector - pose.translation.vector;
-        (off.norm() > AGREEMENT).then(|| {
-            Fault::new(FaultKind::NoInverseKinematics).text(DISAGREEMENT).exceeds(off.norm(), AGREEMENT, "m")
-        })
-    }
+/// The joints that put the flange at `pose`, on the branch nearest to `near`.
+pub(super) fn flange_joints<R: Robot>(robot: &R, pose: &Pose, near: &R::Joints) -> Result<R::Joints, Fault> {
+    robot.inverse(pose, near).map_err(|error| no_inverse(&error, pose, "flange"))
+}
 
-    /// Names the singularity beside which a demanded pose asks too much of the joints.
-    pub(super) fn beside_singularity(&self, demand: &Demand<R>, fault: Fault) -> Fault {
-        match (&demand.coordinates, self.robot.near_singularity(&self.position)) {
-            (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name))
-                if fault.message().is_empty() =>
-            {
-                fault.text(name)
-            }
-            (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => {
-                let text = format!("{}, {name}", fault.message());
-                fault.text(&text)
-            }
-            (Coordinates::Hold | Coordinates::Joints(_), _) | (_, None) => fault,
+/// Whether a pose that breaks a limit does so because the robot's `inverse` does not belong to its `forward`: `q` is what
+/// `inverse` gave.
+pub(super) fn disagreement<R: Robot>(
+    robot: &R,
+    demand: &Demand<R>,
+    q: &R::Joints,
+    tool: &Pose,
+) -> Option<Fault> {
+    let Coordinates::Pose(pose) = &demand.coordinates else { return None };
+    let off = (robot.forward(q) * tool).translation.vector - pose.translation.vector;
+    (off.norm() > AGREEMENT).then(|| {
+        Fault::new(FaultKind::NoInverseKinematics).text(DISAGREEMENT).exceeds(off.norm(), AGREEMENT, "m")
+    })
+}
+
+/// Names the singularity beside which a demanded pose asks too much of the joints, which are at `q`.
+pub(super) fn beside_singularity<R: Robot>(
+    robot: &R,
+    demand: &Demand<R>,
+    q: &R::Joints,
+    fault: Fault,
+) -> Fault {
+    match (&demand.coordinates, robot.near_singularity(q)) {
+        (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) if fault.message().is_empty() => {
+            fault.text(name)
         }
+        (Coordinates::Pose(_) | Coordinates::Displacement(_), Some(name)) => {
+            let text = format!("{}, {name}", fault.message());
+            fault.text(&text)
+        }
+        (Coordinates::Hold | Coordinates::Joints(_), _) | (_, None) => fault,
     }
 }
 
-/// The fault that a pose without joint positions is; `frame` is what was to go there.
+/// The fault of a pose that has no joint positions; `frame` is what was to go there.
 fn no_inverse(error: &NoInverse, pose: &Pose, frame: &str) -> Fault {
     let fault = Fault::new(FaultKind::NoInverseKinematics);
     let Translation3 { vector: p } = pose.translation;

@@ -122,18 +122,21 @@ fn an_accepted_demand_is_the_next_state() {
     acceptor.begin();
     let accepted = acceptor.accept(&joints(4e-6, -6e-6), 0.5 * T, T).expect("slow");
     both(accepted.joints(), [4e-6, -6e-6]);
-    both(&acceptor.velocity, [4e-3, -6e-3]);
-    both(&acceptor.acceleration, [4.0, -6.0]);
+    both(&acceptor.state.velocity, [4e-3, -6e-3]);
+    both(&acceptor.state.acceleration, [4.0, -6.0]);
     // At half the rate a path has twice this speed as planned.
-    both(&acceptor.path_speed, [8e-3, 12e-3]);
-    assert!((acceptor.rate, acceptor.period, acceptor.bridged) == (0.5, T, 0.0) && !acceptor.is_at_rest());
+    both(&acceptor.pace.path_speed, [8e-3, 12e-3]);
+    assert!(
+        (acceptor.pace.rate, acceptor.pace.period, acceptor.pace.bridged) == (0.5, T, 0.0)
+            && !acceptor.is_at_rest()
+    );
     // The second difference is the acceleration: 1e-6 m more in 1 ms than in the step before.
     acceptor.accept(&joints(9e-6, -6e-6), T, T).expect("slow");
-    both(&acceptor.velocity, [5e-3, 0.0]);
-    both(&acceptor.acceleration, [1.0, 6.0]);
+    both(&acceptor.state.velocity, [5e-3, 0.0]);
+    both(&acceptor.state.acceleration, [1.0, 6.0]);
     // A robot that is suspended is to be resumed into the speed that it had: the quotient of two zeros is none.
     acceptor.accept(&joints(9e-6, -6e-6), 0.0, T).expect("stands");
-    both(&acceptor.path_speed, [5e-3, 0.0]);
+    both(&acceptor.pace.path_speed, [5e-3, 0.0]);
 }
 
 #[test]
@@ -142,46 +145,46 @@ fn the_path_velocity_after_lost_demands_is_the_mean_of_all_their_steps() {
     acceptor.accept(&joints(5e-6, 0.0), T, T).expect("slow");
     acceptor.extrapolate(T);
     acceptor.extrapolate(T);
-    both(&acceptor.position, [15e-6, 0.0]);
-    near(acceptor.path.missing, 2.0 * T);
+    both(&acceptor.state.position, [15e-6, 0.0]);
+    near(acceptor.track.path.missing, 2.0 * T);
     // 8 mm/s for three steps, at 5 mm/s for two of which it went on: 14 mm/s now.
     acceptor.accept(&joints(29e-6, 0.0), T, T).expect("slow");
-    near(acceptor.path.velocity[0], 8e-3);
-    near(acceptor.velocity[0], 14e-3);
-    near(acceptor.bridged, 2.0);
-    assert_eq!(acceptor.path.missing, 0.0);
+    near(acceptor.track.path.velocity[0], 8e-3);
+    near(acceptor.state.velocity[0], 14e-3);
+    near(acceptor.pace.bridged, 2.0);
+    assert_eq!(acceptor.track.path.missing, 0.0);
     // Back to the path's velocity at once, which is what its acceleration is.
     acceptor.extrapolate(T);
-    near(acceptor.velocity[0], 8e-3);
-    near(acceptor.acceleration[0], -6.0);
-    near(acceptor.position[0], 37e-6);
+    near(acceptor.state.velocity[0], 8e-3);
+    near(acceptor.state.acceleration[0], -6.0);
+    near(acceptor.state.position[0], 37e-6);
 }
 
 #[test]
 fn an_acceleration_fades_by_the_jerk_limit_when_demands_are_lost() {
     let mut acceptor = acceptor(Turntable::with_jerk(2000.0, 2000.0));
-    (acceptor.velocity, acceptor.acceleration) = (Two::new(0.1, 0.2), Two::new(5.0, -1.5));
+    (acceptor.state.velocity, acceptor.state.acceleration) = (Two::new(0.1, 0.2), Two::new(5.0, -1.5));
     acceptor.extrapolate(T);
     // By 2 m/s² in a millisecond, and not beyond zero.
-    both(&acceptor.acceleration, [3.0, 0.0]);
-    both(&acceptor.velocity, [0.103, 0.2]);
-    both(&acceptor.position, [0.103e-3, 0.2e-3]);
-    assert_eq!((acceptor.path.missing, acceptor.period), (T, T));
-    acceptor.acceleration = Two::new(-5.0, 0.0);
+    both(&acceptor.state.acceleration, [3.0, 0.0]);
+    both(&acceptor.state.velocity, [0.103, 0.2]);
+    both(&acceptor.state.position, [0.103e-3, 0.2e-3]);
+    assert_eq!((acceptor.track.path.missing, acceptor.pace.period), (T, T));
+    acceptor.state.acceleration = Two::new(-5.0, 0.0);
     acceptor.extrapolate(T);
-    both(&acceptor.acceleration, [-3.0, 0.0]);
+    both(&acceptor.state.acceleration, [-3.0, 0.0]);
 }
 
 #[test]
 fn to_hold_takes_the_velocity_away_in_one_step() {
     let mut acceptor = acceptor(Turntable::new());
-    acceptor.velocity = Two::new(0.009, -0.019);
+    acceptor.state.velocity = Two::new(0.009, -0.019);
     assert!(acceptor.can_hold(T));
     acceptor.hold(T).unwrap();
-    both(&acceptor.acceleration, [-9.0, 19.0]);
-    assert!(acceptor.is_at_rest() && acceptor.position == Two::zeros());
+    both(&acceptor.state.acceleration, [-9.0, 19.0]);
+    assert!(acceptor.is_at_rest() && acceptor.state.position == Two::zeros());
     // 11 m/s² is more than 10.
-    acceptor.velocity[0] = 0.011;
+    acceptor.state.velocity[0] = 0.011;
     assert!(!acceptor.can_hold(T));
 }
 
@@ -189,10 +192,10 @@ fn to_hold_takes_the_velocity_away_in_one_step() {
 fn to_hold_is_the_end_of_a_deceleration_and_no_change_of_it() {
     // The last step of a ramp: from -4 m/s² on to -2 m/s², by 2000 m/s³.
     let mut acceptor = acceptor(Turntable::with_jerk(2500.0, 2500.0));
-    (acceptor.velocity, acceptor.acceleration) = (Two::new(2e-3, 0.0), Two::new(-4.0, 0.0));
+    (acceptor.state.velocity, acceptor.state.acceleration) = (Two::new(2e-3, 0.0), Two::new(-4.0, 0.0));
     assert!(acceptor.can_hold(T));
     // From 4 m/s² it would be 6000 m/s³.
-    acceptor.acceleration[0] = 4.0;
+    acceptor.state.acceleration[0] = 4.0;
     assert!(!acceptor.can_hold(T));
 }
 
@@ -200,20 +203,20 @@ fn to_hold_is_the_end_of_a_deceleration_and_no_change_of_it() {
 fn a_robot_brakes_from_the_velocity_that_it_has_at_the_end_of_its_last_step() {
     // At -10 m/s² already: on with it down to a²/2j, then let go: (v² - v1²) / 2a + a³/6j².
     let mut acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
-    (acceptor.velocity, acceptor.acceleration, acceptor.period) =
+    (acceptor.state.velocity, acceptor.state.acceleration, acceptor.pace.period) =
         (Two::new(0.5, 0.0), Two::new(-10.0, 0.0), T);
     let (v, v1) = (0.5 - 0.5 * 10.0 * T, 0.05);
     let distance = (v * v - v1 * v1) / 20.0 + 1000.0 / 6e6;
     near(acceptor.braking().advance(10.0).0[0], distance);
     // Without a jerk limit from the velocity itself: 10 m/s² from the next step on.
     let mut acceptor = self::acceptor(Turntable::new());
-    (acceptor.velocity, acceptor.acceleration, acceptor.period) =
+    (acceptor.state.velocity, acceptor.state.acceleration, acceptor.pace.period) =
         (Two::new(1.0, 0.0), Two::new(10.0, 0.0), T);
     let mut braking = acceptor.braking();
     acceptor.brake(&mut braking, T);
-    near(acceptor.velocity[0], 0.99);
-    near(acceptor.acceleration[0], -10.0);
-    near(acceptor.position[0], 0.995e-3);
+    near(acceptor.state.velocity[0], 0.99);
+    near(acceptor.state.acceleration[0], -10.0);
+    near(acceptor.state.position[0], 0.995e-3);
 }
 
 #[test]
@@ -224,34 +227,34 @@ fn poses_are_of_the_tool_and_displacements_from_where_the_tool_was_in_its_own_ax
         (l.lower, l.upper) = (Two::repeat(-1e6), Two::repeat(1e6));
     });
     let mut acceptor = acceptor(slow);
-    acceptor.reaction = 0.0;
-    acceptor.position = Two::new(0.3, 0.5);
+    acceptor.checks.reaction = 0.0;
+    acceptor.state.position = Two::new(0.3, 0.5);
     let tool = acceptor.tool_pose(&Two::new(0.3, 0.5));
     near(tool.translation.x, 0.3 + 0.1 * 0.5_f64.cos());
     near(tool.translation.y, 0.1 * 0.5_f64.sin());
     near(tool.translation.z, 0.2);
     acceptor.begin();
     acceptor.accept(&Demand::pose(tool), T, T).expect("where it is");
-    both(&acceptor.position, [0.3, 0.5]);
+    both(&acceptor.state.position, [0.3, 0.5]);
     // The flange under a tool that is displaced by Rot(z, 0.4), Trans(0.02, 0, 0) in its own axes:
     // x = 0.3 + 0.1 cos 0.5 + (0.02 - 0.1) cos 0.9.
     let by = Pose::new(Vector3::zeros(), Vector3::new(0.0, 0.0, 0.4)) * Pose::translation(0.02, 0.0, 0.0);
     acceptor.accept(&Demand::displacement(by), T, T).expect("fast");
-    both(&acceptor.position, [0.3 + 0.1 * 0.5_f64.cos() - 0.08 * 0.9_f64.cos(), 0.9]);
+    both(&acceptor.state.position, [0.3 + 0.1 * 0.5_f64.cos() - 0.08 * 0.9_f64.cos(), 0.9]);
     // Still from the pose at the start of the motion.
     acceptor.accept(&Demand::displacement(Pose::identity()), T, T).expect("fast");
-    both(&acceptor.position, [0.3, 0.5]);
+    both(&acceptor.state.position, [0.3, 0.5]);
     // Another motion starts elsewhere.
-    acceptor.position = Two::new(0.7, 0.0);
+    acceptor.state.position = Two::new(0.7, 0.0);
     acceptor.begin();
     acceptor.accept(&Demand::displacement(Pose::identity()), T, T).expect("fast");
-    both(&acceptor.position, [0.7, 0.0]);
+    both(&acceptor.state.position, [0.7, 0.0]);
     // A tool stays in force, from a demand that came too late as well.
     let longer = Pose::translation(0.2, 0.0, 0.0);
     acceptor.note_late(&Demand::hold().with_tool(longer)).expect("a frame");
     assert_eq!(*acceptor.tool(), longer);
     acceptor.accept(&Demand::pose(Pose::translation(1.0, 0.0, 0.0)), T, T).expect("fast");
-    both(&acceptor.position, [0.8, 0.0]);
+    both(&acceptor.state.position, [0.8, 0.0]);
 }
 
 #[test]
@@ -259,7 +262,7 @@ fn a_redundancy_is_for_poses_and_a_number() {
     let mut acceptor = acceptor(Turntable::with(|l| l.acceleration = Two::repeat(1e6)));
     let here = Demand::pose(acceptor.tool_pose(&Two::zeros()));
     acceptor.accept(&here.with_redundancy(1e-6), T, T).expect("slow");
-    near(acceptor.position[0], 1e-6);
+    near(acceptor.state.position[0], 1e-6);
     let kind = |result: Result<AcceptedDemand<Turntable>, Fault>| result.map(|_| ()).map_err(|f| f.kind());
     let fault = acceptor.accept(&here.with_redundancy(f64::NAN), T, T).expect_err("no number");
     assert_eq!((fault.kind(), fault.message()), (FaultKind::DemandNotFinite, "the redundancy"));
@@ -270,8 +273,9 @@ fn a_redundancy_is_for_poses_and_a_number() {
 #[test]
 fn a_screw_is_that_of_the_last_step_in_the_world_and_is_gone_on_along() {
     let mut acceptor = acceptor(Turntable::new());
-    (acceptor.position, acceptor.velocity) = (Two::new(0.2, 0.1), Two::new(0.3, 0.4));
-    (acceptor.path.position, acceptor.path.velocity) = (acceptor.position, Two::new(0.2, 0.5));
+    (acceptor.state.position, acceptor.state.velocity) = (Two::new(0.2, 0.1), Two::new(0.3, 0.4));
+    (acceptor.track.path.position, acceptor.track.path.velocity) =
+        (acceptor.state.position, Two::new(0.2, 0.5));
     let before = Pose::new(Vector3::new(0.2 - 0.2e-3, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1 - 0.5e-3));
     let after = Pose::new(Vector3::new(0.2, 0.0, 0.0), Vector3::new(0.0, 0.0, 0.1));
     let off = acceptor.screw(T).part(1.0).inv_mul(&(after * before.inverse()));
@@ -282,27 +286,27 @@ fn a_screw_is_that_of_the_last_step_in_the_world_and_is_gone_on_along() {
     let way = 0.2 + 0.305e-3 - 0.2 * turn.cos();
     let by = Pose::new(Vector3::new(way, 0.0, 0.0), Vector3::new(0.0, 0.0, turn));
     acceptor.go_on(&by, T).expect("within the limits");
-    both(&acceptor.position, [0.200305, 0.10039]);
-    assert!((acceptor.velocity - Two::new(0.305, 0.39)).amax() < 1e-9);
-    assert!((acceptor.acceleration - Two::new(5.0, -10.0)).amax() < 1e-6);
-    assert_eq!(acceptor.period, T);
+    both(&acceptor.state.position, [0.200305, 0.10039]);
+    assert!((acceptor.state.velocity - Two::new(0.305, 0.39)).amax() < 1e-9);
+    assert!((acceptor.state.acceleration - Two::new(5.0, -10.0)).amax() < 1e-6);
+    assert_eq!(acceptor.pace.period, T);
     // A demand is awaited still, from where the path was.
-    near(acceptor.path.missing, T);
+    near(acceptor.track.path.missing, T);
     acceptor.go_on(&Pose::identity(), T).expect_err("305 m/s²");
-    near(acceptor.path.missing, T);
+    near(acceptor.track.path.missing, T);
     acceptor.go_on(&by, T).expect("5 m/s² less");
-    near(acceptor.path.missing, 2.0 * T);
+    near(acceptor.track.path.missing, 2.0 * T);
 }
 
 #[test]
 fn what_slows_down_has_no_demand_to_make_up_for() {
     let mut acceptor = acceptor(Turntable::new());
-    (acceptor.path.missing, acceptor.path.position) = (0.005, Two::new(0.7, 0.7));
+    (acceptor.track.path.missing, acceptor.track.path.position) = (0.005, Two::new(0.7, 0.7));
     acceptor.slow_down(&Pose::translation(5e-6, 0.0, 0.0), T).expect("slow");
-    assert_eq!((acceptor.path.missing, acceptor.path.position), (0.0, acceptor.position));
-    near(acceptor.path.velocity[0], 5e-3);
+    assert_eq!((acceptor.track.path.missing, acceptor.track.path.position), (0.0, acceptor.state.position));
+    near(acceptor.track.path.velocity[0], 5e-3);
     // Off the screw for want of numbers.
-    acceptor.robot.off = f64::NAN;
+    acceptor.checks.robot.off = f64::NAN;
     let fault = acceptor.go_on(&Pose::identity(), T).expect_err("no number");
     assert_eq!((fault.kind(), fault.joint()), (FaultKind::DemandNotFinite, Some(0)));
 }

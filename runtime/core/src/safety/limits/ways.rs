@@ -7,9 +7,23 @@ use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::screw::Screw;
 
+use super::Acceptor;
 use super::catching_up::{CatchingUp, Late};
+use super::path::{OffPath, Track};
 use super::rejoining::Rejoining;
-use super::{Acceptor, Next, OffPath, Path};
+
+/// A state for the end of a step.
+pub(super) struct Next<J> {
+    pub position: J,
+    pub velocity: J,
+    pub track: Track<J>,
+}
+
+/// A state to which a missing demand brings the robot.
+pub(super) struct Displaced<J> {
+    pub position: J,
+    pub velocity: J,
+}
 
 impl<R: Robot> Acceptor<R> {
     /// The state at the end of a step in which the path goes to `demand`: there, or, where demands were late and the limits
@@ -20,16 +34,21 @@ impl<R: Robot> Acceptor<R> {
         duration: f64,
         all_missed: bool,
     ) -> Result<Next<R::Joints>, Fault> {
-        let missed = (self.path.missing / duration).round();
-        let way = match &self.off_path {
-            Some(OffPath::Together(way)) if missed == 0.0 || self.path.on_screw => Some(way),
+        let missed = (self.track.path.missing / duration).round();
+        let way = match &self.track.off_path {
+            Some(OffPath::Together(way)) if missed == 0.0 || self.track.path.on_screw => Some(way),
             Some(_) | None => None,
         };
         // One that is off its path by its joints does not come back with the others.
-        let with_others = self.path.on_screw && !matches!(self.off_path, Some(OffPath::Joints(_)));
+        let with_others =
+            self.track.path.on_screw && !matches!(self.track.off_path, Some(OffPath::Joints(_)));
         let rejoin = || {
-            let over = Screw::between(&self.robot.forward(&self.path.position), &self.robot.forward(demand));
-            let way = Rejoining::after(way, self.path_screw(duration), over, missed);
+            let over = Screw::between(
+                &self.checks.robot.forward(&self.track.path.position),
+                &self.checks.robot.forward(demand),
+            );
+            let way =
+                Rejoining::after(way, self.track.path_screw(&self.checks.robot, duration), over, missed);
             self.beside(demand, way, duration)
         };
         if all_missed && with_others {
@@ -58,78 +77,56 @@ impl<R: Robot> Acceptor<R> {
         rejoining: Rejoining,
         duration: f64,
     ) -> Result<Next<R::Joints>, Fault> {
-        let X_WF = rejoining.displacement() * self.robot.forward(demand);
+        let X_WF = rejoining.displacement() * self.checks.robot.forward(demand);
         let position = self.flange_joints(&X_WF, demand)?;
         let velocity = self.velocity_to(&position, None, duration)?;
         let off_path = Some(OffPath::Together(rejoining));
-        Ok(Next { position, velocity, path: self.path_to(demand, duration), off_path })
+        let track = Track { path: self.track.path_to(demand, duration), off_path };
+        Ok(Next { position, velocity, track })
     }
 
     /// The state at a demand.
     fn there(&self, demand: &R::Joints, duration: f64) -> Result<Next<R::Joints>, Fault> {
-        let path = self.path_to(demand, duration);
+        let path = self.track.path_to(demand, duration);
         let velocity = self.velocity_to(demand, Some(&path.velocity), duration)?;
-        Ok(Next { position: *demand, velocity, path, off_path: None })
+        Ok(Next { position: *demand, velocity, track: Track { path, off_path: None } })
     }
 
     /// A state on the way back to the path; none where that is too far.
     fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<Next<R::Joints>>, Fault> {
-        let path = self.path_to(demand, duration);
+        let path = self.track.path_to(demand, duration);
         // Both velocities are those of the middles of their times.
         let acceleration =
-            (path.velocity - self.path.velocity) * (0.5 * (path.span + self.path.span)).recip();
+            (path.velocity - self.track.path.velocity) * (0.5 * (path.span + self.track.path.span)).recip();
         self.check(demand, &path.velocity, &path.velocity, &acceleration, duration)?;
         let late = Late {
-            position: &self.position,
-            velocity: &self.velocity,
+            position: &self.state.position,
+            velocity: &self.state.velocity,
             demand,
-            before: &self.path.position,
+            before: &self.track.path.position,
             path_velocity: &path.velocity,
             path_acceleration: &acceleration,
             time: path.span,
             duration,
         };
-        let known = match &self.off_path {
+        let known = match &self.track.off_path {
             Some(OffPath::Joints(known)) => Some(known),
             Some(OffPath::Together(_)) | None => None,
         };
-        let Some((position, off_path)) = CatchingUp::next(known, &late, self.robot.limits()) else {
+        let Some((position, off_path)) = CatchingUp::next(known, &late, self.checks.robot.limits()) else {
             return Ok(None);
         };
         let velocity = self.velocity_to(&position, None, duration)?;
-        Ok(Some(Next { position, velocity, path, off_path: off_path.map(OffPath::Joints) }))
+        let off_path = off_path.map(OffPath::Joints);
+        Ok(Some(Next { position, velocity, track: Track { path, off_path } }))
     }
 
-    /// The path once it has come to `demand`.
-    fn path_to(&self, demand: &R::Joints, duration: f64) -> Path<R::Joints> {
-        let span = self.path.missing + duration;
-        Path::after(*demand, (*demand - self.path.position) * span.recip(), span)
-    }
-
-    /// The displacement of the last step in the world: the path's, and that of the way back to it.
-    pub fn screw(&self, duration: f64) -> Screw {
-        match &self.off_path {
-            Some(OffPath::Together(way)) => self.path_screw(duration) + way.change(),
-            Some(OffPath::Joints(_)) | None => self.path_screw(duration),
-        }
-    }
-
-    /// The displacement of the path's last step in the world, as its mean velocity makes it.
-    fn path_screw(&self, duration: f64) -> Screw {
-        let before = self.path.position - self.path.velocity * duration;
-        let of_joints =
-            || Screw::between(&self.robot.forward(&before), &self.robot.forward(&self.path.position));
-        match &self.off_path {
-            Some(OffPath::Together(way)) => way.path_screw().unwrap_or_else(of_joints),
-            Some(OffPath::Joints(_)) | None => of_joints(),
-        }
-    }
-
-    /// The joints, and their velocity, that displace the flange by `D` in the world.
+    /// The state that the flange has once it is displaced by `D` in the world.
     #[allow(non_snake_case)]
-    pub(super) fn displaced(&self, D: &Pose, duration: f64) -> Result<(R::Joints, R::Joints), Fault> {
-        let X_WF = D * self.robot.forward(&self.position);
-        let position = self.flange_joints(&X_WF, &self.position)?;
-        Ok((position, self.velocity_to(&position, None, duration)?))
+    pub(super) fn displaced(&self, D: &Pose, duration: f64) -> Result<Displaced<R::Joints>, Fault> {
+        let X_WF = D * self.checks.robot.forward(&self.state.position);
+        let position = self.flange_joints(&X_WF, &self.state.position)?;
+        let velocity = self.velocity_to(&position, None, duration)?;
+        Ok(Displaced { position, velocity })
     }
 }

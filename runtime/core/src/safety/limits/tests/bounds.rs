@@ -73,7 +73,7 @@ fn fault_21_an_acceleration_is_taken_up_to_the_limit_and_round_off() {
 fn fault_21_a_jerk_is_taken_up_to_the_limit_and_round_off() {
     let jerk = |jerk: f64| {
         let mut acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
-        acceptor.acceleration = Two::new(0.0, 3.0);
+        acceptor.state.acceleration = Two::new(0.0, 3.0);
         check(&acceptor, ZERO, ZERO, Two::new(0.0, 3.0 + jerk * T))
     };
     // Of 1000 rad/s³ 1e-6; of eight positions in 1 ms, three times differenced, 8e-3.
@@ -93,7 +93,7 @@ fn fault_20_a_position_is_taken_up_to_the_limit_and_round_off() {
     let robot = || Turntable::with(|l| (l.lower, l.upper) = (Two::repeat(-0.5), Two::repeat(0.5)));
     let at = |q: f64, v: f64| {
         let mut acceptor = acceptor(robot());
-        acceptor.reaction = 0.0;
+        acceptor.checks.reaction = 0.0;
         check(&acceptor, Two::new(q, 0.0), Two::new(v, 0.0), ZERO)
     };
     for sign in [1.0, -1.0] {
@@ -132,7 +132,7 @@ fn fault_20_a_joint_with_a_jerk_limit_stops_before_its_limit_when_its_demands_ar
     // 0.1 m/s at 4 m/s² is 0.1 + 4²/2000 = 0.108 m/s when the acceleration has faded by 1000 m/s³.
     let mut acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
     let mut stop = |v: f64, a: f64| {
-        acceptor.acceleration = Two::new(a, 0.0);
+        acceptor.state.acceleration = Two::new(a, 0.0);
         acceptor.check(&ZERO, &Two::new(v, 0.0), &ZERO, &Two::new(a, 0.0), T).expect("in range")
     };
     for (v, a, lost) in [(0.1, 4.0, 0.108), (-0.1, -4.0, 0.108), (0.1, -4.0, 0.1), (0.1, 0.0, 0.1)] {
@@ -160,14 +160,14 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
                 for q in [1.0 - way, way - 1.0] {
                     let mut acceptor = Acceptor::new(robot.clone(), Pose::identity(), ZERO, REACTION);
                     let [q, v, held, a] = [q, v, held, a].map(|x| Two::new(x, 0.0));
-                    acceptor.acceleration = a;
+                    acceptor.state.acceleration = a;
                     if acceptor.check(&q, &v, &held, &a, T).is_err() {
                         refused += 1;
                         continue;
                     }
                     kept += 1;
-                    (acceptor.position, acceptor.path.position, acceptor.period) = (q, q, T);
-                    (acceptor.velocity, acceptor.path.velocity) = (v, held);
+                    (acceptor.state.position, acceptor.track.path.position, acceptor.pace.period) = (q, q, T);
+                    (acceptor.state.velocity, acceptor.track.path.velocity) = (v, held);
                     for _ in 0..20 {
                         let _ = acceptor.extrapolate(T);
                     }
@@ -175,7 +175,7 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
                     while !braking.is_over() {
                         acceptor.brake(&mut braking, T);
                     }
-                    let end = acceptor.position[0];
+                    let end = acceptor.state.position[0];
                     assert!(end.abs() <= 1.0 + 1e-9, "{end} from {q} by {v}, {held}, {a} of {jerk:?}");
                 }
             }
@@ -187,8 +187,8 @@ fn fault_20_no_joint_leaves_its_range_whatever_it_does_when_its_demands_are_lost
 #[test]
 fn limits_that_joints_share_are_checked_at_the_demand_and_where_the_robot_would_stand() {
     let mut acceptor = acceptor(Turntable { sum: 0.5, ..Turntable::new() });
-    (acceptor.position, acceptor.velocity) = (Two::new(0.2, 0.28), Two::new(0.5, 0.0));
-    acceptor.path.position = acceptor.position;
+    (acceptor.state.position, acceptor.state.velocity) = (Two::new(0.2, 0.28), Two::new(0.5, 0.0));
+    acceptor.track.path.position = acceptor.state.position;
     let fault = acceptor.accept(&joints(0.2005, 0.28), T, T).expect_err("0.5 m/s takes 23 mm");
     // v²/2a = 12.5 mm, and 21 ms.
     let excess = fault.excess().expect("a sum");
@@ -196,9 +196,9 @@ fn limits_that_joints_share_are_checked_at_the_demand_and_where_the_robot_would_
     assert_eq!((fault.kind(), fault.message(), excess.limit), (FaultKind::DemandOutOfRange, "sum", 0.5));
     // One that stands needs no way to stop, and is checked all the same.
     let mut acceptor = self::acceptor(Turntable { sum: 0.5, ..Turntable::new() });
-    (acceptor.position, acceptor.path.position) = (Two::new(0.25, 0.25), Two::new(0.25, 0.25));
+    (acceptor.state.position, acceptor.track.path.position) = (Two::new(0.25, 0.25), Two::new(0.25, 0.25));
     acceptor.accept(&joints(0.25, 0.25), T, T).expect("at the limit");
-    acceptor.robot.sum = 0.4;
+    acceptor.checks.robot.sum = 0.4;
     acceptor.accept(&joints(0.25, 0.25), T, T).expect_err("beyond it");
 }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::safety::limits::catching_up::{FARTHEST, velocity_back};
+use crate::safety::limits::path::OffPath;
 
 /// A path of the first joint that begins and ends at rest, with trapezoidal velocity; the second one turns by half of it.
 struct Trapezoid {
@@ -67,7 +68,7 @@ trait Course {
 /// Follows the path, without the demands of steps `k + 1` to `k + n`, and then holds where it ends.
 fn go(path: &impl Course, k: usize, n: usize) -> Result<Went, FaultKind> {
     let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
-    acceptor.robot.limits.upper[0] = 9.0;
+    acceptor.checks.robot.limits.upper[0] = 9.0;
     let last = (path.duration() / T).ceil() as usize + 1;
     let mut went = Went { end: Two::zeros(), off: 0.0, steps: 0 };
     let mut before = (Two::zeros(), Two::zeros());
@@ -146,7 +147,7 @@ fn fault_06_a_motion_whose_last_demand_is_late_ends_where_it_says() {
         let path = Trapezoid { v: 0.9, a: 9.0, cruise: 0.05 + 1e-4 * f64::from(part) };
         let last = (path.duration() / T).ceil() as usize;
         let mut acceptor = acceptor(Turntable::with(|limits| limits.lower[0] = -9.0));
-        acceptor.robot.limits.upper[0] = 9.0;
+        acceptor.checks.robot.limits.upper[0] = 9.0;
         for step in 1..last {
             acceptor.accept(&Demand::joints(path.at(step as f64 * T)), T, T).expect("in time");
         }
@@ -176,7 +177,7 @@ fn fault_22_a_motion_whose_first_demand_is_late_begins_late_unless_that_is_far_f
         acceptor.begin();
         let far = acceptor.begin_late(&joints(2e-3, 0.0), T, n as f64, false);
         assert_eq!(far.map_err(|fault| fault.kind()), Err(FaultKind::StartPoseMismatch));
-        assert!(acceptor.is_on_path() && acceptor.path.missing == 0.0);
+        assert!(acceptor.is_on_path() && acceptor.track.path.missing == 0.0);
         acceptor.begin_late(&Demand::joints(path.at(T)), T, n as f64, false).expect("near");
         let mut velocity = Two::zeros();
         for step in n + 1..400 {
@@ -219,7 +220,8 @@ fn fault_21_what_no_path_within_the_limits_comes_to_is_refused_however_late_it_i
         let most = 1e-5 * ((n + 1) * (n + 2) / 2) as f64;
         for (part, taken) in [(0.999, true), (-0.999, true), (1.001, false), (-1.001, false)] {
             let mut acceptor = acceptor(Turntable::new());
-            (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (0.3, 0.3, T);
+            (acceptor.state.velocity[0], acceptor.track.path.velocity[0], acceptor.track.path.span) =
+                (0.3, 0.3, T);
             for _ in 0..n {
                 acceptor.extrapolate(T);
             }
@@ -237,19 +239,19 @@ fn fault_21_what_no_path_within_the_limits_comes_to_is_refused_however_late_it_i
 fn a_jump_is_refused_while_a_robot_is_off_its_path() {
     let mut acceptor = acceptor(Turntable::new());
     let path = |t: f64| joints(0.3 * t - 4.5 * t * t, 0.0);
-    (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (0.3, 0.3, T);
+    (acceptor.state.velocity[0], acceptor.track.path.velocity[0], acceptor.track.path.span) = (0.3, 0.3, T);
     for _ in 0..5 {
         acceptor.extrapolate(T);
     }
     acceptor.accept(&path(6.0 * T), 6.0 * T, T).expect("within the limits");
     assert!(!acceptor.is_on_path() && !acceptor.is_at_rest());
     acceptor.accept(&path(7.0 * T), T, T).expect("within the limits");
-    let before = (acceptor.position, acceptor.demanded());
+    let before = (acceptor.state.position, acceptor.demanded());
     // 2e-5 m more than the path: 20 m/s².
     let Coordinates::Joints(next) = path(8.0 * T).coordinates else { panic!("joints") };
     let fault = acceptor.accept(&joints(next[0] + 2e-5, 0.0), T, T).expect_err("a jump");
     assert_eq!(fault.kind(), FaultKind::DemandedAcceleration);
-    assert_eq!((acceptor.position, acceptor.demanded()), before);
+    assert_eq!((acceptor.state.position, acceptor.demanded()), before);
     acceptor.accept(&path(8.0 * T), T, T).expect("within the limits");
 }
 
@@ -259,18 +261,18 @@ fn demands_that_are_lost_on_the_way_back_are_bridged_at_the_robots_own_velocity(
     let path = |t: f64| 0.3 * t - 4.5 * t * t;
     // The mean of the path's last step.
     let v = 0.3 + 4.5 * T;
-    (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (v, v, T);
+    (acceptor.state.velocity[0], acceptor.track.path.velocity[0], acceptor.track.path.span) = (v, v, T);
     for _ in 0..5 {
         acceptor.extrapolate(T);
     }
     let t = 6.0 * T;
     acceptor.accept(&joints(path(t), 0.0), t, T).expect("within the limits");
     // 10 m/s² in one step.
-    near(acceptor.velocity[0], v - 0.01);
-    let at = acceptor.position[0];
+    near(acceptor.state.velocity[0], v - 0.01);
+    let at = acceptor.state.position[0];
     acceptor.extrapolate(T);
-    near(acceptor.velocity[0], v - 0.01);
-    near(acceptor.position[0], at + (v - 0.01) * T);
+    near(acceptor.state.velocity[0], v - 0.01);
+    near(acceptor.state.position[0], at + (v - 0.01) * T);
     // What is shown of the path goes on at its own velocity, the mean of its last step.
     let (shown, velocity) = acceptor.demanded();
     near(velocity[0], (path(t) - path(t - T)) / T);
@@ -280,12 +282,12 @@ fn demands_that_are_lost_on_the_way_back_are_bridged_at_the_robots_own_velocity(
 #[test]
 fn fault_18_joints_of_an_inverse_that_are_no_numbers_are_refused_on_the_common_way_back() {
     let mut acceptor = acceptor(Turntable::new());
-    (acceptor.velocity[0], acceptor.path.velocity[0], acceptor.path.span) = (0.3, 0.3, T);
+    (acceptor.state.velocity[0], acceptor.track.path.velocity[0], acceptor.track.path.span) = (0.3, 0.3, T);
     acceptor.go_on(&Pose::translation(0.3 * T, 0.0, 0.0), T).expect("on the screw");
-    acceptor.robot.off = f64::NAN;
-    let before = acceptor.position;
+    acceptor.checks.robot.off = f64::NAN;
+    let before = acceptor.state.position;
     let fault = acceptor.rejoin(&joints(0.6 * T, 0.0), 2.0 * T, T).expect_err("no joints");
-    assert_eq!((fault.kind(), acceptor.position), (FaultKind::DemandNotFinite, before));
+    assert_eq!((fault.kind(), acceptor.state.position), (FaultKind::DemandNotFinite, before));
 }
 
 #[test]
@@ -327,21 +329,23 @@ fn an_arm_that_missed_a_demand_alone_goes_straight_to_the_next_and_arms_that_all
     let demand = joints(9e-6, 0.0);
     let mut alone = on_a_screw();
     alone.accept(&demand, 2.0 * T, T).expect("6 m/s²");
-    assert!(alone.is_on_path() && alone.position == Two::new(9e-6, 0.0), "{}", alone.position);
+    assert!(alone.is_on_path() && alone.state.position == Two::new(9e-6, 0.0), "{}", alone.state.position);
     let mut together = on_a_screw();
     together.rejoin(&demand, 2.0 * T, T).expect("within the limits");
-    assert!(matches!(together.off_path, Some(OffPath::Together(_))) && together.position[0] < 8e-6);
+    assert!(
+        matches!(together.track.off_path, Some(OffPath::Together(_))) && together.state.position[0] < 8e-6
+    );
     // 12 m/s² are too much at once: whether the others missed it, too, is not known.
     let mut unknown = acceptor(Turntable::new());
     unknown.accept(&joints(2e-6, 0.0), T, T).expect("slow");
     let screw = unknown.screw(T);
     unknown.go_on(&screw.part(1.0), T).expect("within the limits");
     unknown.accept(&joints(18e-6, 0.0), 2.0 * T, T).expect("on the way back");
-    assert!(matches!(unknown.off_path, Some(OffPath::Together(_))));
+    assert!(matches!(unknown.track.off_path, Some(OffPath::Together(_))));
     // One that was bridged by its joints since is beside the others anyway, and comes back by itself.
     together.extrapolate(T);
     together.accept(&joints(25e-6, 0.0), 2.0 * T, T).expect("within the limits");
-    assert!(!matches!(together.off_path, Some(OffPath::Together(_))));
+    assert!(!matches!(together.track.off_path, Some(OffPath::Together(_))));
 }
 
 #[test]
@@ -356,19 +360,19 @@ fn a_stop_ends_the_path_where_the_robot_is_if_one_step_can_take_its_velocity_awa
     let mut stopped = late();
     assert!(stopped.stop_at_once(T) && stopped.is_at_its_end());
     stopped.hold(T).expect("5 m/s²");
-    assert_eq!(stopped.position, Two::new(10e-6, 0.0));
+    assert_eq!(stopped.state.position, Two::new(10e-6, 0.0));
     // To hold is to come to where the path ends.
     let mut held = late();
     assert!(held.can_hold(T) && !held.is_at_its_end());
     held.hold(T).expect("1 m/s²");
-    assert_eq!(held.position, Two::new(11e-6, 0.0));
+    assert_eq!(held.state.position, Two::new(11e-6, 0.0));
     // 11 m/s² are more than 10.
     let mut fast = late();
-    fast.velocity[0] = 11e-3;
+    fast.state.velocity[0] = 11e-3;
     assert!(!fast.stop_at_once(T) && !fast.is_at_its_end());
     // One that is off its path brakes.
     let mut off = acceptor(Turntable::new());
-    (off.velocity[0], off.path.velocity[0], off.path.span) = (5e-3, 5e-3, T);
+    (off.state.velocity[0], off.track.path.velocity[0], off.track.path.span) = (5e-3, 5e-3, T);
     off.extrapolate(T);
     off.accept(&joints(24e-6, 0.0), T, T).expect("on the way back");
     assert!(!off.is_on_path() && !off.stop_at_once(T));

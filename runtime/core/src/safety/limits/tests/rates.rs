@@ -6,8 +6,8 @@ use crate::safety::braking::BrakingLaw;
 /// At 0.3 m/s and -0.2 rad/s.
 fn moving(robot: Turntable) -> Acceptor<Turntable> {
     let mut acceptor = acceptor(robot);
-    (acceptor.velocity, acceptor.acceleration) = (Two::new(0.3, -0.2), Two::new(1.0, 2.0));
-    (acceptor.path_speed, acceptor.period) = (Two::new(0.3, 0.2), 2e-3);
+    (acceptor.state.velocity, acceptor.state.acceleration) = (Two::new(0.3, -0.2), Two::new(1.0, 2.0));
+    (acceptor.pace.path_speed, acceptor.pace.period) = (Two::new(0.3, 0.2), 2e-3);
     acceptor
 }
 
@@ -20,14 +20,14 @@ fn the_rate_may_change_by_what_a_path_leaves_of_the_acceleration() {
     near(headroom.fall, 0.08 * 10.0 / 0.32);
     assert_eq!(headroom.bend, f64::INFINITY);
     // At half the rate, which may be 0.51 at the end of a step in which it rises by 5 / s.
-    acceptor.rate = 0.5;
+    acceptor.pace.rate = 0.5;
     near(acceptor.headroom().fall, (0.98 - 0.9 * 0.25) * 10.0 / 0.32);
     near(acceptor.headroom().rise, (0.98 - 0.9 * 0.51 * 0.51) * 10.0 / 0.32);
     // Where two of three demands are lost, a ninth.
-    acceptor.bridged = 2.0;
+    acceptor.pace.bridged = 2.0;
     near(acceptor.headroom().fall, (0.98 - 0.9 * 0.25) * 10.0 / 9.0 / 0.32);
     // The joint that leaves less counts: 20 / (2.0 + 0.04).
-    (acceptor.bridged, acceptor.path_speed[1]) = (0.0, 2.0);
+    (acceptor.pace.bridged, acceptor.pace.path_speed[1]) = (0.0, 2.0);
     near(acceptor.headroom().fall, (0.98 - 0.9 * 0.25) * 20.0 / 2.04);
 }
 
@@ -52,11 +52,11 @@ fn a_robot_slows_down_on_a_screw_by_the_share_of_its_acceleration() {
     near(law.fall, 0.8 * 10.0 / faster);
     near(law.bend, 0.5 * 0.8 * 1000.0 / faster);
     // -0.8 rad/s become slower: -0.8 + 0.004, and a tenth of 20 rad/s² for 2 ms.
-    acceptor.velocity[1] = -0.8;
-    acceptor.robot.limits.velocity[1] = 2.0;
+    acceptor.state.velocity[1] = -0.8;
+    acceptor.checks.robot.limits.velocity[1] = 2.0;
     near(acceptor.braking_law(2e-3).fall, 0.8 * 20.0 / (0.796 + 0.004));
     // No longer than from its velocity limits: of 1 m/s and 10 m/s² 0.1 s, of 2 rad/s and 20 rad/s² as long.
-    acceptor.velocity[0] = 0.99;
+    acceptor.state.velocity[0] = 0.99;
     near(acceptor.braking_law(2e-3).fall, 10.0);
     assert_eq!(self::acceptor(Turntable::new()).braking_law(2e-3), BrakingLaw::UNLIMITED);
     assert_eq!(moving(Turntable::new()).braking_law(2e-3).bend, f64::INFINITY);

@@ -14,10 +14,10 @@ fn fault_23_a_pose_that_breaks_a_limit_beside_a_singularity_names_it() {
     assert_eq!(message(&mut acceptor, &far), "beside a pole");
     assert_eq!(message(&mut acceptor, &joints(0.5, 0.0)), "");
     // What the fault says itself comes first.
-    acceptor.robot.sum = -1.0;
+    acceptor.checks.robot.sum = -1.0;
     let here = Demand::pose(Pose::identity()).with_tool(Pose::identity());
     assert_eq!(message(&mut acceptor, &here), "sum, beside a pole");
-    acceptor.robot.singular = None;
+    acceptor.checks.robot.singular = None;
     assert_eq!(message(&mut acceptor, &far), "");
 }
 
@@ -25,7 +25,7 @@ fn fault_23_a_pose_that_breaks_a_limit_beside_a_singularity_names_it() {
 fn a_pose_that_breaks_a_limit_by_an_inverse_that_is_none_says_so() {
     let mut acceptor = acceptor(Turntable::new());
     let by = |acceptor: &mut Acceptor<Turntable>, off: f64| {
-        acceptor.robot.off = off;
+        acceptor.checks.robot.off = off;
         let here = Demand::pose(acceptor.tool_pose(&ZERO));
         acceptor.accept(&here, T, T).expect_err("too far")
     };

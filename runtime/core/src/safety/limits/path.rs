@@ -1,0 +1,110 @@
+//! The path that a robot's demands describe, and what is known of it while the robot is not on it.
+//!
+//! In: demands, those that are missing, those that come too late. Out: where the path is, and where it ends if it goes no
+//! farther.
+
+use crate::model::joints::JointVector;
+use crate::model::robot::{Limits, Robot};
+use crate::safety::screw::Screw;
+
+use super::catching_up::CatchingUp;
+use super::rejoining::Rejoining;
+use super::state::JointState;
+
+/// The path as its demands tell it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path<J> {
+    /// Demanded last.
+    pub position: J,
+    /// The mean velocity up to there.
+    pub velocity: J,
+    /// The time of which that is the mean \[s\].
+    pub span: f64,
+    /// For how long demands have been missing since \[s\].
+    pub missing: f64,
+    /// Whether that time was bridged on a screw.
+    pub on_screw: bool,
+    /// Where the path went in that time, as a demand says that came too late to be followed.
+    pub late: Option<J>,
+}
+
+impl<J> Path<J> {
+    pub const fn after(position: J, velocity: J, span: f64) -> Self {
+        Path { position, velocity, span, missing: 0.0, on_screw: false, late: None }
+    }
+}
+
+/// What is known of the path while a robot is not on it, because demands came too late.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum OffPath<J> {
+    /// It comes back by its joints.
+    Joints(CatchingUp<J>),
+    /// It comes back with all robots that it moves together with.
+    Together(Rejoining),
+}
+
+/// A robot's path, and its way back to it if it is elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Track<J> {
+    pub path: Path<J>,
+    pub off_path: Option<OffPath<J>>,
+}
+
+impl<J: JointVector> Track<J> {
+    /// A path that has come to `position` with the mean velocity of a step of `span` \[s\]; the robot is there.
+    pub const fn at(position: J, velocity: J, span: f64) -> Self {
+        Track { path: Path::after(position, velocity, span), off_path: None }
+    }
+
+    /// Whether the robot is where its path is.
+    pub const fn is_followed(&self) -> bool {
+        self.off_path.is_none()
+    }
+
+    /// Where the path is, and its velocity, for a robot in this state.
+    pub fn demanded(&self, state: &JointState<J>) -> (J, J) {
+        let velocity = match &self.off_path {
+            Some(OffPath::Joints(path)) => path.velocity,
+            Some(OffPath::Together(_)) => self.path.velocity,
+            None => return (state.position, state.velocity),
+        };
+        (self.path.position + velocity * self.path.missing, velocity)
+    }
+
+    /// Where a path ends that goes no farther, for a robot that is elsewhere: at its last demand, late or not. Robots with
+    /// a jerk limit do not come back to a path of which demands are missing.
+    pub fn end(&self, limits: &Limits<J>) -> Option<J> {
+        let comes_back = !self.is_followed() || self.path.missing > 0.0 && limits.jerk.is_none();
+        comes_back.then(|| self.path.late.unwrap_or(self.path.position))
+    }
+
+    /// The demand of a step of `duration` \[s\] is missing; that was bridged on a screw.
+    pub fn bridge_on_screw(&mut self, duration: f64) {
+        self.path.missing += duration;
+        self.path.on_screw = true;
+    }
+
+    /// The path once it has come to `demand`, at the end of a step of `duration` \[s\].
+    pub fn path_to(&self, demand: &J, duration: f64) -> Path<J> {
+        let span = self.path.missing + duration;
+        Path::after(*demand, (*demand - self.path.position) * span.recip(), span)
+    }
+
+    /// The displacement of the last step in the world: the path's, and that of the way back to it.
+    pub fn screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+        match &self.off_path {
+            Some(OffPath::Together(way)) => self.path_screw(robot, duration) + way.change(),
+            Some(OffPath::Joints(_)) | None => self.path_screw(robot, duration),
+        }
+    }
+
+    /// The displacement of the path's last step in the world, as its mean velocity makes it.
+    pub fn path_screw<R: Robot<Joints = J>>(&self, robot: &R, duration: f64) -> Screw {
+        let before = self.path.position - self.path.velocity * duration;
+        let of_joints = || Screw::between(&robot.forward(&before), &robot.forward(&self.path.position));
+        match &self.off_path {
+            Some(OffPath::Together(way)) => way.path_screw().unwrap_or_else(of_joints),
+            Some(OffPath::Joints(_)) | None => of_joints(),
+        }
+    }
+}
