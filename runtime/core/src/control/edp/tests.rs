@@ -8,10 +8,12 @@ use std::rc::Rc;
 use nalgebra::Vector1;
 
 use super::*;
-use crate::link::message::{Kind, OrderKind, RequestKind, flag};
+use crate::link::Waiter;
+use crate::link::message::{Kind, Message, OrderKind, RequestKind, flag};
 use crate::model::demand::Demand;
 use crate::model::fault::Role;
 use crate::model::name::Name;
+use crate::model::time::Nanos;
 use crate::model::wire::Wire;
 use crate::slide::{Exact, Slide};
 
@@ -40,8 +42,8 @@ impl Server for Replies {
     }
 }
 
-fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
-    let config = EdpConfig {
+fn config(servo: Duration) -> EdpConfig<Slide> {
+    EdpConfig {
         process: ProcessId::new(Role::Edp, Name::new("g").expect("a name")),
         robot: Slide::new(),
         drive: Drive::Here(Box::new(Exact::new(servo))),
@@ -54,31 +56,34 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
         observers: Vec::new(),
         witnesses: crate::observe::witness::Witnesses::to(Vec::new()),
         replayed: None,
-    };
+    }
+}
+
+fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
     let replies = Rc::default();
-    (Edp::new(config, Host::of(&Still), Box::new(Replies(Rc::clone(&replies)))), replies)
+    (Edp::new(config(servo), Host::of(&Still), Box::new(Replies(Rc::clone(&replies)))), replies)
 }
 
 #[test]
 fn fault_14_an_edp_bridges_twenty_steps_however_long_its_servo_period_is() {
     for millis in [1, 2, 4, 5, 8, 20] {
         let (mut edp, _) = edp(Duration::from_millis(millis));
-        edp.request = Message::new(Kind::Request(RequestKind::Demand));
-        (edp.request.header.dt, edp.request.header.duration) = (1e-3, 1e-3);
-        edp.request.header.len = <Demand<Slide> as Wire>::LEN as u32;
-        Demand::<Slide>::joints(Vector1::new(1e-6)).put(&mut edp.request.body);
+        edp.answers.request = Message::new(Kind::Request(RequestKind::Demand));
+        (edp.answers.request.header.dt, edp.answers.request.header.duration) = (1e-3, 1e-3);
+        edp.answers.request.header.len = <Demand<Slide> as Wire>::LEN as u32;
+        Demand::<Slide>::joints(Vector1::new(1e-6)).put(&mut edp.answers.request.body);
         edp.serve();
         // The demand itself, and then nothing.
         edp.begin_step();
         let mut bridged = 0;
-        while matches!(edp.mode, Mode::Moving { .. }) {
+        while matches!(edp.path.mode, Mode::Moving { .. }) {
             bridged += 1;
             assert!(bridged < 1000, "never brakes");
             edp.begin_step();
         }
         // The last of them is the one that no longer bridges.
         assert_eq!(bridged - 1, 20, "servo period {millis} ms");
-        assert_eq!(edp.fault.as_ref().map(Fault::kind), Some(FaultKind::PeerLost));
+        assert_eq!(edp.answers.fault.as_ref().map(Fault::kind), Some(FaultKind::PeerLost));
     }
 }
 
@@ -86,7 +91,7 @@ fn fault_14_an_edp_bridges_twenty_steps_however_long_its_servo_period_is() {
 fn what_is_no_request_is_a_fault_and_moves_nothing() {
     for kind in [Kind::Order(OrderKind::Step), Kind::Command, Kind::Read, Kind::Reply, Kind::Fault] {
         let (mut edp, replies) = edp(Duration::from_millis(1));
-        edp.request = Message::new(kind);
+        edp.answers.request = Message::new(kind);
         edp.serve();
         let reply = *replies.borrow().last().expect("answered");
         assert_eq!((reply.header.kind, reply.fault().kind()), (Kind::Fault, FaultKind::Message));
@@ -115,10 +120,9 @@ struct Moving<'w> {
 
 impl<'w> Moving<'w> {
     fn new(waiter: &'w Late, servo: Duration) -> Self {
-        let (of, _) = edp(servo);
+        let mut config = config(servo);
         let told = Rc::<RefCell<Vec<(u64, f64)>>>::default();
         let (seen, servo) = (Rc::clone(&told), servo.as_secs_f64());
-        let mut config = of.config;
         config.observers.push(Box::new(move |record: &ServoRecord<Slide>| {
             let period = (record.time / servo - 1.5).round() as u64;
             seen.borrow_mut().push((period, record.demanded[0]));
@@ -130,19 +134,19 @@ impl<'w> Moving<'w> {
     fn demand(&mut self, step: u64) {
         let periods = (step - self.step) as f64;
         self.step = step;
-        self.edp.request = Message::new(Kind::Request(RequestKind::Demand));
-        let header = &mut self.edp.request.header;
+        self.edp.answers.request = Message::new(Kind::Request(RequestKind::Demand));
+        let header = &mut self.edp.answers.request.header;
         (header.step, header.len) = (step, <Demand<Slide> as Wire>::LEN as u32);
         (header.dt, header.duration) = (1e-3 * periods, 1e-3 * periods);
         let x: f64 = (1..=step).map(|k| 1e-5 * k.min(10) as f64).sum();
-        Demand::<Slide>::joints(Vector1::new(x)).put(&mut self.edp.request.body);
+        Demand::<Slide>::joints(Vector1::new(x)).put(&mut self.edp.answers.request.body);
         self.edp.serve();
     }
 
     /// Wakes at a time and does what is due.
     fn wake(&mut self, waiter: &Late, now: Nanos) {
         waiter.0.set(now);
-        while now >= self.edp.next_step.min(self.edp.next_tick) {
+        while now >= self.edp.clock.next_step.min(self.edp.clock.next_tick) {
             self.edp.advance();
         }
     }
@@ -199,7 +203,7 @@ fn fault_11_servo_periods_that_are_over_are_left_out_and_the_present_one_gets_it
                 "period {index} of {servo:?}: {position}, {expected}"
             );
         }
-        assert_eq!(delayed.edp.fault, None, "{servo:?}");
+        assert_eq!(delayed.edp.answers.fault, None, "{servo:?}");
     }
 }
 
@@ -212,14 +216,18 @@ fn fault_12_an_edp_that_is_late_for_too_many_steps_stops_its_robot_with_overrun(
         (1..20).for_each(|step| robot.punctual(&waiter, step));
         let mut step = 20;
         for done in 0..naps {
-            assert_eq!(robot.edp.fault, None, "{done} naps of {nap}");
+            assert_eq!(robot.edp.answers.fault, None, "{done} naps of {nap}");
             // The first step's demand has come meanwhile.
             waiter.0.set((step + nap) * STEP + 500_000);
             robot.demand(step);
             robot.wake(&waiter, (step + nap) * STEP + 500_000);
             step += nap + 1;
         }
-        assert_eq!(robot.edp.fault.as_ref().map(Fault::kind), Some(FaultKind::Overrun), "naps of {nap}");
-        assert!(!matches!(robot.edp.mode, Mode::Moving { .. }));
+        assert_eq!(
+            robot.edp.answers.fault.as_ref().map(Fault::kind),
+            Some(FaultKind::Overrun),
+            "naps of {nap}"
+        );
+        assert!(!matches!(robot.edp.path.mode, Mode::Moving { .. }));
     }
 }

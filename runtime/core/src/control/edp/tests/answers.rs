@@ -1,7 +1,7 @@
 //! What an EDP makes of single requests.
 
 use super::*;
-use crate::model::driver::{DriveFault, Driver, Regulators};
+use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::observe::servo::ServoRecord;
 use crate::slide::One;
 
@@ -47,27 +47,27 @@ fn braked(
     let (mut edp, _) = edp(servo);
     let told = Rc::<RefCell<Vec<&'static str>>>::default();
     let drive = Braked { exact: Exact::new(servo), told: Rc::clone(&told), sags_to };
-    edp.config.drive = Drive::Here(Box::new(drive));
+    edp.servo.drive = Drive::Here(Box::new(drive));
     (edp, told)
 }
 
 const MS: Duration = Duration::from_millis(1);
 
 fn ask(edp: &mut Edp<'static, Slide>, kind: RequestKind, flags: u32, epoch: u32) -> Message {
-    edp.request = Message::new(Kind::Request(kind));
-    (edp.request.header.flags, edp.request.header.epoch) = (flags, epoch);
+    edp.answers.request = Message::new(Kind::Request(kind));
+    (edp.answers.request.header.flags, edp.answers.request.header.epoch) = (flags, epoch);
     edp.serve();
-    edp.reply
+    edp.answers.reply
 }
 
 fn demand(edp: &mut Edp<'static, Slide>, demand: &Demand<Slide>, flags: u32, step: u64) -> Message {
-    edp.request = Message::new(Kind::Request(RequestKind::Demand));
-    let header = &mut edp.request.header;
+    edp.answers.request = Message::new(Kind::Request(RequestKind::Demand));
+    let header = &mut edp.answers.request.header;
     (header.flags, header.step, header.len) = (flags, step, <Demand<Slide> as Wire>::LEN as u32);
     (header.dt, header.duration) = (1e-3, 1e-3);
-    demand.put(&mut edp.request.body);
+    demand.put(&mut edp.answers.request.body);
     edp.serve();
-    edp.reply
+    edp.answers.reply
 }
 
 fn x(x: f64) -> Demand<Slide> {
@@ -77,7 +77,7 @@ fn x(x: f64) -> Demand<Slide> {
 #[test]
 fn a_robot_that_is_not_where_it_was_told_to_be_starts_no_motion() {
     let (mut edp, _) = edp(MS);
-    edp.measured.position = One::new(1.5);
+    edp.servo.measured.position = One::new(1.5);
     let reply = ask(&mut edp, RequestKind::Query, 0, 0);
     assert_eq!(reply.header.kind, Kind::Reply, "it may be asked where it is");
     let reply = ask(&mut edp, RequestKind::Query, flag::FIRST, 0);
@@ -85,7 +85,7 @@ fn a_robot_that_is_not_where_it_was_told_to_be_starts_no_motion() {
     // A motion that goes on from another one is checked as it moves.
     let (mut edp, _) = self::edp(MS);
     demand(&mut edp, &x(1e-6), flag::FIRST, 0);
-    edp.measured.position = One::new(1.5);
+    edp.servo.measured.position = One::new(1.5);
     assert_eq!(ask(&mut edp, RequestKind::Query, flag::FIRST, 0).header.kind, Kind::Reply);
 }
 
@@ -102,7 +102,7 @@ fn a_reply_tells_the_state_and_the_standstill() {
 fn a_robot_stands_when_its_drives_have_come_to_the_last_demand() {
     // With a period of 2 ms at steps of 1 ms the drives lie behind the demands.
     let (mut edp, _) = edp(2 * MS);
-    let settling = edp.interpolation.settling_steps();
+    let settling = edp.servo.interpolation.settling_steps();
     assert!(settling > 1 && edp.is_at_standstill());
     demand(&mut edp, &x(1e-6), 0, 0);
     edp.begin_step();
@@ -117,15 +117,15 @@ fn a_robot_stands_when_its_drives_have_come_to_the_last_demand() {
 #[test]
 fn the_rate_of_a_demand_is_its_path_time_over_its_own_duration() {
     let (mut edp, _) = edp(MS);
-    edp.request = Message::new(Kind::Request(RequestKind::Demand));
-    let header = &mut edp.request.header;
+    edp.answers.request = Message::new(Kind::Request(RequestKind::Demand));
+    let header = &mut edp.answers.request.header;
     // 0.75 of four periods: 5e-3 m/s of a path that has 5e-3 / 0.75 m/s.
     (header.dt, header.duration, header.len) = (3e-3, 4e-3, <Demand<Slide> as Wire>::LEN as u32);
-    x(5e-6).put(&mut edp.request.body);
+    x(5e-6).put(&mut edp.answers.request.body);
     edp.serve();
     // (0.98 - 0.9 r²) a / (v + a T), see `Acceptor::headroom`.
     let expected = (0.98 - 0.9 * 0.75 * 0.75) * 10.0 / (5e-3 / 0.75 + 10.0 * 1e-3);
-    let fall = edp.reply.header.headroom.fall;
+    let fall = edp.answers.reply.header.headroom.fall;
     assert!((fall - expected).abs() < 1e-9 * expected, "{fall}, {expected}");
 }
 
@@ -134,11 +134,15 @@ fn a_demand_of_a_step_that_is_over_moves_nothing_and_its_tool_stays() {
     let (mut edp, _) = edp(MS);
     (0..3).for_each(|_| edp.begin_step());
     let tool = Pose::translation(0.0, 0.0, 0.1);
-    let due = edp.due;
+    let due = edp.clock.due;
     demand(&mut edp, &x(1e-6).with_tool(tool), 0, due - 1);
-    assert!(matches!(edp.mode, Mode::Holding) && edp.next.is_none() && *edp.acceptor.tool() == tool);
+    assert!(
+        matches!(edp.path.mode, Mode::Holding)
+            && edp.path.next.is_none()
+            && *edp.path.acceptor.tool() == tool
+    );
     demand(&mut edp, &x(1e-6), 0, due);
-    assert!(matches!(edp.mode, Mode::Moving { .. }) && edp.next.is_some());
+    assert!(matches!(edp.path.mode, Mode::Moving { .. }) && edp.path.next.is_some());
 }
 
 #[test]
@@ -149,7 +153,7 @@ fn only_the_first_demand_of_a_motion_from_rest_is_told_to_be_the_first() {
             demand(&mut edp, &x(1e-6), flag::FIRST, 0);
             edp.begin_step();
         }
-        let step = edp.due;
+        let step = edp.clock.due;
         let fault = demand(&mut edp, &x(0.5), flags, step).fault();
         assert_eq!(fault.is_of_first_demand(), first, "{moves} {flags}: {fault}");
     }
@@ -161,7 +165,7 @@ fn a_set_that_a_regulator_does_not_have_is_refused_with_the_joint() {
     let reply = demand(&mut edp, &x(1e-6).with_regulators(Regulators::uniform(0)), 0, 0);
     assert_eq!(reply.header.kind, Kind::Reply);
     edp.begin_step();
-    let step = edp.due;
+    let step = edp.clock.due;
     let fault = demand(&mut edp, &x(2e-6).with_regulators(Regulators::uniform(3)), 0, step).fault();
     assert_eq!((fault.kind(), fault.joint()), (FaultKind::NoRegulator, Some(0)));
 }
@@ -173,23 +177,25 @@ fn a_motion_ends_at_once_where_one_step_takes_its_speed_away() {
     demand(&mut edp, &x(9e-6), 0, 0);
     edp.begin_step();
     ask(&mut edp, RequestKind::Brake, 0, 0);
-    assert!(matches!(edp.mode, Mode::Holding));
+    assert!(matches!(edp.path.mode, Mode::Holding));
     // 18e-3 m/s take two steps.
     let (mut edp, _) = self::edp(MS);
     for q in [9e-6, 27e-6] {
-        let step = edp.due;
+        let step = edp.clock.due;
         demand(&mut edp, &x(q), 0, step);
         edp.begin_step();
     }
     ask(&mut edp, RequestKind::Brake, 0, 0);
-    assert!(matches!(edp.mode, Mode::Braking(_)));
+    assert!(matches!(edp.path.mode, Mode::Braking(_)));
     // The law leaves 8e-3 m/s after 1 ms and stands after 1.8 ms.
     edp.begin_step();
-    assert!((edp.acceptor.demanded().1[0] - 8e-3).abs() < 1e-12 && matches!(edp.mode, Mode::Braking(_)));
+    assert!(
+        (edp.path.acceptor.demanded().1[0] - 8e-3).abs() < 1e-12 && matches!(edp.path.mode, Mode::Braking(_))
+    );
     edp.begin_step();
-    assert_eq!(edp.acceptor.demanded().1[0], 0.0);
+    assert_eq!(edp.path.acceptor.demanded().1[0], 0.0);
     edp.begin_step();
-    assert!(matches!(edp.mode, Mode::Holding));
+    assert!(matches!(edp.path.mode, Mode::Holding));
 }
 
 #[test]
@@ -197,12 +203,12 @@ fn a_joint_that_does_not_follow_is_told_of_with_its_step_and_shown_with_its_time
     let (mut edp, _) = edp(MS);
     let shown = Rc::<core::cell::Cell<f64>>::default();
     let seen = Rc::clone(&shown);
-    edp.config.observers.push(Box::new(move |record: &ServoRecord<Slide>| seen.set(record.time)));
+    edp.shown.observers.push(Box::new(move |record: &ServoRecord<Slide>| seen.set(record.time)));
     edp.tick(6_500_000);
-    assert!((shown.get() - 7.5e-3).abs() < 1e-12 && edp.fault.is_none());
-    edp.config.following_error = One::new(-1.0);
+    assert!((shown.get() - 7.5e-3).abs() < 1e-12 && edp.answers.fault.is_none());
+    edp.servo.following_error = One::new(-1.0);
     edp.tick(7_500_000);
-    let fault = edp.fault.expect("no error is small enough");
+    let fault = edp.answers.fault.expect("no error is small enough");
     assert_eq!((fault.kind(), fault.step()), (FaultKind::FollowingError, Some(7)));
 }
 
@@ -210,12 +216,12 @@ fn a_joint_that_does_not_follow_is_told_of_with_its_step_and_shown_with_its_time
 fn a_stopped_robot_with_brakes_has_no_power_and_begins_where_it_sagged_to() {
     let (mut edp, told) = braked(MS, Ok(0.25));
     ask(&mut edp, RequestKind::Stop, 0, 0);
-    assert!(matches!(edp.mode, Mode::Off));
+    assert!(matches!(edp.path.mode, Mode::Off));
     let reply = ask(&mut edp, RequestKind::Reset, 0, 1);
     assert_eq!((reply.header.kind, told.take()), (Kind::Reply, vec!["off", "on", "usual"]));
-    assert!(matches!(edp.mode, Mode::Holding) && edp.fault.is_none());
+    assert!(matches!(edp.path.mode, Mode::Holding) && edp.answers.fault.is_none());
     assert_eq!(
-        (edp.acceptor.demanded().0[0], edp.commanded[0], edp.interpolation.goal()[0]),
+        (edp.path.acceptor.demanded().0[0], edp.servo.commanded[0], edp.servo.interpolation.goal()[0]),
         (0.25, 0.25, 0.25)
     );
     assert!(edp.is_at_standstill());
@@ -229,12 +235,12 @@ fn a_robot_that_moves_or_has_not_come_to_its_last_demand_keeps_its_power() {
     demand(&mut edp, &x(27e-6), 0, 1);
     edp.begin_step();
     ask(&mut edp, RequestKind::Stop, 0, 0);
-    assert!(matches!(edp.mode, Mode::Braking(_)) && told.take().is_empty());
+    assert!(matches!(edp.path.mode, Mode::Braking(_)) && told.take().is_empty());
     let (mut edp, told) = braked(2 * MS, Ok(0.0));
     demand(&mut edp, &x(1e-6), 0, 0);
     edp.begin_step();
     ask(&mut edp, RequestKind::Stop, 0, 0);
-    assert!(matches!(edp.mode, Mode::Holding) && told.take().is_empty());
+    assert!(matches!(edp.path.mode, Mode::Holding) && told.take().is_empty());
 }
 
 #[test]
@@ -242,11 +248,11 @@ fn drives_that_held_all_the_time_go_on_holding_what_they_were_told_unless_they_d
     // The following error is 1 m.
     for (measured, begins) in [(0.5, 0.0), (1.5, 1.5)] {
         let (mut edp, _) = edp(MS);
-        edp.measured.position = One::new(measured);
+        edp.servo.measured.position = One::new(measured);
         ask(&mut edp, RequestKind::Stop, 0, 0);
-        assert!(matches!(edp.mode, Mode::Holding));
+        assert!(matches!(edp.path.mode, Mode::Holding));
         assert_eq!(ask(&mut edp, RequestKind::Reset, 0, 1).header.kind, Kind::Reply);
-        assert_eq!((edp.acceptor.demanded().0[0], edp.commanded[0]), (begins, begins));
+        assert_eq!((edp.path.acceptor.demanded().0[0], edp.servo.commanded[0]), (begins, begins));
     }
 }
 
@@ -257,19 +263,19 @@ fn drives_that_do_not_come_on_stay_latched() {
     ask(&mut edp, RequestKind::Stop, 0, 0);
     let reply = ask(&mut edp, RequestKind::Reset, 0, 1);
     assert_eq!((reply.header.kind, reply.fault().kind()), (Kind::Fault, FaultKind::DriveFault));
-    assert!(matches!(edp.mode, Mode::Off) && told.take() == ["off"]);
+    assert!(matches!(edp.path.mode, Mode::Off) && told.take() == ["off"]);
 }
 
 #[test]
 fn the_task_space_comes_in_within_fifty_milliseconds_of_servo_periods() {
     let (mut edp, _) = edp(Duration::from_micros(250));
-    edp.config.space = InterpolationSpace::Task;
-    edp.task_space.accept(true, false);
+    edp.servo.space = InterpolationSpace::Task;
+    edp.servo.task_space.accept(true, false);
     for (periods, u) in [(10, 0.05), (90, 0.5), (100, 1.0), (10, 1.0)] {
         (0..periods).for_each(|period| edp.tick(period * 250_000));
-        edp.task_space.set_difference(One::new(1.0));
+        edp.servo.task_space.set_difference(One::new(1.0));
         // u² (3 - 2 u) of the difference, u = t / 50 ms.
-        assert!((edp.task_space.correction()[0] - u * u * (3.0 - 2.0 * u)).abs() < 1e-12, "{u}");
+        assert!((edp.servo.task_space.correction()[0] - u * u * (3.0 - 2.0 * u)).abs() < 1e-12, "{u}");
     }
 }
 
@@ -278,11 +284,11 @@ fn a_servo_period_in_the_task_space_is_no_jump() {
     // 1 m/s is 0.25 mm in 0.25 ms.
     for (way, goes) in [(0.24e-3, true), (0.26e-3, false)] {
         let (mut edp, _) = edp(Duration::from_micros(250));
-        edp.config.space = InterpolationSpace::Task;
-        edp.task_space.accept(true, true);
-        edp.commanded = One::new(-way);
+        edp.servo.space = InterpolationSpace::Task;
+        edp.servo.task_space.accept(true, true);
+        edp.servo.commanded = One::new(-way);
         edp.tick(0);
-        let kind = edp.fault.as_ref().map(Fault::kind);
+        let kind = edp.answers.fault.as_ref().map(Fault::kind);
         assert_eq!(kind, (!goes).then_some(FaultKind::DemandedVelocity), "{way}");
     }
 }

@@ -1,0 +1,258 @@
+//! The demands of a robot, step by step: those that were accepted, and what replaces those that are missing.
+//!
+//! In: demands of the ECP, or none; the braking law of the last order. Out: one accepted demand per step. A robot that moves
+//! together with others stays with them, on the screw of the last step; where a limit or the kinematics forbids it, it goes on
+//! in joint space.
+
+use core::time::Duration;
+
+use crate::control::guarded::guarded;
+use crate::link::message::{Message, flag};
+use crate::model::demand::{Coordinates, Demand};
+use crate::model::fault::{Fault, FaultKind};
+use crate::model::pose::Pose;
+use crate::model::robot::Robot;
+use crate::safety::braking::{Braking, BrakingLaw};
+use crate::safety::limits::{AcceptedDemand, Acceptor};
+use crate::safety::screw::{Screw, ScrewBraking};
+use crate::safety::stopping::{TOGETHER_BUDGET, detection_time, missed_step_budget};
+
+/// What a robot does.
+#[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
+pub(super) enum Mode<J> {
+    /// No demand is due.
+    Holding,
+    /// A demand is due in every step; those of so many steps are missing.
+    Moving { missed: u32 },
+    /// On the way to a standstill.
+    Braking(Braking<J>),
+    /// The same on the screw of robots that move together.
+    OnScrew(ScrewBraking),
+    /// The drives are without power and have their brakes applied: one gave up, or a fault stop is over.
+    Off,
+}
+
+/// The demands of a robot.
+pub(super) struct DemandedPath<R: Robot> {
+    pub acceptor: Acceptor<R>,
+    pub mode: Mode<R::Joints>,
+    /// Accepted for the step that is about to begin.
+    pub next: Option<AcceptedDemand<R>>,
+    /// How the robot brakes with those that it moves together with.
+    together: Option<BrakingLaw>,
+    /// The screw on which it does; known once a demand is missing.
+    screw: Option<Screw>,
+    /// The tool of a robot that has just been set up, `X_FE`.
+    first_tool: Pose,
+    /// Length of a step.
+    period: Duration,
+}
+
+impl<R: Robot> DemandedPath<R> {
+    /// A robot that holds `position`, in steps of `period`.
+    pub fn new(robot: R, tool: Pose, position: R::Joints, period: Duration) -> Self {
+        DemandedPath {
+            acceptor: Acceptor::new(robot, tool, position, detection_time(period)),
+            mode: Mode::Holding,
+            next: None,
+            together: None,
+            screw: None,
+            first_tool: tool,
+            period,
+        }
+    }
+
+    /// Holds a position, as a robot does that has just been set up there.
+    pub fn begin_at(&mut self, position: R::Joints) {
+        let robot = self.acceptor.robot().clone();
+        *self = DemandedPath::new(robot, self.first_tool, position, self.period);
+    }
+
+    pub const fn is_moving(&self) -> bool {
+        matches!(self.mode, Mode::Moving { .. })
+    }
+
+    pub const fn is_off(&self) -> bool {
+        matches!(self.mode, Mode::Off)
+    }
+
+    /// Whether it holds where its path ends.
+    pub fn is_at_its_end(&self) -> bool {
+        matches!(self.mode, Mode::Holding) && self.acceptor.is_at_its_end()
+    }
+
+    /// Accepts a demand, which `request` brings, for the step that is about to begin.
+    ///
+    /// # Errors
+    /// The first limit that it breaks; nothing is changed then.
+    pub fn accept(&mut self, demand: &Demand<R>, request: &Message) -> Result<(), Fault> {
+        let header = &request.header;
+        // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
+        let period = self.period.as_secs_f64();
+        let dt = header.dt / header.duration * period;
+        // Periods that the MP left out all robots have missed.
+        let all_missed = request.is(flag::TOGETHER) && header.duration > 1.5 * period;
+        let accepted = match all_missed {
+            true => self.acceptor.rejoin(demand, dt, period),
+            false => self.acceptor.accept(demand, dt, period),
+        };
+        let first = request.is(flag::FIRST) && !self.is_moving();
+        self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
+        self.move_together(demand, request);
+        self.mode = Mode::Moving { missed: 0 };
+        Ok(())
+    }
+
+    /// Notes a demand that is too late for its step; step `due` is the next one. A motion that it begins has begun all the
+    /// same: the robot has missed the steps in which it stood.
+    ///
+    /// # Errors
+    /// What is wrong with the demand itself.
+    pub fn note_late(&mut self, demand: &Demand<R>, request: &Message, due: u64) -> Result<(), Fault> {
+        let begins = request.is(flag::FIRST) && matches!(self.mode, Mode::Holding);
+        if !begins {
+            return self.acceptor.note_late(demand);
+        }
+        // In a replay the demand that replaces it in its step is known already.
+        let missed = if self.next.is_some() { 1 } else { due.saturating_sub(request.header.step) };
+        self.move_together(demand, request);
+        let period = self.period.as_secs_f64();
+        let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());
+        begun.map_err(Fault::of_first_demand)?;
+        self.mode = Mode::Moving { missed: u32::try_from(missed).unwrap_or(u32::MAX) };
+        Ok(())
+    }
+
+    /// Keeps how the robot brakes with those that it moves together with.
+    fn move_together(&mut self, demand: &Demand<R>, request: &Message) {
+        self.screw = None;
+        let law = request.is(flag::TOGETHER).then_some(request.header.law);
+        self.together = match demand.coordinates {
+            // Joints have no screw.
+            Coordinates::Hold | Coordinates::Joints(_) => None,
+            Coordinates::Pose(_) | Coordinates::Displacement(_) => law,
+        };
+    }
+
+    /// Counts the demand that is missing in the step that begins, if one is.
+    ///
+    /// # Errors
+    /// `PeerLost` when more are missing than are bridged.
+    pub fn count_missing(&mut self) -> Result<(), Fault> {
+        let budget = self.missed_step_budget();
+        match &mut self.mode {
+            Mode::Moving { missed } if self.next.is_none() => {
+                *missed = missed.saturating_add(1);
+                if *missed > budget {
+                    return Err(Fault::new(FaultKind::PeerLost).text("no demand from the ECP"));
+                }
+                Ok(())
+            }
+            Mode::Moving { .. } | Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => Ok(()),
+        }
+    }
+
+    /// Missing demands that are bridged.
+    fn missed_step_budget(&self) -> u32 {
+        if self.together.is_some() { TOGETHER_BUDGET } else { missed_step_budget(self.period) }
+    }
+
+    /// The demand of the step that begins: the one that came, or what replaces it.
+    pub fn next_demand(&mut self) -> AcceptedDemand<R> {
+        // A demand accepted before a stop is still the state that the stop begins at.
+        if let Some(next) = self.next.take() {
+            return next;
+        }
+        let period = self.period.as_secs_f64();
+        match &mut self.mode {
+            Mode::Holding | Mode::Off => self.hold(period),
+            Mode::Moving { .. } => self.bridge(period),
+            Mode::OnScrew(braking) => match braking.advance(period) {
+                Some(displacement) => self.slow_down(&displacement, period),
+                None => self.hold(period),
+            },
+            Mode::Braking(braking) if braking.is_over() => self.hold(period),
+            Mode::Braking(braking) => self.acceptor.brake(braking, period),
+        }
+    }
+
+    /// What replaces a demand that is missing: along the screw, or at the joints' velocity.
+    fn bridge(&mut self, period: f64) -> AcceptedDemand<R> {
+        if self.together.is_some() && self.acceptor.stands() {
+            return self.acceptor.stand_by(period);
+        }
+        if let Some(screw) = self.learn_screw(period)
+            && let Ok(Ok(accepted)) = guarded(|| self.acceptor.go_on(&screw.part(1.0), period))
+        {
+            return accepted;
+        }
+        self.together = None;
+        self.acceptor.extrapolate(period)
+    }
+
+    /// The next state on the way to a standstill on the screw, displaced by `D` in the world.
+    #[allow(non_snake_case)]
+    fn slow_down(&mut self, D: &Pose, period: f64) -> AcceptedDemand<R> {
+        if let Ok(Ok(accepted)) = guarded(|| self.acceptor.slow_down(D, period)) {
+            return accepted;
+        }
+        let mut braking = self.acceptor.braking();
+        let accepted = self.acceptor.brake(&mut braking, period);
+        self.mode = Mode::Braking(braking);
+        accepted
+    }
+
+    /// The robot stays where it was demanded last, and comes there first where it is not.
+    fn hold(&mut self, period: f64) -> AcceptedDemand<R> {
+        let held = self.acceptor.hold(period);
+        self.mode = match held {
+            Ok(_) => Mode::Holding,
+            Err(_) => Mode::Braking(self.acceptor.braking()),
+        };
+        held.unwrap_or_else(|_| self.next_demand())
+    }
+
+    /// A motion ends, or its path time stands still: a robot that may hold does, so that it is where the path is.
+    pub fn come_to_hold(&mut self) {
+        match self.mode {
+            Mode::Moving { .. } if self.acceptor.can_hold(self.period.as_secs_f64()) => {
+                self.mode = Mode::Holding;
+            }
+            Mode::Moving { .. } => self.brake(),
+            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
+        }
+    }
+
+    /// A robot that moves, or is not where its path ends, comes to a standstill.
+    pub fn brake(&mut self) {
+        match self.mode {
+            Mode::Moving { .. } => self.mode = self.way_to_rest(),
+            Mode::Holding if !self.acceptor.is_at_its_end() => self.mode = self.way_to_rest(),
+            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
+        }
+    }
+
+    /// The way to a standstill from the state demanded last.
+    fn way_to_rest(&mut self) -> Mode<R::Joints> {
+        let period = self.period.as_secs_f64();
+        // Where the law lets all robots stand in the next step, none goes on for the others' sake.
+        if let Some(law) = self.together.filter(|law| !law.stops_at_once(period))
+            && let Some(screw) = self.learn_screw(period)
+        {
+            return Mode::OnScrew(ScrewBraking::new(screw, law));
+        }
+        if self.acceptor.stop_at_once(period) {
+            return Mode::Holding;
+        }
+        Mode::Braking(self.acceptor.braking())
+    }
+
+    /// The screw of the last demands, of a robot that moves together with others.
+    fn learn_screw(&mut self, period: f64) -> Option<Screw> {
+        self.together?;
+        if self.screw.is_none() {
+            self.screw = guarded(|| self.acceptor.screw(period)).ok();
+        }
+        self.screw
+    }
+}

@@ -1,0 +1,75 @@
+//! Who watches an EDP: observers of its servo periods, and witnesses of its steps and faults.
+//!
+//! In: servo periods, steps that begin, the fault that it stops for. Out: the same to those who watch; nothing that the EDP
+//! acts on.
+
+use crate::control::guarded::guarded;
+use crate::model::fault::Fault;
+use crate::model::image::{RobotState, STATE_WORDS};
+use crate::model::robot::Robot;
+use crate::model::time::Nanos;
+use crate::model::wire::Wire;
+use crate::observe::servo::{Observer, ServoRecord};
+use crate::observe::witness::{IMAGE_WORDS, Mode as ShownMode, What, Witnesses};
+use crate::safety::limits::Acceptor;
+
+use super::path::Mode;
+
+/// Those who watch.
+pub(super) struct Shown<R: Robot> {
+    pub observers: Vec<Observer<R>>,
+    pub witnesses: Witnesses,
+}
+
+impl<R: Robot> Shown<R> {
+    /// Whether servo periods are observed.
+    pub fn is_observed(&self) -> bool {
+        !self.observers.is_empty()
+    }
+
+    /// Shows a servo period to the observers. One that panics ends them all.
+    ///
+    /// # Errors
+    /// Its panic.
+    pub fn show_servo(&mut self, record: &ServoRecord<R>) -> Result<(), Fault> {
+        let observers = &mut self.observers;
+        let shown = guarded(|| observers.iter_mut().for_each(|observer| observer(record)));
+        if shown.is_err() {
+            observers.clear();
+        }
+        shown
+    }
+
+    /// Shows that a demand came too late for its step.
+    pub fn show_late(&self, now: Nanos, step: u64) {
+        self.witnesses.show(now, &What::Late { step }, &[]);
+    }
+
+    /// Shows the fault that is latched.
+    pub fn show_fault(&self, now: Nanos, fault: &Fault, step: u64) {
+        self.witnesses.show_fault(now, &What::Fault { step }, Some(fault));
+    }
+}
+
+/// What is shown of a mode.
+pub(super) const fn shown_mode<J>(mode: &Mode<J>) -> ShownMode {
+    match mode {
+        Mode::Holding => ShownMode::Holding,
+        Mode::Moving { missed: 0 } => ShownMode::Moving,
+        Mode::Moving { .. } => ShownMode::Bridging,
+        Mode::Braking(_) | Mode::OnScrew(_) => ShownMode::Braking,
+        Mode::Off => ShownMode::Off,
+    }
+}
+
+/// A step that begins, in words: its demand, what the encoders had read, the tool.
+pub(super) fn image_words<R: Robot>(acceptor: &Acceptor<R>, measured: &RobotState<R>) -> [u64; IMAGE_WORDS] {
+    let mut words = [0; IMAGE_WORDS];
+    // What its drives are told, which is not where the path is after late demands.
+    let (joints, velocity) = acceptor.accepted();
+    let demanded = RobotState::<R> { joints, velocity, pose: acceptor.tool_pose(&joints) };
+    demanded.put(&mut words);
+    measured.put(&mut words[STATE_WORDS..]);
+    acceptor.tool().put(&mut words[2 * STATE_WORDS..]);
+    words
+}

@@ -1,0 +1,107 @@
+//! What an EDP does when a step, or a servo period, begins.
+//!
+//! In: accepted demands, or none. Out: what the drives are told, what the encoders say; the faults of drives, of joints that
+//! do not follow, of demands that stay away.
+
+use crate::control::guarded::guarded;
+use crate::model::fault::{Fault, FaultKind};
+use crate::model::image::RobotState;
+use crate::model::robot::Robot;
+use crate::model::time::Nanos;
+use crate::observe::servo::ServoRecord;
+use crate::observe::witness::What;
+use crate::safety::limits::AcceptedDemand;
+
+use super::Edp;
+use super::path::Mode;
+use super::shown::{image_words, shown_mode};
+
+impl<R: Robot> Edp<'_, R> {
+    /// A step begins: its demand, or what replaces it, is what the drives are on their way to.
+    pub(super) fn begin_step(&mut self) {
+        if !self.path.is_off() {
+            let demand = *self.next_demand().joints();
+            if let Err(panic) = self.servo.begin_step(demand) {
+                self.path.mode = Mode::Off;
+                self.latch(panic, self.clock.due);
+            }
+        }
+        self.show_step();
+        self.clock.due += 1;
+    }
+
+    /// The demand of the step that begins: the one that came, or what replaces it.
+    pub(super) fn next_demand(&mut self) -> AcceptedDemand<R> {
+        if let Err(fault) = self.path.count_missing() {
+            self.stop_for(fault, self.clock.due);
+        }
+        self.path.next_demand()
+    }
+
+    /// One servo period.
+    #[allow(non_snake_case)]
+    pub(super) fn tick(&mut self, now: Nanos) {
+        if self.path.is_off() {
+            return;
+        }
+        let demanded = self.position_at(now + self.clock.servo());
+        let X_FE = *self.path.acceptor.tool();
+        let fault = match self.servo.tick(now, &demanded, &X_FE, self.host.waiter) {
+            Ok(followed) => self.check_following(&followed, FaultKind::FollowingError).err(),
+            Err(fault) => {
+                self.path.mode = Mode::Off;
+                Some(fault)
+            }
+        };
+        let observed = self.show_servo(now, demanded);
+        if let Some(fault) = fault.or(observed.err()) {
+            self.stop_for(fault, self.clock.step_at(now));
+        }
+    }
+
+    /// What the drives are told for the end of a servo period.
+    fn position_at(&mut self, end: Nanos) -> R::Joints {
+        let joints = self.servo.interpolation.at(end);
+        if !self.servo.is_in_task_space() {
+            return joints;
+        }
+        let learned = self.servo.learn_difference(end, &joints, self.clock.servo(), &self.path.acceptor);
+        if let Err(fault) = learned {
+            self.stop_for(fault, self.clock.due.saturating_sub(1));
+        }
+        joints + self.servo.task_space.correction()
+    }
+
+    /// Shows the servo period to the observers.
+    fn show_servo(&mut self, now: Nanos, demanded: R::Joints) -> Result<(), Fault> {
+        if !self.shown.is_observed() {
+            return Ok(());
+        }
+        self.shown.show_servo(&ServoRecord {
+            time: (now + self.clock.servo()) as f64 * 1e-9,
+            demanded,
+            measured: self.servo.measured,
+            tool: *self.path.acceptor.tool(),
+        })
+    }
+
+    /// Shows the step that begins to the witnesses.
+    fn show_step(&mut self) {
+        if !self.shown.witnesses.is_watched() {
+            return;
+        }
+        let what = What::Image { step: self.clock.due, mode: shown_mode(&self.path.mode) };
+        // Kinematics are the user's code.
+        match guarded(|| image_words(&self.path.acceptor, &self.measured_state())) {
+            Ok(words) => self.shown.witnesses.show(self.host.waiter.now(), &what, &words),
+            Err(panic) => self.stop_for(panic, self.clock.due),
+        }
+    }
+
+    /// What the encoders read last, and the pose of the tool there.
+    pub(super) fn measured_state(&self) -> RobotState<R> {
+        let measured = &self.servo.measured;
+        let pose = self.path.acceptor.tool_pose(&measured.position);
+        RobotState { joints: measured.position, velocity: measured.velocity, pose }
+    }
+}
