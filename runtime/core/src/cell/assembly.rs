@@ -1,26 +1,30 @@
 //! Puts the processes of a cell on a link: the same calls in the same order, whichever link it is.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 
 use super::robot::Place;
 use super::sensor::Requesters;
-use super::{Cell, CellError, Outcomes};
+use super::{Cell, CellError};
 use crate::control::ecp::Pace;
-use crate::control::mp::{Mp, RobotPort};
+use crate::control::mp::{Mp, MpTiming, RobotPort};
 use crate::control::overruns::Timed;
 use crate::control::plant::{Rests, Site};
 use crate::control::sensing::Sensing;
 use crate::link::Link;
 use crate::link::patience::Patience;
-use crate::model::fault::{ProcessId, Role};
+use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::time::Nanos;
 use crate::observe::witness::{What, Witnesses};
 
+/// How the programs of a cell's processes ended.
+pub(super) type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
+
 /// What the processes of a cell leave behind.
 pub struct Assembly {
     /// How their programs ended.
-    pub outcomes: Outcomes,
+    pub outcomes: Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>,
     /// Steps that the MP began.
     pub steps: Rc<core::cell::Cell<u64>>,
     /// How robots in the plant came to a standstill whose commands had stopped.
@@ -39,17 +43,17 @@ impl Cell {
 
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
     pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
-        let nudged = self.program.is_none();
-        let patience = Patience::of_step(self.step);
+        let nudged = self.coordination.program.is_none();
+        let patience = Patience::of_step(self.timing.step);
         let outcomes = Outcomes::default();
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
 
-        let anything = self.robots.iter().any(|robot| robot.is_simulated());
-        let mut plant = Site::new(link, self.step, anything, self.watched_in_plant);
+        let anything = self.parts.robots.iter().any(|robot| robot.is_simulated());
+        let mut plant = Site::new(link, self.timing.step, anything, self.watching.watched_in_plant);
 
         let stop_steps = self.stop_steps();
-        let witnesses = Witnesses::to(self.witnesses);
+        let witnesses = Witnesses::to(self.watching.witnesses);
         let mut mp_sensing = Sensing { ports: Vec::new(), patience, witnesses: witnesses.of(ProcessId::MP) };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
         let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
@@ -59,44 +63,42 @@ impl Cell {
         };
         let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
-        let servo = self.robots.iter().map(|robot| robot.servo_period()).min();
-        let delay = crate::control::interpolation::delay(
-            self.step,
-            self.robots.iter().map(|robot| robot.servo_period()),
-        );
-        let grace = (servo.unwrap_or(self.step).min(self.step).as_nanos() / 2) as Nanos;
+        let servo = self.parts.robots.iter().map(|robot| robot.servo_period()).min();
+        let delay = self.timing.delay(self.parts.robots.iter().map(|robot| robot.servo_period()));
+        let grace = (servo.unwrap_or(self.timing.step).min(self.timing.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
-            recorded: self.recorded.clone(),
+            recorded: self.watching.recorded.clone(),
             link,
             plant: &mut plant,
-            step: self.step,
+            step: self.timing.step,
             mp,
             robots: names,
             ecps: &ecps,
             mp_sensing: &mut mp_sensing,
             ecp_sensing: &mut ecp_sensing,
         };
-        for sensor in self.sensors {
+        for sensor in self.parts.sensors {
             sensor.spawn(&mut requesters)?;
         }
         let mut ports = Vec::new();
         for ((robot, name), (&ecp, sensing)) in
-            self.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing))
+            self.parts.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing))
         {
             let (client, server) = link.port(mp, ecp);
             ports.push(RobotPort::new(
                 *name,
-                (robot.kind(), robot.kind_name()),
+                robot.kind(),
+                robot.kind_name(),
                 client,
                 stop_steps,
                 robot.is_homed(),
             ));
-            let period = self.step.as_nanos() as Nanos;
+            let period = self.timing.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };
             let place = Place {
                 name: *name,
                 ecp,
-                step: self.step,
+                step: self.timing.step,
                 delay,
                 pace,
                 nudged,
@@ -108,19 +110,26 @@ impl Cell {
         plant.spawn(link, Rc::clone(&rests))?;
 
         let close = link.closer();
-        let (operator, step, rate_change, mut program) =
-            (self.operator, self.step, self.rate_change, self.program);
-        let (hook, guard, after_fault) = (self.hook, self.guard, self.after_fault);
-        let script = self.recorded.map(|recorded| Rc::clone(&recorded.script));
+        let timing = MpTiming { period: self.timing.step, grace, rate_change: self.timing.rate_change };
+        let mut program = self.coordination.program;
+        let after_fault = self.coordination.after_fault;
+        let script = self.watching.recorded.map(|recorded| Rc::clone(&recorded.script));
         let steps = Rc::new(core::cell::Cell::new(0));
-        let (counted, recorded) = (Rc::clone(&steps), Rc::clone(&outcomes));
+        let counted = Rc::clone(&steps);
+        let ended = Rc::clone(&outcomes);
         link.body(
             mp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let mut mp =
-                    Mp::new(timed.host(), ports, mp_sensing, operator, hook, (step, grace), rate_change);
-                mp.watch_by(guard);
+                let mut mp = Mp::new(
+                    timed.host(),
+                    ports,
+                    mp_sensing,
+                    self.coordination.operator,
+                    self.coordination.hook,
+                    &timing,
+                );
+                mp.watch_by(self.coordination.guard);
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {
                     Some(program) => program(mp),
@@ -129,7 +138,7 @@ impl Cell {
                 counted.set(mp.step());
                 let end = What::End { step: mp.step() };
                 witnesses.show_fault(host.waiter.now(), &end, outcome.as_ref().err());
-                recorded.borrow_mut().push((ProcessId::MP, outcome));
+                ended.borrow_mut().push((ProcessId::MP, outcome));
                 close();
             }),
         )?;

@@ -13,12 +13,12 @@ impl Cell {
     /// What the cell is made of. Nothing need be right with it.
     pub fn layout(&self) -> Layout {
         Layout {
-            step: self.step,
-            stop_time: self.stop_time,
-            detection: detection_time(self.step),
-            mp_program: self.program.is_some(),
-            robots: self.robots.iter().map(|robot| robot.layout()).collect(),
-            sensors: self.sensors.iter().map(|sensor| sensor.layout()).collect(),
+            step: self.timing.step,
+            stop_time: self.timing.stop_time,
+            detection: detection_time(self.timing.step),
+            mp_program: self.coordination.program.is_some(),
+            robots: self.parts.robots.iter().map(|robot| robot.layout()).collect(),
+            sensors: self.parts.sensors.iter().map(|sensor| sensor.layout()).collect(),
         }
     }
 }

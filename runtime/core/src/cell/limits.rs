@@ -18,7 +18,8 @@ pub(super) fn check<J: JointVector>(
     kind: impl Fn(usize) -> JointKind,
     limits: &Limits<J>,
     following_error: &J,
-    (step, stop_time): (Duration, Duration),
+    step: Duration,
+    stop_time: Duration,
 ) -> Vec<CellError> {
     let mut errors = Vec::new();
     for joint in 0..J::LEN {

@@ -6,8 +6,9 @@ use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use super::assembly::Outcomes;
 use super::layout::joints;
-use super::{CellError, Outcomes, limits};
+use super::{CellError, limits};
 use crate::control::drive::Drive;
 use crate::control::ecp::{Ecp, Pace};
 use crate::control::edp::{Edp, EdpConfig};
@@ -279,7 +280,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             |i| self.robot.joint(i),
             self.robot.limits(),
             &self.following_error,
-            (step, stop_time),
+            step,
+            stop_time,
         )
     }
 

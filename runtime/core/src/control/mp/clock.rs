@@ -4,8 +4,11 @@
 //! time `dt`, which every order carries. Steps begin at multiples of the period; a late one skips indices and is
 //! never replayed: its `duration` is the number of periods since the step before it. `dt = rate * duration`.
 
-use crate::link::Meter;
-use crate::link::{Closed, Sample, Waiter};
+use core::time::Duration;
+
+use crate::control::overruns::Overruns;
+use crate::link::{Closed, Meter, Sample, Waiter};
+use crate::model::fault::Fault;
 use crate::model::step::Tick;
 use crate::model::time::Nanos;
 use crate::safety::rate::Feed;
@@ -27,10 +30,14 @@ pub(super) struct StepClock {
     suspended: bool,
     /// The rate at which path time passes.
     pub feed: Feed,
+    /// Steps that were late because of the MP itself.
+    overruns: Overruns,
 }
 
 impl StepClock {
-    pub fn new(period: Nanos, grace: Nanos, feed: Feed) -> Self {
+    pub fn new(period: Duration, grace: Nanos, feed: Feed) -> Self {
+        let overruns = Overruns::new(period);
+        let period = period.as_nanos() as Nanos;
         let duration = period as f64 * 1e-9;
         StepClock {
             period,
@@ -42,6 +49,7 @@ impl StepClock {
             dt: duration,
             suspended: false,
             feed,
+            overruns,
         }
     }
 
@@ -106,6 +114,20 @@ impl StepClock {
         self.used = now % self.period >= self.grace || now >= (self.step + 1) * self.period;
     }
 
+    /// Counts the time that the MP itself took for the step before \[ns\].
+    ///
+    /// # Errors
+    /// `Overrun` when too many steps were late because of it.
+    pub fn count_own_time(&mut self, own_time: Nanos) -> Result<(), Fault> {
+        let missed = own_time / self.period();
+        self.overruns.note(missed)
+    }
+
+    /// As if no step had been late: after a reset.
+    pub fn forget_late_steps(&mut self) {
+        self.overruns.forget();
+    }
+
     /// Waits for the beginning of a step, unless one has begun that nothing has used; whether one begins.
     pub fn begin(&mut self, waiter: &dyn Waiter, meter: &dyn Meter) -> Result<bool, Closed> {
         if !self.used {
@@ -126,7 +148,8 @@ impl StepClock {
         if periods > 1 {
             meter.sample(Sample::Skipped(periods - 1));
         }
-        (self.step, self.used) = (step, false);
+        self.step = step;
+        self.used = false;
         self.duration = periods as f64 * self.period as f64 * 1e-9;
         Ok(true)
     }
@@ -176,7 +199,7 @@ mod tests {
             [(3000, 4, 1), (3999, 4, 1), (4000, 4, 1), (4499, 4, 1), (4500, 5, 2), (5499, 5, 2), (5500, 6, 3)]
         {
             let waiter = Jumps(Cell::new(3000));
-            let mut clock = StepClock::new(1000, 500, Feed::new(5.0));
+            let mut clock = StepClock::new(Duration::from_nanos(1000), 500, Feed::new(5.0));
             assert_eq!(clock.begin(&waiter, &Nothing), Ok(true));
             clock.spend();
             waiter.0.set(now);
@@ -189,7 +212,7 @@ mod tests {
     #[test]
     fn a_step_that_was_kept_is_used_again() {
         let waiter = Jumps(Cell::new(0));
-        let mut clock = StepClock::new(1000, 500, Feed::new(5.0));
+        let mut clock = StepClock::new(Duration::from_nanos(1000), 500, Feed::new(5.0));
         assert_eq!((clock.begin(&waiter, &Nothing), clock.step()), (Ok(true), 1));
         clock.spend();
         clock.keep();

@@ -8,7 +8,7 @@ use crate::model::list::PayloadType;
 use crate::safety::latch::Event;
 
 use super::Mp;
-use super::exchange::RobotPort;
+use super::robots::RobotPort;
 
 impl Mp<'_> {
     /// Opens an instruction: every robot acknowledges the type of its orders and reports a fresh state, or
@@ -18,14 +18,14 @@ impl Mp<'_> {
         indices: &[usize],
         payload: impl Fn(usize) -> PayloadType,
     ) -> Result<(), Fault> {
-        self.ordinal += 1;
+        self.robots.ordinal += 1;
         let left_out = |(index, robot): &(usize, &RobotPort)| robot.handed_over && !indices.contains(index);
         if let Some((_, robot)) = self.robots.iter().enumerate().find(left_out) {
             let text =
                 format!("`{}` was handed over moving: the Move after a blend must name it", robot.name);
             return Err(Fault::thrown(&text));
         }
-        let goes_on = self.take_handed_over();
+        let goes_on = self.robots.take_handed_over();
         if !goes_on {
             self.clock.start(self.wanted_rate());
         }
@@ -62,7 +62,7 @@ impl Mp<'_> {
             self.begin_step()?;
             self.exchange(indices, kind, flag::WANT_STATE | flag::BLEND)?;
             self.clock.keep();
-            if self.have_ended(indices) {
+            if self.robots.all_say(indices, flag::ENDED) {
                 for &index in indices {
                     self.robots[index].handed_over = true;
                 }
@@ -73,22 +73,12 @@ impl Mp<'_> {
         loop {
             self.begin_step()?;
             self.exchange(indices, kind, flag::WANT_STATE)?;
-            if self.have_ended(indices) {
+            if self.robots.all_say(indices, flag::ENDED) {
                 // Nothing moved in this step: the next instruction may begin in it.
                 self.clock.keep();
                 return Ok(());
             }
         }
-    }
-
-    fn have_ended(&self, indices: &[usize]) -> bool {
-        indices.iter().all(|&index| self.robots[index].reply.is(flag::ENDED))
-    }
-
-    /// Whether robots have been handed over moving; from now on they are in somebody's hands.
-    fn take_handed_over(&mut self) -> bool {
-        let taken = |any, robot: &mut RobotPort| core::mem::take(&mut robot.handed_over) | any;
-        self.robots.iter_mut().fold(false, taken)
     }
 
     /// The end that the operator or a guard wants, at standstill on the path.
@@ -100,12 +90,12 @@ impl Mp<'_> {
 
     /// Robots that a blend left moving come to a standstill.
     pub(super) fn settle(&mut self) -> Result<(), Fault> {
-        if self.take_handed_over() {
-            let indices: Vec<_> = (0..self.robots.len()).collect();
+        if self.robots.take_handed_over() {
+            let indices = self.robots.all();
             loop {
                 self.begin_step()?;
                 self.exchange(&indices, OrderKind::Brake, flag::WANT_STATE)?;
-                if indices.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL)) {
+                if self.robots.all_say(&indices, flag::STANDSTILL) {
                     return Ok(());
                 }
             }
@@ -116,9 +106,9 @@ impl Mp<'_> {
     /// Holds until the drives of every robot know where it is.
     pub(super) fn home(&mut self) -> Result<(), Fault> {
         // There is nothing to look at before.
-        let guard = self.guard.take();
+        let guard = self.stops.guard.take();
         let outcome = self.home_all();
-        self.guard = guard;
+        self.stops.guard = guard;
         outcome
     }
 
@@ -138,20 +128,20 @@ impl Mp<'_> {
     /// Stops every robot of the cell and latches the first cause.
     pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
         self.tell_stop(&fault);
-        let fault = self.latched.get_or_insert(fault).clone();
-        let _ = self.operator.meet(Event::Fault);
-        self.take_handed_over();
+        let fault = self.stops.latched.get_or_insert(fault).clone();
+        let _ = self.operating.operator.meet(Event::Fault);
+        self.robots.take_handed_over();
         self.bring_to_rest();
-        self.operator.show_cause(&fault);
-        let _ = self.operator.meet(Event::Standstill);
+        self.operating.operator.show_cause(&fault);
+        let _ = self.operating.operator.meet(Event::Standstill);
         fault
     }
 
     /// Tells all robots to stop until they stand, or until they should.
     fn bring_to_rest(&mut self) {
-        let all: Vec<_> = (0..self.robots.len()).collect();
+        let all = self.robots.all();
         // One step for the order to arrive, one for the answer.
-        let limit = self.robots.iter().map(|robot| robot.stop_steps).max().unwrap_or(0) + 2;
+        let limit = self.robots.stop_steps() + 2;
         let began = self.clock.step();
         loop {
             if self.begin_step().is_err() {
@@ -162,7 +152,7 @@ impl Mp<'_> {
             if answered.is_err_and(|error| error.is_orderly()) {
                 return;
             }
-            let standing = all.iter().all(|&index| self.robots[index].reply.is(flag::STANDSTILL));
+            let standing = self.robots.all_say(&all, flag::STANDSTILL);
             // A robot that does not stand when it must is left to its EDP: nobody waits for it for ever.
             if standing || self.clock.step() > began + limit {
                 return;

@@ -56,12 +56,12 @@ impl Mp<'_> {
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
-        self.show_instruction(Doing::Move, core::any::type_name::<G>());
+        self.operating.show_instruction(Doing::Move, core::any::type_name::<G>());
         let outcome = self.instruction(|mp| {
             mp.generate(indices, &sensors, &mut generator, &mut e, &mut v)?;
             mp.end(indices, OrderKind::End, ending)
         });
-        self.each_image(indices, |i, words| robots.refresh(i, words))?;
+        self.robots.each_image(indices, |i, words| robots.refresh(i, words))?;
         sensors.store(&v);
         outcome.map(|()| generator)
     }
@@ -83,7 +83,7 @@ impl Mp<'_> {
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         let flags = state_flag | if together { flag::TOGETHER } else { 0 };
         self.begin_step()?;
-        let handed_over = self.robots.iter().any(|robot| robot.handed_over);
+        let handed_over = self.robots.any_handed_over();
         self.start(indices, payload)?;
         if self.learn_states(sensors)? {
             // Nothing moved: a motion that was handed over must not lose a step by it.
@@ -107,7 +107,7 @@ impl Mp<'_> {
             let suspended = self.clock.is_standing();
             let uses = if step == 0 { first_uses } else { next_uses };
             if uses.robots {
-                self.read_images::<G::Robots>(indices, e)?;
+                self.robots.read_images::<G::Robots>(indices, e)?;
             }
             let next = if suspended && (step == 0 || !next_uses.tick) {
                 None
@@ -160,7 +160,7 @@ impl Mp<'_> {
     ) -> Result<(), Fault> {
         match self.sensing.collect(sensors, v, self.host.waiter, self.clock.step()) {
             Err(fault) if fault.leaves_demands_sound() => {
-                self.protect(fault);
+                self.stops.protect(fault, self.clock.step());
                 Ok(())
             }
             collected => collected,
@@ -189,8 +189,8 @@ impl Mp<'_> {
 
     /// The nudging MP: one instruction of a constant order to all robots, until every ECP has finished.
     pub(crate) fn nudge(&mut self) -> Result<(), Fault> {
-        let indices: Vec<_> = (0..self.robots.len()).collect();
-        self.show_instruction(Doing::Move, "nudge");
+        let indices = self.robots.all();
+        self.operating.show_instruction(Doing::Move, "nudge");
         self.instruction(|mp| {
             mp.nudge_all(&indices)?;
             mp.end(&indices, OrderKind::End, 0)

@@ -3,56 +3,88 @@
 //! In: the buttons that were pressed since the last step. Out: what became of each, and in which step; and plain numbers
 //! of what the MP does, for whoever looks on from outside: nobody waits for that.
 
-use crate::model::fault::Fault;
+use crate::model::fault::{Fault, FaultWords};
+use crate::operator::Operator;
 use crate::operator::button::{Answer, Button, CellState};
-use crate::operator::state::Doing;
+use crate::operator::console::Console;
+use crate::operator::state::{Doing, MpState};
 
-use super::Mp;
+use super::clock::StepClock;
 
-impl Mp<'_> {
-    /// An instruction begins. Its generator or condition is named as the program names its type.
-    pub(super) fn show_instruction(&mut self, doing: Doing, by: &'static str) {
-        let shown = &mut self.shown;
-        shown.instructions += 1;
-        (shown.doing, shown.by) = (doing, by);
+/// What is called at the start of every step: the cell's index of the step and its operator.
+pub(crate) type StepHook = Box<dyn FnMut(u64, &Operator)>;
+
+/// The operator's side of the MP.
+pub(super) struct Operating {
+    pub operator: Operator,
+    hook: Option<StepHook>,
+    /// Whether the operator has asked for a protective stop since the step before.
+    pub stopping: bool,
+    /// Whether the operator was seen to abort in this step.
+    pub aborts: bool,
+    /// What an operator is shown.
+    shown: MpState,
+}
+
+impl Operating {
+    pub fn new(operator: Operator, hook: Option<StepHook>) -> Self {
+        Operating { operator, hook, stopping: false, aborts: false, shown: MpState::default() }
     }
 
-    /// It is over.
-    pub(super) fn show_end(&mut self) {
+    /// Calls the hook of a step that begins. One that panics is not called again by the stop that follows.
+    pub fn call_hook(&mut self, step: u64) {
+        if let Some(mut hook) = self.hook.take() {
+            hook(step, &self.operator);
+            self.hook = Some(hook);
+        }
+    }
+
+    /// An instruction begins. Its generator or condition is named as the program names its type.
+    pub fn show_instruction(&mut self, doing: Doing, by: &'static str) {
+        self.shown.instructions += 1;
+        self.shown.doing = doing;
+        self.shown.by = by;
+    }
+
+    /// An instruction has ended with a fault.
+    pub fn show_fault(&mut self, fault: &Fault) {
+        self.shown.fault = Some(FaultWords::from(fault));
+    }
+
+    /// An instruction is over.
+    pub fn show_end(&mut self, state: CellState, console: &dyn Console) {
         self.shown.doing = Doing::Nothing;
-        self.shown.state = self.state();
-        self.host.console.show(&self.shown);
+        self.shown.state = state;
+        console.show(&self.shown);
     }
 
     /// A step begins.
-    pub(super) fn show_step(&mut self) {
-        let state = self.state();
-        let (shown, clock) = (&mut self.shown, &self.clock);
-        (shown.step, shown.period) = (clock.step(), clock.period());
-        (shown.rate, shown.speed, shown.state) = (clock.feed.rate(), self.operator.speed(), state);
-        self.host.console.show(&self.shown);
+    pub fn show_step(&mut self, state: CellState, clock: &StepClock, console: &dyn Console) {
+        let shown = &mut self.shown;
+        shown.step = clock.step();
+        shown.period = clock.period();
+        shown.rate = clock.feed.rate();
+        shown.speed = self.operator.speed();
+        shown.state = state;
+        console.show(shown);
     }
 
-    /// Carries out what the operator has pressed, each kind at most once a step.
-    pub(super) fn hear_operator(&mut self) {
+    /// Carries out what the operator has pressed since the last step, each kind of button at most once. `state` is asked for
+    /// before each of them.
+    pub fn press(&mut self, step: u64, state: impl Fn(&Operator) -> CellState, console: &dyn Console) {
         for kind in 0..Button::KINDS {
-            if let Some((number, button)) = self.host.console.pressed(kind) {
-                let state = self.state();
+            if let Some((number, button)) = console.pressed(kind) {
+                let state = state(&self.operator);
                 let done = self.operator.press(button, state);
-                self.shown.answers[kind] = Answer { number, step: self.clock.step(), state, done };
+                self.shown.answers[kind] = Answer { number, step, state, done };
             }
         }
-        if self.latched.is_none() && self.operator.take_protective_stop() {
-            self.stopping = true;
-            self.protect(Fault::of_operator());
-        }
     }
 
-    fn state(&self) -> CellState {
-        if self.protective.is_some() && self.latched.is_none() {
-            CellState::Stopping
-        } else {
-            self.operator.state()
-        }
+    /// Takes the protective stop that the operator has asked for.
+    pub fn take_protective_stop(&mut self) -> bool {
+        let asked = self.operator.take_protective_stop();
+        self.stopping |= asked;
+        asked
     }
 }

@@ -4,7 +4,7 @@
 //! latched the MP asks every robot in every step whether it stands; a reset makes all of them ready, in a new epoch, and
 //! then waits until their drives have held for some steps.
 
-use crate::link::message::{Message, OrderKind, flag};
+use crate::link::message::{OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::safety::latch::AfterFault;
 use crate::safety::latch::{Event, Latch};
@@ -38,7 +38,7 @@ impl Mp<'_> {
                     if after_fault == AfterFault::AwaitReset && fault.kind() != FaultKind::CellClosed =>
                 {
                     // A program that ended with a fault of its own is latched as one that was stopped for it.
-                    let cause = self.latched.clone().unwrap_or_else(|| self.stop(fault));
+                    let cause = self.stops.latched.clone().unwrap_or_else(|| self.stop(fault));
                     if self.await_reset(&cause) == Verdict::End {
                         return Err(cause);
                     }
@@ -51,7 +51,7 @@ impl Mp<'_> {
     /// Runs it once. A panic in it stops the robots as any fault does.
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
-            self.show_instruction(Doing::Homing, "");
+            self.operating.show_instruction(Doing::Homing, "");
             self.instruction(Self::home)?;
             program(self)
         });
@@ -59,7 +59,7 @@ impl Mp<'_> {
             Ok(outcome) => {
                 let settled = self.settle().map_err(|fault| self.stop(fault));
                 // A program that swallows a latched fault does not undo it.
-                let latched = self.latched.clone().map_or(Ok(()), Err);
+                let latched = self.stops.latched.clone().map_or(Ok(()), Err);
                 outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
             }
             Err(panic) => {
@@ -69,29 +69,32 @@ impl Mp<'_> {
                 Err(self.stop(fault))
             }
         };
-        self.operator.end();
+        self.operating.operator.end();
         outcome
     }
 
     /// Holds a latched cell until its operator resets it, or gives it up, or there is no way back.
     fn await_reset(&mut self, cause: &Fault) -> Verdict {
         loop {
-            if self.begin_step().is_err() || self.operator.has_given_up() || self.gone.is_some() {
+            if self.begin_step().is_err()
+                || self.operating.operator.has_given_up()
+                || self.stops.gone.is_some()
+            {
                 return Verdict::End;
             }
-            if self.operator.latch() == Latch::Resetting {
+            if self.operating.operator.latch() == Latch::Resetting {
                 match self.reset() {
                     Ok(()) => return Verdict::Restart,
                     Err(fault) => {
                         // The first cause is kept.
-                        self.latched = Some(cause.clone());
+                        self.stops.latched = Some(cause.clone());
                         self.stop(fault.clone());
-                        self.operator.show_persisting(Some(fault));
+                        self.operating.operator.show_persisting(Some(fault));
                     }
                 }
             }
             // It is stopped already. One that comes with the reset ends that.
-            self.operator.take_protective_stop();
+            self.operating.operator.take_protective_stop();
             match self.what_persists() {
                 Ok(persisting) => self.show_persisting(persisting),
                 Err(_) => return Verdict::End,
@@ -101,9 +104,9 @@ impl Mp<'_> {
 
     /// Tells the operator what forbids a reset; what made the last one fail stays told until something else does.
     fn show_persisting(&self, persisting: Option<Fault>) {
-        let _ = self.operator.meet(Event::Cause { persists: persisting.is_some() });
+        let _ = self.operating.operator.meet(Event::Cause { persists: persisting.is_some() });
         if persisting.is_some() {
-            self.operator.show_persisting(persisting);
+            self.operating.operator.show_persisting(persisting);
         }
     }
 
@@ -112,7 +115,7 @@ impl Mp<'_> {
     /// # Errors
     /// The cell closes.
     fn what_persists(&mut self) -> Result<Option<Fault>, Fault> {
-        let all: Vec<_> = (0..self.robots.len()).collect();
+        let all = self.robots.all();
         // Every reply is a fault; what counts is that the robots stand.
         let answered = self.exchange(&all, OrderKind::Stop, 0);
         if let Err(closed) = answered
@@ -120,7 +123,7 @@ impl Mp<'_> {
         {
             return Err(closed);
         }
-        for robot in &self.robots {
+        for robot in self.robots.iter() {
             let lost = |text| Some(Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(text));
             if robot.is_silent {
                 return Ok(lost(SILENT));
@@ -129,8 +132,7 @@ impl Mp<'_> {
                 return Ok(lost("the robot does not come to a standstill"));
             }
         }
-        let asleep = self.guard.as_ref().is_some_and(|guard| !guard.is_awake());
-        Ok(asleep.then(|| {
+        Ok(self.stops.guard_is_asleep().then(|| {
             let fault = Fault::new(FaultKind::GeneratorPanicked).in_process(ProcessId::MP);
             fault.text("the guard panicked and does not look any more: start the cell again")
         }))
@@ -141,21 +143,18 @@ impl Mp<'_> {
     /// # Errors
     /// What is still wrong.
     fn reset(&mut self) -> Result<(), Fault> {
-        self.epoch += 1;
-        (self.latched, self.protective, self.refusals) = (None, None, 0);
-        self.overruns.forget();
-        if let Some(guard) = &mut self.guard {
-            guard.forget();
-        }
-        if self.operator.take_protective_stop() {
+        self.robots.epoch += 1;
+        self.stops.forget();
+        self.clock.forget_late_steps();
+        if self.operating.operator.take_protective_stop() {
             return Err(Fault::of_operator());
         }
-        let all: Vec<_> = (0..self.robots.len()).collect();
+        let all = self.robots.all();
         self.exchange(&all, OrderKind::Reset, 0)?;
         for _ in 0..TRIAL {
             self.begin_step()?;
             self.exchange(&all, OrderKind::Query, 0)?;
-            if let Some(fault) = self.protective.take() {
+            if let Some(fault) = self.stops.protective.take() {
                 // A guard's, or the operator's: a stop has priority over a start.
                 return Err(fault);
             }
@@ -166,11 +165,9 @@ impl Mp<'_> {
 
     /// Programs find what they found when the cell began.
     fn forget(&mut self) {
-        for robot in &mut self.robots {
-            (robot.taken, robot.handed_over, robot.reply) = (false, false, Message::empty());
-        }
+        self.robots.release();
         self.sensing.release();
-        let _ = self.operator.meet(Event::Restart);
-        self.operator.forget();
+        let _ = self.operating.operator.meet(Event::Restart);
+        self.operating.operator.forget();
     }
 }

@@ -28,25 +28,26 @@ impl Mp<'_> {
     /// The operator wants what he wanted in this step of the recording.
     pub(super) fn follow_script(&self) {
         if let Some(script) = &self.script {
-            script.begin(self.clock.step(), &self.operator);
+            script.begin(self.clock.step(), &self.operating.operator);
         }
     }
 
     /// Tells of the step that has begun. The cell is closing when who watches has seen enough.
     pub(super) fn tell_step(&mut self) -> Result<(), Fault> {
         let step = self.clock.step();
-        self.aborts = self.operator.is_aborting();
-        let stopping = core::mem::take(&mut self.stopping);
+        self.operating.aborts = self.operating.operator.is_aborting();
+        let stopping = core::mem::take(&mut self.operating.stopping);
         if !self.witnesses.is_watched() {
             return Ok(());
         }
         if self.witnesses.is_over(step) {
-            self.refuse();
+            self.stops.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
-        let (speed, suspended) = (self.operator.speed(), self.clock.is_suspended());
+        let (speed, suspended) = (self.operating.operator.speed(), self.clock.is_suspended());
         let (dt, duration) = (self.clock.dt(), self.clock.duration());
-        let (aborting, resetting) = (self.aborts, self.operator.latch() == Latch::Resetting);
+        let (aborting, resetting) =
+            (self.operating.aborts, self.operating.operator.latch() == Latch::Resetting);
         let what = What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting };
         self.witnesses.show(self.host.waiter.now(), &what, &[]);
         Ok(())
@@ -56,10 +57,10 @@ impl Mp<'_> {
     pub(super) fn tell_abort(&mut self) {
         let step = self.clock.step();
         if let Some(script) = &self.script {
-            script.go_on(step, &self.operator);
+            script.go_on(step, &self.operating.operator);
         }
-        if !self.aborts && self.operator.is_aborting() {
-            self.aborts = true;
+        if !self.operating.aborts && self.operating.operator.is_aborting() {
+            self.operating.aborts = true;
             self.witnesses.show(self.host.waiter.now(), &What::Abort { step }, &[]);
         }
     }
@@ -78,7 +79,7 @@ impl Mp<'_> {
 
     /// Tells of the fault that the cell stops for.
     pub(super) fn tell_stop(&self, fault: &Fault) {
-        if self.latched.is_none() {
+        if self.stops.latched.is_none() {
             let step = self.clock.step();
             self.witnesses.show_fault(self.host.waiter.now(), &What::Fault { step }, Some(fault));
         }

@@ -51,10 +51,10 @@ impl Mp<'_> {
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
-        self.show_instruction(Doing::Wait, core::any::type_name::<C>());
+        self.operating.show_instruction(Doing::Wait, core::any::type_name::<C>());
         let outcome =
             self.instruction(|mp| mp.wait_step(indices, &sensors, &mut condition, &mut e, &mut v, limit));
-        self.each_image(indices, |i, words| robots.refresh(i, words))?;
+        self.robots.each_image(indices, |i, words| robots.refresh(i, words))?;
         sensors.store(&v);
         outcome.map(|()| condition)
     }
@@ -81,7 +81,7 @@ impl Mp<'_> {
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
             self.sensing.collect(sensors, v, self.host.waiter, self.clock.step())?;
-            self.read_images::<C::Robots>(indices, e)?;
+            self.robots.read_images::<C::Robots>(indices, e)?;
             if self.clock.is_suspended() {
                 // Suspended, a Wait waits on.
                 continue;

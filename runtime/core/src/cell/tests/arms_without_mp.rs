@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
-use super::{Cell, RobotSetup};
+use crate::cell::{Cell, RobotSetup};
 use crate::control::mp::Mp;
 use crate::link::memory::{Scheduler, Stuck};
 use crate::link::{Board, Body, Client, Closed, Host, Link, Server, Waiter};

@@ -1,0 +1,34 @@
+//! Who coordinates a cell: the MP's program, its operator, and what they do after a fault.
+
+use crate::control::guard::Guard;
+use crate::control::mp::{Mp, StepHook};
+use crate::model::fault::Fault;
+use crate::operator::Operator;
+use crate::safety::latch::AfterFault;
+
+/// A coordinating program.
+pub(super) type MpProgram = Box<dyn FnMut(&mut Mp) -> Result<(), Fault>>;
+
+/// The MP's side of a cell.
+pub(super) struct Coordination {
+    /// Without one the MP nudges.
+    pub program: Option<MpProgram>,
+    pub operator: Operator,
+    /// What is called at the start of every step.
+    pub hook: Option<StepHook>,
+    /// What looks at all robots.
+    pub guard: Option<Guard>,
+    pub after_fault: AfterFault,
+}
+
+impl Default for Coordination {
+    fn default() -> Self {
+        Coordination {
+            program: None,
+            operator: Operator::new(),
+            hook: None,
+            guard: None,
+            after_fault: AfterFault::End,
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The robots and virtual sensors of a cell.
+//!
+//! In: set-ups, programs of ECPs. Out: everything that is wrong with them, or the robots' names.
+
+use core::time::Duration;
+
+use crate::control::ecp::Ecp;
+use crate::link::memory::MAX_PROCESSES;
+use crate::model::fault::Fault;
+use crate::model::name::Name;
+use crate::model::robot::Robot;
+
+use super::CellError;
+use super::robot::{AnyRobot, RobotSetup};
+use super::sensor::AnySensor;
+use super::timing::Timing;
+
+/// What a cell is made of.
+#[derive(Default)]
+pub(super) struct Parts {
+    pub robots: Vec<Box<dyn AnyRobot>>,
+    pub sensors: Vec<Box<dyn AnySensor>>,
+    /// Sensors that the cell's file names.
+    pub expected_sensors: Vec<String>,
+    /// What was found wrong while the cell was put together.
+    pub errors: Vec<CellError>,
+}
+
+impl Parts {
+    /// Gives the ECP of a robot its program; what forbids that is kept as an error.
+    pub fn give_program<R: Robot>(
+        &mut self,
+        robot: &str,
+        program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static,
+    ) {
+        let Some(found) = self.robots.iter_mut().find(|known| known.name() == robot) else {
+            let names = self.robots.iter().map(|robot| robot.name()).collect::<Vec<_>>().join(", ");
+            self.errors.push(CellError::NoRobot(robot.to_owned(), names));
+            return;
+        };
+        let kind = found.kind_name();
+        let error = match found.as_any().downcast_mut::<RobotSetup<R>>() {
+            Some(setup) if setup.has_program() => CellError::TwoPrograms(robot.to_owned()),
+            Some(setup) => return setup.give_program(program),
+            None => CellError::OtherKind { robot: robot.to_owned(), kind, written: R::KIND },
+        };
+        self.errors.push(error);
+    }
+
+    /// Checks the number of processes. All errors are kept in `errors`.
+    pub fn check_size(&self, errors: &mut Vec<CellError>) {
+        let processes = 1 + 2 * self.robots.len() + self.sensors.len();
+        if processes > MAX_PROCESSES {
+            errors.push(CellError::TooMany { processes, limit: MAX_PROCESSES });
+        }
+    }
+
+    /// Checks the robots; the names of those whose name is one.
+    pub fn check_robots(&self, timing: &Timing, errors: &mut Vec<CellError>) -> Vec<Name> {
+        let mut names = Vec::new();
+        for robot in &self.robots {
+            let name = match Name::new(robot.name()) {
+                Ok(name) => name,
+                Err(bad) => {
+                    errors.push(bad.into());
+                    continue;
+                }
+            };
+            if names.contains(&name) {
+                errors.push(CellError::Twice(name));
+            }
+            let step = timing.step;
+            let servo = robot.servo_period();
+            let divides = |a: Duration, b: Duration| b.as_nanos().is_multiple_of(a.as_nanos());
+            if servo.is_zero() {
+                errors.push(CellError::NoServo(name));
+            } else if !divides(servo, step) && !divides(step, servo) {
+                errors.push(CellError::Period { robot: name, servo, step });
+            }
+            errors.extend(robot.check_space(name));
+            errors.extend(robot.check_limits(name, step, timing.stop_time));
+            names.push(name);
+        }
+        names
+    }
+
+    /// Checks the sensors of robots with these names.
+    pub fn check_sensors(&self, robots: &[Name], errors: &mut Vec<CellError>) {
+        let mut sensors = Vec::new();
+        for sensor in &self.sensors {
+            match Name::new(sensor.name()) {
+                Ok(name) => {
+                    if sensors.contains(&name) {
+                        errors.push(CellError::Twice(name));
+                    }
+                    errors.extend(sensor.check(name, robots));
+                    sensors.push(name);
+                }
+                Err(bad) => errors.push(bad.into()),
+            }
+        }
+        let without = |name: &&String| self.sensors.iter().all(|sensor| sensor.name() != name.as_str());
+        errors.extend(self.expected_sensors.iter().filter(without).cloned().map(CellError::NoVsp));
+    }
+
+    /// Whether an ECP has a program.
+    pub fn has_program(&self) -> bool {
+        self.robots.iter().any(|robot| robot.has_program())
+    }
+}

@@ -1,0 +1,223 @@
+//! The robots of a cell as the MP sees them: the ports of their ECPs.
+//!
+//! In: handles that programs ask for, orders. Out: the last order and the last reply of each robot, and what follows from them
+//! for all robots.
+
+use core::any::TypeId;
+use core::ops::{Index, IndexMut};
+
+use crate::control::guard::RobotView;
+use crate::link::Client;
+use crate::link::message::{Header, Message, OrderKind, flag};
+use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
+use crate::model::image::{RobotImage, State};
+use crate::model::list::{PayloadType, RobotHandle, RobotList};
+use crate::model::name::Name;
+use crate::model::robot::Robot;
+use crate::model::sensor::EffectorState;
+use crate::model::time::Nanos;
+use crate::model::wire::{BadWords, Wire};
+use crate::observe::witness::{What, Witnesses};
+use crate::safety::braking::BrakingLaw;
+use crate::suggestion::suggestion;
+
+/// One robot as the MP sees it.
+pub(crate) struct RobotPort {
+    pub name: Name,
+    pub kind: TypeId,
+    /// The kind's name, for messages.
+    pub kind_name: &'static str,
+    pub client: Box<dyn Client>,
+    pub taken: bool,
+    /// Whether its drives know where it is.
+    pub(super) homed: bool,
+    /// Steps after which the robot must stand when it was told to stop.
+    pub(super) stop_steps: u64,
+    /// Whether its ECP owed the last answer.
+    pub(super) is_silent: bool,
+    /// Whether the last instruction handed it over moving.
+    pub(super) handed_over: bool,
+    /// The type of its orders.
+    pub(super) payload: PayloadType,
+    pub(super) order: Message,
+    pub(super) reply: Message,
+}
+
+impl RobotPort {
+    pub fn new(
+        name: Name,
+        kind: TypeId,
+        kind_name: &'static str,
+        client: Box<dyn Client>,
+        stop_steps: u64,
+        homed: bool,
+    ) -> RobotPort {
+        RobotPort {
+            name,
+            kind,
+            kind_name,
+            client,
+            taken: false,
+            homed,
+            stop_steps,
+            is_silent: false,
+            handed_over: false,
+            payload: PayloadType::of::<()>(),
+            order: Message::empty(),
+            reply: Message::empty(),
+        }
+    }
+
+    /// Takes the answer to the last order, if it is there. An answer to an order that was given up is not one.
+    pub(super) fn receives_answer(&mut self) -> bool {
+        let to = |header: &Header| (header.epoch, header.step);
+        self.client.receive(&mut self.reply) && to(&self.reply.header) == to(&self.order.header)
+    }
+
+    /// What its EDP reported in the last exchange, if it was asked.
+    pub(super) fn view(&self) -> Option<RobotView> {
+        let words = self.reply.is(flag::STATE).then(|| self.reply.words())?;
+        let (measured, demanded) = words.split_at_checked(EffectorState::LEN)?;
+        let state = |words: &[u64]| EffectorState::get(words).ok();
+        Some(RobotView { name: self.name, measured: state(measured)?, demanded: state(demanded)? })
+    }
+
+    /// Shows the order that it was sent.
+    pub(super) fn show_order(&self, kind: OrderKind, witnesses: &Witnesses, now: Nanos) {
+        let PayloadType { name: payload, shape, .. } = self.payload;
+        let header = &self.order.header;
+        let what = What::Order {
+            robot: self.name,
+            step: header.step,
+            instruction: header.instruction,
+            kind,
+            payload,
+            shape,
+        };
+        witnesses.show(now, &what, self.order.words());
+    }
+
+    pub(super) fn process(&self) -> ProcessId {
+        ProcessId::new(Role::Ecp, self.name)
+    }
+}
+
+/// All robots of a cell.
+pub(super) struct RobotPorts {
+    ports: Vec<RobotPort>,
+    /// How fast all robots of the last exchange may slow down together.
+    pub law: BrakingLaw,
+    /// Ordinal of the instruction opened last.
+    pub ordinal: u32,
+    /// Resets that were tried.
+    pub epoch: u32,
+}
+
+impl Index<usize> for RobotPorts {
+    type Output = RobotPort;
+
+    fn index(&self, index: usize) -> &RobotPort {
+        &self.ports[index]
+    }
+}
+
+impl IndexMut<usize> for RobotPorts {
+    fn index_mut(&mut self, index: usize) -> &mut RobotPort {
+        &mut self.ports[index]
+    }
+}
+
+impl RobotPorts {
+    pub fn new(ports: Vec<RobotPort>) -> Self {
+        RobotPorts { ports, law: BrakingLaw::UNLIMITED, ordinal: 0, epoch: 0 }
+    }
+
+    pub fn len(&self) -> usize {
+        self.ports.len()
+    }
+
+    pub fn iter(&self) -> core::slice::Iter<'_, RobotPort> {
+        self.ports.iter()
+    }
+
+    /// The places of all robots.
+    pub fn all(&self) -> Vec<usize> {
+        (0..self.ports.len()).collect()
+    }
+
+    /// The handle of a robot, once.
+    ///
+    /// # Errors
+    /// `Config` when there is no robot of that name and kind, or when its handle is taken.
+    pub fn handle<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
+        let config = |text: &str| Fault::new(FaultKind::Config).in_process(ProcessId::MP).text(text);
+        let Some(index) = self.ports.iter().position(|robot| robot.name.as_str() == name) else {
+            let names: Vec<_> = self.ports.iter().map(|robot| robot.name.as_str()).collect();
+            let there = suggestion(name, &names, "the cell has");
+            return Err(config(&format!("there is no robot `{name}`: {there}")));
+        };
+        let port = &mut self.ports[index];
+        if port.kind != TypeId::of::<R>() {
+            let text = format!(
+                "robot `{name}` is of another kind than {}: name its own, {}, in `robot::<..>`",
+                R::KIND,
+                port.kind_name
+            );
+            return Err(config(&text));
+        }
+        if core::mem::replace(&mut port.taken, true) {
+            return Err(config(&format!("robot `{name}` has a handle already: pass that one on")));
+        }
+        Ok(RobotHandle { index, name: port.name, image: RobotImage::unknown() })
+    }
+
+    /// The robots' programs start again: each robot has its handle to give, and has told nothing.
+    pub fn release(&mut self) {
+        for robot in &mut self.ports {
+            robot.taken = false;
+            robot.handed_over = false;
+            robot.reply = Message::empty();
+        }
+    }
+
+    /// Whether all robots of a list have a flag in their last reply.
+    pub fn all_say(&self, indices: &[usize], flag: u32) -> bool {
+        indices.iter().all(|&index| self.ports[index].reply.is(flag))
+    }
+
+    /// Whether any robot has been handed over moving.
+    pub fn any_handed_over(&self) -> bool {
+        self.ports.iter().any(|robot| robot.handed_over)
+    }
+
+    /// The same; from now on they are the instruction's again.
+    pub fn take_handed_over(&mut self) -> bool {
+        let taken = |any, robot: &mut RobotPort| core::mem::take(&mut robot.handed_over) | any;
+        self.ports.iter_mut().fold(false, taken)
+    }
+
+    /// Steps after which every robot must stand that was told to stop.
+    pub fn stop_steps(&self) -> u64 {
+        self.ports.iter().map(|robot| robot.stop_steps).max().unwrap_or(0)
+    }
+
+    /// The images in the last replies of the robots of a list.
+    pub fn read_images<L: RobotList>(&self, indices: &[usize], e: &mut State<L>) -> Result<(), Fault> {
+        self.each_image(indices, |i, words| L::read(e, i, words))
+    }
+
+    /// The image in the last reply of each robot of a list, where there is one.
+    pub fn each_image(
+        &self,
+        indices: &[usize],
+        mut read: impl FnMut(usize, &[u64]) -> Result<(), BadWords>,
+    ) -> Result<(), Fault> {
+        for (i, robot) in indices.iter().map(|&index| &self.ports[index]).enumerate() {
+            if robot.reply.is(flag::STATE) {
+                let bad = |_| Fault::new(FaultKind::Message).in_process(robot.process());
+                read(i, robot.reply.words()).map_err(bad)?;
+            }
+        }
+        Ok(())
+    }
+}
