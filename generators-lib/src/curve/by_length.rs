@@ -55,7 +55,7 @@ impl<P: Parametric<Value = Vector3<f64>>> ByLength<P> {
                 length += halves;
                 cells.push((end, length));
                 u = end;
-                size = 2.0 * size;
+                size *= 2.0;
             }
             from = to;
         }

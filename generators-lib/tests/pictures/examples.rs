@@ -4,7 +4,7 @@ use std::error::Error;
 
 use nalgebra::Vector3;
 
-use super::sheet::{Chart, Paths, Sheet, Trace, derivatives};
+use super::sheet::{Chart, Paths, Sheet, Trace};
 use crate::examples::{force, jerk_limited_plan, spline_through_points, two_arms_carry, via_points};
 
 /// Every second servo period: enough for a picture.
@@ -75,6 +75,7 @@ fn past(title: &str, path: Trace, marks: &[Vector3<f64>], period: f64) -> Sheet 
     let mut sheet = Sheet::of_tools(title, &[path], EVERY as f64 * period);
     if let Some(paths) = &mut sheet.paths {
         paths.marks = marks.to_vec();
+        paths.legend = "; circles: the poses to pass";
     }
     sheet
 }
@@ -87,17 +88,16 @@ fn carry() -> Result<Sheet, Box<dyn Error>> {
     let begin = left.windows(2).take_while(|pair| (pair[1] - pair[0]).norm() < 1e-9).count();
     let part = |tool: &Trace| thinned(&tool[begin..begin + length]);
     let both = [part(&left), part(&right)];
-    let mut sheet = Sheet::of_tools(
-        "Two arms carry one body, which turns on its way",
-        &both,
-        EVERY as f64 * two_arms_carry::PERIOD,
-    );
+    let mut sheet = Sheet::of_tools("Two arms carry one body", &both, EVERY as f64 * two_arms_carry::PERIOD);
     let middle = (both[0][0] + both[1][0]) * 0.5;
     let ways = both.map(|way| way.iter().map(|p| p - middle).collect::<Trace>());
     let last = ways[0].len() - 1;
     let bars = [0, last / 2, last].map(|i| [ways[0][i], ways[1][i]]).to_vec();
-    sheet.paths =
-        Some(Paths { bars, ways: ways.to_vec(), axes: ["x", "y", "z"], unit: "m", ..Paths::default() });
+    if let Some(paths) = &mut sheet.paths {
+        paths.ways = ways.to_vec();
+        paths.bars = bars;
+        paths.legend = "; grey: the body";
+    }
     Ok(sheet)
 }
 
@@ -108,16 +108,16 @@ fn press() -> Result<Sheet, Box<dyn Error>> {
     let forces = ways.iter().map(|way| Vector3::x() * force::STIFFNESS * (way.x - force::GAP).max(0.0));
     let forces: Trace = forces.collect();
     let duration = EVERY as f64 * force::PERIOD * (ways.len() - 1) as f64;
-    let mut charts = derivatives("way down [m]; dotted: the table's surface", "m", vec![ways], 1.0);
-    charts.truncate(1);
-    charts[0].heading = "way down [m]; dotted: where the table begins".to_owned();
-    charts[0].lines = vec![force::GAP];
-    charts.push(Chart {
-        heading: "force on the table [N]; dotted: what was asked for".to_owned(),
-        values: vec![forces],
-        rounding: 1e-3,
-        lines: vec![force::LOAD],
-    });
+    let chart = |heading: &str, values: Trace, line: f64| Chart {
+        heading: heading.to_owned(),
+        values: vec![values],
+        rounding: 1e-9,
+        lines: vec![line],
+    };
+    let charts = vec![
+        chart("way down [m]; dotted: the surface of the table", ways, force::GAP),
+        chart("force on the table [N]; dotted: what is asked for", forces, force::LOAD),
+    ];
     let title = "A tool finds a table and presses on it".to_owned();
     Ok(Sheet { title, axes: vec![""], dashed: "", charts, paths: None, duration })
 }
@@ -125,17 +125,13 @@ fn press() -> Result<Sheet, Box<dyn Error>> {
 /// A name and an SVG for every example.
 pub fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
     let spline = past(
-        "A spline through four poses; circles: the poses",
+        "A spline through four poses",
         spline_through_points::path()?,
         &spline_through_points::POINTS,
         spline_through_points::PERIOD,
     );
-    let via = past(
-        "Straight lines past via poses; circles: the poses",
-        via_points::path()?,
-        &via_points::CORNERS,
-        via_points::PERIOD,
-    );
+    let via =
+        past("Straight lines past via poses", via_points::path()?, &via_points::CORNERS, via_points::PERIOD);
     Ok(vec![
         ("01_jerk_limited_plan", plan()?.draw()),
         ("02_spline_through_points", spline.draw()),

@@ -45,6 +45,8 @@ pub struct Paths {
     /// The names of the axes, and the unit.
     pub axes: [&'static str; 3],
     pub unit: &'static str,
+    /// What is drawn besides the path.
+    pub legend: &'static str,
 }
 
 /// All that a sheet shows.
@@ -70,8 +72,8 @@ fn derivative(x: &[Vector3<f64>], dt: f64) -> Trace {
     v
 }
 
-/// Charts of the values, of `names` and of this `unit`, and of their first three derivatives.
-pub fn derivatives(name: &str, unit: &str, values: Vec<Trace>, dt: f64) -> Vec<Chart> {
+/// Charts of the values, of this `name` and of this `unit`, and of their first three derivatives.
+fn derivatives(name: &str, unit: &str, values: Vec<Trace>, dt: f64) -> Vec<Chart> {
     let derived = |of: &[Trace]| of.iter().map(|x| derivative(x, dt)).collect::<Vec<_>>();
     let velocity = derived(&values);
     let acceleration = derived(&velocity);
@@ -102,8 +104,10 @@ impl Sheet {
 
     /// The SVG.
     pub fn draw(&self) -> String {
-        let mut svg = String::from(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 1000 640\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"1000\" height=\"640\" fill=\"#fff\"/>\n",
+        let width = if self.paths.is_some() { 1000.0 } else { LEFT + W + 20.0 };
+        let height = TOP + self.charts.len() as f64 * NEXT + 22.0;
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n",
         );
         let title = format!("<tspan font-weight=\"bold\" font-size=\"15\">{}</tspan>", self.title);
         words(&mut svg, LEFT, 24.0, "start", &title);
@@ -171,8 +175,9 @@ impl Chart {
         );
         words(svg, LEFT, top - 6.0, "start", &self.heading);
         // Not where another label stands.
-        for x in [low, 0.0, high].into_iter().filter(|x| *x == 0.0 || (y(*x) - y(0.0)).abs() > 12.0) {
-            words(svg, LEFT - 6.0, y(x) + 4.0, "end", &format!("{:.3}", x + 0.0));
+        words(svg, LEFT - 6.0, y(0.0) + 4.0, "end", "0.000");
+        for x in [low, high].into_iter().filter(|x| (y(*x) - y(0.0)).abs() > 12.0) {
+            words(svg, LEFT - 6.0, y(x) + 4.0, "end", &format!("{x:.3}"));
         }
         for x in &self.lines {
             let _ = writeln!(
@@ -209,7 +214,7 @@ impl Paths {
                 y0 - EDGE
             );
             let [x, y] = [self.axes[right], self.axes[up]];
-            let heading = format!("path: {x} to the right, {y} up, {size:.3} {} to the edge", self.unit);
+            let heading = format!("path: {x} right, {y} up; edge at {size:.3} {}", self.unit);
             words(svg, x0, y0 - 138.0, "middle", &heading);
             for bar in &self.bars {
                 line(svg, bar.iter().map(place), "#aaa", "");
@@ -229,6 +234,6 @@ impl Paths {
                 let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"#222\"/>");
             }
         }
-        words(svg, 820.0, 606.0, "middle", "dot: the start");
+        words(svg, 820.0, 606.0, "middle", &format!("dot: the start{}", self.legend));
     }
 }
