@@ -8,7 +8,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use mrroc::{Generator, Order, Pose, Reading, RobotImage, RobotState, State, Tick};
+use mrroc::generator::Generator;
+use mrroc::prelude::*;
+use mrroc::robot::{RobotImage, RobotState};
 use mrroc_generators::bspline::{SpanLength, SpanStream, SplineSettings};
 use mrroc_generators::curve::{Arc, Curve, TurnedCurve};
 use mrroc_generators::generators::{JointOrder, ReachState};
@@ -168,7 +170,7 @@ fn reach(what: &str, drift: f64) {
     let (e, v) = (State::<Irp6>::new(RobotImage::new(state, state)), Reading::new(()));
     let t = Tick { step: 0, dt: DT, duration: DT };
     let order = |i: usize| {
-        let mut joints = [0.0; mrroc::MAX_JOINTS];
+        let mut joints = [0.0; mrroc::robot::MAX_JOINTS];
         joints[..6].copy_from_slice(drifted(&target.position, drift, i).as_slice());
         Order::new(JointOrder { joints })
     };

@@ -6,7 +6,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, CellError, Pose, Robot, RobotSetup, ServoRecord};
+use mrroc::observe::ServoRecord;
+use mrroc::prelude::*;
 use mrroc_generators::generators::PoseSplineMove;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::JerkLimits;

@@ -6,8 +6,10 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, CellError, Fault, RobotSetup, Sensor, SensorSetup, ServoRecord, VirtualSensor};
-use mrroc::{ReadingOrder, Robot, Wrench};
+use mrroc::observe::ServoRecord;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
 use mrroc_generators::force::{Behaviour, ForceControl, Give};
 use mrroc_generators::generators::ForceLaw;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};

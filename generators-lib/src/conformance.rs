@@ -15,7 +15,9 @@
 //! [`ODD`]. `allocated` names a function that counts the bytes allocated so far; without it that test is left out. Demands are
 //! compared as they travel, number by number.
 
-use mrroc::{Generator, Order, Reading, RobotList, Robots, SensorList, State, Step, Tick, Uses, WORDS, Wire};
+use mrroc::generator::{Generator, RobotList, Robots, SensorList, Uses};
+use mrroc::payload::{WORDS, Wire};
+use mrroc::prelude::*;
 
 /// Path time of a step \[s\].
 pub const DT: f64 = 4e-3;

@@ -11,7 +11,8 @@
 //! a first-order lag of the velocity with the time constant `b m`. The second form is the one used: it stays true when the
 //! path time of a step changes, and nothing moves at `T = 0`. Source: MRROC++, `edp_e_manip.cc`.
 
-use mrroc::{Fault, Pose, Wrench};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3, Vector6};
 use thiserror::Error;
 

@@ -6,7 +6,7 @@
 //! profile that is: [`MotionLimits`].
 
 use crate::profile::{JerkLimits, Profile, ProfileError, ProfileLimits, ProfilePoint, SevenPhase, Trapezoid};
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// A straight line in joint space.

@@ -3,10 +3,11 @@
 //! An axis with the reciprocal damping `b` and the inertia `m` that meets a spring `K` is a mass on a spring and a damper,
 //! `m z'' + z' / b + K z = F_d` in contact and `= v / b` where it is guarded; without contact `m z'' + z' / b` is all there is.
 
-use mrroc::{
-    Demand, Generator, Order, Pose, Reading, RobotImage, RobotState, Sensor, SensorImage, State, Step, Tick,
-    Wrench,
-};
+use mrroc::generator::Generator;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::robot::{RobotImage, RobotState};
+use mrroc::sensor::SensorImage;
 use mrroc_generators::force::{Behaviour, ForceControl, Give};
 use mrroc_generators::generators::ForceLaw;
 use mrroc_robots::{Irp6, Six};

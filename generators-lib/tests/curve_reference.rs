@@ -1,7 +1,7 @@
 //! Curves against scipy, Pinocchio and KDL.
 
 use crate::reference::rows;
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_generators::curve::*;
 use mrroc_generators::line::{LinePath, ToolPoint};
 use mrroc_generators::profile::ProfilePoint;

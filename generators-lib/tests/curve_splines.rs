@@ -1,6 +1,6 @@
 //! Smoothing, rational and pose splines: closed forms, continuity, and what is refused.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_generators::curve::*;
 use nalgebra::{UnitQuaternion, Vector1, Vector3};
 use proptest::prelude::*;

@@ -1,6 +1,6 @@
 //! Curves against closed forms and scipy.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_generators::bspline::Span;
 use mrroc_generators::curve::*;
 use mrroc_generators::line::SmoothToolLimits;

@@ -1,9 +1,10 @@
 //! Memory does not grow with the path, and nothing allocates while it is followed.
 
-use mrroc::{
-    Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Step, Tick,
-    Wrench,
-};
+use mrroc::generator::Generator;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::robot::{RobotImage, RobotState};
+use mrroc::sensor::SensorImage;
 use mrroc_counting_allocator::bytes;
 use mrroc_generators::bspline::{SpanStream, SplineSettings};
 use mrroc_generators::cooperation::{

@@ -1,6 +1,6 @@
 //! Time-optimal motion along paths: closed forms, places that need care, and what is refused.
 
-use mrroc::{Pose, Robot};
+use mrroc::prelude::*;
 use mrroc_generators::curve::{CubicSpline, Curve, Helix, Parametric, SplineEnds, SplinePoint};
 use mrroc_generators::profile::Profile;
 use mrroc_generators::timing::*;

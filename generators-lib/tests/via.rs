@@ -1,6 +1,6 @@
 //! Motion through via points: closed forms, deviations and limits, and what is refused.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::JerkLimits;

@@ -39,7 +39,7 @@ pub enum Role {
 impl Role {
     pub const ALL: [Role; 5] = [Role::Order, Role::State, Role::Robots, Role::Sensors, Role::Tick];
 
-    /// The field of `mrroc::Uses`.
+    /// The field of `mrroc::generator::Uses`.
     pub fn field(self) -> &'static str {
         match self {
             Role::Order => "order",
@@ -78,7 +78,7 @@ impl Uses {
         new
     }
 
-    /// Whether a generator of this level may take these (`mrroc::Class::is_legal`).
+    /// Whether a generator of this level may take these (`mrroc::generator::Class::is_legal`).
     pub fn is_legal(self, level: Level) -> bool {
         let c = self.has(Role::State) || self.has(Role::Tick);
         match level {

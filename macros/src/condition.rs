@@ -103,7 +103,7 @@ fn implementation(target: Target<'_>, path: TokenStream, roles: &Roles) -> Token
         list.as_ref().map_or(nothing, ToTokens::to_token_stream)
     };
     ConditionImpl {
-        robots: or(&roles.robots, quote!(#krate::AnyRobots)),
+        robots: or(&roles.robots, quote!(#krate::generator::AnyRobots)),
         sensors: or(&roles.sensors, quote!(())),
         order: or(&roles.order, quote!(())),
         is_met: Call { path, roles },

@@ -92,8 +92,8 @@ impl Target<'_> {
     pub fn level(&self) -> TokenStream {
         let krate = &self.krate;
         match self.level {
-            Level::Mp => quote!(#krate::Level::Mp),
-            Level::Ecp => quote!(#krate::Level::Ecp),
+            Level::Mp => quote!(#krate::generator::Level::Mp),
+            Level::Ecp => quote!(#krate::generator::Level::Ecp),
         }
     }
 
@@ -106,9 +106,9 @@ impl Target<'_> {
             .map(|role| format_ident!("{}", role.field()))
             .collect();
         match fields.len() {
-            0 => quote!(#krate::Uses::NOTHING),
-            5 => quote!(#krate::Uses { #(#fields: true),* }),
-            _ => quote!(#krate::Uses { #(#fields: true,)* ..#krate::Uses::NOTHING }),
+            0 => quote!(#krate::generator::Uses::NOTHING),
+            5 => quote!(#krate::generator::Uses { #(#fields: true),* }),
+            _ => quote!(#krate::generator::Uses { #(#fields: true,)* ..#krate::generator::Uses::NOTHING }),
         }
     }
 
@@ -121,10 +121,10 @@ impl Target<'_> {
         let [order, e, v, t] = [Role::Order, Role::Robots, Role::Sensors, Role::Tick].map(name);
         quote! {
             &mut self,
-            #order: &#krate::Order<Self::Order>,
-            #e: &#krate::State<Self::Robots>,
-            #v: &#krate::Reading<Self::Sensors>,
-            #t: #krate::Tick
+            #order: &#krate::payload::Order<Self::Order>,
+            #e: &#krate::robot::State<Self::Robots>,
+            #v: &#krate::sensor::Reading<Self::Sensors>,
+            #t: #krate::generator::Tick
         }
     }
 
@@ -152,7 +152,7 @@ impl Target<'_> {
             const _: () = {
                 #doc
                 #[automatically_derived]
-                #implement #generics #krate::#trait_name for #self_type #where_clause #body
+                #implement #generics #krate::generator::#trait_name for #self_type #where_clause #body
             };
         }
     }
@@ -198,9 +198,9 @@ impl GeneratorImpl<'_> {
         });
         let first = self.step("first_step", self.first.as_ref());
         let next = self.step("next_step", None);
-        let mut assumed = vec![quote!(#robots: #krate::Robots<#language>)];
+        let mut assumed = vec![quote!(#robots: #krate::generator::Robots<#language>)];
         if self.sensors_are_seen {
-            assumed.push(quote!(#sensors: #krate::SensorList));
+            assumed.push(quote!(#sensors: #krate::generator::SensorList));
         }
         target.implement(
             "Generator",
@@ -210,7 +210,7 @@ impl GeneratorImpl<'_> {
                 type Language = #language;
                 type Sensors = #sensors;
                 type Order = #order;
-                const CLASS: #krate::Class = #class;
+                const CLASS: #krate::generator::Class = #class;
                 #ends
                 #first
                 #next
@@ -224,7 +224,7 @@ impl GeneratorImpl<'_> {
         let level = target.level();
         let next = target.uses(self.next.roles.uses);
         if self.first.is_none() && self.until.is_none() {
-            return quote!(#krate::Class::new(#level, #next));
+            return quote!(#krate::generator::Class::new(#level, #next));
         }
         let uses = |source: &Source<'_>, until| match source {
             Source::Seen(call) => target.uses(call.roles.uses),
@@ -241,7 +241,7 @@ impl GeneratorImpl<'_> {
                 quote!(::core::option::Option::Some(#until))
             },
         );
-        quote!(#krate::Class { level: #level, first: #first, next: #next, until: #until })
+        quote!(#krate::generator::Class { level: #level, first: #first, next: #next, until: #until })
     }
 
     /// A plain function with what its type says of it. The same expression wherever the function is used, so
@@ -272,7 +272,7 @@ impl GeneratorImpl<'_> {
         };
 
         let step = if serves_as_first {
-            quote!(#krate::Generator::next_step(self, #order, #e, #v, #t))
+            quote!(#krate::generator::Generator::next_step(self, #order, #e, #v, #t))
         } else {
             match first {
                 Some(Source::Named(path)) => {
@@ -307,7 +307,7 @@ impl GeneratorImpl<'_> {
             };
             quote! {
                 if #holds {
-                    return ::core::result::Result::Ok(#krate::Step::Done);
+                    return ::core::result::Result::Ok(#krate::generator::Step::Done);
                 }
             }
         });
@@ -315,7 +315,7 @@ impl GeneratorImpl<'_> {
         quote! {
             fn #method(
                 #arguments
-            ) -> ::core::result::Result<#krate::Step<Self::Robots, Self::Language>, #krate::Fault> {
+            ) -> ::core::result::Result<#krate::generator::Step<Self::Robots, Self::Language>, #krate::fault::Fault> {
                 #until
                 #step
             }
@@ -333,10 +333,10 @@ impl ConditionImpl<'_> {
         let call = is_met.tokens();
         let mut assumed = Vec::new();
         if is_met.roles.uses.has(Role::Robots) {
-            assumed.push(quote!(#robots: #krate::RobotList));
+            assumed.push(quote!(#robots: #krate::generator::RobotList));
         }
         if is_met.roles.uses.has(Role::Sensors) {
-            assumed.push(quote!(#sensors: #krate::SensorList));
+            assumed.push(quote!(#sensors: #krate::generator::SensorList));
         }
         target.implement(
             "Condition",
@@ -345,8 +345,8 @@ impl ConditionImpl<'_> {
                 type Robots = #robots;
                 type Sensors = #sensors;
                 type Order = #order;
-                const CLASS: #krate::Class = #krate::Class::new(#level, #uses);
-                fn is_met(#arguments) -> ::core::result::Result<bool, #krate::Fault> {
+                const CLASS: #krate::generator::Class = #krate::generator::Class::new(#level, #uses);
+                fn is_met(#arguments) -> ::core::result::Result<bool, #krate::fault::Fault> {
                     #krate::__private1::IntoVerdict::into_verdict(#call)
                 }
             },

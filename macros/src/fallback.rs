@@ -13,7 +13,7 @@ pub fn implementation(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> 
     let level = target.level();
     let anything = quote!(#krate::__private1::Anything);
     let robots = match (kind, robot) {
-        (Kind::Condition, _) => quote!(#krate::AnyRobots),
+        (Kind::Condition, _) => quote!(#krate::generator::AnyRobots),
         (Kind::Generator, Some(robot)) => quote!(#robot),
         (Kind::Generator, None) => anything.clone(),
     };
@@ -22,20 +22,20 @@ pub fn implementation(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> 
         type Robots = #robots;
         type Sensors = #anything;
         type Order = ();
-        const CLASS: #krate::Class = #krate::Class::new(#level, #krate::Uses::NOTHING);
+        const CLASS: #krate::generator::Class = #krate::generator::Class::new(#level, #krate::generator::Uses::NOTHING);
     };
     let body = quote!({ ::core::unreachable!() });
     if kind == Kind::Condition {
         let items = quote! {
             #types
-            fn is_met(#arguments) -> ::core::result::Result<bool, #krate::Fault> #body
+            fn is_met(#arguments) -> ::core::result::Result<bool, #krate::fault::Fault> #body
         };
         return target.implement("Condition", &[], &items);
     }
-    let step = quote!(::core::result::Result<#krate::Step<Self::Robots, Self::Language>, #krate::Fault>);
+    let step = quote!(::core::result::Result<#krate::generator::Step<Self::Robots, Self::Language>, #krate::fault::Fault>);
     let items = quote! {
         #types
-        type Language = #krate::Motion;
+        type Language = #krate::generator::Motion;
         fn first_step(#arguments) -> #step #body
         fn next_step(#arguments) -> #step #body
     };

@@ -73,7 +73,10 @@ fn of_function(
     let order = arguments.order.as_ref().or(roles.order.as_ref());
     let implementation = GeneratorImpl {
         robots: outcome.robots.to_token_stream(),
-        language: outcome.language.as_ref().map_or_else(|| quote!(#krate::Motion), ToTokens::to_token_stream),
+        language: outcome
+            .language
+            .as_ref()
+            .map_or_else(|| quote!(#krate::generator::Motion), ToTokens::to_token_stream),
         sensors: or_nothing(sensors),
         sensors_are_seen: roles.sensors.is_some(),
         order: or_nothing(order),
@@ -149,7 +152,10 @@ fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: &Tok
     };
     let implementation = GeneratorImpl {
         robots: outcome.robots.to_token_stream(),
-        language: outcome.language.as_ref().map_or_else(|| quote!(#krate::Motion), ToTokens::to_token_stream),
+        language: outcome
+            .language
+            .as_ref()
+            .map_or_else(|| quote!(#krate::generator::Motion), ToTokens::to_token_stream),
         sensors: or_nothing(all().find_map(|roles| roles.sensors.as_ref())),
         sensors_are_seen: all().any(|roles| roles.sensors.is_some()),
         order: or_nothing(all().find_map(|roles| roles.order.as_ref())),

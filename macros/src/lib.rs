@@ -179,7 +179,8 @@ pub fn condition(attribute: TokenStream, item: TokenStream) -> TokenStream {
 /// covers the name, the fields' or variants' names and the fields' types.
 ///
 /// ```
-/// use mrroc::{Payload, Pose, Wire};
+/// use mrroc::payload::Wire;
+/// use mrroc::prelude::*;
 ///
 /// #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 /// enum Phase {

@@ -50,7 +50,7 @@ pub fn expand(item: TokenStream) -> TokenStream {
     let plain = (!is_valid).then(|| quote!(Self: ::core::marker::Copy + 'static));
     let bounds = where_clause(&input.generics, plain.clone());
     // What `Wire` lacks is reported with `Wire`; `Payload` assumes it (the lifetime makes that possible).
-    let with_wire = quote!(for<'seen_above> Self: #krate::Wire);
+    let with_wire = quote!(for<'seen_above> Self: #krate::payload::Wire);
     let bounds_with_wire = where_clause(&input.generics, plain.into_iter().chain([with_wire]));
     let text = name.to_string();
     let fields = match &input.data {
@@ -71,7 +71,7 @@ pub fn expand(item: TokenStream) -> TokenStream {
             fn put(&self, _: &mut [u64]) {
                 ::core::unreachable!()
             }
-            fn get(_: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
+            fn get(_: &[u64]) -> ::core::result::Result<Self, #krate::payload::BadWords> {
                 ::core::unreachable!()
             }
         }
@@ -82,11 +82,11 @@ pub fn expand(item: TokenStream) -> TokenStream {
         const _: () = {
             #fields
             #[automatically_derived]
-            impl #parameters #krate::Wire for #name #arguments #bounds {
+            impl #parameters #krate::payload::Wire for #name #arguments #bounds {
                 #body
             }
             #[automatically_derived]
-            impl #parameters #krate::Payload for #name #arguments #bounds_with_wire {
+            impl #parameters #krate::payload::Payload for #name #arguments #bounds_with_wire {
                 const NAME: &'static str = #text;
                 const TIGHT: bool = #tight;
             }
@@ -149,10 +149,10 @@ fn enum_body<'a>(
                 #(Self::#variants => #words,)*
             };
         }
-        fn get(words: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
+        fn get(words: &[u64]) -> ::core::result::Result<Self, #krate::payload::BadWords> {
             match words.first() {
                 #(::core::option::Option::Some(#words) => ::core::result::Result::Ok(Self::#variants),)*
-                _ => ::core::result::Result::Err(#krate::BadWords),
+                _ => ::core::result::Result::Err(#krate::payload::BadWords),
             }
         }
     }
@@ -181,7 +181,7 @@ fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStrea
             const LAYOUT: u64 = #krate::__private1::layout_hash(1, #text);
             const SHAPE: &'static #krate::__private1::Shape = &#krate::__private1::Shape::Fields(&[]);
             fn put(&self, _: &mut [u64]) {}
-            fn get(_: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
+            fn get(_: &[u64]) -> ::core::result::Result<Self, #krate::payload::BadWords> {
                 ::core::result::Result::Ok(Self {})
             }
         };
@@ -200,7 +200,7 @@ fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStrea
             #(let words = __FIELDS.#field.put(&self.#members, words);)*
             let _ = words;
         }
-        fn get(words: &[u64]) -> ::core::result::Result<Self, #krate::BadWords> {
+        fn get(words: &[u64]) -> ::core::result::Result<Self, #krate::payload::BadWords> {
             let mut words = words;
             ::core::result::Result::Ok(Self {
                 #(#members: __FIELDS.#field.get(&mut words)?,)*

@@ -15,7 +15,7 @@ pub fn plain(mut ty: &Type) -> &Type {
     ty
 }
 
-/// The last segment of a path: `Step<Rnt>` of `mrroc::Step<Rnt>`.
+/// The last segment of a path: `Step<Rnt>` of `mrroc::generator::Step<Rnt>`.
 pub fn last_segment(ty: &Type) -> Option<&PathSegment> {
     match ty {
         Type::Path(path) if path.qself.is_none() => path.path.segments.last(),

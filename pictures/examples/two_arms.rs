@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use mrroc::cell::RunPicture;
-use mrroc::{Cell, Demand, Pose, RobotSetup, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::{Translation3, Vector3};

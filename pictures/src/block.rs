@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::Vector3;
 
 use crate::playback::Playback;

@@ -3,7 +3,7 @@
 //! In: a history. Out: curves by unit: positions as changes since the start, so that a small motion of one joint is seen
 //! beside the large angle of another; velocities; following errors; the speed of the tool.
 
-use mrroc::JointKind;
+use mrroc::robot::JointKind;
 
 use crate::history::{History, Sample};
 use crate::speed::Rates;

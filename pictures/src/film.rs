@@ -6,7 +6,8 @@ use std::path::Path;
 use std::rc::Rc;
 
 use mrroc::cell::RunPicture;
-use mrroc::{Cell, Observation, Pose};
+use mrroc::observe::Observation;
+use mrroc::prelude::*;
 
 use crate::block::Block;
 use crate::history::History;
@@ -18,8 +19,8 @@ use crate::page;
 /// following errors and joint ranges are those of all servo periods.
 ///
 /// ```no_run
-/// # fn cell() -> mrroc::Cell { mrroc::Cell::new(std::time::Duration::from_millis(2)) }
-/// use mrroc::RunPicture;
+/// # fn cell() -> mrroc::cell::Cell { mrroc::cell::Cell::new(std::time::Duration::from_millis(2)) }
+/// use mrroc::cell::RunPicture;
 /// use mrroc_pictures::Film;
 ///
 /// let mut film = Film::new();

@@ -45,7 +45,7 @@ mod tests {
     use super::*;
     use crate::history::History;
     use crate::history::tests::slide;
-    use mrroc::JointKind;
+    use mrroc::robot::JointKind;
 
     fn motion(x: impl Fn(f64) -> f64) -> Motion {
         let mut history = History::new("slide", "slide", &[JointKind::Prismatic]);

@@ -3,7 +3,9 @@
 //! In: an observation per servo period. Out: at most [`CAPACITY`] samples, evenly spaced, and the last one; ranges and
 //! largest following errors of all periods. A full history drops every other sample and from then on keeps half as many.
 
-use mrroc::{JointKind, Observation, Pose};
+use mrroc::observe::Observation;
+use mrroc::pose::Pose;
+use mrroc::robot::JointKind;
 use nalgebra::Vector3;
 
 use crate::speed::{Rates, Speeds};

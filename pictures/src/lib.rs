@@ -1,6 +1,6 @@
 //! Pictures of what moved: a [`Film`] watches the robots of a cell and draws one SVG that any browser shows.
 //!
-//! In: an [`Observation`](mrroc::Observation) of every servo period of every robot. Out: a picture, in SI units:
+//! In: an [`Observation`](mrroc::observe::Observation) of every servo period of every robot. Out: a picture, in SI units:
 //!
 //! ```text
 //! Observation -> History (bounded memory) -> scene:  stick figures in space, moving; tool paths coloured by speed

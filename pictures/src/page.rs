@@ -2,7 +2,7 @@
 //!
 //! In: what is kept of each robot. Out: the SVG document.
 
-use mrroc::JointKind;
+use mrroc::robot::JointKind;
 use nalgebra::{Vector2, Vector3};
 
 use crate::block::Block;

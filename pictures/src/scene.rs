@@ -355,7 +355,7 @@ impl Scene<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::Pose;
+    use mrroc::pose::Pose;
 
     #[test]
     fn the_corners_of_blocks_count_in_what_is_shown() {

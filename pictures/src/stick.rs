@@ -101,7 +101,8 @@ impl Motion {
 mod tests {
     use super::*;
     use crate::history::tests::slide;
-    use mrroc::{JointKind, Pose};
+    use mrroc::pose::Pose;
+    use mrroc::robot::JointKind;
 
     #[test]
     fn the_gripper_ends_at_the_tool_or_begins_there_without_one() {

@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::projection::View;
     use crate::svg::Area;
-    use mrroc::{JointKind, Robot};
+    use mrroc::robot::{JointKind, Robot};
     use mrroc_robots::{Irp6, Six};
 
     /// An arm whose column turns at a steady 1 rad/s: the way is an arc about the column, by the forward kinematics.

@@ -6,7 +6,10 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use mrroc::{EffectorState, Name, Pose, RobotView};
+use mrroc::fault::Name;
+use mrroc::pose::Pose;
+use mrroc::robot::RobotView;
+use mrroc::sensor::EffectorState;
 use mrroc_robots::clearance::{Capsule, Clearance, ClearanceBuilder, Obstacle, Stopping};
 use mrroc_robots::{Irp6, Polycrank, Rnt};
 use nalgebra::Vector3;

@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use mrroc::Driver;
+use mrroc::robot::Driver;
 use mrroc_robots::{
     Driven, Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Simulated, Six,
 };

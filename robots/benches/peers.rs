@@ -8,7 +8,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use mrroc::{Pose, Robot};
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, Kinematics, Serial};
 use nalgebra::{SVector, Vector3};
 

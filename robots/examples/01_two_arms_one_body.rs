@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use mrroc::{Cell, Demand, Pose, Reading, Robot, RobotSetup, SensorSetup, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World, WristForce};
 use mrroc_robots::{Polycrank, Seven, Simulated};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};

@@ -2,7 +2,8 @@
 
 use core::f64::consts::PI;
 
-use mrroc::{CellError, CoupledLimit, Robot, RobotSetup};
+use mrroc::prelude::*;
+use mrroc::robot::CoupledLimit;
 use mrroc_launch::cell_file::{Kinds, RobotEntry};
 use nalgebra::SVector;
 

@@ -8,7 +8,7 @@
 //! | [`conformance`] | what every robot must keep, as tests for robots of this crate and of others | models |
 //!
 //! What is used most has its name here as well. Drives of real robots are crates beside this one (`robots/drivers/`),
-//! which implement `mrroc::Driver` for a model. Every robot's documentation has a sketch of its frames, its limits and
+//! which implement `mrroc::robot::Driver` for a model. Every robot's documentation has a sketch of its frames, its limits and
 //! constants, and says where each figure comes from: public facts of MRROC++, or marked "assumed".
 //!
 //! | robot | joints | inverse kinematics |
@@ -22,7 +22,7 @@
 //! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms with a spherical wrist, else iteration |
 //!
 //! ```
-//! use mrroc::{Driver, Robot};
+//! use mrroc::robot::{Driver, Robot};
 //! use mrroc_robots::{Kinematics, Polycrank, Seven, Simulated};
 //!
 //! let robot = Polycrank::new();

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use mrroc::{Cell, Demand, Pose, Robot, RobotSetup, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6Track, Polycrank, Rnt, Seven, Simulated, Six};
 use nalgebra::{Translation3, Vector3};
 

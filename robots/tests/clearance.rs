@@ -5,7 +5,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, Demand, Fault, Name, Pose, Robot, RobotSetup, RobotView, Step, Tick, generator};
+use mrroc::fault::Name;
+use mrroc::prelude::*;
+use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{
     Capsule, CheckError, Clearance, ClearanceError, DryRun, Obstacle, Outline, Stop, Stopping, TooClose,
     smallest_distance,
@@ -20,8 +22,11 @@ const AT_ONCE: Stopping = Stopping { reaction: 0.0, stop: Stop::Braking };
 
 fn state(name: &str, q: &[f64], velocity: &[f64]) -> RobotView {
     let padded = |values: &[f64]| core::array::from_fn(|i| values.get(i).copied().unwrap_or_default());
-    let state =
-        mrroc::EffectorState { joints: padded(q), velocity: padded(velocity), pose: Pose::identity() };
+    let state = mrroc::sensor::EffectorState {
+        joints: padded(q),
+        velocity: padded(velocity),
+        pose: Pose::identity(),
+    };
     RobotView { name: Name::new(name).unwrap(), measured: state, demanded: state }
 }
 

@@ -1,6 +1,6 @@
 //! Every robot of the crate keeps what a robot must keep.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_robots::{
     Conveyor, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, One, Polycrank, Rnt, Seven, Simulated,
     SimulatedIrp6, Six, driver_conformance, kinematics_conformance,

@@ -1,6 +1,7 @@
 //! The conformance suite is worth something only if it fails: each defect is caught by the check that is meant for it.
 
-use mrroc::{CoupledLimit, DriveFault, Driver, Homing, Limits, Measured, NoInverse, Pose, Robot, Search};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, DriveFault, Driver, Homing, Limits, Measured, NoInverse, Search};
 use mrroc_robots::{Irp6, Jacobian, Kinematics, SimulatedIrp6, Six, Unhomed, conformance};
 
 use crate::support::engraving;

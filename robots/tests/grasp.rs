@@ -5,10 +5,11 @@ use std::f64::consts::TAU;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{
-    Cell, CellError, Demand, Driver, Fault, FaultKind, Mp, Pose, Robot, RobotHandle, RobotSetup, SensorSetup,
-    Step, Tick, Wrench, condition, generator,
-};
+use mrroc::fault::FaultKind;
+use mrroc::generator::RobotHandle;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::robot::Driver;
 use mrroc_robots::grasp::{Body, Fingers, Grasp, Grasping, Hand, SimulatedWrist, Table, World, WristForce};
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven,
@@ -243,7 +244,7 @@ fn runs_are_the_same_to_the_bit() {
 struct Feel(Rc<Slot<f64>>);
 
 #[condition(mp)]
-fn feel(c: &mut Feel, v: &mrroc::Reading<(WristForce,)>) -> bool {
+fn feel(c: &mut Feel, v: &mrroc::sensor::Reading<(WristForce,)>) -> bool {
     let force = v.0.reading().map_or(0.0, |wrench| wrench.force.norm());
     c.0.set(c.0.get().max(force));
     false

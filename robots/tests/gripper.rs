@@ -1,6 +1,6 @@
 //! The gripper's opening and its grasp.
 
-use mrroc::{Driver, NoInverse, Robot};
+use mrroc::robot::{Driver, NoInverse, Robot};
 use mrroc_robots::{Driven, Gripper, One, Simulated};
 
 const PERIOD: f64 = 0.002;

@@ -1,6 +1,6 @@
 //! Simulated drives that do not know where they are find out, from anywhere, and exactly.
 
-use mrroc::{DriveFault, Driver, Homing, Search};
+use mrroc::robot::{DriveFault, Driver, Homing, Search};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Serial,
@@ -129,7 +129,7 @@ fn found_is_true<const N: usize, R: Driven<N>>(robot: &R, start: &SVector<f64, N
 #[test]
 fn two_hundred_arms_find_where_they_truly_are() {
     let robot = Irp6::nominal();
-    let limits = *mrroc::Robot::limits(&robot);
+    let limits = *mrroc::robot::Robot::limits(&robot);
     let mut random = Random(20_080_131);
     let mut starts = 0;
     while starts < 200 {

@@ -1,6 +1,7 @@
 //! What the IRp-6 with five joints and the IRp-6 on its track do where they differ from the six-joint arm.
 
-use mrroc::{NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::NoInverse;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Seven};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 

@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use mrroc::{Demand, JointKind, JointVector, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
+use mrroc::robot::{JointKind, JointVector};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
     Conveyor, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Six, simulated,

@@ -2,7 +2,8 @@
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use mrroc::{NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::NoInverse;
 use mrroc_robots::{Irp6, Kinematics, Six};
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 

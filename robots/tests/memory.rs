@@ -1,6 +1,9 @@
 //! Nothing that a step calls allocates.
 
-use mrroc::{Driver, EffectorState, MAX_JOINTS, Name, Pose, ReadingOrder, Robot, RobotView, VirtualSensor};
+use mrroc::fault::Name;
+use mrroc::prelude::*;
+use mrroc::robot::{Driver, MAX_JOINTS, RobotView};
+use mrroc::sensor::EffectorState;
 use mrroc_counting_allocator::count;
 use mrroc_robots::clearance::{Capsule, Clearance, Obstacle, Stopping};
 use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, Table, World, WristOrder};

@@ -1,6 +1,7 @@
 //! The simulated arm: how well it follows, when it trips, how it rests.
 
-use mrroc::{Driver, Measured, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{Driver, Measured};
 use mrroc_robots::{Irp6, MotorData, Plant, Regulator, SimulatedIrp6, Six};
 use nalgebra::{Point3, Translation3, Vector3};
 

@@ -1,6 +1,7 @@
 //! What Polycrank's redundancy and its endless joints do.
 
-use mrroc::{NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::NoInverse;
 use mrroc_robots::{Kinematics, Polycrank, Seven};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 

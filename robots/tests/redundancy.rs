@@ -1,6 +1,7 @@
 //! The redundancy of the robots with seven joints: given as a parameter of the pose, or kept along a path.
 
-use mrroc::{NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::NoInverse;
 use mrroc_robots::{Irp6, Irp6Track, Kinematics, Polycrank, Rnt, Seven, Six};
 use nalgebra::{Translation3, Vector3};
 

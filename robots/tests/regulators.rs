@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use mrroc::{Demand, Driver, Regulators, Step, Tick, generator};
+use mrroc::prelude::*;
+use mrroc::robot::{Driver, Regulators};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
     Gripper, Irp6, MotorData, Plant, Polycrank, Regulator, RegulatorSet, SimulatedIrp6, Six, simulated,

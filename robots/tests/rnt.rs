@@ -2,7 +2,8 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use mrroc::{NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::NoInverse;
 use mrroc_robots::{Kinematics, Rnt, Six};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 

@@ -1,7 +1,7 @@
 //! Straight lines through and past the singularities of the column and of the wrist: a robot either goes on without a jump
 //! or says why it stops.
 
-use mrroc::{Pose, Robot};
+use mrroc::prelude::*;
 use mrroc_robots::{Five, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Serial, Seven, Six};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 

@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use mrroc::Robot;
+use mrroc::robot::Robot;
 use mrroc_counting_allocator::{allocations, count};
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::SVector;

@@ -1,6 +1,6 @@
 //! Arms read from URDF keep what a robot must keep.
 
-use mrroc::Robot;
+use mrroc::robot::Robot;
 use mrroc_robots::{Serial, kinematics_conformance};
 use nalgebra::SVector;
 

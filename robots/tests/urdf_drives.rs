@@ -1,7 +1,8 @@
 //! Simulated drives of arms read from URDF: they keep what drivers must keep, and what the file says of masses, efforts and
 //! friction is in them.
 
-use mrroc::{Driver, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::Driver;
 use mrroc_robots::{Driven, Serial, Simulated, UrdfError, driver_conformance};
 use nalgebra::{SVector, Vector2, Vector3};
 

@@ -1,6 +1,6 @@
 //! Every bad URDF is refused with a message that names the element and says what to write.
 
-use mrroc::Robot;
+use mrroc::robot::Robot;
 use mrroc_robots::{Serial, UrdfError};
 use nalgebra::{SVector, Vector2};
 

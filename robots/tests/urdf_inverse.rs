@@ -2,7 +2,8 @@
 
 use core::f64::consts::{PI, TAU};
 
-use mrroc::{NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::NoInverse;
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{SVector, Vector3};
 

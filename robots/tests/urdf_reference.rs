@@ -1,6 +1,6 @@
 //! Poses and Jacobians of arms read from URDF against Pinocchio.
 
-use mrroc::Robot;
+use mrroc::robot::Robot;
 use mrroc_robots::{Kinematics, Serial};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use mrroc::{Cell, CellError, Demand, RobotSetup, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
 /// Waves with the column: half a radian to the left and back.

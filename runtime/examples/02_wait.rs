@@ -4,10 +4,8 @@
 
 use std::time::Duration;
 
-use mrroc::{
-    Cell, CellError, Demand, Fault, FaultKind, Payload, Reading, ReadingOrder, RobotSetup, Sensor,
-    SensorSetup, State, Step, Tick, VirtualSensor, condition, generator,
-};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
 /// The kind of sensor: a light barrier across the arm's way.

@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use mrroc::{Always, Cell, CellError, Demand, Ecp, Fault, Payload, RobotSetup, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
 /// What the MP orders: a constant from a finite set makes the cooperation loose.

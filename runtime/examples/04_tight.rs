@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use mrroc::{Cell, CellError, Demand, Ecp, Fault, Order, Payload, RobotSetup, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
 /// What the MP orders: numbers make the cooperation tight.

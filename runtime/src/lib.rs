@@ -6,7 +6,7 @@
 //! [`generator`](macro@generator).
 //!
 //! ```
-//! use mrroc::{Cell, Demand, RobotSetup, State, Step, Tick, generator};
+//! use mrroc::prelude::*;
 //! use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 //!
 //! /// Turns the column by half a radian in two seconds, smoothly.
@@ -42,14 +42,14 @@
 //!     })
 //!     .run()?;
 //! assert!(report.time.as_secs_f64() > 2.0);
-//! # Ok::<(), mrroc::CellError>(())
+//! # Ok::<(), mrroc::cell::CellError>(())
 //! ```
 //!
 //! A program sees its robots and sensors as typed lists: a motion for `(Rnt, Polycrank)` takes exactly the handles
 //! `(&mut rnt, &mut polycrank)`. Which of the coordinator's order, the robots' states and the sensors' readings a step
-//! function takes is its [`Class`] (section 6 of the paper), and decides what is exchanged in a step.
+//! function takes is its [`Class`](generator::Class) (section 6 of the paper), and decides what is exchanged in a step.
 //!
-//! ARCHITECTURE.md shows how a [`Cell`] of processes runs it; SAFETY.md says what happens when something is wrong.
+//! ARCHITECTURE.md shows how a [`Cell`](cell::Cell) of processes runs it; SAFETY.md says what happens when something is wrong.
 
 #![forbid(unsafe_code)]
 
@@ -57,12 +57,19 @@ mod parts;
 
 pub use mrroc_core::*;
 
-pub use mrroc_launch::cell_file::{CellFile, CellFileError, Kinds, RobotEntry};
+pub use mrroc_launch::cell_file;
 pub use mrroc_testing as testing;
+
+/// What a program names most: `use mrroc::prelude::*;`.
+pub mod prelude {
+    pub use mrroc_core::prelude::*;
+    pub use mrroc_launch::cell_file::CellFile;
+}
 
 /// The command line of a task program.
 pub mod launch {
     pub use mrroc_core::cell::RunPicture;
+    pub use mrroc_core::link::Clock;
     pub use mrroc_launch::{Launch, Ran};
 
     pub use crate::parts::{launch, program};
@@ -75,7 +82,3 @@ pub use parts::launch;
 /// Recordings of a run in an MCAP file, and their replay.
 #[cfg(feature = "recording")]
 pub use mrroc_recording as recording;
-// COMPAT
-pub use mrroc_core::cell::RunPicture;
-pub use mrroc_launch::{Launch, Ran};
-// END

@@ -39,8 +39,8 @@ static PARTS: Parts = Parts { processes: PROCESSES, ..RECORDING };
 ///
 /// ```no_run
 /// # use mrroc::cell::RunPicture;
-/// # use mrroc::{Cell, CellError, CellFile};
-/// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::Kinds::new()) }
+/// # use mrroc::prelude::*;
+/// # fn cell(file: &CellFile) -> Result<Cell, CellError> { file.cell(&mrroc::cell_file::Kinds::new()) }
 /// # fn film() -> impl RunPicture { struct R; impl RunPicture for R {
 /// #     fn watch(&mut self, cell: Cell) -> Cell { cell }
 /// #     fn save(&mut self, _: &std::path::Path) -> std::io::Result<()> { Ok(()) }
@@ -61,8 +61,8 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, picture: 
 /// and puts its cell together before it asks who it is, and moves and writes nothing until then.
 ///
 /// ```no_run
-/// # fn cell(quick: bool) -> mrroc::Cell { mrroc::Cell::new(std::time::Duration::from_millis(2)) }
-/// use mrroc::Clock;
+/// # fn cell(quick: bool) -> mrroc::cell::Cell { mrroc::cell::Cell::new(std::time::Duration::from_millis(2)) }
+/// use mrroc::launch::Clock;
 /// use mrroc::launch::{Ran, program};
 ///
 /// fn main() -> std::process::ExitCode {

@@ -1,6 +1,6 @@
 //! The robot: what it does in each phase that the coordinator orders.
 
-use mrroc::{Cell, Ecp, Fault};
+use mrroc::prelude::*;
 
 use crate::arm::Arm; // the kind of robot{% if task == "empty" %}
 use crate::generators::MyMotion; // how it moves{% else %}

@@ -7,7 +7,7 @@ pub mod mp; // the program of the coordinator{% endif %}{% if levels == "both" %
 pub mod orders; // what the coordinator tells the robots{% endif %}{% if sensor == "touch" %}
 pub mod touch; // a virtual sensor{% endif %}
 
-use mrroc::{Cell, CellError, CellFile};
+use mrroc::prelude::*;
 
 /// Puts the cell of `cell.toml` together.
 pub fn cell(file: &CellFile) -> Result<Cell, CellError> {

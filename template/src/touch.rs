@@ -1,6 +1,6 @@
 //! A virtual sensor: does the tool touch the table?
 
-use mrroc::{Fault, Payload, Reading, ReadingOrder, Sensor, VirtualSensor, condition};
+use mrroc::prelude::*;
 
 /// Height of the simulated table [m, world].
 pub const TABLE: f64 = 0.05;

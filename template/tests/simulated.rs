@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
-use mrroc::CellFile;
+use mrroc::cell_file::CellFile;
 
 #[test]
 fn the_task_runs_to_its_end() {

@@ -1,19 +1,20 @@
 //! No allocation in a step once warm: counted over whole cells, whose processes are all of one thread.
 
-use mrroc::{Cell, Payload, Sensor, SensorSetup, Step, Tick, VirtualSensor, VspMode, generator};
-use mrroc::{Demand, Fault, Reading, ReadingOrder, RobotSetup, State};
+use mrroc::prelude::*;
+use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_counting_allocator::allocations;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// Where the arm works: above the plate, tool down.
 fn start() -> Six {
-    let flange = mrroc::Pose::from_parts(
+    let flange = mrroc::pose::Pose::from_parts(
         Translation3::new(0.85, 0.0, 0.35),
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
     );
     let near = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-    mrroc::Robot::inverse(&Irp6::nominal(), &flange, &near).expect("within reach")
+    mrroc::robot::Robot::inverse(&Irp6::nominal(), &flange, &near).expect("within reach")
 }
 
 struct Tilt;
@@ -62,7 +63,7 @@ fn circles(
     let offset = Vector3::new(phase.cos() - 1.0, phase.sin(), 0.0) * 0.01;
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let pose =
-        |i: usize| Demand::pose(mrroc::Pose::from_parts(Translation3::from(c.start[i] + offset), down));
+        |i: usize| Demand::pose(mrroc::pose::Pose::from_parts(Translation3::from(c.start[i] + offset), down));
     Step::Next((pose(0), pose(1)))
 }
 

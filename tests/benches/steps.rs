@@ -6,10 +6,11 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use mrroc::{
-    Cell, Demand, Generator, Order, Reading, RobotImage, RobotSetup, RobotState, State, Step, Tick, generator,
-};
-use mrroc::{Motion, Pose, Robot};
+use mrroc::generator::Generator;
+use mrroc::generator::Motion;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
+use mrroc::robot::{RobotImage, RobotState};
 use mrroc_generators::generators::StraightLine;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;

@@ -10,10 +10,9 @@ use std::process::ExitCode;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{
-    Always, Cell, CellError, CellFile, Demand, DriveFault, Driver, Ecp, Fault, Kinds, Measured, Mp, Payload,
-    Reading, ReadingOrder, RobotSetup, Sensor, State, Step, Tick, VirtualSensor, condition, generator,
-};
+use mrroc::cell_file::Kinds;
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, Measured};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
 use mrroc_tests::fixture::{COMPUTES, OTHER, RECORDS};
 
@@ -294,12 +293,12 @@ struct Follow {
 
 #[generator(ecp)]
 impl Follow {
-    fn first_step(&mut self, order: &mrroc::Order<Turned>, e: &State<Irp6>) -> Step<Irp6> {
+    fn first_step(&mut self, order: &mrroc::payload::Order<Turned>, e: &State<Irp6>) -> Step<Irp6> {
         self.from = e.demanded().joints;
         self.next_step(order)
     }
 
-    fn next_step(&mut self, order: &mrroc::Order<Turned>) -> Step<Irp6> {
+    fn next_step(&mut self, order: &mrroc::payload::Order<Turned>) -> Step<Irp6> {
         let mut q = self.from;
         q[0] += order.value().by;
         Step::Next(Demand::joints(q))

@@ -13,7 +13,7 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use mrroc::Cell;
+use mrroc::cell::Cell;
 use mrroc::cell::RunPicture;
 use mrroc_counting_allocator::Counting;
 use mrroc_tests::fixture::{ARMS, PROGRAM, RECORDED, SOAK, TASKS};

@@ -6,7 +6,7 @@ mod cell;
 
 use std::process::ExitCode;
 
-use mrroc::{Cell, CellError, CellFile};
+use mrroc::prelude::*;
 use mrroc_tests::fixture::CHANGE;
 
 use crate::Nothing;

@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;
 
-use mrroc::Observation;
+use mrroc::observe::Observation;
 
 /// Writes every servo period of every robot to a file of its own: the time, then the bits of each demanded joint.
 pub fn record(folder: PathBuf) -> impl FnMut(&Observation<'_>) {

@@ -8,10 +8,8 @@ use std::process::ExitCode;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-use mrroc::{
-    Cell, CellError, CellFile, Demand, Ecp, Fault, Mp, Operator, Order, Payload, Reading, ReadingOrder,
-    Sensor, State, Step, Tick, VirtualSensor, generator,
-};
+use mrroc::operator::Operator;
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, Six};
 use mrroc_tests::fixture::{COUNT, RECORDS, seconds};
 

@@ -1,6 +1,7 @@
 //! `cell.toml`: what it makes, and everything that is wrong with it at once, each with its line and what to write.
 
-use mrroc::{Cell, CellError, CellFile, Fault, Kinds, Mp, RobotSetup};
+use mrroc::cell_file::Kinds;
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, simulated};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 

@@ -31,14 +31,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("runtime/testing", &["mrroc-core"]),
     (
         "runtime",
-        &[
-            "mrroc-core",
-            "mrroc-launch",
-            "mrroc-processes",
-            "mrroc-recording",
-            "mrroc-testing",
-            "mrroc-view",
-        ],
+        &["mrroc-core", "mrroc-launch", "mrroc-processes", "mrroc-recording", "mrroc-testing", "mrroc-view"],
     ),
     ("robots", &["mrroc-core", "mrroc-launch"]),
     ("generators-lib", &["mrroc-core"]),
@@ -64,7 +57,8 @@ impl Source {
 
     /// Layer and module, such as `control::edp`.
     fn module(&self) -> String {
-        let parts: Vec<_> = self.path.split('/').take(2).map(|part| part.strip_suffix(".rs").unwrap_or(part)).collect();
+        let parts: Vec<_> =
+            self.path.split('/').take(2).map(|part| part.strip_suffix(".rs").unwrap_or(part)).collect();
         if parts.last() == Some(&"mod") { parts[0].to_owned() } else { parts.join("::") }
     }
 
@@ -79,7 +73,8 @@ impl Source {
         let code = code.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default().replace("$crate::", "");
         let mut found = BTreeSet::new();
         for path in code.split("crate::").skip(1) {
-            let end = path.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(path.len());
+            let end =
+                path.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(path.len());
             let parts: Vec<_> = path[..end].split("::").filter(|part| !part.is_empty()).take(2).collect();
             let is_module = |part: &&&str| part.starts_with(|c: char| c.is_lowercase());
             found.insert(parts.iter().take_while(is_module).copied().collect::<Vec<_>>().join("::"));
@@ -130,9 +125,13 @@ fn no_layer_of_the_core_imports_one_above_it() {
         for import in source.imports() {
             let layer = import.split("::").next().unwrap_or_default();
             match place(layer) {
-                Some(other) if other > own => wrong.push(format!("{}: imports {import}, which stands above it", source.path)),
+                Some(other) if other > own => {
+                    wrong.push(format!("{}: imports {import}, which stands above it", source.path))
+                }
                 Some(_) => {}
-                None => wrong.push(format!("{}: imports `crate::{import}`; name it by its layer", source.path)),
+                None => {
+                    wrong.push(format!("{}: imports `crate::{import}`; name it by its layer", source.path))
+                }
             }
         }
     }

@@ -1,9 +1,9 @@
 //! The library's generators, run through whole cells.
 
-use mrroc::{
-    Cell, FaultKind, Generator, Pose, ReadingOrder, Robot, RobotSetup, Sensor, SensorSetup, VirtualSensor,
-};
-use mrroc::{Fault, Payload};
+use mrroc::fault::FaultKind;
+use mrroc::generator::Generator;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::cooperation::{Displacement, StraightBody};
 use mrroc_generators::curve::Helix;
@@ -81,7 +81,7 @@ struct Wrist;
 
 impl Sensor for Wrist {
     const KIND: &'static str = "wrist";
-    type Reading = mrroc::Wrench;
+    type Reading = mrroc::pose::Wrench;
     type Configuration = ();
 }
 
@@ -239,7 +239,7 @@ fn fault_23_a_straight_line_through_the_wrist_singularity_passes_or_names_it_bef
                 assert!((end.translation.vector - goal.translation.vector).norm() < 1e-9, "offset {offset}");
                 assert!(end.rotation.angle_to(&goal.rotation) < 1e-7, "offset {offset}");
             }
-            Err(mrroc::CellError::Fault(fault)) => {
+            Err(mrroc::cell::CellError::Fault(fault)) => {
                 // Beside the singularity the wrist would have to turn faster than it can.
                 assert!(offset > 0.0, "straight through: {fault}");
                 let kinds = [
@@ -285,7 +285,7 @@ impl VirtualSensor for Surface {
     }
 }
 
-fn approach(surface: f64) -> (Result<mrroc::RunReport, mrroc::CellError>, f64) {
+fn approach(surface: f64) -> (Result<mrroc::cell::RunReport, mrroc::cell::CellError>, f64) {
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| {
         let mut probe = ecp.sensor::<Probe>("probe")?;

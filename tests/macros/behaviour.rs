@@ -5,11 +5,11 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{
-    Always, AnyRobots, Condition, Demand, Fault, Generator, JointVector, Motion, Order, Payload, Pose,
-    Reading, Robot, RobotImage, RobotState, SensorImage, State, Step, Tick, WORDS, Wire, condition,
-    generator,
-};
+use mrroc::generator::{AnyRobots, Condition, Generator, Motion};
+use mrroc::payload::{WORDS, Wire};
+use mrroc::prelude::*;
+use mrroc::robot::{JointVector, RobotImage, RobotState};
+use mrroc::sensor::SensorImage;
 
 use super::cell::{Camera, Displacement, Force, Phase, Polycrank, Rnt, WristForce};
 
@@ -216,8 +216,8 @@ type Outcome<T> = Result<T, Fault>;
 fn t(
     c: &mut Lift,
     t: Tick,
-    e: &mrroc::State<(Rnt,)>,
-) -> core::result::Result<mrroc::Step<(Rnt,)>, mrroc::Fault> {
+    e: &mrroc::robot::State<(Rnt,)>,
+) -> core::result::Result<mrroc::generator::Step<(Rnt,)>, mrroc::fault::Fault> {
     let _ = (c, t);
     lifted(e)
 }
@@ -250,7 +250,8 @@ mod inner {
         pub(crate) use mrroc::*;
     }
 
-    use runtime::{Always, Demand, condition, generator};
+    use runtime::generator::{Always, Demand};
+    use runtime::{condition, generator};
 
     #[generator(ecp, crate = runtime)]
     pub(crate) fn rest() -> Always<super::Rnt> {
@@ -262,7 +263,7 @@ mod inner {
         false
     }
 
-    #[derive(Clone, Copy, runtime::Payload)]
+    #[derive(Clone, Copy, runtime::payload::Payload)]
     #[payload(crate = runtime)]
     pub(crate) struct Empty;
 }
@@ -447,7 +448,7 @@ fn payloads_that_differ_in_name_fields_or_types_differ_on_the_wire() {
         ($($module:ident { $item:item })*) => {{
             $(mod $module {
                 #![allow(dead_code)]
-                use mrroc::Payload;
+                use mrroc::payload::Payload;
                 #[derive(Clone, Copy, Payload)]
                 $item
                 pub(super) const ID: u64 = P::ID;

@@ -1,6 +1,7 @@
 //! The robots, sensors and payloads of the macro tests: no kinematics, only types.
 
-use mrroc::{Limits, NoInverse, Payload, Pose, Robot, Sensor};
+use mrroc::prelude::*;
+use mrroc::robot::{Limits, NoInverse};
 use nalgebra::SVector;
 
 macro_rules! robots {

@@ -1,6 +1,7 @@
 //! What a program of the diagnostics has at hand. None of them runs.
 
-use mrroc::{Ecp, Mp, RobotHandle, SensorHandle};
+use mrroc::generator::{RobotHandle, SensorHandle};
+use mrroc::prelude::*;
 
 use crate::cell::{Camera, Polycrank, Rnt, WristForce};
 

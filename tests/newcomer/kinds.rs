@@ -1,9 +1,8 @@
 //! A robot of one's own, as it is and with the mistakes that one makes.
 
-use mrroc::{
-    CellError, DriveFault, Driver, JointKind, Kinds, Limits, Measured, NoInverse, Pose, Robot, RobotEntry,
-    RobotSetup,
-};
+use mrroc::cell_file::{Kinds, RobotEntry};
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, JointKind, Limits, Measured, NoInverse};
 use mrroc_tests::{ExactDrive, MS, Q};
 
 /// Three perpendicular slides.

@@ -7,7 +7,7 @@ mod kinds;
 mod motions;
 mod sensing;
 
-use mrroc::{Cell, CellError, CellFile, Ecp, Fault, Mp};
+use mrroc::prelude::*;
 use mrroc_robots::Irp6;
 
 use kinds::{Slides, kinds};
@@ -61,7 +61,9 @@ fn alone(program: impl FnMut(&mut Ecp<Irp6>) -> Result<(), Fault> + 'static) -> 
 }
 
 /// The same for one motion of the arm.
-fn moved(motion: impl FnMut(&mrroc::State<Irp6>, f64) -> mrroc::Demand<Irp6> + 'static) -> String {
+fn moved(
+    motion: impl FnMut(&mrroc::robot::State<Irp6>, f64) -> mrroc::generator::Demand<Irp6> + 'static,
+) -> String {
     let mut motion = Some(motion);
     alone(move |ecp| ecp.move_robot((), Shift::new(motion.take().expect("one run"))).map(drop))
 }
@@ -128,15 +130,15 @@ mistakes! {
 
 // Demands.
 mistakes! {
-    a_motion_that_begins_elsewhere: moved(|_, _| mrroc::Demand::joints(nalgebra::zero()));
-    a_motion_that_begins_at_the_base: moved(|_, _| mrroc::Demand::pose(mrroc::Pose::identity()));
+    a_motion_that_begins_elsewhere: moved(|_, _| mrroc::generator::Demand::joints(nalgebra::zero()));
+    a_motion_that_begins_at_the_base: moved(|_, _| mrroc::generator::Demand::pose(mrroc::pose::Pose::identity()));
     too_fast: moved(motions::turn(|t| t * t));
     too_much_acceleration_on_the_way: moved(motions::turn(|t| 10.0 * t * t * t));
     too_fast_at_the_start: moved(motions::turn(|t| 0.1 * t));
     beyond_a_joint_limit: moved(motions::turn(|t| 0.3 * t * t * t / (1.0 + t * t)));
     too_high: moved(motions::lift(|t| 0.1 * t * t * t / (0.3 + t * t)));
     out_of_reach: moved(|_, t| {
-        if t < 0.01 { mrroc::Demand::hold() } else { mrroc::Demand::pose(mrroc::Pose::translation(5.0, 0.0, 1.0)) }
+        if t < 0.01 { mrroc::generator::Demand::hold() } else { mrroc::generator::Demand::pose(mrroc::pose::Pose::translation(5.0, 0.0, 1.0)) }
     });
     too_much_jerk: shown(OWN, |_, file| {
         let cell = file.cell(&kinds::with(Slides::with_jerk, true))?;
@@ -146,9 +148,9 @@ mistakes! {
     a_rotation_that_is_not_normalised: moved(|e, _| {
         let mut pose = e.demanded().pose;
         pose.rotation = nalgebra::UnitQuaternion::new_unchecked(pose.rotation.into_inner() * 1.1);
-        mrroc::Demand::pose(pose)
+        mrroc::generator::Demand::pose(pose)
     });
-    a_panic_in_a_step: moved(|_, t| if t < 0.01 { mrroc::Demand::hold() } else { panic!("not written yet") });
+    a_panic_in_a_step: moved(|_, t| if t < 0.01 { mrroc::generator::Demand::hold() } else { panic!("not written yet") });
 }
 
 // Models and drives of one's own.

@@ -1,6 +1,6 @@
 //! Motions as they are filled in, with what is wrong about them.
 
-use mrroc::{Always, Demand, Order, Payload, Pose, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_robots::Irp6;
 use mrroc_tests::Q;
 use nalgebra::Translation3;

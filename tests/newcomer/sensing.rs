@@ -1,6 +1,6 @@
 //! A virtual sensor as it is filled in.
 
-use mrroc::{Fault, Payload, Reading, ReadingOrder, Sensor, VirtualSensor, condition};
+use mrroc::prelude::*;
 
 pub struct Touch;
 

@@ -1,9 +1,6 @@
 //! The cell whose recordings are read: one robot, one sensor, a motion of a few steps.
 
-use mrroc::{
-    Cell, Demand, Fault, Payload, Reading, ReadingOrder, RobotSetup, Sensor, SensorSetup, Step, Tick,
-    VirtualSensor, generator,
-};
+use mrroc::prelude::*;
 use mrroc_tests::{ExactDrive, Gantry, MS, Q};
 
 struct Depth;

@@ -2,8 +2,12 @@
 //! targets in `tests/fuzz/` are the same functions.
 
 use engraving::drawing::{Limits, read_bytes};
+use mrroc::fault::Name;
+use mrroc::payload::{BadWords, WORDS, Wire};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::sensor::EffectorState;
 pub use mrroc::testing::readers;
-use mrroc::{BadWords, CellFile, Demand, EffectorState, Name, Pose, WORDS, Wire, Wrench};
 use mrroc_generators::teach::Taught;
 use mrroc_robots::{Irp6, Serial, simulated};
 

@@ -8,10 +8,8 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Duration;
 
-use mrroc::{
-    Cell, CellError, CellFile, Demand, Fault, Mp, Payload, Pose, Reading, ReadingOrder, RobotSetup,
-    RunReport, Sensor, SensorSetup, State, Step, Tick, VirtualSensor, condition, generator,
-};
+use mrroc::cell::RunReport;
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::Translation3;
 use support::{ONE, TWO, extent, file, watched};
@@ -143,7 +141,7 @@ fn the_program_of_the_readme_runs() {
 #[test]
 fn an_impl_block_moves_a_robot_of_its_own() {
     let cell = file(ONE).cell(&mrroc_robots::simulated()).expect("a known kind");
-    let (cell, paths) = watched(cell.ecp("arm", |ecp: &mut mrroc::Ecp<Irp6>| {
+    let (cell, paths) = watched(cell.ecp("arm", |ecp: &mut mrroc::program::Ecp<Irp6>| {
         ecp.move_robot((), Rise { from: Pose::identity(), t: 0.0 }).map(drop)
     }));
     cell.run().expect("nothing is wrong");

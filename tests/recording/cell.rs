@@ -3,10 +3,9 @@
 
 use std::time::Duration;
 
-use mrroc::{
-    Always, Cell, Demand, Ecp, Fault, Mp, Operator, Order, Payload, Reading, ReadingOrder, RobotSetup,
-    Sensor, SensorSetup, State, Step, Tick, VirtualSensor, VspMode, condition, generator,
-};
+use mrroc::operator::Operator;
+use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 
 pub const STEP: Duration = Duration::from_millis(2);

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
+use mrroc::prelude::*;
 use mrroc::recording::{CutOff, Replay, ReplayError};
-use mrroc::{Cell, RobotSetup};
 use mrroc_robots::{Irp6, SimulatedIrp6};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
 
-use mrroc::Observation;
+use mrroc::observe::Observation;
 
 use crate::recording::cell::{Change, STEP, arms};
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use mrroc::RunReport;
+use mrroc::cell::RunReport;
 use mrroc::recording::{CutOff, Replay};
 
 use crate::recording::cell::{Change, arms};

@@ -1,6 +1,7 @@
 //! Abort: ends the instruction, not the cell.
 
-use mrroc::{Always, Cell, FaultKind, condition, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc_tests::{Gantry, MS, fault, gantry, peaks};
 
 use crate::runtime::kit::{Phase, Smooth, Twin};
@@ -41,12 +42,12 @@ fn after_an_abort_the_mp_may_move_transparent_robots_again() {
 struct Holding(u32);
 
 #[generator(mp)]
-fn holding(c: &mut Holding) -> mrroc::Step<(Gantry, Gantry)> {
+fn holding(c: &mut Holding) -> mrroc::generator::Step<(Gantry, Gantry)> {
     if c.0 == 0 {
-        return mrroc::Step::Done;
+        return mrroc::generator::Step::Done;
     }
     c.0 -= 1;
-    mrroc::Step::Next((mrroc::Demand::hold(), mrroc::Demand::hold()))
+    mrroc::generator::Step::Next((mrroc::generator::Demand::hold(), mrroc::generator::Demand::hold()))
 }
 
 #[generator(mp)]
@@ -126,12 +127,12 @@ fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
 struct Nudging(u32);
 
 #[generator(mp)]
-fn nudging(c: &mut Nudging) -> mrroc::Step<(Gantry,), Phase> {
+fn nudging(c: &mut Nudging) -> mrroc::generator::Step<(Gantry,), Phase> {
     if c.0 == 0 {
-        return mrroc::Step::Done;
+        return mrroc::generator::Step::Done;
     }
     c.0 -= 1;
-    mrroc::Step::Next((Phase::Approach,))
+    mrroc::generator::Step::Next((Phase::Approach,))
 }
 
 #[test]
@@ -182,25 +183,25 @@ struct Rising {
 }
 
 #[generator(mp)]
-fn rising(c: &mut Rising, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
+fn rising(c: &mut Rising, t: mrroc::generator::Tick) -> mrroc::generator::Step<(Gantry,)> {
     if c.steps == 0 {
-        return mrroc::Step::Done;
+        return mrroc::generator::Step::Done;
     }
     c.steps -= 1;
     c.v = (c.v + 5.0 * t.dt).min(0.25);
     c.x += c.v * t.dt;
-    mrroc::Step::Next((crate::runtime::kit::x(c.x),))
+    mrroc::generator::Step::Next((crate::runtime::kit::x(c.x),))
 }
 
 struct Nudging2(u32);
 
 #[generator(mp)]
-fn nudging2(c: &mut Nudging2) -> mrroc::Step<(Gantry,)> {
+fn nudging2(c: &mut Nudging2) -> mrroc::generator::Step<(Gantry,)> {
     if c.0 == 0 {
-        return mrroc::Step::Done;
+        return mrroc::generator::Step::Done;
     }
     c.0 -= 1;
-    mrroc::Step::Next((mrroc::Demand::hold(),))
+    mrroc::generator::Step::Next((mrroc::generator::Demand::hold(),))
 }
 
 struct Soon(u32);
@@ -215,23 +216,32 @@ fn soon(c: &mut Soon) -> bool {
 struct Forges(FaultKind);
 
 #[generator(mp)]
-fn forges(c: &mut Forges, t: mrroc::Tick) -> Result<mrroc::Step<(Gantry, Gantry)>, mrroc::Fault> {
+fn forges(
+    c: &mut Forges,
+    t: mrroc::generator::Tick,
+) -> Result<mrroc::generator::Step<(Gantry, Gantry)>, mrroc::fault::Fault> {
     if t.step == 100 {
-        return Err(mrroc::Fault::new(c.0));
+        return Err(mrroc::fault::Fault::new(c.0));
     }
     let u = (t.step + 1) as f64;
-    Ok(mrroc::Step::Next((crate::runtime::kit::x(4e-6 * u * u), crate::runtime::kit::x(-4e-6 * u * u))))
+    Ok(mrroc::generator::Step::Next((
+        crate::runtime::kit::x(4e-6 * u * u),
+        crate::runtime::kit::x(-4e-6 * u * u),
+    )))
 }
 
 struct ForgesAlone(FaultKind);
 
 #[generator(ecp)]
-fn forges_alone(c: &mut ForgesAlone, t: mrroc::Tick) -> Result<mrroc::Step<Gantry>, mrroc::Fault> {
+fn forges_alone(
+    c: &mut ForgesAlone,
+    t: mrroc::generator::Tick,
+) -> Result<mrroc::generator::Step<Gantry>, mrroc::fault::Fault> {
     if t.step == 100 {
-        return Err(mrroc::Fault::new(c.0));
+        return Err(mrroc::fault::Fault::new(c.0));
     }
     let u = (t.step + 1) as f64;
-    Ok(mrroc::Step::Next(crate::runtime::kit::x(4e-6 * u * u)))
+    Ok(mrroc::generator::Step::Next(crate::runtime::kit::x(4e-6 * u * u)))
 }
 
 const ENDS: [FaultKind; 5] = [
@@ -275,7 +285,7 @@ fn a_program_that_returns_the_end_of_an_instruction_that_goes_on_is_stopped() {
     for kind in ENDS {
         let (robot, _) = gantry("g");
         let robot = robot.program(move |ecp| {
-            let outcome = ecp.obey(|_, _: Phase| Err(mrroc::Fault::new(kind)));
+            let outcome = ecp.obey(|_, _: Phase| Err(mrroc::fault::Fault::new(kind)));
             assert!(outcome.is_err(), "{kind:?} passed for an end");
             outcome
         });

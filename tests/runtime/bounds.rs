@@ -1,7 +1,8 @@
 //! Stops near a limit: whatever stops the robots, no joint passes it.
 
-use mrroc::Cell;
-use mrroc::{Demand, FaultKind, Pose, RobotSetup, Step, Tick, generator};
+use mrroc::cell::Cell;
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, peaks, traced};
 use nalgebra::Vector3;
 

@@ -1,6 +1,7 @@
 //! The MP's and the ECPs' halves of a motion: loose, tight, ended, disagreeing.
 
-use mrroc::{Always, Cell, FaultKind, Reading, SensorSetup, Step, Tick, condition, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc_tests::{Gantry, MS, Turntable, fault, gantry, peaks, turntable};
 
 use crate::runtime::kit::{Along, Coast, Counter, Counting, Phase, Smooth, transmit};
@@ -14,7 +15,7 @@ fn separate() -> Always<(Gantry, Gantry), Phase> {
 fn in_a_loose_motion_each_robot_goes_on_its_own_and_the_early_one_holds() {
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
     let program = |duration: f64| {
-        move |ecp: &mut mrroc::Ecp<Gantry>| {
+        move |ecp: &mut mrroc::program::Ecp<Gantry>| {
             ecp.obey(|ecp, phase: Phase| match phase {
                 Phase::Approach => ecp.move_robot((), Smooth::to(0.2, duration)).map(drop),
                 Phase::Retreat => ecp.move_robot((), Smooth::to(-0.2, duration)).map(drop),
@@ -61,8 +62,9 @@ fn numbers(c: &mut Numbers, t: Tick) -> Step<(Gantry, Gantry), Along> {
 #[test]
 fn in_a_tight_motion_the_orders_numbers_arrive_in_their_own_step() {
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
-    let follow =
-        |ecp: &mut mrroc::Ecp<Gantry>| ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop));
+    let follow = |ecp: &mut mrroc::program::Ecp<Gantry>| {
+        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
+    };
     let report = Cell::new(MS)
         .robot(left.program(follow))
         .robot(right.program(follow))
@@ -82,9 +84,10 @@ fn in_a_tight_motion_the_orders_numbers_arrive_in_their_own_step() {
 #[test]
 fn finishing_a_tight_motion_early_is_a_fault() {
     let ((left, _), (right, _)) = (gantry("left"), gantry("right"));
-    let follow =
-        |ecp: &mut mrroc::Ecp<Gantry>| ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop));
-    let give_up = |ecp: &mut mrroc::Ecp<Gantry>| ecp.obey(|_, _: Along| Ok(()));
+    let follow = |ecp: &mut mrroc::program::Ecp<Gantry>| {
+        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
+    };
+    let give_up = |ecp: &mut mrroc::program::Ecp<Gantry>| ecp.obey(|_, _: Along| Ok(()));
     let fault = fault(
         Cell::new(MS)
             .robot(left.program(follow))
@@ -102,11 +105,12 @@ fn finishing_a_tight_motion_early_is_a_fault() {
 #[test]
 fn halves_that_disagree_about_the_payload_are_refused_before_anything_moves() {
     let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
-    let loose = |ecp: &mut mrroc::Ecp<Gantry>| {
+    let loose = |ecp: &mut mrroc::program::Ecp<Gantry>| {
         ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.2, 0.4)).map(drop))
     };
-    let tight =
-        |ecp: &mut mrroc::Ecp<Gantry>| ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop));
+    let tight = |ecp: &mut mrroc::program::Ecp<Gantry>| {
+        ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))
+    };
     let fault = fault(
         Cell::new(MS)
             .robot(left.program(loose))
@@ -198,7 +202,7 @@ fn mixed(c: &mut Mixed) -> Step<(Gantry, Turntable)> {
         return Step::Done;
     }
     c.steps -= 1;
-    Step::Next((mrroc::Demand::hold(), mrroc::Demand::hold()))
+    Step::Next((mrroc::generator::Demand::hold(), mrroc::generator::Demand::hold()))
 }
 
 #[test]
@@ -269,13 +273,13 @@ fn an_ecp_that_obeys_all_still_ends_with_the_fault_of_the_cell_or_its_own() {
         let robot = robot.program(move |ecp| {
             ecp.obey_all(|ecp, _: Phase| {
                 ecp.move_robot((), Smooth::to(0.1, 0.3))?;
-                if thrown_by_mp { Ok(()) } else { Err(mrroc::Fault::thrown("of the arm")) }
+                if thrown_by_mp { Ok(()) } else { Err(mrroc::fault::Fault::thrown("of the arm")) }
             })
         });
         let cell = Cell::new(MS).robot(robot).program(|mp| {
             let mut g = mp.robot::<Gantry>("g")?;
             mp.move_robots((&mut g,), (), Ask(Phase::Approach))?;
-            Err(mrroc::Fault::thrown("of the coordinator"))
+            Err(mrroc::fault::Fault::thrown("of the coordinator"))
         });
         let told = fault(cell.run()).message().to_owned();
         assert_eq!(told, if thrown_by_mp { "of the coordinator" } else { "of the arm" });

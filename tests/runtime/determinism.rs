@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use mrroc::{Always, Cell, RobotSetup, SensorSetup, VspMode, generator};
+use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, gantry, traced};
 
 use crate::runtime::kit::{Counter, Counting, Phase, Smooth, Twin, Watch};
@@ -23,7 +24,7 @@ fn traces(quarter: bool) -> (u64, Vec<Vec<Q<3>>>) {
     let (left, left_trace) = traced(RobotSetup::new("left", Gantry::default(), drive));
     let (right, right_trace) = gantry("right");
     let program = |end: f64, watches: bool| {
-        move |ecp: &mut mrroc::Ecp<Gantry>| {
+        move |ecp: &mut mrroc::program::Ecp<Gantry>| {
             let mut counter = if watches { Some(ecp.sensor::<Counter>("counter")?) } else { None };
             ecp.obey(|ecp, _: Phase| {
                 ecp.move_robot((), Smooth::to(end, 0.5))?;
@@ -107,16 +108,20 @@ fn a_robot_that_an_instruction_does_not_name_holds_and_is_not_missed() {
 struct One(Smooth, f64);
 
 #[generator(mp, first = from_here)]
-fn one(c: &mut One, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
+fn one(c: &mut One, t: mrroc::generator::Tick) -> mrroc::generator::Step<(Gantry,)> {
     if c.0.duration <= 0.0 {
-        return mrroc::Step::Done;
+        return mrroc::generator::Step::Done;
     }
     c.0.duration = (c.0.duration - t.dt).max(0.0);
     let u = 1.0 - c.0.duration / 0.5;
-    mrroc::Step::Next((crate::runtime::kit::x(c.1 + (0.1 - c.1) * u * u * (3.0 - 2.0 * u)),))
+    mrroc::generator::Step::Next((crate::runtime::kit::x(c.1 + (0.1 - c.1) * u * u * (3.0 - 2.0 * u)),))
 }
 
-fn from_here(c: &mut One, e: &mrroc::State<(Gantry,)>, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
+fn from_here(
+    c: &mut One,
+    e: &mrroc::robot::State<(Gantry,)>,
+    t: mrroc::generator::Tick,
+) -> mrroc::generator::Step<(Gantry,)> {
     c.1 = e.0.demanded().joints[0];
     one(c, t)
 }
@@ -124,10 +129,10 @@ fn from_here(c: &mut One, e: &mrroc::State<(Gantry,)>, t: mrroc::Tick) -> mrroc:
 struct Nothing(u32);
 
 #[generator(mp)]
-fn nothing(c: &mut Nothing) -> mrroc::Step<[Gantry; 2]> {
+fn nothing(c: &mut Nothing) -> mrroc::generator::Step<[Gantry; 2]> {
     if c.0 == 0 {
-        return mrroc::Step::Done;
+        return mrroc::generator::Step::Done;
     }
     c.0 -= 1;
-    mrroc::Step::Next([mrroc::Demand::hold(); 2])
+    mrroc::generator::Step::Next([mrroc::generator::Demand::hold(); 2])
 }

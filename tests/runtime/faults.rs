@@ -1,9 +1,9 @@
 //! Faults: what is refused, who is named, and how the robots come to a standstill. Numbers are SAFETY.md's rows.
 
-use mrroc::{
-    AngleAxis, Cell, CellError, Demand, Fault, FaultKind, Limits, NoInverse, Pose, Robot, RobotSetup, Step,
-    Tick, Zyz, generator,
-};
+use mrroc::fault::FaultKind;
+use mrroc::pose::{AngleAxis, Zyz};
+use mrroc::prelude::*;
+use mrroc::robot::{Limits, NoInverse};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, Trace, fault, gantry, peaks, traced};
 use nalgebra::{Matrix4, Quaternion, Translation3, UnitQuaternion, Vector3};
 

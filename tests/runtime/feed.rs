@@ -1,6 +1,8 @@
 //! Feed rate: speed, suspend, resume, abort.
 
-use mrroc::{Cell, FaultKind, Operator};
+use mrroc::cell::Cell;
+use mrroc::fault::FaultKind;
+use mrroc::operator::Operator;
 use mrroc_tests::{Gantry, MS, Q, fault, gantry, peaks};
 
 use crate::runtime::kit::{Smooth, Twin};

@@ -3,7 +3,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, Fault, FaultKind, RobotView};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::RobotView;
 use mrroc_tests::{Gantry, MS, fault, gantry, peaks};
 
 use crate::runtime::kit::{Smooth, Twin};
@@ -93,10 +95,12 @@ fn a_guard_looks_at_all_robots_in_the_steps_that_it_asked_for() {
 struct Alone(Smooth);
 
 #[mrroc::generator(mp)]
-fn alone(c: &mut Alone, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
+fn alone(c: &mut Alone, t: mrroc::generator::Tick) -> mrroc::generator::Step<(Gantry,)> {
     match c.0.advance(t.dt) {
-        Some(x) => mrroc::Step::Next((mrroc::Demand::joints(nalgebra::Vector3::new(x, 0.0, 0.0)),)),
-        None => mrroc::Step::Done,
+        Some(x) => mrroc::generator::Step::Next((mrroc::generator::Demand::joints(nalgebra::Vector3::new(
+            x, 0.0, 0.0,
+        )),)),
+        None => mrroc::generator::Step::Done,
     }
 }
 
@@ -153,17 +157,17 @@ fn a_guard_that_panics_stops_the_cell() {
 /// Reads in 1.6 ms, longer than a step.
 struct Slow;
 
-impl mrroc::Sensor for Slow {
+impl mrroc::sensor::Sensor for Slow {
     const KIND: &'static str = "slow";
-    type Reading = mrroc::Nudge;
+    type Reading = mrroc::payload::Nudge;
     type Configuration = ();
 }
 
-impl mrroc::VirtualSensor for Slow {
+impl mrroc::sensor::VirtualSensor for Slow {
     type Kind = Slow;
 
-    fn aggregate(&mut self, _: &mrroc::ReadingOrder<()>) -> Result<mrroc::Nudge, Fault> {
-        Ok(mrroc::Nudge)
+    fn aggregate(&mut self, _: &mrroc::sensor::ReadingOrder<()>) -> Result<mrroc::payload::Nudge, Fault> {
+        Ok(mrroc::payload::Nudge)
     }
 }
 
@@ -171,10 +175,16 @@ impl mrroc::VirtualSensor for Slow {
 struct Reads(Smooth);
 
 #[mrroc::generator(mp)]
-fn reads(c: &mut Reads, _v: &mrroc::Reading<(Slow,)>, t: mrroc::Tick) -> mrroc::Step<(Gantry,)> {
+fn reads(
+    c: &mut Reads,
+    _v: &mrroc::sensor::Reading<(Slow,)>,
+    t: mrroc::generator::Tick,
+) -> mrroc::generator::Step<(Gantry,)> {
     match c.0.advance(t.dt) {
-        Some(x) => mrroc::Step::Next((mrroc::Demand::joints(nalgebra::Vector3::new(x, 0.0, 0.0)),)),
-        None => mrroc::Step::Done,
+        Some(x) => mrroc::generator::Step::Next((mrroc::generator::Demand::joints(nalgebra::Vector3::new(
+            x, 0.0, 0.0,
+        )),)),
+        None => mrroc::generator::Step::Done,
     }
 }
 
@@ -183,7 +193,7 @@ fn slow_cell(end: (f64, f64)) -> Cell {
     let (robot, _) = gantry("g");
     Cell::new(MS)
         .robot(robot)
-        .sensor(mrroc::SensorSetup::new("slow", Slow).latency(std::time::Duration::from_micros(1600)))
+        .sensor(mrroc::cell::SensorSetup::new("slow", Slow).latency(std::time::Duration::from_micros(1600)))
         .program(move |mp| {
             let (mut g, mut slow) = (mp.robot::<Gantry>("g")?, mp.sensor::<Slow>("slow")?);
             mp.move_robots((&mut g,), (&mut slow,), Reads(Smooth::to(end.0, end.1))).map(drop)
@@ -248,7 +258,11 @@ fn a_guard_sees_a_robot_that_goes_on_while_its_instruction_ends() {
 struct Approach(u32);
 
 #[mrroc::generator(mp)]
-fn approach(c: &mut Approach) -> mrroc::Step<(Gantry,), crate::runtime::kit::Phase> {
+fn approach(c: &mut Approach) -> mrroc::generator::Step<(Gantry,), crate::runtime::kit::Phase> {
     c.0 -= 1;
-    if c.0 == 0 { mrroc::Step::Done } else { mrroc::Step::Next((crate::runtime::kit::Phase::Approach,)) }
+    if c.0 == 0 {
+        mrroc::generator::Step::Done
+    } else {
+        mrroc::generator::Step::Next((crate::runtime::kit::Phase::Approach,))
+    }
 }

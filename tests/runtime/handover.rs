@@ -2,9 +2,9 @@
 
 use std::rc::Rc;
 
-use mrroc::{
-    Always, Cell, Fault, FaultKind, Mp, Reading, RobotHandle, SensorSetup, Step, Tick, condition, generator,
-};
+use mrroc::fault::FaultKind;
+use mrroc::generator::RobotHandle;
+use mrroc::prelude::*;
 use mrroc_tests::{Gantry, MS, Q, Trace, fault, gantry, peaks};
 
 use crate::runtime::kit::{Along, Counter, Counting, Phase, transmit, x};
@@ -57,7 +57,7 @@ fn holding(c: &mut Holding) -> Step<(Gantry,)> {
         return Step::Done;
     }
     c.0 -= 1;
-    Step::Next((mrroc::Demand::hold(),))
+    Step::Next((mrroc::generator::Demand::hold(),))
 }
 
 /// 0.5 m/s at 10 m/s²: v² / 2a beyond the way up, 1e-5 (1 + 2 + .. + 50).
@@ -71,7 +71,7 @@ fn brakes_at_once(trace: &[Q<3>]) {
 
 fn two(
     mut program: impl FnMut(&mut Mp, RobotHandle<Gantry>, RobotHandle<Gantry>) -> Result<(), Fault> + 'static,
-) -> (Result<mrroc::RunReport, mrroc::CellError>, Trace<3>) {
+) -> (Result<mrroc::cell::RunReport, mrroc::cell::CellError>, Trace<3>) {
     let ((left, trace), (right, _)) = (gantry("left"), gantry("right"));
     let cell = Cell::new(MS).robot(left).robot(right).program(move |mp| {
         let (left, right) = (mp.robot("left")?, mp.robot("right")?);
@@ -189,7 +189,7 @@ fn on(c: &mut On, t: Tick) -> Step<Gantry> {
     Step::Next(x(c.x))
 }
 
-fn from_here(c: &mut On, e: &mrroc::State<Gantry>, t: Tick) -> Step<Gantry> {
+fn from_here(c: &mut On, e: &mrroc::robot::State<Gantry>, t: Tick) -> Step<Gantry> {
     (c.x, c.speed) = (e.demanded().joints[0], e.demanded().velocity[0]);
     on(c, t)
 }

@@ -4,7 +4,9 @@ use std::cell::Cell as Count;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, CellError, DriveFault, FaultKind, Homing, RobotSetup, Search};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Homing, Search};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, traced};
 
 use crate::runtime::kit::Smooth;

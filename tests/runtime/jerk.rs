@@ -1,6 +1,6 @@
 //! Robots with a jerk limit, suspended anywhere.
 
-use mrroc::{Cell, Demand, RobotSetup, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_tests::{ExactDrive, Gantry, MS, traced};
 use nalgebra::Vector3;
 

@@ -3,10 +3,7 @@
 use std::cell::Cell as Shared;
 use std::rc::Rc;
 
-use mrroc::{
-    Always, Demand, Fault, Order, Payload, Reading, ReadingOrder, Sensor, State, Step, Tick, VirtualSensor,
-    generator,
-};
+use mrroc::prelude::*;
 use mrroc_tests::Gantry;
 use nalgebra::Vector3;
 

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use mrroc::{
-    Cell, Fault, Payload, Reading, ReadingOrder, Sensor, SensorSetup, State, Step, Tick, VirtualSensor,
-};
-use mrroc::{FaultKind, RobotSetup, VspMode, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 
 use crate::runtime::kit::{Counter, Counting, Smooth, Watch, x};
@@ -141,7 +141,7 @@ struct HeardByEcp {
 #[generator(ecp)]
 fn heard_by_ecp(c: &mut HeardByEcp, v: &Reading<(Echo,)>) -> Step<Gantry> {
     c.values.extend(v.0.reading().map(|told| told.value));
-    Step::Next(mrroc::Demand::hold())
+    Step::Next(mrroc::generator::Demand::hold())
 }
 
 #[test]

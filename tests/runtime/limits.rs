@@ -4,10 +4,9 @@ use std::cell::Cell as Shared;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{
-    Cell, CellError, CoupledLimit, FaultKind, JointKind, Limits, NoInverse, Pose, Robot, RobotSetup, Step,
-    Tick, generator,
-};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, JointKind, Limits, NoInverse};
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use mrroc_tests::{ExactDrive, MS, Q, fault, peaks, traced};
 
@@ -126,14 +125,14 @@ fn all_that_is_wrong_with_a_cell_is_told_at_once() {
         .robot(setup("a", wrong))
         .robot(setup("b", Bench::with(|limits| limits.acceleration[2] = 1.0)))
         .robot(setup("b", Bench::new()))
-        .sensor(mrroc::SensorSetup::new("counter", crate::runtime::kit::Counting::default()).of("c"));
+        .sensor(mrroc::cell::SensorSetup::new("counter", crate::runtime::kit::Counting::default()).of("c"));
     let Err(CellError::Several(errors)) = cell.run() else { panic!("refused") };
     let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
     assert_eq!(texts.len(), 6, "{texts:?}");
     assert!(texts[0].contains("`a` joint 1: acceleration limit -1 m/s²"), "{}", texts[0]);
     assert!(texts[1].contains("`a` joint 2: lower position limit -1 m must be below"), "{}", texts[1]);
     assert!(texts[2].contains("`b` joint 3: a stop may take 1.021 s, limit 0.600 s"), "{}", texts[2]);
-    assert_eq!(errors[3], CellError::Twice(mrroc::Name::new("b").expect("a name")));
+    assert_eq!(errors[3], CellError::Twice(mrroc::fault::Name::new("b").expect("a name")));
     assert!(matches!(&errors[4], CellError::NoSuchRobot(_, robot) if robot == "c"), "{}", texts[4]);
     assert_eq!(errors[5], CellError::NoProgram);
 }
@@ -188,7 +187,7 @@ fn diagonal(c: &mut Diagonal, t: Tick) -> Step<Bench> {
     }
     c.v = (c.v + 5.0 * t.dt).min(c.speed);
     c.x += c.v * t.dt;
-    Step::Next(mrroc::Demand::joints(Q::<3>::new(c.x, c.x, 0.0)))
+    Step::Next(mrroc::generator::Demand::joints(Q::<3>::new(c.x, c.x, 0.0)))
 }
 
 #[test]
@@ -235,9 +234,9 @@ fn a_stop_is_not_waited_for_longer_than_it_may_take() {
 struct Throws(Diagonal);
 
 #[generator(ecp)]
-fn throws(c: &mut Throws, t: Tick) -> Result<Step<Bench>, mrroc::Fault> {
+fn throws(c: &mut Throws, t: Tick) -> Result<Step<Bench>, mrroc::fault::Fault> {
     if t.step == 300 {
-        return Err(mrroc::Fault::thrown("enough"));
+        return Err(mrroc::fault::Fault::thrown("enough"));
     }
     Ok(diagonal(&mut c.0, t))
 }

@@ -3,8 +3,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, Demand, Fault, FaultKind, Reading, State, Step, Tick, generator};
-use mrroc::{RobotSetup, SensorSetup};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 
 use crate::runtime::kit::{Coast, Counter, Counting, Smooth, Twin, Watch, x};

@@ -1,7 +1,9 @@
 //! The two halves of an instruction: pairing, payloads, first causes, arrays of robots.
 
-use mrroc::{Always, Cell, DriveFault, Driver, Fault, FaultKind, Measured, Order, RobotSetup, Step, Tick};
-use mrroc::{condition, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, Measured};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, traced};
 
 use crate::runtime::kit::{Along, Phase, Smooth, x};
@@ -71,7 +73,7 @@ fn three(c: &mut Three) -> Step<[Gantry; 3]> {
         return Step::Done;
     }
     c.0 -= 1;
-    Step::Next([mrroc::Demand::hold(); 3])
+    Step::Next([mrroc::generator::Demand::hold(); 3])
 }
 
 /// What ends a cell of three robots, of which the ones given trip or stick in their ticks.
@@ -260,12 +262,13 @@ fn the_operators_speed_is_the_one_that_was_set() {
 fn a_period_of_no_time_is_refused() {
     let (robot, _) = gantry("g");
     let result = Cell::new(std::time::Duration::ZERO).robot(robot.program(|_| Ok(()))).run();
-    assert_eq!(result, Err(mrroc::CellError::Step));
+    assert_eq!(result, Err(mrroc::cell::CellError::Step));
     let timeless = ExactDrive::new(Q::<3>::zeros(), std::time::Duration::ZERO);
     let robot = RobotSetup::new("g", Gantry::default(), timeless).program(|_| Ok(()));
-    assert!(matches!(Cell::new(MS).robot(robot).run(), Err(mrroc::CellError::NoServo(_))));
-    let free = mrroc::VspMode::NonInteractive(std::time::Duration::ZERO);
-    let sensor = mrroc::SensorSetup::new("counter", crate::runtime::kit::Counting::default()).mode(free);
+    assert!(matches!(Cell::new(MS).robot(robot).run(), Err(mrroc::cell::CellError::NoServo(_))));
+    let free = mrroc::sensor::VspMode::NonInteractive(std::time::Duration::ZERO);
+    let sensor =
+        mrroc::cell::SensorSetup::new("counter", crate::runtime::kit::Counting::default()).mode(free);
     let result = Cell::new(MS).robot(gantry("g").0.program(|_| Ok(()))).sensor(sensor).run();
-    assert!(matches!(result, Err(mrroc::CellError::NoPeriod(_))));
+    assert!(matches!(result, Err(mrroc::cell::CellError::NoPeriod(_))));
 }

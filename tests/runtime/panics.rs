@@ -1,14 +1,13 @@
 //! Panics anywhere in user code: caught where they happen, named, and the robots stop.
 
-use mrroc::{
-    Cell, CellError, Fault, FaultKind, ReadingOrder, RobotSetup, SensorSetup, VirtualSensor, condition,
-};
-use mrroc::{DriveFault, Driver, Measured};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, Measured};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, peaks, traced};
 
 use crate::runtime::kit::{Count, Counter, Offset, Smooth, Twin, Watch};
 
-fn stopped(result: Result<mrroc::RunReport, CellError>, process: &str, trace: &[Q<3>]) {
+fn stopped(result: Result<mrroc::cell::RunReport, CellError>, process: &str, trace: &[Q<3>]) {
     let fault = fault(result);
     assert_eq!(fault.kind(), FaultKind::GeneratorPanicked, "{fault}");
     assert_eq!(fault.process().expect("named").to_string(), process, "{fault}");

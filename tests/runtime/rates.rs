@@ -4,10 +4,10 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{
-    Cell, Demand, Fault, InterpolationSpace, Motion, Pose, RobotSetup, ServoRecord, State, Step, Tick,
-    generator,
-};
+use mrroc::generator::Motion;
+use mrroc::observe::ServoRecord;
+use mrroc::prelude::*;
+use mrroc::robot::InterpolationSpace;
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, traced};
 use nalgebra::Vector3;
 
@@ -105,8 +105,9 @@ fn the_reply_to_a_demand_leaves_before_the_drives_begin_it() {
     let see = Rc::clone(&seen);
     let drive = ExactDrive::new(Q::zeros(), MS * 2);
     let (setup, trace) = traced(RobotSetup::new("g", Gantry::default(), drive));
-    let program =
-        move |ecp: &mut mrroc::Ecp<Gantry>| ecp.move_robot((), Ramp { k: 0, see: Rc::clone(&see) }).map(drop);
+    let program = move |ecp: &mut mrroc::program::Ecp<Gantry>| {
+        ecp.move_robot((), Ramp { k: 0, see: Rc::clone(&see) }).map(drop)
+    };
     Cell::new(MS * 20).robot(setup.program(program)).run().expect("gentle");
     let seen = seen.borrow();
     // What step k sees demanded is its own last demand; what it sees measured is behind by a step and more.
@@ -141,7 +142,8 @@ fn ramp(c: &mut Ramp, e: &State<Gantry>, _t: Tick) -> Step<Gantry> {
 
 /// An arm in the plane whose joints are radius and angle: a straight line of the tool is none of the joints.
 mod polar {
-    use mrroc::{JointKind, Limits, NoInverse, Pose, Robot};
+    use mrroc::prelude::*;
+    use mrroc::robot::{JointKind, Limits, NoInverse};
     use mrroc_tests::Q;
     use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
@@ -224,7 +226,7 @@ fn there_and_back(c: &mut ThereAndBack, t: Tick) -> Step<Polar> {
 /// The largest accelerations of the drives' positions [m/s², rad/s²], by differences.
 fn peaks_of<G>(space: InterpolationSpace, make: impl Fn() -> G + 'static) -> [f64; 2]
 where
-    G: mrroc::Generator<Robots = Polar, Sensors = (), Language = Motion> + 'static,
+    G: mrroc::generator::Generator<Robots = Polar, Sensors = (), Language = Motion> + 'static,
 {
     let told = Rc::new(RefCell::new(Vec::new()));
     let keep = Rc::clone(&told);
@@ -259,13 +261,13 @@ fn leaving_the_task_space_for_a_fault_or_for_joints_asks_for_no_more_than_the_li
 
 /// Two slides along x, one on the other: a pose does not say where each of them is.
 #[derive(Clone)]
-struct Tandem(mrroc::Limits<Q<2>>);
+struct Tandem(mrroc::robot::Limits<Q<2>>);
 
-impl mrroc::Robot for Tandem {
+impl mrroc::robot::Robot for Tandem {
     const KIND: &'static str = "tandem";
     type Joints = Q<2>;
 
-    fn limits(&self) -> &mrroc::Limits<Q<2>> {
+    fn limits(&self) -> &mrroc::robot::Limits<Q<2>> {
         &self.0
     }
 
@@ -274,19 +276,19 @@ impl mrroc::Robot for Tandem {
     }
 
     #[allow(non_snake_case)]
-    fn inverse(&self, X_WF: &Pose, near: &Q<2>) -> Result<Q<2>, mrroc::NoInverse> {
+    fn inverse(&self, X_WF: &Pose, near: &Q<2>) -> Result<Q<2>, mrroc::robot::NoInverse> {
         self.inverse_at(X_WF, near[0], near)
     }
 
     #[allow(non_snake_case)]
-    fn inverse_at(&self, X_WF: &Pose, first: f64, _: &Q<2>) -> Result<Q<2>, mrroc::NoInverse> {
+    fn inverse_at(&self, X_WF: &Pose, first: f64, _: &Q<2>) -> Result<Q<2>, mrroc::robot::NoInverse> {
         Ok(Q::<2>::new(first, X_WF.translation.x - first))
     }
 }
 
 #[test]
 fn a_robot_whose_joints_a_pose_does_not_determine_is_not_interpolated_in_the_task_space() {
-    let limits = mrroc::Limits {
+    let limits = mrroc::robot::Limits {
         lower: Q::repeat(-2.0),
         upper: Q::repeat(2.0),
         velocity: Q::repeat(1.0),

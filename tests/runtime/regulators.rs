@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, Demand, DriveFault, Driver, FaultKind, Measured, Regulators, RobotSetup, Step, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry};
 
 /// An exact drive with three parameter sets in its first joint, which writes down what is chosen, by tick.
@@ -93,7 +95,7 @@ fn once(c: &mut Once) -> Step<Gantry> {
 
 #[test]
 fn a_redundancy_is_for_poses_of_robots_that_have_one() {
-    let pose = mrroc::Pose::identity();
+    let pose = mrroc::pose::Pose::identity();
     for (demand, kind, text) in [
         (
             Demand::pose(pose).with_redundancy(0.2),

@@ -3,10 +3,11 @@
 use std::cell::{Cell as Shared, RefCell};
 use std::rc::Rc;
 
-use mrroc::{
-    AfterFault, Cell, Demand, DriveFault, Driver, Fault, FaultKind, Latch, LatchRefusal, Measured, Operator,
-    RobotSetup, RunReport, State, Step, Tick, generator,
-};
+use mrroc::cell::{AfterFault, RunReport};
+use mrroc::fault::FaultKind;
+use mrroc::operator::{Latch, LatchRefusal, Operator};
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, Measured};
 use mrroc_tests::{Gantry, MS, Q, fault, gantry, peaks, traced};
 
 use crate::runtime::kit::{Phase, Smooth};
@@ -51,7 +52,7 @@ fn mirror_start(
 
 /// What became of a run with its operator.
 struct Seen {
-    outcome: Result<RunReport, mrroc::CellError>,
+    outcome: Result<RunReport, mrroc::cell::CellError>,
     left: Vec<Q<3>>,
     right: Vec<Q<3>>,
     runs: u32,
@@ -313,7 +314,7 @@ fn programs_of_ecps_start_again_with_their_sensors_and_their_obedience() {
     });
     let cell = Cell::new(MS)
         .robot(robot)
-        .sensor(mrroc::SensorSetup::new("counter", Counting::default()).of("g"))
+        .sensor(mrroc::cell::SensorSetup::new("counter", Counting::default()).of("g"))
         .after_fault(AfterFault::AwaitReset)
         .on_step(|_, operator| attend(operator))
         .program(move |mp| {
@@ -333,8 +334,8 @@ fn programs_of_ecps_start_again_with_their_sensors_and_their_obedience() {
 struct Orders(Phase);
 
 #[generator(mp)]
-fn orders(c: &mut Orders) -> mrroc::Always<(Gantry,), Phase> {
-    mrroc::Always((c.0,))
+fn orders(c: &mut Orders) -> mrroc::generator::Always<(Gantry,), Phase> {
+    mrroc::generator::Always((c.0,))
 }
 
 #[test]
@@ -469,7 +470,7 @@ fn a_protective_stop_between_two_instructions_or_during_a_reset_lets_nothing_mov
             }
             attend(operator);
         });
-        let Err(mrroc::CellError::Fault(fault)) = seen.outcome else {
+        let Err(mrroc::cell::CellError::Fault(fault)) = seen.outcome else {
             panic!("pressed {wait} steps into the reset, it ran on: {:?}", seen.outcome)
         };
         assert_eq!(fault.kind(), FaultKind::ProtectiveStop, "{fault}");
@@ -483,12 +484,12 @@ struct Gives {
     left: u32,
 }
 
-impl mrroc::VirtualSensor for Gives {
+impl mrroc::sensor::VirtualSensor for Gives {
     type Kind = crate::runtime::kit::Counter;
 
     fn aggregate(
         &mut self,
-        order: &mrroc::ReadingOrder<crate::runtime::kit::Offset>,
+        order: &mrroc::sensor::ReadingOrder<crate::runtime::kit::Offset>,
     ) -> Result<crate::runtime::kit::Count, Fault> {
         self.left = self.left.saturating_sub(1);
         if self.left == 0 {
@@ -502,7 +503,7 @@ impl mrroc::VirtualSensor for Gives {
 struct Sees(Smooth);
 
 #[generator(ecp)]
-fn sees(c: &mut Sees, _v: &mrroc::Reading<(crate::runtime::kit::Counter,)>, t: Tick) -> Step<Gantry> {
+fn sees(c: &mut Sees, _v: &mrroc::sensor::Reading<(crate::runtime::kit::Counter,)>, t: Tick) -> Step<Gantry> {
     c.0.advance(t.dt).map_or(Step::Done, |x| Step::Next(crate::runtime::kit::x(x)))
 }
 
@@ -515,7 +516,7 @@ fn fault_25_robots_stop_on_their_paths_together_when_a_sensor_of_one_of_them_fai
             ecp.move_robot((&mut counter,), Sees(Smooth::to(0.4, 1.0))).map(drop)
         });
         let right = right.program(|ecp| ecp.move_robot((), Smooth::to(0.4, 1.0)).map(drop));
-        let sensor = mrroc::SensorSetup::new("counter", Gives { left: fails_at }).of("left");
+        let sensor = mrroc::cell::SensorSetup::new("counter", Gives { left: fails_at }).of("left");
         let fault = fault(Cell::new(MS).robot(left).robot(right).sensor(sensor).run());
         assert_eq!(fault.message(), "the cable is cut", "{fault}");
         let (left, right) = (left_trace.borrow(), right_trace.borrow());

@@ -3,11 +3,13 @@
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, FaultKind, SensorSetup, VspMode};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_tests::{Gantry, MS, fault, gantry};
 
 use crate::runtime::kit::{Counter, Counting, Offset, Smooth, Watch};
-use mrroc::{Reading, condition};
+use mrroc::prelude::*;
 
 fn watched(mode: VspMode, latency: Duration, steps: usize) -> Vec<Option<(u64, u32)>> {
     let (robot, _) = gantry("g");
@@ -69,7 +71,7 @@ fn a_sensor_is_told_its_configuration_and_the_state_of_its_robot() {
 /// A sensor whose configuration may be one that no process can read.
 struct Fussy;
 
-impl mrroc::Sensor for Fussy {
+impl mrroc::sensor::Sensor for Fussy {
     const KIND: &'static str = "fussy";
     type Reading = Offset;
     type Configuration = Odd;
@@ -85,27 +87,27 @@ impl Default for Odd {
     }
 }
 
-impl mrroc::Wire for Odd {
+impl mrroc::payload::Wire for Odd {
     const LEN: usize = 1;
     const LAYOUT: u64 = 1;
     fn put(&self, words: &mut [u64]) {
         words[0] = self.0;
     }
-    fn get(words: &[u64]) -> Result<Self, mrroc::BadWords> {
-        words.first().copied().filter(|word| word % 2 == 1).map(Odd).ok_or(mrroc::BadWords)
+    fn get(words: &[u64]) -> Result<Self, mrroc::payload::BadWords> {
+        words.first().copied().filter(|word| word % 2 == 1).map(Odd).ok_or(mrroc::payload::BadWords)
     }
 }
 
-impl mrroc::Payload for Odd {
+impl mrroc::payload::Payload for Odd {
     const NAME: &'static str = "Odd";
     const TIGHT: bool = true;
 }
 
 struct Answers;
 
-impl mrroc::VirtualSensor for Answers {
+impl mrroc::sensor::VirtualSensor for Answers {
     type Kind = Fussy;
-    fn aggregate(&mut self, order: &mrroc::ReadingOrder<Odd>) -> Result<Offset, mrroc::Fault> {
+    fn aggregate(&mut self, order: &mrroc::sensor::ReadingOrder<Odd>) -> Result<Offset, mrroc::fault::Fault> {
         Ok(Offset { offset: order.configuration.0 })
     }
 }
@@ -126,7 +128,7 @@ fn fault_16_a_configuration_that_cannot_be_read_is_a_fault_and_never_the_default
         });
         match cell.run() {
             Ok(_) => assert!(readable),
-            Err(mrroc::CellError::Fault(fault)) => {
+            Err(mrroc::cell::CellError::Fault(fault)) => {
                 assert!(!readable);
                 assert_eq!(fault.kind(), FaultKind::Message, "{fault}");
                 assert_eq!(fault.process().expect("named").to_string(), "vsp fussy", "{fault}");
@@ -205,16 +207,16 @@ fn the_first_order_of_the_mp_has_the_state_of_the_sensors_robot_too() {
 /// Reads 1 when it was told the state of its robot, and fails otherwise.
 struct OfRobot;
 
-impl mrroc::VirtualSensor for OfRobot {
+impl mrroc::sensor::VirtualSensor for OfRobot {
     type Kind = Counter;
     fn aggregate(
         &mut self,
-        order: &mrroc::ReadingOrder<Offset>,
-    ) -> Result<crate::runtime::kit::Count, mrroc::Fault> {
+        order: &mrroc::sensor::ReadingOrder<Offset>,
+    ) -> Result<crate::runtime::kit::Count, mrroc::fault::Fault> {
         order
             .robot
             .map(|_| crate::runtime::kit::Count { count: 1, x: 0.0, step: order.step })
-            .ok_or_else(|| mrroc::Fault::thrown("no state"))
+            .ok_or_else(|| mrroc::fault::Fault::thrown("no state"))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Suspend, anywhere, in paths that use nine tenths of the acceleration limit.
 
-use mrroc::{Always, Cell, Operator, RobotSetup, Step, Tick, generator};
+use mrroc::operator::Operator;
+use mrroc::prelude::*;
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, gantry, peaks, traced};
 
 use crate::runtime::kit::{Phase, x};
@@ -92,7 +93,10 @@ fn in_mp(c: &mut InMp, t: Tick) -> Step<(Gantry, Gantry)> {
     c.0.advance(t.dt).map_or(Step::Done, |position| Step::Next((x(position), x(-position))))
 }
 
-fn run(path: Trapezoid, act: impl FnMut(u64, &Operator) + 'static) -> Result<Vec<Q<3>>, mrroc::CellError> {
+fn run(
+    path: Trapezoid,
+    act: impl FnMut(u64, &Operator) + 'static,
+) -> Result<Vec<Q<3>>, mrroc::cell::CellError> {
     let (robot, trace) = gantry("g");
     let robot = robot.program(move |ecp| ecp.move_robot((), path).map(drop));
     Cell::new(MS).robot(robot).on_step(act).run()?;

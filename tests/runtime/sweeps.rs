@@ -1,6 +1,7 @@
 //! What happens at step k, for every k: aborts, suspensions of waits and tails, sensors of a first step.
 
-use mrroc::{Cell, FaultKind, Reading, RobotSetup, SensorSetup, Step, Tick, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 
 use crate::runtime::kit::{Counter, Counting, Smooth, x};
@@ -79,12 +80,12 @@ struct First {
 #[generator(mp, first = look, sensors = (Counter,))]
 fn first(c: &mut First) -> Step<(Gantry,)> {
     c.calls += 1;
-    if c.calls > 3 { Step::Done } else { Step::Next((mrroc::Demand::hold(),)) }
+    if c.calls > 3 { Step::Done } else { Step::Next((mrroc::generator::Demand::hold(),)) }
 }
 
 fn look(c: &mut First, v: &Reading<(Counter,)>) -> Step<(Gantry,)> {
     c.ordered = v.0.reading().map_or(0, |reading| reading.step);
-    Step::Next((mrroc::Demand::hold(),))
+    Step::Next((mrroc::generator::Demand::hold(),))
 }
 
 #[test]

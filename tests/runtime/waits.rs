@@ -1,10 +1,11 @@
 //! Wait, eq. 4 of the paper.
 
-use mrroc::{Cell, Fault, FaultKind, Reading, SensorSetup, State, condition};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc_tests::{Gantry, MS, fault, gantry};
 
 use crate::runtime::kit::{Counter, Counting, Phase, Smooth};
-use mrroc::{Always, generator};
+use mrroc::prelude::*;
 
 struct CountTo(u64);
 
@@ -129,7 +130,7 @@ fn approach() -> Always<(Gantry,), Phase> {
 }
 
 #[condition(ecp)]
-fn told_to_approach(order: &mrroc::Order<Phase>) -> bool {
+fn told_to_approach(order: &mrroc::payload::Order<Phase>) -> bool {
     order.value() == Phase::Approach
 }
 
@@ -157,7 +158,7 @@ fn look(c: &mut Look) -> bool {
 fn at_speed_zero_a_wait_goes_on_in_the_mp_and_in_an_ecp_and_only_suspend_pauses_it() {
     // 50 looks from step 2 on; suspended for 100 steps, 50 looks take 150.
     for (suspends, steps) in [(false, 45..60), (true, 145..160)] {
-        let operate = move |step: u64, operator: &mrroc::Operator| match step {
+        let operate = move |step: u64, operator: &mrroc::operator::Operator| match step {
             1 => operator.set_speed(0.0).expect("a share"),
             20 if suspends => operator.suspend(),
             120 if suspends => operator.resume(),

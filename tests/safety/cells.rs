@@ -1,9 +1,7 @@
 //! Small cells to be swept: each uses another part of the protocol.
 
-use mrroc::{
-    Always, Cell, Demand, Fault, Mp, Order, Payload, Reading, ReadingOrder, RobotSetup, Sensor, SensorSetup,
-    State, Step, Tick, VirtualSensor, VspMode, generator,
-};
+use mrroc::prelude::*;
+use mrroc::sensor::VspMode;
 use mrroc_tests::{ExactDrive, Gantry, MS, Q};
 use nalgebra::Vector3;
 
@@ -93,7 +91,9 @@ pub fn gantry(name: &str, servo: core::time::Duration) -> RobotSetup<Gantry> {
     RobotSetup::new(name, Gantry::default(), ExactDrive::new(Q::<3>::zeros(), servo))
 }
 
-fn both(mp: &mut Mp) -> Result<(mrroc::RobotHandle<Gantry>, mrroc::RobotHandle<Gantry>), Fault> {
+fn both(
+    mp: &mut Mp,
+) -> Result<(mrroc::generator::RobotHandle<Gantry>, mrroc::generator::RobotHandle<Gantry>), Fault> {
     Ok((mp.robot("a")?, mp.robot("b")?))
 }
 
@@ -111,7 +111,7 @@ pub fn transparent() -> Cell {
 
 /// Two programs in ECPs: a loose motion, then a tight one, then a loose one.
 pub fn cooperating() -> Cell {
-    let program = |ecp: &mut mrroc::Ecp<Gantry>| {
+    let program = |ecp: &mut mrroc::program::Ecp<Gantry>| {
         ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.01, 0.1)).map(drop))?;
         ecp.obey(|ecp, _: Along| ecp.move_robot((), transmit {}).map(drop))?;
         ecp.obey(|ecp, _: Phase| ecp.move_robot((), Smooth::to(0.0, 0.15)).map(drop))

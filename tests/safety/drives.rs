@@ -3,8 +3,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc::testing::{DriveTrouble, FaultyDrive, Sweep};
-use mrroc::{Cell, CellError, FaultKind, RobotSetup};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q};
 
 use crate::safety::cells::{back_and_forth, gantry};

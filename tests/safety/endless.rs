@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::time::Duration;
 
-use mrroc::{Cell, Demand, Step, generator};
+use mrroc::prelude::*;
 use mrroc_tests::{Gantry, MS};
 
 use crate::safety::cells::gantry;

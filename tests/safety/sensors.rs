@@ -2,8 +2,10 @@
 
 use core::time::Duration;
 
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::sensor::{Plausible, VspMode};
 use mrroc::testing::{FaultySensor, SensorFault, Sweep, SweepReport};
-use mrroc::{Cell, CellError, FaultKind, Plausible, VspMode};
 
 use crate::safety::cells::{At, Path, following};
 
@@ -94,7 +96,7 @@ fn fault_04_a_sensor_that_says_nothing_more_stops_the_motion_that_reads_it() {
 #[test]
 fn fault_04_a_motion_that_does_not_read_a_dead_sensor_goes_on() {
     let cell = || -> Cell {
-        let setup = mrroc::SensorSetup::new("place", Path);
+        let setup = mrroc::cell::SensorSetup::new("place", Path);
         crate::safety::cells::transparent().sensor(setup)
     };
     let report = Sweep::new(cell).kills().every(7).threads(2).run();

@@ -1,6 +1,6 @@
 //! Sweeps of small cells: every process killed and stalled, every link at fault, at every step.
 
-use mrroc::Cell;
+use mrroc::cell::Cell;
 use mrroc::testing::{LinkFault, Press, Sweep, SweepReport};
 
 use crate::safety::cells::{cooperating, interpolated, sensing, transparent};
@@ -129,7 +129,7 @@ fn what_is_wrong_with_a_cell_or_its_undisturbed_run_is_a_failure_and_no_case() {
     let wrong = || Cell::new(mrroc_tests::MS);
     let report = Sweep::new(wrong).kills().run();
     assert!(!report.is_clean() && report.total().cases == 0, "{report}");
-    let fails = || transparent().program(|_| Err(mrroc::Fault::thrown("the box is empty")));
+    let fails = || transparent().program(|_| Err(mrroc::fault::Fault::thrown("the box is empty")));
     let report = Sweep::new(fails).kills().run();
     assert!(report.to_string().contains("the box is empty"), "{report}");
 }
@@ -153,7 +153,7 @@ fn copies_of_one_run_come_to_what_runs_of_their_own_come_to() {
 fn a_case_that_is_repeated_comes_to_the_same() {
     use mrroc::testing::{Case, Injected};
     let sweep = Sweep::new(cooperating);
-    let case = Case { injected: Injected::Kill(mrroc::ProcessId::MP), at: 100, seed: 5 };
+    let case = Case { injected: Injected::Kill(mrroc::fault::ProcessId::MP), at: 100, seed: 5 };
     let (first, second) = (sweep.repeat(&case), sweep.repeat(&case));
     assert!(first.total().stopped == 1 && first == second, "{first}");
 }

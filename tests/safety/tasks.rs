@@ -9,8 +9,9 @@ use engraving::layout::{HEIGHT_ERROR, Layout};
 use engraving::placement::{Plate, Sizing, place};
 use engraving::probe::PlateSurface;
 use engraving::sampling::Sampling;
+use mrroc::observe::Shown;
+use mrroc::prelude::*;
 use mrroc::testing::{LinkFault, Press, Sweep};
-use mrroc::{Cell, RobotSetup, SensorSetup, Shown};
 use mrroc_robots::SimulatedIrp6;
 
 /// The transfer's arms and hands, with nothing between them and without the guard, which has tests of its own.

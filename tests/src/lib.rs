@@ -7,9 +7,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{
-    DriveFault, Driver, Fault, JointKind, Limits, Measured, NoInverse, Pose, Robot, RobotSetup, ServoRecord,
-};
+use mrroc::observe::ServoRecord;
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, JointKind, Limits, Measured, NoInverse};
 use nalgebra::{SVector, Translation3};
 
 /// The step that most tests use.
@@ -214,9 +214,9 @@ pub fn peaks<const N: usize>(trace: &[Q<N>], dt: f64) -> (f64, f64) {
 /// # Panics
 /// When it did not.
 #[must_use]
-pub fn fault(result: Result<mrroc::RunReport, mrroc::CellError>) -> Fault {
+pub fn fault(result: Result<mrroc::cell::RunReport, mrroc::cell::CellError>) -> Fault {
     match result {
-        Err(mrroc::CellError::Fault(fault)) => fault,
+        Err(mrroc::cell::CellError::Fault(fault)) => fault,
         other => panic!("expected a fault, got {other:?}"),
     }
 }

@@ -71,7 +71,7 @@ fn what_is_refused_moves_nothing_and_ends_with_status_2() {
 
 #[test]
 fn the_check_prints_the_cell_with_what_its_stops_take() {
-    use mrroc::Robot;
+    use mrroc::robot::Robot;
     let real_time = "\n[realtime]\npriority = 42\ncores = [1, 0]\n";
     let folder = project("checks", &format!("dry_run = true\n{CELL}{real_time}"));
     let output = run(&folder, &["--check"]);

@@ -6,7 +6,8 @@
 #[path = "../../template/src/touch.rs"]
 mod touch;
 
-use mrroc::{Cell, Fault, Mp, Reading, RobotHandle, condition};
+use mrroc::generator::RobotHandle;
+use mrroc::prelude::*;
 use touch::{Table, Touch};
 
 use super::point_to_point::PointToPoint;

@@ -29,13 +29,13 @@ fn both_tools_are_equally_high_in_every_servo_period() {
 
 #[test]
 fn halves_that_disagree_are_refused_before_anything_moves() {
-    #[derive(Clone, Copy, mrroc::Payload)]
+    #[derive(Clone, Copy, mrroc::payload::Payload)]
     enum Phase {
         Out,
     }
     #[mrroc::generator(mp)]
-    fn ask() -> mrroc::Always<(arm::Arm, arm::Arm), Phase> {
-        mrroc::Always((Phase::Out, Phase::Out))
+    fn ask() -> mrroc::generator::Always<(arm::Arm, arm::Arm), Phase> {
+        mrroc::generator::Always((Phase::Out, Phase::Out))
     }
     let cell = ecp::programs(file(TWO).cell(&arm::kinds()).expect("known")).program(|mp| {
         let (mut left, mut right) = (mp.robot("left")?, mp.robot("right")?);

@@ -3,7 +3,9 @@
 #[path = "5_driver/arm.rs"]
 mod arm;
 
-use mrroc::{Cell, FaultKind, Kinds, RobotSetup};
+use mrroc::cell_file::Kinds;
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 
 use super::point_to_point as line;
 use super::support::{ONE, extent, file, printed, shows, watched};
@@ -32,7 +34,7 @@ fn drives_that_do_not_answer_stop_the_cell_as_the_page_says() {
         let drives = arm::Drives { bus: arm::Bus { counts, connected: false }, velocity: Default::default() };
         Ok(RobotSetup::new(entry.name(), arm, drives))
     });
-    let mrroc::CellError::Fault(fault) = cell(&kinds).run().expect_err("no answer") else { panic!() };
+    let mrroc::cell::CellError::Fault(fault) = cell(&kinds).run().expect_err("no answer") else { panic!() };
     assert_eq!(fault.kind(), FaultKind::DriveFault);
     shows("5-driver.md", &format!("error: {fault}"));
 }

@@ -7,7 +7,8 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
 
-use mrroc::{Cell, CellFile, RunReport};
+use mrroc::cell::RunReport;
+use mrroc::prelude::*;
 
 /// The cell of a project with one robot.
 pub const ONE: &str = "

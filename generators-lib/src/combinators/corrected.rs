@@ -2,9 +2,9 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{
-    Class, Fault, FaultKind, Generator, Motion, Order, Pose, Reading, Robot, Sensor, State, Step, Tick,
-};
+use mrroc::fault::FaultKind;
+use mrroc::generator::{Class, Generator, Motion};
+use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::Joined;
@@ -171,7 +171,9 @@ mod tests {
     use crate::generators::{ForceLaw, ToolOffset};
     use crate::line::ToolLimits;
     use crate::profile::ProfileLimits;
-    use mrroc::{RobotImage, RobotState, SensorImage, Wrench};
+    use mrroc::pose::Wrench;
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Six};
 
     struct Seam;

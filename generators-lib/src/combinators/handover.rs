@@ -1,6 +1,7 @@
 //! One generator after another, while the robot moves.
 
-use mrroc::{Class, Demand, Fault, Generator, Motion, Order, Pose, Reading, Robot, State, Step, Tick};
+use mrroc::generator::{Class, Generator, Motion};
+use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// Runs `A` to its end, then `B`, which begins at rest, and lets the velocity that `A` ends with fade on top of what `B`
@@ -204,7 +205,7 @@ mod tests {
     use crate::generators::{MovingFrame, StraightLine};
     use crate::line::ToolLimits;
     use crate::profile::ProfileLimits;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     /// Positions demanded at each step, with exact drives.

@@ -1,6 +1,7 @@
 //! The motions of two robots at once.
 
-use mrroc::{Class, Demand, Fault, Generator, Level, Motion, Order, Reading, Robot, State, Step, Tick};
+use mrroc::generator::{Class, Generator, Level, Motion};
+use mrroc::prelude::*;
 
 use super::Joined;
 
@@ -96,7 +97,10 @@ where
 mod tests {
     use super::*;
     use crate::generators::{GuardedApproach, JointMove};
-    use mrroc::{Cell, Pose, RobotImage, RobotSetup, RobotState, Sensor, SensorImage, Wrench};
+    use mrroc::pose::Wrench;
+    use mrroc::prelude::*;
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Polycrank, Seven, Simulated, SimulatedIrp6, Six};
     use nalgebra::Vector3;
     use std::time::Duration;

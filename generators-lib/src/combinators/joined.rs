@@ -1,6 +1,7 @@
 //! The sensors of two parts of a motion as one list.
 
-use mrroc::{Reading, Sensor, SensorList};
+use mrroc::generator::SensorList;
+use mrroc::prelude::*;
 
 /// A list of sensors with another behind it: of none or one each.
 pub trait Joined<B: SensorList>: SensorList + Sized {

@@ -1,4 +1,4 @@
-//! Generators made of generators, by the [`Generator`](mrroc::Generator) trait alone.
+//! Generators made of generators, by the [`Generator`](mrroc::generator::Generator) trait alone.
 //!
 //! | combinator | what it does |
 //! |---|---|

@@ -1,6 +1,7 @@
 //! One generator until a condition holds, then another.
 
-use mrroc::{Class, Fault, Generator, Order, Reading, State, Step, Tick, Uses};
+use mrroc::generator::{Class, Generator, Uses};
+use mrroc::prelude::*;
 
 /// Runs `A`; when the condition on the readings holds, brakes it *on its path*, by taking its path time away within a given time,
 /// and then runs `B` from where it stands. If `A` is done before, so is the motion.
@@ -97,7 +98,9 @@ mod tests {
     use super::*;
     use crate::cooperation::Displacement;
     use crate::generators::{EyeInHand, GuardedApproach, Servoing};
-    use mrroc::{Pose, RobotImage, RobotState, Sensor, SensorImage};
+    use mrroc::prelude::*;
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Six};
     use nalgebra::Vector3;
 

@@ -1,6 +1,7 @@
 //! One generator after another.
 
-use mrroc::{Class, Fault, Generator, Order, Reading, State, Step, Tick};
+use mrroc::generator::{Class, Generator};
+use mrroc::prelude::*;
 
 /// Runs `A` to its end, then `B`, as one motion: the step in which the first is done is the first step of the second, so that
 /// no step is lost between them, and the demand goes on from where it was.
@@ -96,7 +97,8 @@ where
 mod tests {
     use super::*;
     use crate::generators::{JointMove, Sleep};
-    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc::observe::ServoRecord;
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::{cell::RefCell, rc::Rc, time::Duration};
 

@@ -17,7 +17,9 @@
 
 use core::fmt;
 
-use mrroc::{Fault, JointVector, Name, NoInverse, Pose, Robot, RobotState};
+use mrroc::fault::Name;
+use mrroc::prelude::*;
+use mrroc::robot::{JointVector, NoInverse, RobotState};
 use nalgebra::{Matrix6, SymmetricEigen, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
 use thiserror::Error;
 

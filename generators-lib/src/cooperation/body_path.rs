@@ -3,7 +3,7 @@
 //! In: increments of path time, which the operator's speed and Suspend scale. Out: `X_WB`, the exact end once, then
 //! nothing. A path begins at rest where the body is, and learns that when it begins.
 
-use mrroc::{Fault, Pose};
+use mrroc::prelude::*;
 use nalgebra::Translation3;
 
 use crate::bspline::{SpanStream, SplinePoint, SplineSettings};

@@ -6,7 +6,7 @@
 //!
 //! Source: Zieliński's MRROC++ paper, section 8: the MP computes the displacements, the ECPs' generators only transmit.
 
-use mrroc::{Demand, Payload, Pose, Robot};
+use mrroc::prelude::*;
 
 /// `X_EsE`, a displacement from the pose Es demanded at the start of the instruction, in the tool's own axes of that
 /// moment: seven numbers, an order of tight cooperation.
@@ -51,7 +51,7 @@ impl From<Placed> for Displacement {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::Wire;
+    use mrroc::payload::Wire;
     use nalgebra::Vector3;
 
     #[test]

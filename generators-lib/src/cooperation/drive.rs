@@ -9,7 +9,7 @@
 //! of path time. Sources: Hayati and Hayward, *KALI: an environment for the programming and control of cooperative
 //! manipulators* (ACC 1988); functional and held transforms after RCCL (Hayward and Paul 1986).
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 
 /// A transform of a loop, evaluated at an instant of path time.
 pub trait Transform {

@@ -7,7 +7,7 @@
 //!
 //! so that `X_WE_i^-1 X_WE_j = X_BE_i^-1 X_BE_j` is the same in every step, up to rounding.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// Where the body's frame B lies when the grasps are closed.

@@ -22,7 +22,7 @@
 //!
 //! Erhart and Hirche (IEEE T-RO 31(5), 2015) compare such choices.
 
-use mrroc::{Pose, Wrench};
+use mrroc::pose::{Pose, Wrench};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
 /// Stiffness of a grasp at the tool's origin, the same in all directions.

@@ -4,7 +4,7 @@
 //! X' = X Exp(dt / (lag + dt) Log(X^-1 X_measured))        position and orientation apart
 //! ```
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion};
 
 /// A pose that follows another.

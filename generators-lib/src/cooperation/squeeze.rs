@@ -20,7 +20,8 @@
 //! **Bounds.** A correction that would exceed its bounds of speed or way is a fault, never cut off: internal forces that call
 //! for more are no misplacement of some millimetres but a wrong sensor, a lost grasp or an obstacle.
 
-use mrroc::{Fault, Pose, Wrench};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use thiserror::Error;
 

@@ -10,7 +10,7 @@
 //! so neither its position nor its velocity ever has a step, and a steady motion is followed without lag. RCCL's functional
 //! transforms with an age (Hayward and Paul 1986), where the function is a sensor.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 /// How a frame is followed.

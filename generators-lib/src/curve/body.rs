@@ -1,6 +1,6 @@
 //! A body on a curve.
 
-use mrroc::{Fault, Pose};
+use mrroc::prelude::*;
 use nalgebra::{Translation3, Vector3};
 
 use super::Curve;

@@ -4,7 +4,7 @@
 //! `h_i m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_{i-1} m_{i+1} = 3 (h_i D_{i-1} + h_{i-1} D_i)`; at a natural end
 //! `2 m_0 + m_1 = 3 D_0` (de Boor, *A Practical Guide to Splines*, chapter IV).
 
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 
 use super::CurveError;
 

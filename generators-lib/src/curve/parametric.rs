@@ -1,6 +1,6 @@
 //! Paths by a parameter of any kind.
 
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 
 use super::{CubicSpline, SplinePoint};
 

@@ -1,6 +1,6 @@
 //! The spline through poses, twice continuously differentiable.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Translation3, Vector3};
 
 use super::{CubicSpline, CurveError, RotationSpline, SplineEnds};

@@ -1,6 +1,6 @@
 //! The screw motion between two poses (Chasles): one turn about and one advance along a single axis.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::line::MotionLimits;

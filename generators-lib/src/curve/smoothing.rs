@@ -4,7 +4,7 @@
 //! inner knots, `Q^T g = R c`; then `(R + lambda Q^T W^-1 Q) c = Q^T y` and `g = y - lambda W^-1 Q c`, and `f` is the natural
 //! spline through `g` (Reinsch 1967; Green and Silverman, *Nonparametric Regression and Generalized Linear Models*, 2.3).
 
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 
 use super::{CubicSpline, CurveError, SplineEnds};
 

@@ -1,6 +1,6 @@
 //! A tool on a curve, turning at a constant rate as it goes.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::Translation3;
 
 use super::{Curve, CurveError};

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Robot, Step, generator};
+use mrroc::prelude::*;
 
 /// Holds the robot until what it asks in every step says yes: a button, a dialog's answer that another thread has stored in
 /// an `AtomicBool`. While the cell is suspended it does not ask.
@@ -29,7 +29,7 @@ impl<R: Robot, F: FnMut() -> bool> AwaitOperator<R, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use nalgebra::Vector3;
 
 use mrroc_generators::curve::{Arc, Curve, TurnedCurve};
@@ -67,7 +67,8 @@ impl<R: Robot> CircularMove<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc::observe::ServoRecord;
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::{cell::RefCell, rc::Rc, time::Duration};
 

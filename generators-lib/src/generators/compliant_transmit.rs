@@ -2,7 +2,9 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, FaultKind, Order, Reading, Robot, Sensor, Step, Tick, Wrench, generator};
+use mrroc::fault::FaultKind;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{Correction, Displacement, SqueezeLaw};
 
@@ -45,7 +47,8 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> CompliantTransmit<R, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Pose, SensorImage};
+    use mrroc::pose::Pose;
+    use mrroc::sensor::SensorImage;
     use mrroc_generators::cooperation::{GraspStiffness, SqueezeBounds, SqueezeGains};
     use mrroc_robots::Irp6;
     use nalgebra::Vector3;

@@ -1,7 +1,9 @@
 //! One constant for every robot of a list: the coordinator's half of loose cooperation.
 
-use mrroc::{Class, Fault, Generator, Level, Motion, Order, Reading, RobotList, Robots, RobotsEach};
-use mrroc::{State, Step, Tick, Uses};
+use mrroc::generator::Uses;
+use mrroc::generator::{Class, Generator, Level, Motion, RobotList, Robots, RobotsEach};
+use mrroc::prelude::*;
+use mrroc::prelude::*;
 
 /// Tells each robot the same in every step, `f**() = const`: a phase of loose cooperation, a force to be kept, a demand. The
 /// motion ends when every ECP of the list has finished; robots that are told different things work on their own.
@@ -58,7 +60,7 @@ impl<L: Robots<O>, O: 'static> Generator for ConstantOrder<L, O> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, Payload, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_generators::generators::JointMove;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use nalgebra::Translation3;
 
 use mrroc_generators::curve::Curve;
@@ -55,7 +55,7 @@ impl<R: Robot, C: Curve + 'static> CurveMove<R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_generators::curve::Helix;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Robot, Step, Tick, generator};
+use mrroc::prelude::*;
 
 /// Holds the robot for a real time, whatever the operator's speed: for glue that dries, a tool that runs up. It goes on while
 /// the cell is suspended; what shall wait with the robots is a [`Sleep`](mrroc_generators::generators::Sleep).

@@ -2,7 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Fault, Motion, Pose, RobotList, RobotsEach, State, Step, Tick, generator};
+use mrroc::generator::{Motion, RobotList, RobotsEach};
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{BodyPath, Grasps, Placed, Smoothed};
 
@@ -74,7 +75,7 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> FollowMaster<L, P, O> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_generators::cooperation::TimedBody;
     use mrroc_robots::{Irp6, Six};
 
@@ -95,9 +96,15 @@ mod tests {
         let mut generator = FollowMaster::<[Irp6; 2], _>::along(rest, 0.0);
         let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
         let Ok(Step::Next([master, slave])) = generator.first_step(&at(0.0), t) else { panic!("ended") };
-        assert_eq!((master, slave), (mrroc::Demand::pose(one), mrroc::Demand::pose(two)));
+        assert_eq!(
+            (master, slave),
+            (mrroc::generator::Demand::pose(one), mrroc::generator::Demand::pose(two))
+        );
         let Ok(Step::Next([master, slave])) = generator.next_step(&at(0.0625), t) else { panic!("ended") };
         let pushed = Pose::translation(0.875, 0.1875, 0.25);
-        assert_eq!((master, slave), (mrroc::Demand::pose(one), mrroc::Demand::pose(pushed)));
+        assert_eq!(
+            (master, slave),
+            (mrroc::generator::Demand::pose(one), mrroc::generator::Demand::pose(pushed))
+        );
     }
 }

@@ -2,7 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, FaultKind, Pose, Reading, Robot, Sensor, State, Step, Tick, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{TrackedFrame, Tracking};
 use mrroc_generators::line::LinePath;
@@ -99,7 +100,9 @@ impl<R: Robot, S: Sensor> FollowedFrame<R, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Payload, RobotImage, RobotState, SensorImage};
+    use mrroc::payload::Payload;
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Six};
     use nalgebra::Vector3;
 

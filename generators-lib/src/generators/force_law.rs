@@ -2,7 +2,9 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, FaultKind, Pose, Reading, Robot, Sensor, State, Step, Tick, Wrench, generator};
+use mrroc::fault::FaultKind;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 
 use mrroc_generators::force::ForceControl;
 
@@ -55,7 +57,7 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, ReadingOrder, RobotSetup, SensorSetup, VirtualSensor};
+    use mrroc::prelude::*;
     use mrroc_generators::force::{Behaviour, Give};
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Reading, Robot, Sensor, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use nalgebra::{Translation3, Unit, Vector3};
 
 /// Moves the tool along a direction at a steady speed until a reading tells of contact.
@@ -82,7 +82,7 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, Payload, ReadingOrder, RobotSetup, SensorSetup, VirtualSensor};
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;
 

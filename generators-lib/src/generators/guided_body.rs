@@ -2,8 +2,10 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Fault, Motion, Pose, Reading, RobotList, RobotsEach, SensorList, SensorsEach, State};
-use mrroc::{Step, Tick, Wrench, generator};
+use mrroc::generator::{Motion, RobotList, RobotsEach, SensorList, SensorsEach};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
 use nalgebra::{Translation3, Vector3};
 
 use mrroc_generators::cooperation::Placed;
@@ -99,7 +101,9 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Demand, RobotImage, RobotState, Sensor, SensorImage};
+    use mrroc::prelude::*;
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Six};
     use std::f64::consts::PI;
 

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
@@ -97,7 +97,7 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     #[test]

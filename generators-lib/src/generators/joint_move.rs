@@ -1,6 +1,6 @@
 //! A straight line in joint space, from rest to rest.
 
-use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::line::JointLine;
 use mrroc_generators::profile::ProfileCursor;
@@ -50,7 +50,7 @@ impl<R: Robot> JointMove<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;
 

@@ -1,6 +1,7 @@
 //! A cubic spline through joint positions with limited jerk along it, from rest to rest.
 
-use mrroc::{Demand, Fault, JointVector, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
+use mrroc::robot::JointVector;
 
 use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
@@ -71,7 +72,7 @@ impl<R: Robot> JointSpline<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     #[test]

@@ -1,6 +1,6 @@
 //! All joints through via points without a stop, past each within a deviation, with limited jerk or parabolic blends.
 
-use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::via::ViaJoints;
@@ -54,7 +54,7 @@ impl<R: Robot> JointVia<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     #[test]

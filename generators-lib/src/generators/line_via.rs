@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::via::{PoseDeviation, ViaPoses};
@@ -58,7 +58,7 @@ impl<R: Robot> LineVia<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_generators::profile::JerkLimits;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::Transform;
 use mrroc_generators::line::LinePath;
@@ -69,7 +69,7 @@ impl<R: Robot, F: Transform> MovingFrame<R, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_generators::cooperation::Functional;
     use mrroc_robots::{Conveyor, Irp6, One, Six};
     use nalgebra::Vector3;

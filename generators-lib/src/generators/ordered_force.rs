@@ -2,9 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{
-    Demand, Fault, Order, Payload, Pose, Reading, Robot, Sensor, State, Step, Tick, Wrench, generator,
-};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use nalgebra::Vector3;
 
 use mrroc_generators::force::{Behaviour, ForceControl, Give};
@@ -77,7 +76,8 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> OrderedForce<R, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState, SensorImage};
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Six};
     use std::f64::consts::PI;
 

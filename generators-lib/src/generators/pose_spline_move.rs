@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::curve::PoseSpline;
 use mrroc_generators::line::SmoothToolLimits;
@@ -84,7 +84,7 @@ impl<R: Robot> PoseSplineMove<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
     use nalgebra::Vector3;
 

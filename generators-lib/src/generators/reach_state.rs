@@ -1,6 +1,7 @@
 //! All joints to a target that the coordinator may change in every step.
 
-use mrroc::{Demand, Fault, JointVector, MAX_JOINTS, Order, Payload, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
+use mrroc::robot::{JointVector, MAX_JOINTS};
 
 use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, SynchronisedMove};
 
@@ -53,7 +54,7 @@ impl<R: Robot> ReachState<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     fn order(joints: Six) -> Order<JointOrder> {

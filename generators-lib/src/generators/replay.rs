@@ -1,6 +1,7 @@
 //! Goes through poses that were taught.
 
-use mrroc::{Demand, Fault, JointVector, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
+use mrroc::robot::JointVector;
 
 use mrroc_generators::line::{JointLine, LinePath, ToolLimits};
 use mrroc_generators::profile::{ProfileCursor, ProfileLimits};
@@ -94,7 +95,7 @@ impl<R: Robot> Replay<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;
 

@@ -2,7 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Fault, Motion, Pose, RobotList, RobotsEach, State, Step, Tick, generator};
+use mrroc::generator::{Motion, RobotList, RobotsEach};
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{BodyFrame, BodyPath, Grasps, Placed};
 
@@ -57,7 +58,7 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_generators::cooperation::StraightBody;
     use mrroc_generators::line::ToolLimits;
     use mrroc_generators::profile::ProfileLimits;
@@ -90,8 +91,8 @@ mod tests {
         let duration = report.time.as_secs_f64();
         assert!((0.70..0.72).contains(&duration), "{duration} s");
         for (robot, shaft) in [left, right].iter().zip(&shafts) {
-            let up = mrroc::Robot::forward(robot, &shaft.state().position).translation.vector
-                - mrroc::Robot::forward(robot, &start).translation.vector;
+            let up = mrroc::robot::Robot::forward(robot, &shaft.state().position).translation.vector
+                - mrroc::robot::Robot::forward(robot, &start).translation.vector;
             assert!((up - Vector3::z() * 0.05).norm() < 1e-3, "{up}");
         }
     }

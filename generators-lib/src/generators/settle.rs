@@ -1,6 +1,8 @@
 //! Waits until the robot has come to where it was demanded to be.
 
-use mrroc::{Demand, Fault, FaultKind, JointVector, Robot, State, Step, Tick, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::JointVector;
 
 /// Holds until every joint, as measured, stays near its demand for a while: before a measurement or a grasp.
 ///
@@ -53,7 +55,8 @@ impl<R: Robot> Settle<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Pose, RobotImage, RobotState};
+    use mrroc::pose::Pose;
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     #[test]

@@ -2,7 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Fault, Motion, Pose, RobotList, RobotsEach, State, Step, Tick, generator};
+use mrroc::generator::{Motion, RobotList, RobotsEach};
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{BodyPath, KinematicLoop, Placed, Transform};
 use mrroc_generators::line::{LinePath, ToolLimits};
@@ -104,7 +105,8 @@ where
 #[allow(non_snake_case)]
 mod tests {
     use super::*;
-    use mrroc::{Demand, RobotImage, RobotState};
+    use mrroc::generator::Demand;
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_generators::cooperation::TimedBody;
     use mrroc_generators::profile::ProfileLimits;
     use mrroc_robots::{Irp6, Six};

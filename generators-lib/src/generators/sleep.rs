@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Robot, Step, Tick, generator};
+use mrroc::prelude::*;
 
 /// Holds the robot for a path time, or until the coordinator ends the motion.
 ///
@@ -39,7 +39,7 @@ impl<R: Robot> Sleep<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;
 

@@ -1,6 +1,6 @@
 //! All joints to their goals with limited jerk, from rest to rest.
 
-use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, SynchronisedMove};
 
@@ -48,7 +48,7 @@ impl<R: Robot> SmoothJointMove<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;
 

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, Step, Tick, generator};
+use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion};
 
 use mrroc_generators::bspline::{SpanStream, SplinePoint, SplineSettings};
@@ -67,7 +67,8 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc::observe::ServoRecord;
+    use mrroc::prelude::*;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;
     use std::{cell::RefCell, rc::Rc, time::Duration};

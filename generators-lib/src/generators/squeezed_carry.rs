@@ -2,8 +2,11 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Fault, FaultKind, Motion, Pose, Reading, RobotList, RobotsEach, SensorList, SensorsEach};
-use mrroc::{State, Step, Tick, Wrench, generator};
+use mrroc::fault::FaultKind;
+use mrroc::generator::{Motion, RobotList, RobotsEach, SensorList, SensorsEach};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{BodyFrame, BodyPath, Correction, Grasps};
 use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, central_squeeze};
@@ -88,7 +91,8 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, P: BodyPath, O: 'static> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState, Sensor, SensorImage};
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::{Sensor, SensorImage};
     use mrroc_generators::cooperation::{GraspStiffness, SqueezeBounds, SqueezeGains, TimedBody};
     use mrroc_robots::{Irp6, Six};
     use nalgebra::Vector3;
@@ -123,7 +127,7 @@ mod tests {
         let Ok(Step::Next(demands)) = generator.first_step(&e, &v, t) else { panic!("a fault or the end") };
         // F / K a T = 25 / 5e4 * 5 * 2e-3 outwards, and nothing downwards.
         for (demand, x) in demands.iter().zip([0.5 - 5e-6, 0.9 + 5e-6]) {
-            assert_eq!(*demand, mrroc::Demand::pose(Pose::translation(x, 0.0, 0.3)));
+            assert_eq!(*demand, mrroc::generator::Demand::pose(Pose::translation(x, 0.0, 0.3)));
         }
         let old = Reading::new([SensorImage::new(Wrench::default(), 2); 2]);
         let fault = generator.next_step(&old, t).expect_err("two steps old");

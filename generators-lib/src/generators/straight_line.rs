@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::line::{LinePath, MotionLimits, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
@@ -71,7 +71,8 @@ impl<R: Robot, L: MotionLimits> StraightLine<R, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup, ServoRecord};
+    use mrroc::observe::ServoRecord;
+    use mrroc::prelude::*;
     use mrroc_generators::line::SmoothToolLimits;
     use mrroc_generators::profile::{JerkLimits, ProfileLimits};
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};

@@ -1,6 +1,6 @@
 //! Any curve of the tool in the least time that the joints allow, from rest to rest.
 
-use mrroc::{Demand, Fault, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use nalgebra::Translation3;
 
 use mrroc_generators::curve::{CubicSpline, Curve};
@@ -58,7 +58,7 @@ impl<R: Robot, C: Curve + 'static> TimeOptimalCurve<R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_generators::curve::Helix;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

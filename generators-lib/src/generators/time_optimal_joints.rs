@@ -1,6 +1,7 @@
 //! A path through joint positions in the least time, from rest to rest.
 
-use mrroc::{Demand, Fault, JointVector, Robot, State, Step, Tick, generator};
+use mrroc::prelude::*;
+use mrroc::robot::JointVector;
 
 use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::ProfileCursor;
@@ -81,7 +82,7 @@ impl<R: Robot> TimeOptimalJoints<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{RobotImage, RobotState};
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     #[test]

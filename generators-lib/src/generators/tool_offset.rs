@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, Pose, Robot, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::line::{LinePath, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
@@ -46,7 +46,7 @@ impl<R: Robot> ToolOffset<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Cell, RobotSetup};
+    use mrroc::prelude::*;
     use mrroc_generators::profile::ProfileLimits;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

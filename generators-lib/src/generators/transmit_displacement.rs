@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Always, Demand, Order, Robot, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::Displacement;
 
@@ -33,7 +33,7 @@ impl<R: Robot> TransmitDisplacement<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::Pose;
+    use mrroc::pose::Pose;
     use mrroc_robots::Irp6;
 
     #[test]

@@ -2,7 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Demand, Fault, FaultKind, Order, Robot, State, Step, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::Displacement;
 
@@ -42,7 +43,8 @@ impl<R: Robot> WatchedTransmit<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Pose, RobotImage, RobotState};
+    use mrroc::pose::Pose;
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Irp6, Six};
 
     #[test]

@@ -1,6 +1,6 @@
 //! Passes the coordinator's displacements on to a robot that yields where its grasp transmits nothing.
 
-use mrroc::{Demand, Fault, Order, Robot, State, Step, generator};
+use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{Arm, ArmModel, Displacement, FreeDirection};
 
@@ -42,7 +42,8 @@ impl<R: Robot> YieldingTransmit<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Pose, RobotImage, RobotState};
+    use mrroc::pose::Pose;
+    use mrroc::robot::{RobotImage, RobotState};
     use mrroc_robots::{Five, Irp6FiveDof};
     use nalgebra::Vector3;
 

@@ -1,6 +1,6 @@
 //! A synchronised motion followed in increments of path time, which may change its target on the way.
 
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 
 use super::{JerkError, JointLimits, JointPoint, JointState, JointTarget, SynchronisedMove};
 

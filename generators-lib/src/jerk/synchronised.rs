@@ -4,7 +4,7 @@
 //! targets along one line, as from rest to rest), and the slowest axis' motion in that proportion is within the limits
 //! of the others, they do so: the way is straight.
 
-use mrroc::{JointVector, MAX_JOINTS};
+use mrroc::robot::{JointVector, MAX_JOINTS};
 
 use super::{AxisLimits, AxisPlan, AxisPoint, AxisState, AxisTarget, JerkError, JerkProfile, Peaks};
 

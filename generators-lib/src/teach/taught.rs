@@ -1,6 +1,7 @@
 //! What was taught.
 
-use mrroc::{AngleAxis, JointVector, MAX_JOINTS, Pose, Zyz};
+use mrroc::pose::{AngleAxis, Pose, Zyz};
+use mrroc::robot::{JointVector, MAX_JOINTS};
 use nalgebra::{Translation3, Vector3};
 
 /// The most coordinates of a pose.

@@ -1,6 +1,7 @@
 //! The path of a tool as one of the joints.
 
-use mrroc::{JointVector, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::JointVector;
 
 use super::TimingError;
 use crate::curve::{CubicSpline, SplineEnds};

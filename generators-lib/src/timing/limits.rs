@@ -1,6 +1,6 @@
 //! What bounds the motion along a path, and why there may be none.
 
-use mrroc::{JointVector, NoInverse};
+use mrroc::robot::{JointVector, NoInverse};
 use thiserror::Error;
 
 use crate::curve::{CurveError, SplinePoint};

@@ -1,6 +1,6 @@
 //! The plan: controllable sets backwards, the fastest motion forwards, and that motion over path time.
 
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 
 use super::cell::{Cell, Interval, cubic, parabola};
 use super::{LinearLimit, PathLimits, TimingError, speeds};

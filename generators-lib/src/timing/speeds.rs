@@ -4,7 +4,7 @@
 //! `q_j'` a parabola; with `g` linear between its ends, `g q_j'^2 / V_j^2` is a polynomial of degree 5, at most its largest
 //! Bernstein coefficient. Both ends are divided by that where it exceeds 1.
 
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 
 use super::PathLimits;
 use crate::curve::SplinePoint;

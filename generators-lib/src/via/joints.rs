@@ -1,6 +1,6 @@
 //! Joints through via points.
 
-use mrroc::JointVector;
+use mrroc::robot::JointVector;
 
 use super::ViaError;
 use super::legs::{Group, plan};

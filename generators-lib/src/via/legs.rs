@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use mrroc::MAX_JOINTS;
+use mrroc::robot::MAX_JOINTS;
 
 use super::times::{Knot, Times};
 use super::{Blend, ViaError};

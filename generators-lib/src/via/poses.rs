@@ -1,6 +1,7 @@
 //! The tool through via poses.
 
-use mrroc::{MAX_JOINTS, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::MAX_JOINTS;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::ViaError;

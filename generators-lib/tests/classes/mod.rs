@@ -2,7 +2,7 @@
 
 mod table;
 
-use mrroc::Class;
+use mrroc::generator::Class;
 use table::{ROWS, table};
 
 #[test]

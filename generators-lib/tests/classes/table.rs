@@ -1,6 +1,8 @@
 //! The table of the library's generators and their classes, made from the code.
 
-use mrroc::{Class, Generator, Level, Pose, Sensor, Uses, Wrench};
+use mrroc::generator::{Class, Generator, Level, Uses};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::StraightBody;
 use mrroc_generators::generators::*;
 use mrroc_generators::teach::Jogging;

@@ -1,7 +1,7 @@
 //! Generators of several arms.
 
 use super::kit::{Two, Wrist, body, bytes, drive, load, odd_bodies, pair, pair_state, squeezed, tool_limits};
-use mrroc::{Order, Pose, Reading};
+use mrroc::prelude::*;
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::{BodyFrame, Displacement, StraightBody};
 use mrroc_generators::force::Give;

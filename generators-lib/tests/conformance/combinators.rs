@@ -4,7 +4,7 @@ use super::kit::{
     Belt, Camera, Wrist, arm, away, bytes, corrected, handed, image, image_at, odd_poses, overridden,
     pressed, seen, start, tool_limits,
 };
-use mrroc::{Order, Pose, Reading, State};
+use mrroc::prelude::*;
 use mrroc_generators::combinators::{Corrected, Handover, InParallel, Override, Sequence};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::generator_conformance;

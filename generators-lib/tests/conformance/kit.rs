@@ -2,10 +2,12 @@
 
 use std::f64::consts::PI;
 
-use mrroc::JointVector as _;
-use mrroc::{
-    Generator, Order, Pose, Reading, Robot, RobotImage, RobotState, Sensor, SensorImage, State, Wrench,
-};
+use mrroc::generator::Generator;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::robot::JointVector as _;
+use mrroc::robot::{RobotImage, RobotState};
+use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::{Corrected, CorrectionLimits, Handover, Override};
 use mrroc_generators::conformance::Given;
@@ -136,7 +138,7 @@ pub fn helix(radius: f64, pitch: f64, angle: f64) -> Result<Helix, CurveError> {
 
 /// An arm that is to reach joint positions beside its own.
 pub fn reaching(by: f64) -> Given<ReachState<Irp6>> {
-    let mut joints = [0.0; mrroc::MAX_JOINTS];
+    let mut joints = [0.0; mrroc::robot::MAX_JOINTS];
     joints.iter_mut().zip(arm().iter()).for_each(|(joint, q)| *joint = q + by);
     Given { order: Order::new(JointOrder { joints }), e: State::new(image()), v: Reading::new(()) }
 }

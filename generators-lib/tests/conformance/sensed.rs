@@ -3,7 +3,8 @@
 use super::kit::{
     Camera, Wrist, bytes, felt, five, followed, law, odd_poses, ordered, pressed, seen, servoing, squeeze_law,
 };
-use mrroc::{Order, Pose, Reading, State, Wrench};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::{Displacement, FreeDirection};
 use mrroc_generators::force::Give;

@@ -1,7 +1,7 @@
 //! Generators that let a robot stand still.
 
 use super::kit::{alone, behind, bytes};
-use mrroc::{Order, Reading, State};
+use mrroc::prelude::*;
 use mrroc_generators::conformance::Given;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{AwaitOperator, Delay, Settle, Sleep};

@@ -4,7 +4,7 @@ use super::kit::{
     Belt, alone, away, belt, bytes, feed, helix, odd_limits, odd_poses, path_limits, shown, smooth_limits,
     start, tool_limits, track, wave, within,
 };
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_generators::curve::Helix;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{

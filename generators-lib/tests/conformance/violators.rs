@@ -1,6 +1,7 @@
 //! Generators that break a promise each, and are found out.
 
-use mrroc::{Class, Demand, Fault, Generator, Level, Order, Pose, Reading, State, Step, Tick, Uses};
+use mrroc::generator::{Class, Generator, Level, Uses};
+use mrroc::prelude::*;
 use mrroc_generators::conformance::{self, Violation};
 use mrroc_robots::Irp6;
 
@@ -33,7 +34,7 @@ std::thread_local! { static CALLS: std::cell::Cell<u32> = const { std::cell::Cel
 
 impl Generator for Vicious {
     type Robots = Irp6;
-    type Language = mrroc::Motion;
+    type Language = mrroc::generator::Motion;
     type Sensors = ();
     type Order = ();
     const CLASS: Class = Class::new(Level::Ecp, Uses { state: true, tick: true, ..Uses::NOTHING });

@@ -1,6 +1,6 @@
 //! Masters and slaves, and loops that share a drive frame.
 
-use mrroc::{Cell, Pose};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::{KinematicLoop, StraightBody};
 use mrroc_generators::generators::{FollowMaster, SharedDrive};
 use mrroc_robots::Irp6;
@@ -41,7 +41,7 @@ fn arms_engage_each_in_its_own_time_and_then_share_the_drive_frame() {
     let X_WD = Pose::translation(0.0, 0.0, 0.4);
     // The loops close 20 mm above where one arm begins, and 60 mm above where the other does.
     let above = |robot: &Irp6, height| {
-        let tool = mrroc::Robot::forward(robot, &irp6_start());
+        let tool = mrroc::robot::Robot::forward(robot, &irp6_start());
         KinematicLoop::held(&X_WD, &(Pose::translation(0.0, 0.0, height) * tool))
     };
     let loops = [above(&left, 0.02), above(&right, 0.06)];

@@ -1,7 +1,9 @@
 //! Two arms of five joints and a body, as in the paper's demonstration: what a free direction of the grasps resolves, and
 //! what is refused before anything moves.
 
-use mrroc::{Cell, Ecp, Fault, FaultKind, JointVector, Mp, NoInverse, Pose, Robot, RobotState, condition};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::{JointVector, NoInverse, RobotState};
 use mrroc_generators::cooperation::{
     Arm, ArmModel, BodyFrame, Cause, Displacement, DryRunError, FreeDirection, StraightBody, dry_run,
 };
@@ -171,7 +173,8 @@ fn refused_or_carried(mp: &mut Mp, free: Option<FreeDirection>) -> Result<(), Fa
 #[test]
 fn a_program_refuses_before_anything_moves() {
     let (cell, left, right) = cell(None);
-    let Err(mrroc::CellError::Fault(fault)) = cell.program(|mp| refused_or_carried(mp, None)).run() else {
+    let Err(mrroc::cell::CellError::Fault(fault)) = cell.program(|mp| refused_or_carried(mp, None)).run()
+    else {
         panic!("five joints")
     };
     assert_eq!(fault.kind(), FaultKind::Program);

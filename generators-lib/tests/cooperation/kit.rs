@@ -4,7 +4,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Pose, RobotSetup, ServoRecord};
+use mrroc::observe::ServoRecord;
+use mrroc::prelude::*;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Driven, Irp6, Shaft, Simulated, Six};

@@ -3,7 +3,7 @@
 use std::cell::Cell as Shared;
 use std::rc::Rc;
 
-use mrroc::{Cell, Pose, Robot, RobotSetup, SensorSetup};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::{
     BodyFrame, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw, TimedBody,
 };
@@ -68,7 +68,7 @@ fn stress(closing: Closing, with_sensors: bool) -> (f64, f64) {
         let (mut left, mut right) =
             (mp.sensor::<WristForce>("wrist_one")?, mp.sensor::<WristForce>("wrist_two")?);
         for hand in &hands {
-            hand.close().map_err(|error| mrroc::Fault::thrown(&error.to_string()))?;
+            hand.close().map_err(|error| mrroc::fault::Fault::thrown(&error.to_string()))?;
         }
         // A smooth start and end (of fifth order), and time for the weight to be taken.
         let path = TimedBody::new(7.0, |t| {

@@ -4,10 +4,10 @@
 
 use std::rc::Rc;
 
-use mrroc::{
-    Cell, Fault, FaultKind, Mp, Operator, Pose, ReadingOrder, Robot, Sensor, SensorSetup, VirtualSensor,
-    Wrench,
-};
+use mrroc::fault::FaultKind;
+use mrroc::operator::Operator;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::{
     BodyFrame, BodyPath, GraspStiffness, InternalForce, Sharing, SqueezeBounds, SqueezeGains, SqueezeLaw,
     StraightBody, TimedBody, central_squeeze,
@@ -240,7 +240,7 @@ fn a_lost_grasp_is_a_fault_and_no_larger_correction() {
     far[0] = Pose::translation(0.02, 0.0, 0.0);
     let (cell, ..) = cell::<2>(far);
     let ended = cell.program(|mp| carry::<2>(mp, TimedBody::new(1.0, |_| Pose::identity()), 0.0)).run();
-    let Err(mrroc::CellError::Fault(fault)) = ended else { panic!("{ended:?}") };
+    let Err(mrroc::cell::CellError::Fault(fault)) = ended else { panic!("{ended:?}") };
     assert_eq!(fault.kind(), FaultKind::Program);
     assert!(fault.message().contains("too fast a correction"), "{fault}");
     assert_eq!(fault.excess().map(|excess| (excess.limit, excess.unit)), Some((0.02, "m/s")));

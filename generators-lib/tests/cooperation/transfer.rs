@@ -3,7 +3,10 @@
 use std::cell::Cell as Shared;
 use std::rc::Rc;
 
-use mrroc::{Cell, FaultKind, Mp, Operator, Pose, RobotHandle};
+use mrroc::fault::FaultKind;
+use mrroc::generator::RobotHandle;
+use mrroc::operator::Operator;
+use mrroc::prelude::*;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::cooperation::{BodyFrame, Displacement, SplineBody, StraightBody, TimedBody};
 use mrroc_generators::feed::FeedLimits;
@@ -27,7 +30,7 @@ fn rnt_and_polycrank() -> (Cell, Trace, Trace) {
     (Cell::new(STEP).robot(rnt).robot(polycrank), left, right)
 }
 
-fn transfer(mp: &mut Mp) -> Result<(), mrroc::Fault> {
+fn transfer(mp: &mut Mp) -> Result<(), mrroc::fault::Fault> {
     transfer_by(&mut mp.robot("rnt")?, &mut mp.robot("polycrank")?, mp)
 }
 
@@ -35,7 +38,7 @@ fn transfer_by(
     rnt: &mut RobotHandle<Rnt>,
     polycrank: &mut RobotHandle<Polycrank>,
     mp: &mut Mp,
-) -> Result<(), mrroc::Fault> {
+) -> Result<(), mrroc::fault::Fault> {
     let path = StraightBody::by(by(), limits());
     mp.move_robots((rnt, polycrank), (), RigidCarry::<(Rnt, Polycrank), _>::along(BodyFrame::Centroid, path))
         .map(drop)
@@ -189,10 +192,10 @@ fn displacements_that_ecps_transmit_are_the_poses_that_transparent_ones_take() {
     let (poses, others) = (left.demanded.take(), right.demanded.take());
     let (cell, left, right) = rnt_and_polycrank();
     let cell = cell
-        .ecp("rnt", |ecp: &mut mrroc::Ecp<Rnt>| {
+        .ecp("rnt", |ecp: &mut mrroc::program::Ecp<Rnt>| {
             ecp.obey_all(|ecp, _: Displacement| ecp.move_robot((), TransmitDisplacement::new()).map(drop))
         })
-        .ecp("polycrank", |ecp: &mut mrroc::Ecp<Polycrank>| {
+        .ecp("polycrank", |ecp: &mut mrroc::program::Ecp<Polycrank>| {
             ecp.obey_all(|ecp, _: Displacement| ecp.move_robot((), TransmitDisplacement::new()).map(drop))
         });
     let cell = cell.program(|mp| {

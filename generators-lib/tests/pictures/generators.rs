@@ -3,7 +3,9 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use mrroc::{Demand, Pose, Reading, SensorImage, Wrench};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::*;
 use mrroc_generators::cooperation::*;
@@ -197,7 +199,7 @@ fn told() -> Sheets {
     let by_order = |step: u64, _: &[Image; 2]| (ordered(step), Reading::new(()));
     let reached = |step: u64, _: &[Image; 2]| {
         let to = if (100..180).contains(&step) { joints() } else { goal() };
-        let mut all = [0.0; mrroc::MAX_JOINTS];
+        let mut all = [0.0; mrroc::robot::MAX_JOINTS];
         all[..6].copy_from_slice(to.as_slice());
         (JointOrder { joints: all }, Reading::new(()))
     };

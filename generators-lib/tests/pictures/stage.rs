@@ -2,10 +2,11 @@
 //!
 //! In: a generator and what it is told in each step. Out: where the tools are demanded to be.
 
-use mrroc::{
-    Demand, Generator, Motion, Order, Pose, Reading, Robot, RobotImage, RobotList, RobotState, Robots,
-    Sensor, SensorImage, State, Step, Tick, Wrench,
-};
+use mrroc::generator::{Generator, Motion, RobotList, Robots};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
+use mrroc::robot::{RobotImage, RobotState};
+use mrroc::sensor::SensorImage;
 use mrroc_generators::cooperation::Displacement;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::Vector3;

@@ -98,9 +98,9 @@ proptest! {
     #[test]
     fn the_class_is_the_set_of_arguments(roles in any_roles(), in_mp: bool) {
         let (level, runtime_level) =
-            if in_mp { (Level::Mp, mrroc::Level::Mp) } else { (Level::Ecp, mrroc::Level::Ecp) };
+            if in_mp { (Level::Mp, mrroc::generator::Level::Mp) } else { (Level::Ecp, mrroc::generator::Level::Ecp) };
         let has = |role| roles.contains(&role);
-        let runtime_uses = mrroc::Uses {
+        let runtime_uses = mrroc::generator::Uses {
             order: has(Role::Order),
             state: has(Role::State),
             robots: has(Role::Robots),
@@ -108,7 +108,7 @@ proptest! {
             tick: has(Role::Tick),
         };
         let (legal, text) = expand(level, &roles);
-        prop_assert_eq!(legal, mrroc::Class::is_legal(runtime_level, runtime_uses));
+        prop_assert_eq!(legal, mrroc::generator::Class::is_legal(runtime_level, runtime_uses));
 
         let mut uses = Uses::default();
         for role in &roles {
@@ -116,7 +116,7 @@ proptest! {
         }
         prop_assert_eq!(uses.is_legal(level), legal);
         if legal {
-            let name = mrroc::Class::new(runtime_level, runtime_uses).to_string();
+            let name = mrroc::generator::Class::new(runtime_level, runtime_uses).to_string();
             prop_assert_eq!(format!("{level} {}", uses.in_paper(level)), name.clone());
             let (level, class) = name.split_once(' ').unwrap();
             let line = format!("class: {level} `{class}`");

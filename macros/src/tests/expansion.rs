@@ -43,9 +43,9 @@ fn a_motion_that_takes_all_there_is_in_any_order() {
                     t: Tick,
                     v: &Reading<(WristForce, Camera)>,
                     c: &mut Follow,
-                    order: &mrroc::Order<Phase>,
+                    order: &mrroc::payload::Order<Phase>,
                     e: &State<Rnt>,
-                ) -> Result<mrroc::Step<Rnt>, Fault> {
+                ) -> Result<mrroc::generator::Step<Rnt>, Fault> {
                     todo!()
                 }
             },

@@ -4,10 +4,8 @@ use std::f64::consts::PI;
 use std::time::Duration;
 
 use mrroc::cell::RunPicture;
-use mrroc::{
-    Cell, Demand, DriveFault, Driver, JointKind, Limits, Measured, NoInverse, Pose, Robot, RobotSetup, State,
-    Step, Tick, generator,
-};
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, JointKind, Limits, Measured, NoInverse};
 use mrroc_pictures::Film;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::{SVector, Translation3, Vector3};

@@ -15,7 +15,7 @@ mod chart;
 use std::process::ExitCode;
 
 use chart::{Chart, Curve};
-use mrroc::{Driver, JointKind};
+use mrroc::robot::{Driver, JointKind};
 use mrroc_robots::{
     Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, Polycrank, Rnt, Serial, Simulated,
 };

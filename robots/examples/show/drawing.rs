@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_pictures::svg::{Area, Look, Page, Svg, TextStyle, palette};
 use mrroc_robots::Kinematics;
 use nalgebra::{SVector, Vector2, Vector3};

@@ -11,7 +11,7 @@ mod drawing;
 use std::process::ExitCode;
 
 use drawing::{Line, Scene};
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_robots::{
     Conveyor, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven, Six,
 };

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use mrroc::{MAX_JOINTS, Name};
+use mrroc::fault::Name;
+use mrroc::robot::MAX_JOINTS;
 
 use super::check::{Clearance, Owned};
 use super::error::ClearanceError;

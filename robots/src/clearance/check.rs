@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mrroc::{MAX_JOINTS, RobotView};
+use mrroc::robot::{MAX_JOINTS, RobotView};
 
 use super::error::{CheckError, ClearanceError, Nearest, Side, TooClose};
 use super::gap::Gap;

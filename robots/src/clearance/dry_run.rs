@@ -1,6 +1,7 @@
 //! The smallest distance of a whole run.
 
-use mrroc::{MAX_JOINTS, Observation};
+use mrroc::observe::Observation;
+use mrroc::robot::MAX_JOINTS;
 
 use super::check::Clearance;
 use super::error::{CheckError, Nearest};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mrroc::{BadName, Fault, Name};
+use mrroc::fault::{BadName, Fault, Name};
 use nalgebra::Vector3;
 
 /// One side of a gap.

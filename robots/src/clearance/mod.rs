@@ -12,7 +12,7 @@
 //!
 //! ```
 //! use std::time::Duration;
-//! use mrroc::{Cell, Fault, Pose};
+//! use mrroc::prelude::*;
 //! use mrroc_robots::clearance::{Clearance, Obstacle, Stopping};
 //! use mrroc_robots::{Irp6, Rnt};
 //!

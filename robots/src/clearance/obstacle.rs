@@ -1,6 +1,6 @@
 //! What stands in the cell: tables, posts, fixtures.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Point3, Vector3};
 
 use super::gap::Gap;

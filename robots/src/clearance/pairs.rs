@@ -1,6 +1,6 @@
 //! Which bodies are checked against which.
 
-use mrroc::MAX_JOINTS;
+use mrroc::robot::MAX_JOINTS;
 
 use super::obstacle::Obstacle;
 use super::posture::{Joints, Placed, Placement};

@@ -1,6 +1,8 @@
 //! A robot of any kind as the clearance sees it: capsules where they are, and how far each may still get.
 
-use mrroc::{JointVector, MAX_JOINTS, Name, Pose, Robot};
+use mrroc::fault::Name;
+use mrroc::prelude::*;
+use mrroc::robot::{JointVector, MAX_JOINTS};
 use nalgebra::Vector3;
 
 use super::stopping::{Pace, Stopping};
@@ -64,7 +66,7 @@ impl<O: Outline> Shape for O {
         let q: <O::Robot as Robot>::Joints = JointVector::from_joints(|i| {
             let mut lower = limits.lower[i];
             let mut upper = limits.upper[i];
-            if self.robot().joint(i) == mrroc::JointKind::Revolute && lower < -TURN && upper > TURN {
+            if self.robot().joint(i) == mrroc::robot::JointKind::Revolute && lower < -TURN && upper > TURN {
                 lower = -TURN;
                 upper = TURN;
             }

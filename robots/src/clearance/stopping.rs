@@ -28,7 +28,7 @@
 
 use core::time::Duration;
 
-use mrroc::{JointVector, Limits};
+use mrroc::robot::{JointVector, Limits};
 
 /// ln(0.98/0.08) / 1.8: path time of a stop from rate 1, per `max v/a`.
 const ON_PATH: f64 = 1.392;

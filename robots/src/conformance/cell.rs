@@ -5,11 +5,8 @@ use core::f64::consts::TAU;
 use core::time::Duration;
 use std::rc::Rc;
 
-use mrroc::{
-    Cell, Demand, DriveFault, Driver, Fault, JointVector, Measured, Payload, Reading, ReadingOrder,
-    Regulators, Robot, RobotSetup, Sensor, SensorSetup, State, Step, Tick, VirtualSensor, condition,
-    generator,
-};
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, JointVector, Measured, Regulators};
 
 use super::{Violation, ensure};
 

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use mrroc::{DriveFault, Driver, JointVector, Measured, Robot};
+use mrroc::robot::{DriveFault, Driver, JointVector, Measured, Robot};
 
 use super::{Violation, ensure};
 

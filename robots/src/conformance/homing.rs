@@ -1,6 +1,6 @@
 //! What the homing of a robot's drives must keep.
 
-use mrroc::{DriveFault, Driver, Homing, JointVector, Robot, Search};
+use mrroc::robot::{DriveFault, Driver, Homing, JointVector, Robot, Search};
 
 use super::{Violation, ensure};
 

@@ -1,6 +1,7 @@
 //! What the kinematics of a robot must keep.
 
-use mrroc::{JointKind, JointVector, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::{JointKind, JointVector};
 use nalgebra::{DMatrix, SVector, Translation3, Vector3};
 
 use super::{Random, SEED, Violation, ensure};

@@ -1,6 +1,6 @@
 //! Where a robot stands: the pose of its base frame in the world.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 
 /// The base frame B of a robot in the world W. Kinematics is written in B; `X_WF = X_WB X_BF` for a flange F.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,7 +12,8 @@
 //! Sources: MRROC++ public facts (2250 rad/m, encoder, 0.2 A, speeds). The motor's constants and its gains (those of the
 //! IRp-6's column) are assumed.
 
-use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
 use nalgebra::{Translation3, Vector3};
 
 use crate::models::base::Base;

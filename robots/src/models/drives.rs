@@ -5,7 +5,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use mrroc::{CoupledLimit, Measured, Robot};
+use mrroc::robot::{CoupledLimit, Measured, Robot};
 use nalgebra::SVector;
 
 /// Gravity [m/s²].

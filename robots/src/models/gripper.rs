@@ -18,7 +18,8 @@
 
 use core::f64::consts::TAU;
 
-use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
 use nalgebra::{Translation3, Vector3};
 
 use crate::models::base::Base;

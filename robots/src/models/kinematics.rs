@@ -10,7 +10,8 @@
 
 use core::f64::consts::TAU;
 
-use mrroc::{JointKind, JointVector, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{JointKind, JointVector, NoInverse};
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use crate::models::singular::singular_values;

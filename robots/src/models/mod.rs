@@ -5,7 +5,7 @@
 //!
 //! | trait | what a robot says by it |
 //! |---|---|
-//! | [`mrroc::Robot`] | limits, `forward`, `inverse`: what the runtime needs |
+//! | [`mrroc::robot::Robot`] | limits, `forward`, `inverse`: what the runtime needs |
 //! | [`Kinematics`] | Jacobian, all solutions, distance to singularities |
 //! | [`Driven`] | its motors, and how they move the joints |
 //! | [`Outline`] | its links as [`Capsule`]s, and what moves them |

@@ -22,7 +22,8 @@
 
 use core::f64::consts::PI;
 
-use mrroc::{NoInverse, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::NoInverse;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::models::kinematics::{closest, doubled};

@@ -50,7 +50,8 @@ mod outline;
 
 use core::f64::consts::{PI, TAU};
 
-use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::models::base::Base;

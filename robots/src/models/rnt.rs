@@ -37,7 +37,8 @@ mod outline;
 
 use core::f64::consts::PI;
 
-use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::models::base::Base;

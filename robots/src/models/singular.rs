@@ -5,7 +5,7 @@
 
 use nalgebra::SMatrix;
 
-use mrroc::MAX_JOINTS;
+use mrroc::robot::MAX_JOINTS;
 
 /// Sweeps over all pairs; six columns are perpendicular to round-off after about five.
 const SWEEPS: usize = 12;

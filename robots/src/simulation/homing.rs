@@ -17,7 +17,7 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Homing, Search};
+use mrroc::robot::{DriveFault, Homing, Search};
 use nalgebra::SVector;
 
 use core::f64::consts::{PI, TAU};
@@ -40,7 +40,7 @@ const REST: u32 = 50;
 /// Simulated drives that do not know where the robot is. They take no demands:
 ///
 /// ```compile_fail,E0599
-/// use mrroc::Driver;
+/// use mrroc::robot::Driver;
 /// use mrroc_robots::{Irp6, Six, Unhomed};
 /// let q = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let mut drives = Unhomed::new(Irp6::nominal(), &q);
@@ -50,7 +50,7 @@ const REST: u32 = 50;
 /// They search, and become [`Simulated`] drives when they have found their marks:
 ///
 /// ```
-/// use mrroc::{Driver, Homing, Search};
+/// use mrroc::robot::{Driver, Homing, Search};
 /// use mrroc_robots::{Irp6, Six, Unhomed};
 /// let q = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let mut search = Unhomed::new(Irp6::nominal(), &q);
@@ -62,7 +62,7 @@ const REST: u32 = 50;
 /// };
 /// let here = drives.measured().position;
 /// drives.tick(&here)?;
-/// # Ok::<(), mrroc::DriveFault>(())
+/// # Ok::<(), mrroc::robot::DriveFault>(())
 /// ```
 #[derive(Debug)]
 pub struct Unhomed<R, const N: usize> {

@@ -12,7 +12,7 @@
 //! |---|---|
 //! | `plant.rs` | [`Plant`]: one motor with its load, integrated so that no energy is created |
 //! | `regulator.rs` | [`Regulator`]: the servo regulator of one motor, with three parameter sets |
-//! | `simulated.rs` | [`Simulated`]: both, for every motor of a robot, as a `mrroc::Driver` |
+//! | `simulated.rs` | [`Simulated`]: both, for every motor of a robot, as a `mrroc::robot::Driver` |
 //! | `homing.rs` | [`Unhomed`]: drives that look for their reference marks first |
 //! | `grasp/` | a rigid body that arms hold or that lies on a table, and the force sensors at their wrists |
 

@@ -4,7 +4,7 @@ use core::cell::Cell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use mrroc::{DriveFault, Driver, Measured, Regulators};
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
 use nalgebra::SVector;
 
 use super::plant::{PERIOD, Plant};

@@ -1,6 +1,6 @@
 //! What the tests of this crate share: a seeded generator of numbers and feasible joint positions.
 
-use mrroc::Robot;
+use mrroc::robot::Robot;
 use mrroc_robots::{Irp6, Six};
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
@@ -31,7 +31,7 @@ impl Random {
 
 /// The engraving reference: tool straight down, flange at (0.85, 0, 0.35) in the base of the nominal arm.
 pub fn engraving() -> Six {
-    let pose = mrroc::Pose::from_parts(
+    let pose = mrroc::pose::Pose::from_parts(
         nalgebra::Translation3::new(0.85, 0.0, 0.35),
         nalgebra::UnitQuaternion::from_matrix(&nalgebra::Matrix3::new(
             1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0,

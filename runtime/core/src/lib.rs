@@ -6,7 +6,7 @@
 //! [`generator`](macro@generator).
 //!
 //! ```
-//! use mrroc::{Cell, Demand, RobotSetup, State, Step, Tick, generator};
+//! use mrroc::prelude::*;
 //! use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 //!
 //! /// Turns the column by half a radian in two seconds, smoothly.
@@ -42,14 +42,14 @@
 //!     })
 //!     .run()?;
 //! assert!(report.time.as_secs_f64() > 2.0);
-//! # Ok::<(), mrroc::CellError>(())
+//! # Ok::<(), mrroc::cell::CellError>(())
 //! ```
 //!
 //! A program sees its robots and sensors as typed lists: a motion for `(Rnt, Polycrank)` takes exactly the handles
 //! `(&mut rnt, &mut polycrank)`. Which of the coordinator's order, the robots' states and the sensors' readings a step
-//! function takes is its [`Class`] (section 6 of the paper), and decides what is exchanged in a step.
+//! function takes is its [`Class`](generator::Class) (section 6 of the paper), and decides what is exchanged in a step.
 //!
-//! ARCHITECTURE.md shows how a [`Cell`] of processes runs it; SAFETY.md says what happens when something is wrong.
+//! ARCHITECTURE.md shows how a [`Cell`](cell::Cell) of processes runs it; SAFETY.md says what happens when something is wrong.
 
 // Where shared memory and system calls need it, in `link/` and `processes/`, each block says why it is sound.
 #![deny(unsafe_code)]
@@ -91,8 +91,8 @@ pub mod robot {
     pub use crate::control::guard::RobotView;
     pub use crate::model::driver::{DriveFault, Driver, Homing, Measured, Regulators, Search};
     pub use crate::model::image::{RobotImage, RobotState};
-    pub use crate::model::list::State;
     pub use crate::model::joints::{JointVector, MAX_JOINTS};
+    pub use crate::model::list::State;
     pub use crate::model::robot::{CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, Robot};
 }
 
@@ -122,6 +122,7 @@ pub mod payload {
     pub use crate::model::payload::{Nudge, Order, Payload};
     pub use crate::model::shape::Shape;
     pub use crate::model::wire::{BadWords, WORDS, Wire, layout_hash};
+    pub use mrroc_macros::Payload;
 }
 
 /// Poses, their representations, and wrenches.
@@ -149,98 +150,7 @@ pub mod program {
 
 pub use nalgebra;
 
-// COMPAT
-pub use cell::AfterFault;
-pub use cell::Cell;
-pub use cell::CellError;
-pub use cell::RobotSetup;
-pub use cell::RunReport;
-pub use cell::SensorSetup;
-pub use fault::BadName;
-pub use fault::Excess;
-pub use fault::Fault;
-pub use fault::FaultClass;
-pub use fault::FaultKind;
-pub use fault::MAX_NAME;
-pub use fault::Name;
-pub use fault::ProcessId;
-pub use fault::Role;
-pub use generator::Always;
-pub use generator::AnyRobots;
-pub use generator::Class;
-pub use generator::Condition;
-pub use generator::Demand;
-pub use generator::Generator;
-pub use generator::Language;
-pub use generator::Level;
-pub use generator::Motion;
-pub use generator::RobotHandle;
-pub use generator::RobotList;
-pub use generator::Robots;
-pub use generator::RobotsEach;
-pub use generator::RobotsOf;
-pub use generator::SensorHandle;
-pub use generator::SensorList;
-pub use generator::SensorsEach;
-pub use generator::SensorsOf;
-pub use generator::Step;
-pub use generator::Tick;
-pub use generator::Transparent;
-pub use generator::Uses;
-pub use link::Clock;
-pub use link::Nanos;
-pub use link::Stuck;
-pub use observe::NotRecorded;
-pub use observe::Observation;
-pub use observe::Recording;
-pub use observe::ServoRecord;
-pub use observe::Shown;
-pub use operator::BadSpeed;
-pub use operator::Latch;
-pub use operator::LatchRefusal;
-pub use operator::Operator;
-pub use payload::BadWords;
-pub use payload::Nudge;
-pub use payload::Order;
-pub use payload::Payload;
-pub use payload::Shape;
-pub use payload::WORDS;
-pub use payload::Wire;
-pub use pose::AngleAxis;
-pub use pose::Pose;
-pub use pose::Wrench;
-pub use pose::Zyz;
-pub use program::Ecp;
-pub use program::Mp;
-pub use robot::CoupledLimit;
-pub use robot::DriveFault;
-pub use robot::Driver;
-pub use robot::Homing;
-pub use robot::InterpolationSpace;
-pub use robot::JointKind;
-pub use robot::JointVector;
-pub use robot::Limits;
-pub use robot::MAX_JOINTS;
-pub use robot::Measured;
-pub use robot::NoInverse;
-pub use robot::Regulators;
-pub use robot::Robot;
-pub use robot::RobotImage;
-pub use robot::RobotState;
-pub use robot::RobotView;
-pub use robot::Search;
-pub use robot::State;
-pub use sensor::EffectorState;
-pub use sensor::Plausible;
-pub use sensor::Reading;
-pub use sensor::ReadingOrder;
-pub use sensor::Sensor;
-pub use sensor::SensorImage;
-pub use sensor::VirtualSensor;
-pub use sensor::VspMode;
-// END
-
-pub use mrroc_macros::{Payload, condition, generator};
+pub use mrroc_macros::{condition, generator};
 
 #[cfg(test)]
 mod slide;

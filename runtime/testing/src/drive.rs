@@ -24,7 +24,7 @@ pub enum DriveTrouble {
 /// Drives of which one fails from a servo period on.
 ///
 /// ```
-/// use mrroc::RobotSetup;
+/// use mrroc::cell::RobotSetup;
 /// use mrroc::testing::{DriveTrouble, FaultyDrive};
 /// use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 ///

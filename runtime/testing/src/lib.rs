@@ -12,9 +12,8 @@
 //! - it ends.
 //!
 //! ```
-//! # extern crate mrroc_core as mrroc;
-//! use mrroc_testing::{LinkFault, Press, Sweep};
-//! use mrroc::{Cell, Demand, RobotSetup, Step, Tick, generator};
+//! use mrroc::testing::{LinkFault, Press, Sweep};
+//! use mrroc::prelude::*;
 //! use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 //!
 //! const START: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];

@@ -36,7 +36,7 @@ pub enum SensorFault<T> {
 ///
 /// ```
 /// use mrroc::testing::{FaultySensor, SensorFault};
-/// # use mrroc::{Fault, Payload, ReadingOrder, Sensor, SensorSetup, VirtualSensor};
+/// # use mrroc::prelude::*;
 /// # #[derive(Clone, Copy, Payload)] struct Metres { x: f64 }
 /// # struct Distance;
 /// # impl Sensor for Distance { const KIND: &'static str = "distance"; type Reading = Metres; type Configuration = (); }

@@ -1,6 +1,7 @@
 //! The arm's program: finds the plate, engraves stroke by stroke, parks.
 
-use mrroc::{Ecp, Fault, Payload, Pose, Shown};
+use mrroc::observe::Shown;
+use mrroc::prelude::*;
 use mrroc_generators::bspline::{Junction, Method, SplinePoint, SplineSettings};
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};

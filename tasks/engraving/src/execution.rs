@@ -3,7 +3,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Limits, Pose, Robot, ServoRecord, Shown};
+use mrroc::observe::{ServoRecord, Shown};
+use mrroc::prelude::*;
+use mrroc::robot::Limits;
 use mrroc_robots::{Irp6, Shaft, Six};
 
 use crate::deviation::Deviation;

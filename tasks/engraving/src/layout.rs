@@ -1,6 +1,6 @@
 //! Where everything stands: the arm, its tool, the plate in front of it; and whether the arm reaches the drawing.
 
-use mrroc::{Pose, Robot};
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 

@@ -22,7 +22,8 @@ use engraving::sampling::Sampling;
 use engraving::summary::{JointPeaks, PathDeviation, PlateHeight, Summary};
 use engraving::{NAMEPLATE, error::DrawingError};
 use mrroc::console::{complain, refused, say};
-use mrroc::{Cell, CellError, Launch, Ran, Robot};
+use mrroc::launch::{Launch, Ran};
+use mrroc::prelude::*;
 
 /// The demanded path may lie this far from the drawing \[mm\].
 const DEMANDED_BOUND: f64 = 0.01;

@@ -1,6 +1,6 @@
 //! The MP's program: three phases, one after the other. The arm does each on its own (loose cooperation).
 
-use mrroc::{Always, Fault, Mp, Payload, generator};
+use mrroc::prelude::*;
 use mrroc_robots::Irp6;
 
 /// What the MP orders: a constant from a finite set.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use clap::error::ErrorKind;
-use mrroc::{Clock, Launch};
+use mrroc::launch::{Clock, Launch};
 
 use crate::drawing::hershey::Font;
 use crate::placement::{Plate, Sizing};

@@ -1,6 +1,6 @@
 //! The touch probe: a virtual sensor that tells when the tool's tip touches the plate, and where.
 
-use mrroc::{Fault, Payload, Pose, Reading, ReadingOrder, Robot, Sensor, VirtualSensor, condition};
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, Shaft};
 
 /// The kind of sensor: the circuit between the tool's tip and the plate.

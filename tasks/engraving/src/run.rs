@@ -4,7 +4,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, CellError, Pose, RobotSetup, RunReport, SensorSetup, Shown};
+use mrroc::cell::RunReport;
+use mrroc::observe::Shown;
+use mrroc::prelude::*;
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6};
 use nalgebra::Translation3;
 

@@ -13,7 +13,8 @@
 //! [`Clearance::check`] needs no such knowledge of the path; its bound allows every joint to turn on in the worst way, which
 //! is too large for arms of up to seven joints that work so near to one another: 1.6 m where these are 0.3 m apart.
 
-use mrroc::{CellFile, Fault, Pose, RobotView};
+use mrroc::prelude::*;
+use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{
     Capsule, CheckError, Clearance, ClearanceError, Nearest, Obstacle, Stop, Stopping, TooClose,
 };

@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Cell, Ecp, Fault, Robot};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::Displacement;
 use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Gripper, One, Polycrank, Rnt};

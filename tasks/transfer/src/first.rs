@@ -1,6 +1,6 @@
 //! The task as it was begun: every motion is a generator of the library.
 
-use mrroc::{Cell, Ecp, Fault, Mp, Robot};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::{BodyFrame, Displacement, StraightBody};
 use mrroc_generators::generators::{JointMove, RigidCarry, StraightLine, TransmitDisplacement};
 use mrroc_robots::{Gripper, One, Polycrank, Rnt};

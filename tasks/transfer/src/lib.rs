@@ -23,7 +23,8 @@ pub mod summary;
 pub mod variant;
 pub mod witness;
 
-use mrroc::{Cell, CellError, CellFile, CellFileError, Kinds};
+use mrroc::cell_file::{CellFileError, Kinds};
+use mrroc::prelude::*;
 
 /// The cell of the task, `cell.toml`.
 ///

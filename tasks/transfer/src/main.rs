@@ -5,8 +5,11 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
+use mrroc::cell::{RunPicture, RunReport};
+use mrroc::cell_file::CellFileError;
 use mrroc::console::{complain, refused, say};
-use mrroc::{CellError, CellFile, CellFileError, Launch, Ran, RunPicture, RunReport};
+use mrroc::launch::{Launch, Ran};
+use mrroc::prelude::*;
 use mrroc_pictures::Film;
 use transfer::options::{Options, Talk, parse};
 use transfer::pictures::{film, filmed, plot};

@@ -1,6 +1,6 @@
 //! The coordinator's program: the task as a sequence of instructions.
 
-use mrroc::{Fault, Mp};
+use mrroc::prelude::*;
 use mrroc_robots::{Gripper, Polycrank, Rnt};
 
 use crate::generators::{Carry, Nudge};

@@ -5,7 +5,7 @@ use std::iter;
 use std::path::PathBuf;
 
 use clap::Parser;
-use mrroc::{Clock, Launch};
+use mrroc::launch::{Clock, Launch};
 
 use crate::variant::{Bases, Sensors};
 

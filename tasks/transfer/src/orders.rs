@@ -1,7 +1,7 @@
 //! What the coordinator tells the robots. Loose: a phase, which each carries out on its own. Tight: a
 //! [`Displacement`](mrroc_generators::cooperation::Displacement) in every step.
 
-use mrroc::{Fault, Payload};
+use mrroc::prelude::*;
 use mrroc_robots::{Gripper, Polycrank, Rnt};
 
 /// The arms, as instructions name them together.

@@ -1,6 +1,6 @@
 //! How a tool or the body moves softly: along a line, with a velocity that has no corners.
 
-use mrroc::{Fault, Pose};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::TimedBody;
 use mrroc_generators::line::{LinePath, ToolLimits};
 use mrroc_generators::profile::ProfileLimits;

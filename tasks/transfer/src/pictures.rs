@@ -1,6 +1,7 @@
 //! Pictures of the runs: the arms with the bar, moving; and what the bar bears, over time.
 
-use mrroc::{Cell, CellError, CellFile, RunPicture};
+use mrroc::cell::RunPicture;
+use mrroc::prelude::*;
 use mrroc_pictures::{Film, Line, Plot};
 
 use crate::places::{EDGES, TABLE_EDGES, table};

@@ -9,7 +9,7 @@
 
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};

@@ -4,7 +4,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, CellError, Kinds, Pose, Robot, RobotEntry, RobotSetup, SensorSetup, Wrench};
+use mrroc::cell_file::{Kinds, RobotEntry};
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use mrroc_robots::grasp::{Body, Fingers, Grasp, Hand, SimulatedWrist, Table, World, WorldError};
 use mrroc_robots::{Driven, Gripper, Kinematics, One, Polycrank, Rnt, Simulated, simulated};
 use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
@@ -23,7 +25,7 @@ pub fn drives() -> Kinds {
 }
 
 /// A hand; what it grasps keeps the fingers off their demand, which is no fault.
-fn hand(drive: impl mrroc::Driver<Gripper> + 'static) -> RobotSetup<Gripper> {
+fn hand(drive: impl mrroc::robot::Driver<Gripper> + 'static) -> RobotSetup<Gripper> {
     let limits = *Gripper::new().limits();
     RobotSetup::new("hand", Gripper::new(), drive).following_error(limits.upper - limits.lower)
 }

@@ -1,6 +1,7 @@
 //! The same program with force sensors at the wrists, which keep the stress in the body low.
 
-use mrroc::{Fault, Mp, Pose, Reading, RobotHandle, SensorHandle, condition};
+use mrroc::generator::{RobotHandle, SensorHandle};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::{
     BodyFrame, BodyPath, Displacement, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw,
 };

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Driver, Measured, Regulators};
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
 use mrroc_robots::grasp::Fingers;
 use mrroc_robots::{Gripper, One};
 

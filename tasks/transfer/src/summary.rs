@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use mrroc::{CellError, CellFile};
+use mrroc::prelude::*;
 
 use crate::lines::{Counts, LIMITS};
 use crate::variant::{Bases, Sensors, Variant};

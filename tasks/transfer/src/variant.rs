@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use mrroc::{Cell, CellError, CellFile, Fault, Pose, RunReport};
+use mrroc::cell::RunReport;
+use mrroc::prelude::*;
 
 use crate::plant::{Plant, calibration_error, drives};
 use crate::witness::{Seen, Witness};

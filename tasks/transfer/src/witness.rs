@@ -5,7 +5,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, Fault, Observation, Pose, RobotView};
+use mrroc::observe::Observation;
+use mrroc::prelude::*;
+use mrroc::robot::RobotView;
 use mrroc_robots::grasp::Hand;
 
 use crate::clear::EVERY;

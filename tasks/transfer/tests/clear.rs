@@ -3,7 +3,9 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{CellError, Fault, FaultKind, Robot, RobotView};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
+use mrroc::robot::RobotView;
 use mrroc_robots::clearance::{Clearance, DryRun};
 use mrroc_robots::{Polycrank, Rnt};
 use nalgebra::Vector3;

@@ -1,6 +1,8 @@
 //! The task with a bar between the hands: how hard they press on it.
 
-use mrroc::{CellError, FaultKind, Wrench};
+use mrroc::cell::CellError;
+use mrroc::fault::FaultKind;
+use mrroc::pose::Wrench;
 use mrroc_robots::grasp::SimulatedWrist;
 use nalgebra::Vector3;
 use transfer::places::{bar, legs};
@@ -11,7 +13,7 @@ use transfer::{cell, file, plant, sensed};
 /// Stiffness of a grasp [N/m].
 const K: f64 = 5e4;
 
-fn run(bases: Bases, sensors: Sensors) -> (Seen, mrroc::Pose) {
+fn run(bases: Bases, sensors: Sensors) -> (Seen, mrroc::pose::Pose) {
     let file = file().expect("in order");
     let mut world = None;
     let seen = Variant::Bar { bases, sensors }.watched(&file, |cell, plant| {
@@ -23,7 +25,7 @@ fn run(bases: Bases, sensors: Sensors) -> (Seen, mrroc::Pose) {
 
 /// The bar stands where the legs lead, as far as bases that are off let it: they were off when it was grasped, too.
 #[allow(non_snake_case)]
-fn stands(pose: &mrroc::Pose) {
+fn stands(pose: &mrroc::pose::Pose) {
     let X_WB = legs().iter().fold(bar(), |X_WB, X_BsB| X_WB * X_BsB);
     let error = X_WB.inv_mul(pose);
     assert!(error.translation.vector.norm() < 2e-3 && error.rotation.angle() < 5e-3, "{error}");

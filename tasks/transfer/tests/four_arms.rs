@@ -4,7 +4,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::{Cell, Fault, Mp, Pose, RobotHandle, RobotSetup, SensorSetup};
+use mrroc::generator::RobotHandle;
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::BodyFrame;
 use mrroc_generators::generators::{RigidCarry, SqueezedCarry};
 use mrroc_robots::grasp::{Body, Grasp, Hand, SimulatedWrist, World, WristForce};

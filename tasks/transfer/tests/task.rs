@@ -1,7 +1,8 @@
 //! The task with nothing between the hands: what is demanded of the arms, whatever the operator does.
 
 use crate::support::{Demands, apart, off_path, task, watched};
-use mrroc::{Always, CellError, FaultKind, generator};
+use mrroc::fault::FaultKind;
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::Displacement;
 use mrroc_robots::{Polycrank, Rnt};
 use transfer::generators::Nudge;
@@ -93,8 +94,8 @@ fn halves_that_disagree_are_refused_before_anything_moves() {
     #[generator(mp)]
     fn hurry() -> Always<(Rnt, Polycrank), Displacement> {
         Always((
-            Displacement { pose: mrroc::Pose::identity() },
-            Displacement { pose: mrroc::Pose::identity() },
+            Displacement { pose: mrroc::pose::Pose::identity() },
+            Displacement { pose: mrroc::pose::Pose::identity() },
         ))
     }
     let file = file().expect("in order");

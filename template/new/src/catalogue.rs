@@ -90,7 +90,8 @@ pub const CATALOGUE: &[Entry] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::{Generator, Pose, Sensor};
+    use mrroc::generator::Generator;
+    use mrroc::prelude::*;
     use mrroc_generators::cooperation::StraightBody;
     use mrroc_generators::generators::*;
     use mrroc_generators::teach::Jogging;
@@ -100,7 +101,7 @@ mod tests {
 
     impl Sensor for Wrist {
         const KIND: &'static str = "wrist";
-        type Reading = mrroc::Wrench;
+        type Reading = mrroc::pose::Wrench;
         type Configuration = ();
     }
 
@@ -152,7 +153,7 @@ mod tests {
             let sensors = class.first_uses().sensors || class.next_uses().sensors;
             assert_eq!(
                 (entry.is_of_an_ecp(), entry.reads_sensors()),
-                (class.level == mrroc::Level::Ecp, sensors)
+                (class.level == mrroc::generator::Level::Ecp, sensors)
             );
         }
     }

@@ -1,6 +1,6 @@
 //! The robots: what each does in each phase that the coordinator orders.
 
-use mrroc::{Cell, Ecp, Fault};
+use mrroc::prelude::*;
 
 use crate::arm::Arm; // the kind of robots{% if task == "empty" %}
 use crate::generators::MyMotion; // how they move{% else %}

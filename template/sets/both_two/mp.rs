@@ -1,6 +1,6 @@
 //! The coordinator: the task as a sequence of instructions.
 
-use mrroc::{Always, Fault, Mp, generator};
+use mrroc::prelude::*;
 
 use crate::arm::Arm; // the kind of robots
 use crate::orders::Phase; // what they are told{% if sensor == "touch" %}

@@ -1,6 +1,6 @@
 //! The robot: its task as a sequence of instructions.
 
-use mrroc::{Cell, Ecp, Fault};
+use mrroc::prelude::*;
 
 use crate::arm::Arm; // the kind of robot{% if task == "empty" %}
 use crate::generators::MyMotion; // how it moves{% else %}

@@ -1,6 +1,6 @@
 //! The robots: the task of each as a sequence of instructions.
 
-use mrroc::{Cell, Ecp, Fault};
+use mrroc::prelude::*;
 
 use crate::arm::Arm; // the kind of robots{% if task == "empty" %}
 use crate::generators::MyMotion; // how they move{% else %}

@@ -1,6 +1,6 @@
 //! The robot: what it does in each phase that the coordinator orders.
 
-use mrroc::{Cell, Ecp, Fault, Pose};
+use mrroc::prelude::*;
 use mrroc_generators::generators::{GuardedApproach, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;

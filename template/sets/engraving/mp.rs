@@ -1,6 +1,6 @@
 //! The coordinator: the task as a sequence of instructions.
 
-use mrroc::{Always, Fault, Mp, generator};
+use mrroc::prelude::*;
 
 use crate::arm::Arm;
 use crate::orders::Phase;

@@ -1,6 +1,6 @@
 //! What the coordinator tells the robot.
 
-use mrroc::Payload;
+use mrroc::payload::Payload;
 
 /// FILL IN: the phases of the task. With an `enum` each robot decides how to do them; a `struct` of numbers leads it in
 /// every step.

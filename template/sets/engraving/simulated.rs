@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::rc::Rc;
 
-use mrroc::CellFile;
+use mrroc::cell_file::CellFile;
 use task::generators::DEPTH;
 use task::touch::TABLE;
 

@@ -1,6 +1,6 @@
 //! The coordinator: the task as a sequence of instructions.
 
-use mrroc::{Fault, Mp};
+use mrroc::prelude::*;
 
 use crate::arm::Arm; // the kind of robot{% if task == "empty" %}
 use crate::generators::MyMotion; // how it moves{% else %}

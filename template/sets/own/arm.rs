@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use mrroc::{DriveFault, Driver, JointKind, Kinds, Limits, Measured, NoInverse, Pose, Robot, RobotSetup};
+use mrroc::cell_file::Kinds;
+use mrroc::prelude::*;
+use mrroc::robot::{DriveFault, Driver, JointKind, Limits, Measured, NoInverse};
 use nalgebra::Vector3;
 
 /// FILL IN: as many numbers as the robot has joints; `start` in cell.toml has as many.

@@ -1,6 +1,6 @@
 //! From point to point.
 
-use mrroc::{Demand, Pose, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use nalgebra::{Translation3, Vector3};
 
 use crate::arm::Arm;

@@ -1,5 +1,5 @@
 //! The order's payload is not derived.
-//! says: #[derive(Clone, Copy, mrroc::Payload)]
+//! says: #[derive(Clone, Copy, mrroc::payload::Payload)]
 
 use mistakes::*;
 use mrroc::*;

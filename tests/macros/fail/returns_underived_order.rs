@@ -1,6 +1,6 @@
 //! The order's payload is not derived.
 //! errors: 2, since the compiler repeats it where the body makes a step of the list
-//! says: `#[derive(Clone, Copy, mrroc::Payload)]`
+//! says: `#[derive(Clone, Copy, mrroc::payload::Payload)]`
 
 use mistakes::*;
 use mrroc::*;

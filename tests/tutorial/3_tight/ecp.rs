@@ -1,6 +1,6 @@
 //! The robots: each adds what is ordered to where it was.
 
-use mrroc::{Cell, Demand, Ecp, Fault, Order, Pose, State, Step, generator};
+use mrroc::prelude::*;
 use nalgebra::Translation3;
 
 use crate::arm::Arm;

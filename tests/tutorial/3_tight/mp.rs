@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use mrroc::{Fault, Mp, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use crate::arm::Arm;
 use crate::orders::Lift;

@@ -1,6 +1,6 @@
 //! What the coordinator tells the robots.
 
-use mrroc::Payload;
+use mrroc::payload::Payload;
 
 /// How high the tools are above where they began [m].
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]

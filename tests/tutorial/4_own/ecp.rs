@@ -1,6 +1,6 @@
 //! The robot: its task as a sequence of instructions.
 
-use mrroc::{Cell, Ecp, Fault, Pose};
+use mrroc::prelude::*;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 

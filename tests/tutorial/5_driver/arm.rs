@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use mrroc::{DriveFault, Driver, Kinds, Measured, RobotSetup};
+use mrroc::cell::RobotSetup;
+use mrroc::cell_file::Kinds;
+use mrroc::robot::{DriveFault, Driver, Measured};
 use mrroc_robots::Six;
 
 pub use mrroc_robots::Irp6 as Arm;

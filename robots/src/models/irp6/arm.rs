@@ -45,7 +45,8 @@
 
 use core::f64::consts::PI;
 
-use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse};
 
 use super::links::{Elbow, Geometry};
 use super::transmission::{Linear, LinkState, Screw, Transmission};

@@ -31,7 +31,8 @@
 
 use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
-use mrroc::{CoupledLimit, Limits, Measured, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse};
 use nalgebra::{Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::arm::{Irp6, arm_shafts, nominal_transmission};

@@ -5,7 +5,8 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use mrroc::{NoInverse, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::NoInverse;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::wrist::{Side, Wrist};

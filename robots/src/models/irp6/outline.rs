@@ -1,6 +1,6 @@
 //! The shape of the IRp-6 and its variants.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::Vector3;
 
 use super::arm::Irp6;

@@ -24,7 +24,8 @@
 //! Sources: MRROC++ public facts (geometry, both calibrations, transmission, limits). Its model with a track chose wrong
 //! joint indices since 2010; here the arm is the same code as without the track.
 
-use mrroc::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::arm::{Irp6, arm_shafts, nominal_transmission, transmission};

@@ -6,7 +6,8 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use mrroc::{NoInverse, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::NoInverse;
 
 use crate::models::kinematics::closest;
 use crate::models::vectors::Six;

@@ -5,7 +5,8 @@
 
 use core::f64::consts::PI;
 
-use mrroc::{NoInverse, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::NoInverse;
 use nalgebra::{Vector2, Vector3};
 
 use super::{A1, A2, ASIDE, HEIGHT, L, Seven, TIP};

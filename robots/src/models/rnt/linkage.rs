@@ -7,7 +7,7 @@
 //! |A2 - 0.25 e(theta2)| = q2,   |A3 - 0.2 e(rho)| = q3,   |T - R| = 0.52,  T = a2 e(theta2) - 0.2 e(theta3),  R = 0.2 e(rho)
 //! ```
 
-use mrroc::NoInverse;
+use mrroc::robot::NoInverse;
 use nalgebra::Vector2;
 
 use super::A2;

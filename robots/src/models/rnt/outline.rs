@@ -6,7 +6,7 @@
 
 use core::f64::consts::PI;
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Vector2, Vector3};
 
 use super::linkage::{CRANK, FOOT2, FOOT3, Foot, Linkage, ROCKER, ROD, TAIL};

@@ -1,6 +1,6 @@
 //! Capsules: what the links of robots, tools and obstacles are approximated by.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Point3, Vector3};
 
 /// All points within `radius` of a segment; a ball where its ends are one point.

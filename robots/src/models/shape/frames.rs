@@ -1,6 +1,6 @@
 //! The frames that a robot's links carry, as its outline needs them.
 
-use mrroc::{Pose, Robot};
+use mrroc::prelude::*;
 use nalgebra::Vector3;
 
 use super::outline::Motion;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mrroc::Robot;
+use mrroc::robot::Robot;
 use nalgebra::Vector3;
 
 use super::capsule::Capsule;
@@ -80,7 +80,8 @@ impl Motion {
 /// **Example**: a link that turns about the world's z axis, 0.5 m long.
 ///
 /// ```
-/// # use mrroc::{Limits, NoInverse, Pose, Robot};
+/// # use mrroc::prelude::*;
+/// # use mrroc::robot::{Limits, NoInverse};
 /// use mrroc_robots::clearance::{Capsule, Link, Motion, Outline};
 /// use mrroc_robots::One;
 /// use nalgebra::Vector3;

@@ -1,6 +1,6 @@
 //! Masses of the links: what `<inertial>` says of those that a joint moves, as one body.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Point3, Vector3};
 
 use super::chain::origin;

@@ -2,7 +2,8 @@
 
 use core::f64::consts::PI;
 
-use mrroc::{JointKind, MAX_JOINTS, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::{JointKind, MAX_JOINTS};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::body::Body;

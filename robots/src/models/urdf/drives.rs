@@ -16,7 +16,8 @@
 //! away as the links between allow. Links without `<inertial>` have no mass, as URDF says; links
 //! that are not between base and tip are left out.
 
-use mrroc::{JointKind, Measured, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::{JointKind, Measured};
 use nalgebra::{SVector, Vector3};
 
 use super::body::Body;

@@ -10,7 +10,8 @@
 //! A lies along the axes: of nearly all machines the axes then are x, y and z, and a turn about one of these mixes two
 //! columns only.
 
-use mrroc::{JointKind, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::JointKind;
 use nalgebra::{Quaternion, Rotation3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 
 use super::chain::{MOST_SEGMENTS, Segment};

@@ -13,7 +13,8 @@
 //! seed lies beyond, or at a limit), it is tried again from [`TRIES`] places around the seed, ever farther from it, and
 //! always the same ones.
 
-use mrroc::{Limits, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::Limits;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::motion::Linkage;

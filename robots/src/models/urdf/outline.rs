@@ -1,6 +1,7 @@
 //! The shape of an arm read from a URDF: its collision shapes as capsules, or a capsule along each link.
 
-use mrroc::{JointKind, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::JointKind;
 use nalgebra::{SVector, Translation3, Vector3};
 
 use super::chain::{MOST_SEGMENTS, axis, kind, origin, turn_of_z};

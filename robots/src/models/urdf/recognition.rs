@@ -1,6 +1,7 @@
 //! Recognises chains that have a closed form: six revolute joints, ortho-parallel, with a spherical wrist.
 
-use mrroc::{JointKind, Pose};
+use mrroc::pose::Pose;
+use mrroc::robot::JointKind;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use super::chain::Segment;

@@ -3,7 +3,8 @@
 use std::io::Read;
 use std::path::Path;
 
-use mrroc::{JointKind, Limits, NoInverse, Pose, Robot};
+use mrroc::prelude::*;
+use mrroc::robot::{JointKind, Limits, NoInverse};
 use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};

@@ -6,7 +6,8 @@
 
 use core::time::Duration;
 
-use mrroc::{DriveFault, Driver, Measured, Pose, Regulators, Wrench};
+use mrroc::pose::{Pose, Wrench};
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
 use nalgebra::{SVector, Vector6};
 
 use super::compliance::Grasp;

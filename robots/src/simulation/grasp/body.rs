@@ -8,7 +8,7 @@
 //! Position and attitude drift with constant momenta, momenta are kicked at constant position: the leapfrog scheme, of
 //! second order, which conserves both momenta in free flight to round-off. The attitude drifts by the midpoint rule.
 
-use mrroc::{Pose, Wrench};
+use mrroc::pose::{Pose, Wrench};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 use super::error::{WorldError, positive};

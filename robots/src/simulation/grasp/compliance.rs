@@ -12,7 +12,7 @@
 //!
 //! The gradient of `theta^2 / 2` over turns is theta itself, so the spring conserves energy at any angle below pi.
 
-use mrroc::{Pose, Wrench};
+use mrroc::pose::{Pose, Wrench};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::error::{WorldError, not_negative, positive};

@@ -9,7 +9,7 @@
 //! The stretch `s` is the static friction: a body at rest stays at rest under any force within the friction cone, and slides when
 //! the force leaves it. No term creates energy: stretch beyond the cone is cut off, never put on.
 
-use mrroc::Wrench;
+use mrroc::pose::Wrench;
 use nalgebra::{Vector2, Vector3};
 
 use super::error::{WorldError, not_negative, positive};

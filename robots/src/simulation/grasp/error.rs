@@ -1,6 +1,6 @@
 //! Errors in the description of a world, found before anything moves.
 
-use mrroc::Fault;
+use mrroc::fault::Fault;
 
 /// Why a world, or an arm in it, cannot be simulated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

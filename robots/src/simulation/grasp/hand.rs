@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use mrroc::{Pose, Wrench};
+use mrroc::pose::{Pose, Wrench};
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::body::Moving;

@@ -12,7 +12,7 @@
 //!
 //! What is left lies in the null space of W: the internal wrenches, which add up to nothing.
 
-use mrroc::Wrench;
+use mrroc::pose::Wrench;
 use nalgebra::{Matrix3, Vector3};
 
 /// How N grippers share the total wrench on a body.

@@ -13,7 +13,8 @@
 //! | `turn.rs`, `noise.rs` | rotation vectors; seeded noise |
 //!
 //! ```
-//! use mrroc::{Driver, Pose, Robot};
+//! use mrroc::prelude::*;
+//! use mrroc::robot::Driver;
 //! use mrroc_robots::grasp::{Body, Grasp, World};
 //! use mrroc_robots::{Polycrank, Seven, Simulated};
 //!

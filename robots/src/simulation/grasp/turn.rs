@@ -1,7 +1,7 @@
 //! Rotations of rotation vectors and back. Nearly all turns within a step are small, and for these a few terms of the
 //! series give every digit without a square root or a circular function.
 
-use mrroc::AngleAxis;
+use mrroc::pose::AngleAxis;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// The square of an angle below which the series are exact to round-off: the terms left out are below 1e-17.

@@ -19,7 +19,7 @@
 use std::cell::{Ref, RefCell, RefMut};
 use std::rc::Rc;
 
-use mrroc::{Pose, Wrench};
+use mrroc::pose::{Pose, Wrench};
 use nalgebra::{Vector2, Vector3};
 
 use super::arm::Grasping;

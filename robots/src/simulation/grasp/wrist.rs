@@ -10,7 +10,9 @@
 
 use core::f64::consts::TAU;
 
-use mrroc::{Fault, FaultKind, Payload, Pose, ReadingOrder, Sensor, VirtualSensor, Wrench};
+use mrroc::fault::FaultKind;
+use mrroc::pose::Wrench;
+use mrroc::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use super::noise::Noise;

@@ -218,7 +218,7 @@ impl<R: Robot> Demand<R> {
 
 impl<R: Robot> Wire for Demand<R> {
     const LEN: usize = 1 + MAX_JOINTS + 7 + 2;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::Demand");
+    const LAYOUT: u64 = crate::model::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::generator::Demand");
     const SHAPE: &'static Shape = &Shape::Demand;
 
     fn put(&self, words: &mut [u64]) {

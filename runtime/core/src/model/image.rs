@@ -92,7 +92,7 @@ pub const STATE_WORDS: usize = 2 * MAX_JOINTS + 7;
 
 impl<R: Robot> Wire for RobotState<R> {
     const LEN: usize = STATE_WORDS;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(R::Joints::LEN as u64, "mrroc::RobotState");
+    const LAYOUT: u64 = crate::model::wire::layout_hash(R::Joints::LEN as u64, "mrroc::robot::RobotState");
 
     fn put(&self, words: &mut [u64]) {
         for (word, x) in words.iter_mut().zip(self.joints.as_slice()) {
@@ -116,7 +116,7 @@ impl<R: Robot> Wire for RobotState<R> {
 
 impl<R: Robot> Wire for RobotImage<R> {
     const LEN: usize = 2 * STATE_WORDS;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(R::Joints::LEN as u64, "mrroc::RobotImage");
+    const LAYOUT: u64 = crate::model::wire::layout_hash(R::Joints::LEN as u64, "mrroc::robot::RobotImage");
 
     fn put(&self, words: &mut [u64]) {
         let (measured, demanded) = words.split_at_mut(STATE_WORDS);

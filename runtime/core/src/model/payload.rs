@@ -5,13 +5,13 @@ use crate::model::wire::{BadWords, WORDS, Wire};
 
 /// What travels between processes as one value: an MP's order, a sensor's reading or its configuration.
 ///
-/// Derive it: `#[derive(Clone, Copy, mrroc::Payload)]`. An `enum` of unit variants is an order of *loose*
+/// Derive it: `#[derive(Clone, Copy, mrroc::payload::Payload)]`. An `enum` of unit variants is an order of *loose*
 /// cooperation (an ECP acts on it on its own and may finish early); a `struct` of numbers is one of *tight*
 /// cooperation (every step counts; finishing early is a fault).
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no payload",
     label = "cannot travel between processes",
-    note = "derive it over the type: `#[derive(Clone, Copy, mrroc::Payload)]`"
+    note = "derive it over the type: `#[derive(Clone, Copy, mrroc::payload::Payload)]`"
 )]
 pub trait Payload: Wire {
     /// The type's name, for messages.
@@ -37,7 +37,7 @@ pub struct Nudge;
 
 impl Wire for Nudge {
     const LEN: usize = 0;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::Nudge");
+    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::payload::Nudge");
     const SHAPE: &'static Shape = &Shape::Fields(&[]);
     fn put(&self, _: &mut [u64]) {}
     fn get(_: &[u64]) -> Result<Self, crate::model::wire::BadWords> {

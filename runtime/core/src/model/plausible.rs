@@ -14,8 +14,8 @@ type ConfigurationOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Configuration;
 /// A sensor with bounds on what it may read, in the units of its readings.
 ///
 /// ```
-/// use mrroc::Plausible;
-/// # use mrroc::{Fault, Payload, ReadingOrder, Sensor, SensorSetup, VirtualSensor};
+/// use mrroc::sensor::Plausible;
+/// # use mrroc::prelude::*;
 /// # #[derive(Clone, Copy, Payload)] struct Metres { x: f64 }
 /// # struct Distance;
 /// # impl Sensor for Distance { const KIND: &'static str = "distance"; type Reading = Metres; type Configuration = (); }

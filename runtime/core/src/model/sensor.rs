@@ -60,7 +60,7 @@ pub struct EffectorState {
 
 impl Wire for EffectorState {
     const LEN: usize = 2 * MAX_JOINTS + 7;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::EffectorState");
+    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::sensor::EffectorState");
     const SHAPE: &'static Shape = &Shape::Fields(&[
         ("joints", <[f64; MAX_JOINTS]>::SHAPE),
         ("velocity", <[f64; MAX_JOINTS]>::SHAPE),

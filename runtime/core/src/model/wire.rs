@@ -20,7 +20,7 @@ pub struct BadWords;
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no plain value",
     label = "cannot be sent as words",
-    note = "plain are numbers, `bool`, arrays and vectors of them, poses, and types that `#[derive(Clone, Copy, mrroc::Payload)]`"
+    note = "plain are numbers, `bool`, arrays and vectors of them, poses, and types that `#[derive(Clone, Copy, mrroc::payload::Payload)]`"
 )]
 pub trait Wire: Copy + 'static {
     /// Words taken, at most [`WORDS`].

@@ -70,7 +70,7 @@ impl Mul<f64> for Wrench {
 
 impl Wire for Wrench {
     const LEN: usize = 6;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::Wrench");
+    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::pose::Wrench");
     const SHAPE: &'static Shape =
         &Shape::Fields(&[("force", Vector3::<f64>::SHAPE), ("torque", Vector3::<f64>::SHAPE)]);
 

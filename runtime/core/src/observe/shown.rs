@@ -14,7 +14,7 @@ use crate::model::wire::Wire;
 /// [`RobotSetup::shows`](crate::RobotSetup::shows).
 ///
 /// ```
-/// let stroke = mrroc::Shown::new(0_u32);
+/// let stroke = mrroc::observe::Shown::new(0_u32);
 /// let seen = stroke.clone();
 /// stroke.set(3);
 /// assert_eq!(seen.get(), 3);

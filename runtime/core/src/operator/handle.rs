@@ -15,8 +15,8 @@ use crate::safety::latch::{Event, Latch, LatchRefusal, Latching};
 /// its operator has acknowledged the fault and then pressed the reset:
 ///
 /// ```
-/// # use mrroc::{Latch, Operator};
-/// # fn react(operator: &Operator) -> Result<(), mrroc::LatchRefusal> {
+/// # use mrroc::operator::{Latch, Operator};
+/// # fn react(operator: &Operator) -> Result<(), mrroc::operator::LatchRefusal> {
 /// if let (Latch::Latched, Some(fault)) = (operator.latch(), operator.fault()) {
 ///     println!("{fault}");
 ///     operator.acknowledge()?;

@@ -58,7 +58,7 @@ impl Fault {
             }
             K::DemandInvalidFrame => {
                 return Some(
-                    "build the rotation with UnitQuaternion::from_axis_angle, or mrroc::Zyz and mrroc::AngleAxis",
+                    "build the rotation with UnitQuaternion::from_axis_angle, or mrroc::pose::Zyz and mrroc::pose::AngleAxis",
                 );
             }
             K::PayloadMismatch => {

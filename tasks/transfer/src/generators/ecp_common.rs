@@ -2,7 +2,7 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Always, Demand, Order, Robot, generator};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::Displacement;
 
 /// Demands of an arm of kind `R` what the coordinator orders.

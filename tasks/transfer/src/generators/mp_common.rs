@@ -1,6 +1,6 @@
 //! The common motion, the coordinator's half: the trajectory of the body, and what it makes of both arms.
 
-use mrroc::{Fault, Pose, State, Step, Tick, generator};
+use mrroc::prelude::*;
 use mrroc_generators::cooperation::{BodyPath, Displacement};
 
 use mrroc_robots::{Polycrank, Rnt};

@@ -2,7 +2,8 @@
 
 use core::marker::PhantomData;
 
-use mrroc::{Always, RobotsEach, generator};
+use mrroc::generator::RobotsEach;
+use mrroc::prelude::*;
 
 use crate::orders::Phase;
 

@@ -6,7 +6,8 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::{Cell, CellFile, Observation, Pose, Robot};
+use mrroc::observe::Observation;
+use mrroc::prelude::*;
 use mrroc_robots::{Kinematics, Polycrank, Rnt, Seven, Six};
 use transfer::places::{CLOSED, End, bar, grasp, legs};
 use transfer::{cell, file, mp, plant};

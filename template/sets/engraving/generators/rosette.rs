@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use mrroc::{Fault, Pose};
+use mrroc::prelude::*;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::feed::FeedLimits;
 use mrroc_generators::generators::SplineTrack;

@@ -1,6 +1,6 @@
 //! A motion of your own.
 
-use mrroc::{Demand, Step, Tick, generator};
+use mrroc::prelude::*;
 
 use crate::arm::Arm;
 

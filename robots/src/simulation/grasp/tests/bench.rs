@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::Vector3;
 
 use crate::simulation::grasp::{Grasp, Hand, World};

@@ -2,7 +2,7 @@
 
 use core::f64::consts::{PI, TAU};
 
-use mrroc::AngleAxis;
+use mrroc::pose::AngleAxis;
 use nalgebra::{Matrix3, Vector3};
 
 use super::Bench;

@@ -1,6 +1,6 @@
 //! How grippers share a load, and what is left over.
 
-use mrroc::Wrench;
+use mrroc::pose::Wrench;
 use nalgebra::Vector3;
 
 use crate::simulation::grasp::Sharing;

@@ -1,6 +1,6 @@
 //! What no world takes.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::{Matrix3, Vector3};
 
 use super::Bench;

@@ -1,6 +1,6 @@
 //! Equilibrium: forces of springs against weights, solved by hand or by a general linear solution.
 
-use mrroc::{AngleAxis, Pose};
+use mrroc::pose::{AngleAxis, Pose};
 use nalgebra::{Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
 
 use super::Bench;

@@ -1,6 +1,6 @@
 //! The world's clock: driven by servo periods, whatever their order and their lengths.
 
-use mrroc::Pose;
+use mrroc::pose::Pose;
 use nalgebra::Vector3;
 
 use super::Bench;

@@ -2,7 +2,11 @@
 
 use core::f64::consts::TAU;
 
-use mrroc::{AngleAxis, EffectorState, FaultKind, MAX_JOINTS, Pose, ReadingOrder, VirtualSensor, Wrench};
+use mrroc::fault::FaultKind;
+use mrroc::pose::{AngleAxis, Wrench};
+use mrroc::prelude::*;
+use mrroc::robot::MAX_JOINTS;
+use mrroc::sensor::EffectorState;
 use nalgebra::{Translation3, Vector3};
 
 use super::Bench;

@@ -8,16 +8,18 @@ use nalgebra::{SVector, Translation3, UnitQuaternion, Vector3};
 
 use crate::cell::{Cell, RobotSetup};
 use crate::control::mp::Mp;
+use crate::generator;
 use crate::link::memory::{Scheduler, Stuck};
 use crate::link::{Board, Body, Client, Closed, Host, Link, Server, Waiter};
+use crate::model::demand::Demand;
 use crate::model::driver::{DriveFault, Driver, Measured};
 use crate::model::fault::{Fault, ProcessId};
+use crate::model::list::State;
 use crate::model::pose::Pose;
 use crate::model::robot::{JointKind, Limits, NoInverse, Robot};
 use crate::model::step::{Step, Tick};
 use crate::model::time::Nanos;
 use crate::observe::servo::ServoRecord;
-use crate::{Demand, State, generator};
 
 type Six = SVector<f64, 6>;
 

@@ -5,8 +5,8 @@ use crate::link::message::{RequestKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Condition;
 use crate::model::image::RobotImage;
-use crate::model::list::{Reading, State};
 use crate::model::list::{AnyRobots, RobotList, SensorList, SensorsOf};
+use crate::model::list::{Reading, State};
 use crate::model::robot::Robot;
 use crate::model::step::Tick;
 

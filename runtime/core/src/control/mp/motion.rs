@@ -5,8 +5,8 @@
 use crate::link::message::{OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
-use crate::model::list::{Reading, State};
 use crate::model::list::{PayloadType, Robots, RobotsOf, SensorList, SensorsOf};
+use crate::model::list::{Reading, State};
 use crate::model::payload::{Nudge, Order};
 use crate::model::step::Step;
 

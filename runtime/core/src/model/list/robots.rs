@@ -48,7 +48,7 @@ pub trait RobotList: 'static {
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no language of motions for `{R}`",
     label = "neither `Motion` nor an order's payload",
-    note = "leave it out to demand states, or derive `Payload` for your order: `#[derive(Clone, Copy, mrroc::Payload)]`"
+    note = "leave it out to demand states, or derive `Payload` for your order: `#[derive(Clone, Copy, mrroc::payload::Payload)]`"
 )]
 pub trait Language<R>: 'static {
     /// One demand or order.
@@ -77,7 +77,7 @@ impl<R: Robot> Payload for Demand<R> {
     message = "`{Self}` is no list of robots that can be told `{O}`",
     label = "not a list of robots, or not what they can be told",
     note = "an MP's list is a tuple or an array of robots, a list of one robot needs a comma: `(Rnt,)`; an ECP's list is its robot: `Rnt`",
-    note = "`Step<L>` tells them what to attain; for `Step<L, Phase>` derive the payload: `#[derive(Clone, Copy, mrroc::Payload)]`"
+    note = "`Step<L>` tells them what to attain; for `Step<L, Phase>` derive the payload: `#[derive(Clone, Copy, mrroc::payload::Payload)]`"
 )]
 pub trait Robots<O = Motion>: RobotList {
     /// One demand or order per robot, in the list's form.
@@ -96,7 +96,8 @@ pub trait Robots<O = Motion>: RobotList {
 /// of its list. Every list can be told a [`Pose`] per robot, and a payload `P` per robot in the language `P`.
 ///
 /// ```
-/// use mrroc::{Demand, Pose, RobotsEach};
+/// use mrroc::generator::RobotsEach;
+/// use mrroc::prelude::*;
 /// use mrroc_robots::{Irp6, Rnt};
 ///
 /// let up = |i: usize| Pose::translation(0.0, 0.0, 0.1 * i as f64);
