@@ -1,16 +1,21 @@
 # Mirrors CI; the README's two commands need none of it.
 
-# What CI runs.
+# What CI runs: its first part, and what compares with other software.
 ci:
     .ci/run
+    .ci/peers
 
 # All tests.
 test:
     cargo test
 
+# All tests by cargo-nextest, which runs those of all executables at once; doc tests are not among them.
+nextest:
+    cargo nextest run
+
 # Every project that the template can make: its tests, clippy and formatting. Takes minutes.
 template-all:
-    cargo test -p mrroc-new --test generated -- --ignored --nocapture
+    cargo test -p mrroc-new --test all -- --ignored --nocapture projects_of_all_choices
 
 # What a step costs, in nanoseconds.
 bench:
@@ -37,8 +42,8 @@ bench-peers:
 # Accept changed snapshots of expansions, diagnostics and the template's files.
 snapshots:
     INSTA_UPDATE=always cargo test -p mrroc-macros
-    INSTA_UPDATE=always cargo test -p mrroc-tests --test macros_diagnostics
-    INSTA_UPDATE=always cargo test -p mrroc-new --test generated every_combination_has_its_files
+    INSTA_UPDATE=always cargo test -p mrroc-tests --test all macros::diagnostics
+    INSTA_UPDATE=always cargo test -p mrroc-new --test all every_combination_has_its_files
 
 # Engrave the drawing that is shipped with the project.
 engrave *ARGS:
@@ -50,23 +55,22 @@ book:
 
 # Recordings and their replay; the second one reads a recording back with PyPI's mcap.
 test-recording:
-    cargo build -p mrroc-tests --features recording,processes --example recorded
-    cargo test -p mrroc-tests --features recording,processes --test recording
+    cargo test -p mrroc-tests --test all recording::
 
 test-recording-peer: test-recording
-    cargo test -p mrroc-tests --features recording,processes --test recording -- --ignored --nocapture
+    cargo test -p mrroc-tests --test all -- --ignored --nocapture another_librarys_values
 
 # Cells as processes of the operating system.
 test-processes:
-    cargo test -p mrroc-tests --features processes --test processes
+    cargo test -p mrroc-tests --test processes
 
 # The same, with 200 kills of each process in lock-step, and as many in real time; takes hours.
 test-kills KILLS="2000":
-    MRROC_KILLS={{KILLS}} cargo test --release -p mrroc-tests --features processes --test processes -- fault_01_to fault_07
+    MRROC_KILLS={{KILLS}} cargo test --release -p mrroc-tests --test processes -- --nocapture fault_01_to fault_07
 
 # The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
 test-both-links:
-    MRROC_WHOLE=1 cargo test --release -p mrroc-tests --features processes --test both_links
+    MRROC_WHOLE=1 cargo test --release -p mrroc-tests --test processes -- --nocapture both_links
 
 # Two robots and a sensor as processes at 1 kHz for so many seconds, beside cyclictest: skipped steps, rate, memory.
 soak SECONDS="600":
@@ -83,21 +87,21 @@ bench-latency:
 
 # Every fault in every step of small cells: over 100,000 cases, some minutes.
 sweep:
-    cargo test -p mrroc-tests --test safety -- --ignored --nocapture every_fault_in_every_step
+    cargo test -p mrroc-tests --test all -- --ignored --nocapture every_fault_in_every_step
 
 # Each fault in every so many steps of the transfer and of the engraving task: every 13th takes six minutes of two
 # cores, every one of the engraving seven, every one of the transfer two hours.
 sweep-tasks EVERY="7":
-    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test safety -- --ignored --nocapture --test-threads 1 steps_of_the
+    MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test all -- --ignored --nocapture --test-threads 1 steps_of_the
 
 # Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
-    cargo test -p mrroc-tests --test safety -- --ignored --nocapture summary
+    cargo test -p mrroc-tests --test all -- --ignored --nocapture safety::summary
     cargo test -p mrroc --lib -- --nocapture fault_03_arms fault_06_arms
 
 # Mutated files into all that reads files and messages: so many in all.
 fuzz N="10000000":
-    MRROC_FUZZ={{N}} cargo test --release -p mrroc-tests --features recording --test parsers -- --nocapture
+    MRROC_FUZZ={{N}} cargo test --release -p mrroc-tests --test all -- --nocapture parsers::
 
 # The same with coverage, on nightly and with cargo-fuzz: a target of tests/parsers for some seconds; what it finds goes
 # into tests/fuzz/corpus.
@@ -107,3 +111,7 @@ fuzz-nightly TARGET SECONDS="60":
 # Mutants of one file and the unit tests of the runtime, with cargo-mutants; takes minutes to hours.
 mutants FILE="runtime/src/stopping.rs":
     CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --in-place --file {{FILE}}
+
+# All that the tutorial says, word for word: builds five projects, which takes minutes.
+tutorial:
+    cargo test -p mrroc-tests --test all -- --ignored --nocapture the_tutorial_works_word_for_word

@@ -17,6 +17,7 @@ mod recording;
 mod runtime;
 mod safety;
 mod tutorial;
+mod workspace;
 
 /// What the files of a newcomer's project, which the tutorial's chapters compile where they lie, find at its root.
 #[path = "../template/src/arm.rs"]

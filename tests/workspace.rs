@@ -1,0 +1,24 @@
+//! What checks what: no crate is left out.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// `cargo test` tests the default members. A member that needs more than a Rust toolchain is none of them, and is tested
+/// by a script of `.ci/peers`.
+#[test]
+fn every_member_is_a_default_member_or_has_a_script_among_the_peers() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace");
+    let manifest = std::fs::read_to_string(root.join("Cargo.toml")).expect("the workspace's manifest");
+    let manifest: toml::Table = manifest.parse().expect("a manifest");
+    let list = |key: &str| -> BTreeSet<&str> {
+        let list = manifest["workspace"][key].as_array().expect("a list");
+        list.iter().map(|path| path.as_str().expect("a path")).collect()
+    };
+    let (members, tested) = (list("members"), list("default-members"));
+    assert!(members.is_superset(&tested), "{:?} are no members", tested.difference(&members));
+    for member in members.difference(&tested) {
+        let name = member.rsplit('/').next().expect("a name");
+        let script = root.join("tests/peers").join(name).join("run");
+        assert!(script.is_file(), "{member} is no default member, and there is no {}", script.display());
+    }
+}
