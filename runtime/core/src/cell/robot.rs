@@ -196,7 +196,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn watch(&mut self, observer: SharedObserver) {
-        let (name, robot) = (self.name.clone(), self.robot.clone());
+        let name = self.name.clone();
+        let robot = self.robot.clone();
         let joints: Vec<_> = (0..R::Joints::LEN).map(|i| robot.joint(i)).collect();
         self.observers.push(Box::new(move |record| {
             let measured = &record.measured.position;
@@ -298,22 +299,21 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         sensing: Sensing,
         outcomes: Outcomes,
     ) -> Result<(), Stuck> {
+        let setup = *self;
         let name = place.name;
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
         let (client, server) = link.port(place.ecp, edp);
-        let (robot, mut observers) = (self.robot, self.observers);
-        let (tool, space, following_error) = (self.tool, self.space, self.following_error);
-        let (replayed, witnesses) =
-            (self.replayed.clone(), place.witnesses.of(ProcessId::new(Role::Ecp, name)));
+        let mut observers = setup.observers;
+        let replayed = setup.replayed.clone();
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
-        // that is called no more comes to rest by itself.
-        let drives = match self.drives {
-            Drives::Homed(driver) => Ok(plant.take(link, (process, edp), driver, &mut observers)),
+        // that is called no more comes to rest by itsetup.
+        let drives = match setup.drives {
+            Drives::Homed(driver) => Ok(plant.take(link, process, edp, driver, &mut observers)),
             Drives::Unhomed(homing) => Err(homing),
         };
-        for shown in self.shown {
+        for shown in setup.shown {
             plant.board(link, place.ecp).into_iter().for_each(|board| shown.pass_on(board));
         }
         let run = move |host: Host<'_>| {
@@ -328,16 +328,15 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                 }),
             };
             if let Some((drive, gate)) = homed {
-                let (step, delay) = (place.step, place.delay);
                 let config = EdpConfig {
                     process,
-                    robot,
+                    robot: setup.robot,
                     drive,
-                    tool,
-                    step,
-                    delay,
-                    space,
-                    following_error,
+                    tool: setup.tool,
+                    step: place.step,
+                    delay: place.delay,
+                    space: setup.space,
+                    following_error: setup.following_error,
                     stop_steps: place.pace.stop_steps,
                     observers,
                     witnesses,
@@ -349,22 +348,16 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             }
         };
         link.body(edp, Box::new(run))?;
-        let (mut program, nudged) = (self.program, place.nudged);
+        let mut program = setup.program;
+        let nudged = place.nudged;
         let process = ProcessId::new(Role::Ecp, name);
-        let (pace, recorded) = (place.pace, self.replayed);
+        let pace = place.pace;
+        let recorded = setup.replayed;
         link.body(
             place.ecp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let mut ecp = Ecp::<'_, R>::new(
-                    process,
-                    timed.host(),
-                    mp,
-                    client,
-                    sensing,
-                    pace,
-                    (witnesses, recorded),
-                );
+                let mut ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
                         Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

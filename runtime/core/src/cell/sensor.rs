@@ -7,14 +7,13 @@ use std::rc::Rc;
 use super::CellError;
 use crate::control::plant::Site;
 use crate::control::replay::RecordedRun;
-use crate::control::sensing::{Sensing, SensorPort, Source};
+use crate::control::sensing::{Reads, Sensing, SensorPort, Source};
 use crate::control::vsp::{Aggregator, Boards, Orders, Vsp};
 use crate::link::{Client, Link, Server};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::image::Sensor;
 use crate::model::name::Name;
 use crate::model::sensor::{CONFIGURATION_WORDS, VirtualSensor, VspMode};
-use crate::model::shape::Shape;
 use crate::model::time::Nanos;
 use crate::model::wire::{WORDS, Wire};
 use crate::observe::layout::SensorLayout;
@@ -71,8 +70,8 @@ impl<V: VirtualSensor> SensorSetup<V> {
 
 impl<V: VirtualSensor> SensorSetup<V> {
     /// What its readings are.
-    const fn reads() -> (TypeId, &'static Shape) {
-        (TypeId::of::<V::Kind>(), <<V::Kind as Sensor>::Reading as Wire>::SHAPE)
+    const fn reads() -> Reads {
+        Reads { kind: TypeId::of::<V::Kind>(), shape: <<V::Kind as Sensor>::Reading as Wire>::SHAPE }
     }
 
     /// The place of the robot that it belongs to.
@@ -131,7 +130,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             of: self.robot.clone(),
             mode: self.mode,
             latency: self.latency,
-            reading: Self::reads().1,
+            reading: Self::reads().shape,
         }
     }
 
@@ -162,7 +161,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         let robot = self.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, name);
         let place = link.place(process);
-        let kind = Self::reads();
+        let reads = Self::reads();
         let clients = [Some(*mp), robot.map(|robot| ecps[robot])];
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
         let mut sources = Vec::new();
@@ -186,13 +185,14 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         }
         let mut sources = sources.into_iter();
         if let Some(source) = sources.next() {
-            mp_sensing.ports.push(SensorPort::new(name, kind, robot, source));
+            mp_sensing.ports.push(SensorPort::new(name, reads, robot, source));
         }
         if let (Some(robot), Some(source)) = (robot, sources.next()) {
-            ecp_sensing[robot].ports.push(SensorPort::new(name, kind, Some(robot), source));
+            ecp_sensing[robot].ports.push(SensorPort::new(name, reads, Some(robot), source));
         }
-        let (sensor, configuration, latency) =
-            (self.sensor, self.configuration, self.latency.as_nanos() as Nanos);
+        let sensor = self.sensor;
+        let configuration = self.configuration;
+        let latency = self.latency.as_nanos() as Nanos;
         let orders = match self.mode {
             VspMode::Interactive | VspMode::WithDelay => Orders::Ports(servers),
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },

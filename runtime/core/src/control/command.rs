@@ -60,7 +60,8 @@ fn get<J: JointVector>(words: &[u64]) -> J {
 impl<J: JointVector> Command<J> {
     pub fn put(&self, message: &mut Message) {
         message.header.kind = Kind::Command;
-        (message.header.step, message.header.len) = (self.period, COMMAND_WORDS as u32);
+        message.header.step = self.period;
+        message.header.len = COMMAND_WORDS as u32;
         message.body[..3].copy_from_slice(&[self.switched, self.choice, self.regulators.to_word()]);
         put(&self.demanded, &mut message.body[3..TOOL]);
         self.tool.put(&mut message.body[TOOL..COMMAND_WORDS]);
@@ -87,7 +88,8 @@ impl<J: JointVector> Command<J> {
 impl Switch {
     pub fn put(&self, message: &mut Message) {
         message.header.kind = Kind::Command;
-        (message.header.step, message.header.len) = (self.ordinal, SWITCH_WORDS as u32);
+        message.header.step = self.ordinal;
+        message.header.len = SWITCH_WORDS as u32;
         message.body[0] = u64::from(self.on);
     }
 
@@ -106,7 +108,8 @@ impl Switch {
 impl<J: JointVector> Reading<J> {
     pub fn put(&self, message: &mut Message) {
         message.header.kind = Kind::Reply;
-        (message.header.step, message.header.len) = (self.period, READING_WORDS as u32);
+        message.header.step = self.period;
+        message.header.len = READING_WORDS as u32;
         let words = &mut message.body;
         put(&self.measured.position, &mut words[..MAX_JOINTS]);
         put(&self.measured.velocity, &mut words[MAX_JOINTS..2 * MAX_JOINTS]);

@@ -158,7 +158,8 @@ impl<R: Robot> PlantDrive<R> {
     ) -> Result<Followed<R::Joints>, Fault> {
         let servo = (self.period.as_nanos() as Nanos).max(1);
         let (choice, regulators) = self.chosen;
-        let (period, switched) = (now / servo, self.switched);
+        let period = now / servo;
+        let switched = self.switched;
         let command = Command { period, switched, choice, regulators, demanded: *demanded, tool: *X_FE };
         command.put(&mut self.message);
         self.tell(waiter)?;

@@ -37,8 +37,13 @@ pub(crate) struct Guard {
 impl Guard {
     /// A guard that looks every so many steps.
     pub fn new(every: u32, watch: impl FnMut(&[RobotView]) -> Result<(), Fault> + 'static) -> Guard {
-        let (views, known) = (Vec::new(), Vec::new());
-        Guard { every: u64::from(every.max(1)), watch: Some(Box::new(watch)), views, known, looked: None }
+        Guard {
+            every: u64::from(every.max(1)),
+            watch: Some(Box::new(watch)),
+            views: Vec::new(),
+            known: Vec::new(),
+            looked: None,
+        }
     }
 
     /// The robots of the cell.

@@ -68,7 +68,9 @@ pub(crate) fn home<R: Robot>(
     let period = homing.period();
     let servo = period.as_nanos() as Nanos;
     let mut next_tick = waiter.now() + servo / 2;
-    let (mut request, mut state, mut suspended) = (Message::empty(), State::Searching, false);
+    let mut request = Message::empty();
+    let mut state = State::Searching;
+    let mut suspended = false;
     let mut gate = Gate::default();
     loop {
         waiter.wait(Some(next_tick)).ok()?;
@@ -149,7 +151,8 @@ const fn asked(request: &Message) -> Asked {
 fn answer(request: &Message, state: &State) -> Message {
     let mut reply = Message::new(Kind::Reply);
     reply.header.epoch = request.header.epoch;
-    (reply.header.step, reply.header.instruction) = (request.header.step, request.header.instruction);
+    reply.header.step = request.header.step;
+    reply.header.instruction = request.header.instruction;
     match state {
         State::Searching => reply.header.flags = flag::HOMING,
         State::Ended { fault, rests } => {

@@ -51,23 +51,25 @@ pub(crate) struct SensorPort {
     since: u64,
 }
 
+/// What the readings of a sensor are.
+#[derive(Clone, Copy)]
+pub(crate) struct Reads {
+    pub kind: TypeId,
+    /// What their words say.
+    pub shape: &'static Shape,
+}
+
 impl SensorPort {
-    pub fn new(
-        name: Name,
-        (kind, shape): (TypeId, &'static Shape),
-        robot: Option<usize>,
-        source: Source,
-    ) -> SensorPort {
-        let (order, reply) = (Message::new(Kind::Read), Message::empty());
+    pub fn new(name: Name, reads: Reads, robot: Option<usize>, source: Source) -> SensorPort {
         SensorPort {
             name,
-            kind,
+            kind: reads.kind,
             robot,
             source,
-            shape,
+            shape: reads.shape,
             taken: false,
-            order,
-            reply,
+            order: Message::new(Kind::Read),
+            reply: Message::empty(),
             awaiting: false,
             read: false,
             asked: None,
@@ -88,7 +90,8 @@ impl SensorPort {
             Source::WithDelay(client) => {
                 // A sensor with delay that is still at work is not disturbed: it has taken the order.
                 if self.awaiting && client.receive(&mut self.reply) {
-                    (self.awaiting, self.read) = (false, true);
+                    self.awaiting = false;
+                    self.read = true;
                 }
                 if self.awaiting {
                     client.send_again();
@@ -140,7 +143,8 @@ impl SensorPort {
             }
             Source::WithDelay(client) => {
                 if self.awaiting && client.receive(&mut self.reply) {
-                    (self.awaiting, self.read) = (false, true);
+                    self.awaiting = false;
+                    self.read = true;
                 }
             }
             Source::NonInteractive(boards) => {
@@ -172,8 +176,9 @@ impl SensorPort {
             ReadingState::There | ReadingState::Fault => self.reply.words(),
             ReadingState::None | ReadingState::Lost => &[],
         };
-        let (sensor, shape, taken) = (self.name, self.shape, self.reply.header.step);
-        witnesses.show(now, &What::Reading { sensor, step, state, taken, shape }, words);
+        let taken = self.reply.header.step;
+        let what = What::Reading { sensor: self.name, step, state, taken, shape: self.shape };
+        witnesses.show(now, &what, words);
     }
 
     fn fault(&self, kind: FaultKind) -> Fault {

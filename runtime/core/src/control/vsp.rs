@@ -115,7 +115,8 @@ impl<V: VirtualSensor> Vsp<'_, V> {
             }
         }
         if let Some((_, from)) = newest {
-            let (len, state) = (requests[from].header.len, requests[from].body);
+            let len = requests[from].header.len;
+            let state = requests[from].body;
             for request in requests.iter_mut() {
                 request.body[CONFIGURATION_WORDS..].copy_from_slice(&state[CONFIGURATION_WORDS..]);
                 request.header.len = len;

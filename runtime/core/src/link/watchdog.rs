@@ -26,7 +26,8 @@ impl Watchdog {
     pub fn new(names: Vec<String>, pulse: Arc<Pulse>, patience: Duration) -> Watchdog {
         let (leash, held) = channel();
         let watch = move || {
-            let (mut last, mut same) = (0, 0);
+            let mut last = 0;
+            let mut same = 0;
             while held.recv_timeout(patience / LOOKS) == Err(RecvTimeoutError::Timeout) {
                 let resumed = pulse.resumed.load(Ordering::Relaxed);
                 same = if resumed == last { same + 1 } else { 0 };
@@ -51,7 +52,8 @@ impl Drop for Watchdog {
 }
 
 fn bark(name: Option<&String>, patience: Duration) -> ! {
-    let (name, seconds) = (name.map_or("a process", String::as_str), patience.as_secs_f64());
+    let name = name.map_or("a process", String::as_str);
+    let seconds = patience.as_secs_f64();
     complain(&format!(
         "error: {name} has computed for {seconds} s without an end, and with it the cell stands still\n help: a step function, \
          a condition or the program has an endless loop: let every step return; run as processes, such a cell stops its \

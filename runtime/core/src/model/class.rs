@@ -95,7 +95,8 @@ impl Class {
 /// The function's name in the paper: `f*2(c0, e)`.
 fn write_function(f: &mut fmt::Formatter<'_>, level: Level, uses: Uses) -> fmt::Result {
     let index = 2 * usize::from(uses.robots) + usize::from(uses.sensors);
-    let (e, v) = (if uses.robots { ", e" } else { "" }, if uses.sensors { ", v" } else { "" });
+    let e = if uses.robots { ", e" } else { "" };
+    let v = if uses.sensors { ", v" } else { "" };
     match level {
         Level::Mp if !(uses.state || uses.tick || uses.robots || uses.sensors) => {
             f.write_str("f**() = const")

@@ -54,7 +54,8 @@ impl Shape {
             | Shape::Choice(_) => 1,
             Shape::Array(item, count) => item.len() * *count,
             Shape::Fields(fields) => {
-                let (mut len, mut i) = (0, 0);
+                let mut len = 0;
+                let mut i = 0;
                 while i < fields.len() {
                     len += fields[i].1.len();
                     i += 1;

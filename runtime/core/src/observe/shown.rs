@@ -54,7 +54,8 @@ impl<T: Wire> Shown<T> {
         self.0.own.set(true);
         if let Some(board) = self.0.board.get() {
             let mut message = Message::empty();
-            (message.header.kind, message.header.len) = (Kind::Reply, T::LEN as u32);
+            message.header.kind = Kind::Reply;
+            message.header.len = T::LEN as u32;
             value.put(&mut message.body);
             board.write(&message);
         }

@@ -90,7 +90,9 @@ impl JointBrake {
 
     /// Displacement since the start and velocity at time `t` \[s\].
     fn at(&self, t: f64) -> (f64, f64) {
-        let (mut s, mut v, mut left) = (0.0, self.v0, t.max(0.0));
+        let mut s = 0.0;
+        let mut v = self.v0;
+        let mut left = t.max(0.0);
         // Duration, acceleration at its beginning, jerk.
         let phases = [
             (self.ramp_in, self.a0, (self.peak - self.a0).signum() * self.jerk),
@@ -212,7 +214,8 @@ mod tests {
         {
             let brake = JointBrake::with_jerk(v, a, 10.0, 400.0);
             let dt = 1e-4;
-            let (mut v_last, mut a_last) = (v, a);
+            let mut v_last = v;
+            let mut a_last = a;
             let steps = (brake.duration() / dt).ceil() as i32;
             for k in 1..=steps {
                 let (_, v_now) = brake.at(f64::from(k) * dt);
@@ -224,7 +227,8 @@ mod tests {
                         "jerk from ({v}, {a}) at {k}"
                     );
                 }
-                (v_last, a_last) = (v_now, a_now);
+                v_last = v_now;
+                a_last = a_now;
             }
             let before_end = brake.at(brake.duration() - 1e-9).1;
             assert!(before_end.abs() < 1e-6, "ends with {before_end} from ({v}, {a})");

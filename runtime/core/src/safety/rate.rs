@@ -70,7 +70,8 @@ impl Feed {
         let left = wanted - self.rate;
         let largest = if left < 0.0 { -self.change.min(fall) } else { self.change.min(rise) };
         let slope = landing(left.abs(), bend, duration).min(largest.abs()).copysign(left);
-        let (low, high) = (self.slope - bend * duration, self.slope + bend * duration);
+        let low = self.slope - bend * duration;
+        let high = self.slope + bend * duration;
         let last = core::mem::replace(&mut self.slope, slope.clamp(low, high));
         let next = self.rate + self.slope * duration;
         // Within a step of the end, and slow enough to end there: exactly at it.
@@ -93,7 +94,8 @@ impl Feed {
 
     /// At a standstill nothing needs a ramp: a new motion starts at the wanted rate.
     pub fn reset(&mut self, wanted: f64) {
-        (self.rate, self.slope) = (wanted, 0.0);
+        self.rate = wanted;
+        self.slope = 0.0;
         self.headroom = RateHeadroom::UNLIMITED;
     }
 }

@@ -51,7 +51,8 @@ impl Screw {
 
     /// `D^s`.
     pub fn part(&self, s: f64) -> Pose {
-        let (turn, way) = (self.turn * s, self.way * s);
+        let turn = self.turn * s;
+        let way = self.way * s;
         let angle = turn.norm();
         let (second, third) = if angle < 1e-3 {
             (0.5 - angle * angle / 24.0, 1.0 / 6.0)

@@ -31,7 +31,8 @@ pub(crate) fn detection_time(step: Duration) -> f64 {
 
 /// The longest time that a joint brakes for \[s\].
 pub(crate) fn braking_time<J: JointVector>(limits: &Limits<J>, joint: usize) -> f64 {
-    let (v, a) = (limits.velocity[joint], limits.acceleration[joint]);
+    let v = limits.velocity[joint];
+    let a = limits.acceleration[joint];
     v / a + limits.jerk.map_or(0.0, |jerk| 2.5 * a / jerk[joint])
 }
 

@@ -70,7 +70,8 @@ impl<R: Robot> DriverPort<R> {
     ) -> Result<(), Fault> {
         let header = &mut self.request.header;
         (header.kind, header.step, header.duration) = (Kind::Request(kind), order.step, order.duration);
-        (header.epoch, header.instruction) = (order.epoch, order.instruction);
+        header.epoch = order.epoch;
+        header.instruction = order.instruction;
         header.law = order.law;
         header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER);
         header.len = if kind == RequestKind::Demand { <Demand<R> as Wire>::LEN as u32 } else { 0 };

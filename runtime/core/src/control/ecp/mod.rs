@@ -30,6 +30,26 @@ use crate::observe::witness::{What, Witnesses};
 use driver::DriverPort;
 use orders::{Duty, Orders, Phase};
 
+/// What an order asks for before an instruction is at work.
+enum BeforeStart {
+    /// Acknowledge START.
+    Open,
+    /// Begin to work: it is the first step's.
+    FirstStep,
+    /// Hold: the instruction has been left already, or is over before its first step.
+    StayOut,
+}
+
+/// What an order asks for in an instruction.
+enum OfInstruction {
+    /// Do a step, or hold when the program has finished.
+    Step,
+    /// Leave the instruction, which ends.
+    End,
+    /// Leave the instruction, which the operator aborts.
+    Abort,
+}
+
 /// An effector control process: what a robot's program is given.
 pub struct Ecp<'w, R: Robot> {
     process: ProcessId,
@@ -79,19 +99,19 @@ impl<'w, R: Robot> Ecp<'w, R> {
         edp: Box<dyn Client>,
         sensing: Sensing,
         pace: Pace,
-        (witnesses, replayed): (Witnesses, Option<Rc<RecordedRobot>>),
+        replayed: Option<Rc<RecordedRobot>>,
     ) -> Self {
         Ecp {
             process,
             host,
             orders: Orders::new(mp),
             driver: DriverPort::new(edp, sensing.patience),
+            witnesses: sensing.witnesses.clone(),
             sensing,
             overruns: Overruns::new(Duration::from_nanos(pace.period)),
             pace,
             refusals: 0,
             trouble: Trouble::None,
-            witnesses,
             replayed,
         }
     }
@@ -161,9 +181,9 @@ impl<'w, R: Robot> Ecp<'w, R> {
     /// Waits for START and the first order.
     fn await_start<P: Payload>(&mut self) -> Result<P, Fault> {
         loop {
-            match self.next_duty()? {
-                Duty::Open => self.open::<P>()?,
-                Duty::Work => {
+            match self.next_before_start()? {
+                BeforeStart::Open => self.open::<P>()?,
+                BeforeStart::FirstStep => {
                     let first = P::get(self.orders.words());
                     let first = first.map_err(|_| self.fail(Fault::new(FaultKind::Message)))?;
                     self.orders.phase = Phase::Obeying;
@@ -171,18 +191,10 @@ impl<'w, R: Robot> Ecp<'w, R> {
                 }
                 // The tail of an instruction that has ended here, the end of one before its first step, or a
                 // blend that no Move takes over.
-                Duty::StayOut => {
+                BeforeStart::StayOut => {
                     self.orders.phase = Phase::Idle;
                     self.hold(flag::ENDED | flag::FINISHED)?;
                 }
-                duty @ (Duty::Rest
-                | Duty::End
-                | Duty::Abort
-                | Duty::Report
-                | Duty::Stop
-                | Duty::Refuse
-                | Duty::Reset
-                | Duty::Foreign) => return Err(self.decline(duty)),
             }
         }
     }
@@ -216,25 +228,17 @@ impl<'w, R: Robot> Ecp<'w, R> {
         }
         self.orders.phase = Phase::Finished;
         loop {
-            match self.next_duty()? {
-                Duty::Rest => self.hold(flag::FINISHED)?,
-                Duty::End => {
+            match self.next_of_instruction()? {
+                OfInstruction::Step => self.hold(flag::FINISHED)?,
+                OfInstruction::End => {
                     self.orders.phase = Phase::Idle;
                     return self.hold(flag::ENDED | flag::FINISHED);
                 }
-                Duty::Abort => {
+                OfInstruction::Abort => {
                     self.orders.phase = Phase::Idle;
                     self.hold(flag::ENDED | flag::FINISHED)?;
                     return Err(Fault::orderly(FaultKind::Aborted).in_process(self.process));
                 }
-                duty @ (Duty::Open
-                | Duty::Work
-                | Duty::StayOut
-                | Duty::Report
-                | Duty::Stop
-                | Duty::Refuse
-                | Duty::Reset
-                | Duty::Foreign) => return Err(self.decline(duty)),
             }
         }
     }
@@ -248,7 +252,41 @@ impl<'w, R: Robot> Ecp<'w, R> {
         }
     }
 
-    /// What the next order, or the one that is still open, asks for. What any phase does alike is done on the way.
+    /// What the next order, or the one that is still open, asks for while no instruction is at work.
+    fn next_before_start(&mut self) -> Result<BeforeStart, Fault> {
+        match self.next_duty()? {
+            Duty::Open => Ok(BeforeStart::Open),
+            Duty::Work => Ok(BeforeStart::FirstStep),
+            Duty::StayOut => Ok(BeforeStart::StayOut),
+            duty @ (Duty::Rest
+            | Duty::End
+            | Duty::Abort
+            | Duty::Report
+            | Duty::Stop
+            | Duty::Refuse
+            | Duty::Reset
+            | Duty::Foreign) => Err(self.decline(duty)),
+        }
+    }
+
+    /// What the next order, or the one that is still open, asks for in an instruction that is at work.
+    fn next_of_instruction(&mut self) -> Result<OfInstruction, Fault> {
+        match self.next_duty()? {
+            Duty::Work | Duty::Rest => Ok(OfInstruction::Step),
+            Duty::End => Ok(OfInstruction::End),
+            Duty::Abort => Ok(OfInstruction::Abort),
+            duty @ (Duty::Open
+            | Duty::StayOut
+            | Duty::Report
+            | Duty::Stop
+            | Duty::Refuse
+            | Duty::Reset
+            | Duty::Foreign) => Err(self.decline(duty)),
+        }
+    }
+
+    /// What the next order, or the one that is still open, asks for. A question about the robot's state is answered on the
+    /// way, in any phase.
     fn next_duty(&mut self) -> Result<Duty, Fault> {
         loop {
             let Ok(order) = self.orders.receive(self.host.waiter) else {
@@ -257,36 +295,29 @@ impl<'w, R: Robot> Ecp<'w, R> {
             };
             match self.orders.duty(order) {
                 Duty::Report => self.hold(0)?,
-                duty @ (Duty::Stop | Duty::Refuse | Duty::Reset | Duty::Foreign) => {
-                    return Err(self.decline(duty));
-                }
-                duty @ (Duty::Open | Duty::Work | Duty::Rest | Duty::End | Duty::Abort | Duty::StayOut) => {
-                    return Ok(duty);
-                }
+                duty @ (Duty::Open
+                | Duty::Work
+                | Duty::Rest
+                | Duty::End
+                | Duty::Abort
+                | Duty::StayOut
+                | Duty::Stop
+                | Duty::Refuse
+                | Duty::Reset
+                | Duty::Foreign) => return Ok(duty),
             }
         }
     }
 
-    /// The fault that an order is which this process cannot follow.
+    /// The fault of an order that this process cannot follow.
     fn decline(&mut self, duty: Duty) -> Fault {
-        match duty {
+        if duty == Duty::Stop {
             // The MP stops the cell for a fault elsewhere.
-            Duty::Stop => self.fail(Fault::new(FaultKind::StoppedByCell)),
-            Duty::Report
-            | Duty::Open
-            | Duty::Work
-            | Duty::Rest
-            | Duty::End
-            | Duty::Abort
-            | Duty::StayOut
-            | Duty::Refuse
-            | Duty::Reset
-            | Duty::Foreign => {
-                let order = self.orders.open();
-                let text = format!("order {order:?} in phase {:?}", self.orders.phase);
-                self.fail(Fault::new(FaultKind::Message).text(&text))
-            }
+            return self.fail(Fault::new(FaultKind::StoppedByCell));
         }
+        let order = self.orders.open();
+        let text = format!("order {order:?} in phase {:?}", self.orders.phase);
+        self.fail(Fault::new(FaultKind::Message).text(&text))
     }
 
     /// Answers the open order.
@@ -332,7 +363,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
     fn settle(&mut self) -> Result<(), Fault> {
         while self.driver.moving {
             // Without an open order there is no step to brake in.
-            self.next_duty()?;
+            self.next_of_instruction()?;
             self.ask(RequestKind::Brake, flag::WANT_STATE)?;
             if self.driver.is_at_standstill() {
                 self.driver.moving = false;
@@ -350,7 +381,8 @@ impl<'w, R: Robot> Ecp<'w, R> {
 
     /// Whether a demand of the open order's step would miss the EDP's ticks, after what took place since `began`.
     fn is_late_since(&self, began: Nanos) -> bool {
-        let (now, step) = (self.host.waiter.now(), self.orders.header().step);
+        let now = self.host.waiter.now();
+        let step = self.orders.header().step;
         let was_late = self.replayed.as_ref().is_some_and(|recorded| recorded.put_off.contains(&step));
         let is_late = was_late || now > began && now >= step * self.pace.period + self.pace.grace;
         if is_late {
@@ -517,7 +549,8 @@ impl<'w, R: Robot> Ecp<'w, R> {
         self.orders.reset();
         self.sensing.release();
         self.driver.moving = false;
-        (self.refusals, self.trouble) = (0, Trouble::None);
+        self.refusals = 0;
+        self.trouble = Trouble::None;
         self.reply(0);
         Ok(Served::Reset)
     }

@@ -14,8 +14,7 @@ use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};
 use crate::safety::rate::{DEFAULT_CHANGE, Feed};
 
-use super::orders::Duty;
-use super::{Ecp, Trouble};
+use super::{Ecp, OfInstruction, Trouble};
 
 /// What becomes of a motion that ends while it moves.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -77,7 +76,8 @@ impl<R: Robot> Ecp<'_, R> {
     where
         G: Generator<Robots = R, Language = Motion>,
     {
-        let (first_uses, next_uses) = (const { G::CLASS.first_uses() }, const { G::CLASS.next_uses() });
+        let first_uses = const { G::CLASS.first_uses() };
+        let next_uses = const { G::CLASS.next_uses() };
         self.check_ready()?;
         self.check_payload::<G::Order>(first_uses.order || next_uses.order)?;
         let mut e = State::<R>::new(self.driver.image);
@@ -87,36 +87,32 @@ impl<R: Robot> Ecp<'_, R> {
         let mut flags = flag::FIRST;
         let mut refreshed = false;
         loop {
-            let ending_now = match self.next_duty()? {
-                Duty::Work => false,
+            let ending_now = match self.next_of_instruction()? {
+                OfInstruction::Step => false,
                 // What transmits orders has none to transmit any more; what has no path of its own cannot
                 // slow down on it; what is handed over shall not.
-                Duty::End if next_uses.order || !next_uses.tick || step == 0 || self.orders.hands_over() => {
+                OfInstruction::End
+                    if next_uses.order || !next_uses.tick || step == 0 || self.orders.hands_over() =>
+                {
                     break;
                 }
-                Duty::End => true,
-                Duty::Abort => {
+                OfInstruction::End => true,
+                OfInstruction::Abort => {
                     self.settle()?;
                     if let Trouble::New(fault) | Trouble::Told(fault) = self.trouble.clone() {
                         return Err(self.fail(fault));
                     }
                     return Err(self.instruction_over(true));
                 }
-                duty @ (Duty::Open
-                | Duty::Rest
-                | Duty::StayOut
-                | Duty::Report
-                | Duty::Stop
-                | Duty::Refuse
-                | Duty::Reset
-                | Duty::Foreign) => return Err(self.decline(duty)),
             };
             self.count_own_time(step)?;
-            let (mut dt, mut duration) = (self.orders.header().dt, self.orders.header().duration);
+            let mut dt = self.orders.header().dt;
+            let mut duration = self.orders.header().duration;
             if step == 0 && !self.driver.moving && duration > 0.0 {
                 // No period of this motion can have been skipped.
                 let period = self.pace.period as f64 * 1e-9;
-                (dt, duration) = (dt / duration * period, period);
+                dt = dt / duration * period;
+                duration = period;
             }
             if ending_now {
                 // The MP may be slowing down as well: both bound the change of the one rate that counts.
@@ -178,7 +174,8 @@ impl<R: Robot> Ecp<'_, R> {
             self.driver.set_demand(&demand, dt / duration * self.orders.header().duration);
             self.driver.moving = true;
             self.execute(sensors, v, RequestKind::Demand, flags, next_uses.robots)?;
-            (step, flags) = (step + 1, 0);
+            step += 1;
+            flags = 0;
             self.reply_with_state();
         }
         match ending {

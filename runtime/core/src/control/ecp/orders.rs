@@ -122,7 +122,7 @@ impl Orders {
         }
     }
 
-    /// Waits for an order, unless one is open. One of another epoch is none.
+    /// Waits for an order, unless one is open. Orders of another epoch are not taken.
     pub fn receive(&mut self, waiter: &dyn Waiter) -> Result<OrderKind, Closed> {
         loop {
             if let Some(open) = self.open {
@@ -151,7 +151,8 @@ impl Orders {
 
     /// Leaves the latch: no instruction is open.
     pub fn reset(&mut self) {
-        (self.phase, self.payload) = (Phase::Idle, None);
+        self.phase = Phase::Idle;
+        self.payload = None;
     }
 
     /// The kind of the order that is to be answered.
@@ -221,7 +222,8 @@ impl Orders {
         answer.header = self.order.header;
         answer.header.kind = Kind::Reply;
         answer.header.flags = flags | driver.header.flags & (flag::STANDSTILL | flag::HOMING);
-        (answer.header.headroom, answer.header.law) = (driver.header.headroom, driver.header.law);
+        answer.header.headroom = driver.header.headroom;
+        answer.header.law = driver.header.law;
         answer.header.len = 0;
         if flags & flag::STATE != 0 {
             answer.header.len = driver.header.len;
@@ -235,9 +237,11 @@ impl Orders {
     pub fn reply_trouble(&mut self, fault: &Fault, driver: &Message) {
         let answer = &mut self.answer;
         answer.header = self.order.header;
-        (answer.header.headroom, answer.header.law) = (driver.header.headroom, driver.header.law);
+        answer.header.headroom = driver.header.headroom;
+        answer.header.law = driver.header.law;
         answer.set_fault(fault);
-        (answer.header.kind, answer.header.flags) = (Kind::Reply, flag::TROUBLE);
+        answer.header.kind = Kind::Reply;
+        answer.header.flags = flag::TROUBLE;
         self.port.reply(answer);
         self.open = None;
     }

@@ -10,8 +10,7 @@ use crate::model::list::{Reading, State};
 use crate::model::robot::Robot;
 use crate::model::step::Tick;
 
-use super::Ecp;
-use super::orders::Duty;
+use super::{Ecp, OfInstruction};
 
 /// The images that a condition looks at in an ECP: its robot's or none.
 #[doc(hidden)]
@@ -76,18 +75,10 @@ impl<R: Robot> Ecp<'_, R> {
         let mut v = Reading::new(sensors.images());
         let mut step = 0;
         let end = loop {
-            match self.next_duty()? {
-                Duty::Work => {}
-                Duty::End => break Err(self.instruction_over(false)),
-                Duty::Abort => break Err(self.instruction_over(true)),
-                duty @ (Duty::Open
-                | Duty::Rest
-                | Duty::StayOut
-                | Duty::Report
-                | Duty::Stop
-                | Duty::Refuse
-                | Duty::Reset
-                | Duty::Foreign) => return Err(self.decline(duty)),
+            match self.next_of_instruction()? {
+                OfInstruction::Step => {}
+                OfInstruction::End => break Err(self.instruction_over(false)),
+                OfInstruction::Abort => break Err(self.instruction_over(true)),
             }
             self.refresh(&sensors, &mut v, uses.robots)?;
             let header = *self.orders.header();

@@ -75,7 +75,8 @@ impl Mp<'_> {
         e: &mut State<G::Robots>,
         v: &mut Reading<G::Sensors>,
     ) -> Result<(), Fault> {
-        let (first_uses, next_uses) = (const { G::CLASS.first_uses() }, const { G::CLASS.next_uses() });
+        let first_uses = const { G::CLASS.first_uses() };
+        let next_uses = const { G::CLASS.next_uses() };
         let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
         let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
         let payload = <G::Robots as Robots<G::Language>>::payload;

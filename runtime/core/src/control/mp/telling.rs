@@ -44,11 +44,16 @@ impl Mp<'_> {
             self.stops.refuse();
             return Err(Fault::orderly(FaultKind::CellClosed));
         }
-        let (speed, suspended) = (self.operating.operator.speed(), self.clock.is_suspended());
-        let (dt, duration) = (self.clock.dt(), self.clock.duration());
-        let (aborting, resetting) =
-            (self.operating.aborts, self.operating.operator.latch() == Latch::Resetting);
-        let what = What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting };
+        let what = What::Step {
+            step,
+            dt: self.clock.dt(),
+            duration: self.clock.duration(),
+            speed: self.operating.operator.speed(),
+            suspended: self.clock.is_suspended(),
+            aborting: self.operating.aborts,
+            stopping,
+            resetting: self.operating.operator.latch() == Latch::Resetting,
+        };
         self.witnesses.show(self.host.waiter.now(), &what, &[]);
         Ok(())
     }

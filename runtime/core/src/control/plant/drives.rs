@@ -71,10 +71,12 @@ impl<R: Robot> Drives<R> {
         edp: ProcessId,
         driver: Box<dyn Driver<R>>,
         commands: Commands,
-        (step, patience): (Nanos, Nanos),
+        step: Nanos,
+        patience: Nanos,
         observers: Vec<Observer<R>>,
     ) -> Self {
-        let (measured, servo) = (driver.measured(), driver.period().as_nanos() as Nanos);
+        let measured = driver.measured();
+        let servo = driver.period().as_nanos() as Nanos;
         Drives {
             edp,
             driver,
@@ -121,7 +123,9 @@ impl<R: Robot> Drives<R> {
 
     /// As they were before their first command: standing, with power or without. What they had tripped for is over.
     fn switch(&mut self, on: bool) {
-        (self.newest, self.off, self.way) = (None, None, R::Joints::zeros());
+        self.newest = None;
+        self.off = None;
+        self.way = R::Joints::zeros();
         let switched = guarded(|| match on {
             true => self.driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
             false => {
@@ -193,7 +197,8 @@ impl<R: Robot> Drives<R> {
         } else {
             self.at + self.way
         };
-        (self.at, self.way) = (demanded, demanded - self.at);
+        self.way = demanded - self.at;
+        self.at = demanded;
         match guarded(|| self.driver.tick(&demanded)) {
             Ok(Ok(measured)) => self.measured = measured,
             Ok(Err(trip)) => self.trip(Fault::of_drive(&trip)),

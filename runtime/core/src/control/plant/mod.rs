@@ -94,7 +94,8 @@ impl Site {
     pub fn take<R: Robot>(
         &mut self,
         link: &mut dyn Link,
-        (process, edp): (ProcessId, usize),
+        process: ProcessId,
+        edp: usize,
         driver: Box<dyn Driver<R>>,
         observers: &mut Vec<Observer<R>>,
     ) -> Drive<R> {
@@ -106,14 +107,15 @@ impl Site {
                 (PlantEnd::Asks(client, plant), Commands::Asked(server))
             }
             Simulation::Free => {
-                let (commands, readings) = (link.board(edp, plant), link.board(plant, edp));
+                let commands = link.board(edp, plant);
+                let readings = link.board(plant, edp);
                 let end = PlantEnd::Reads(Rc::clone(&commands), Rc::clone(&readings));
                 (end, Commands::Free(commands, readings))
             }
         };
         let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, end, patience)));
         let observers = if self.watched { core::mem::take(observers) } else { Vec::new() };
-        self.parts.push(Box::new(Drives::new(process, driver, commands, (step, patience), observers)));
+        self.parts.push(Box::new(Drives::new(process, driver, commands, step, patience, observers)));
         drive
     }
 

@@ -120,7 +120,7 @@ fn drives(commands: Commands, trips_at: Option<f64>) -> (Drives<Slide>, Rc<RefCe
     let told = Rc::<RefCell<Vec<Told>>>::default();
     let measured = Measured { position: One::zeros(), velocity: One::zeros() };
     let driver = Exact { told: Rc::clone(&told), measured, trips_at };
-    (Drives::new(edp(), Box::new(driver), commands, (SERVO, (L + 1) * SERVO), Vec::new()), told)
+    (Drives::new(edp(), Box::new(driver), commands, SERVO, (L + 1) * SERVO, Vec::new()), told)
 }
 
 fn near(told: &[Told], expected: &[f64]) {

@@ -23,7 +23,8 @@ impl RecordedReading {
     /// Makes it the reply of the sensor, which has read then.
     pub fn put(&self, reply: &mut Message) -> bool {
         let kind = if self.state == ReadingState::Fault { Kind::Fault } else { Kind::Reply };
-        (reply.header.kind, reply.header.step) = (kind, self.taken);
+        reply.header.kind = kind;
+        reply.header.step = self.taken;
         let len = self.words.len().min(WORDS);
         reply.header.len = len as u32;
         reply.body[..len].copy_from_slice(&self.words[..len]);

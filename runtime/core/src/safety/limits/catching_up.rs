@@ -44,24 +44,28 @@ impl<J: JointVector> CatchingUp<J> {
     ///
     /// None where it would be too far off.
     pub fn next(known: Option<&Self>, late: &Late<'_, J>, limits: &Limits<J>) -> Option<(J, Option<Self>)> {
-        let (h, t) = (late.duration, late.time);
+        let h = late.duration;
+        let t = late.time;
         let gap = known.map_or(t, |known| known.gap.max(t));
         // The mean of the path's last step, not of the whole time.
         let path_velocity = J::from_joints(|i| {
-            let (fastest, velocity) = (limits.velocity[i], late.path_velocity[i]);
+            let fastest = limits.velocity[i];
+            let velocity = late.path_velocity[i];
             (velocity + late.path_acceleration[i] * 0.5 * (t - h)).clamp(-fastest, fastest)
         });
         let mut position = *late.demand;
         let mut is_on_path = true;
         for i in 0..J::LEN {
-            let (limit, fastest) = (limits.acceleration[i], limits.velocity[i]);
+            let limit = limits.acceleration[i];
+            let fastest = limits.velocity[i];
             let round_off = ROUND_OFF * late.demand[i].abs().max(1.0);
             // In time, the path's last step began at the demand before.
             let began = if t > h { late.demand[i] - path_velocity[i] * h } else { late.before[i] };
             let offset = late.position[i] - began;
             let usable = (limit - late.path_acceleration[i].abs()).max(LEAST_SHARE * limit);
             let wanted = path_velocity[i] + velocity_back(offset, usable, h);
-            let (slower, faster) = (late.velocity[i] - limit * h, late.velocity[i] + limit * h);
+            let slower = late.velocity[i] - limit * h;
+            let faster = late.velocity[i] + limit * h;
             let velocity = wanted.clamp(slower, faster).clamp(-fastest, fastest);
             let off = late.position[i] + velocity * h - late.demand[i];
             if off.abs() > FARTHEST * limit * gap * gap {

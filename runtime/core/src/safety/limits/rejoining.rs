@@ -32,12 +32,13 @@ impl Rejoining {
     pub fn after(known: Option<&Rejoining>, last: Screw, over: Screw, missed: f64) -> Rejoining {
         // Both are screws of the middles of their times: the path's changes by this in each step.
         let bend = (over * (1.0 + missed).recip() - last) * (0.5 * (missed + 2.0)).recip();
-        let (mut from, mut change) = (bend * (-0.5 * missed * (missed + 1.0)), bend * -missed);
+        let mut from = bend * (-0.5 * missed * (missed + 1.0));
+        let mut change = bend * -missed;
         let path = last + bend * (missed + 1.0);
         let mut bend = bend.size();
         if let Some(known) = known {
-            (from, change) =
-                (from + known.offset(known.step) + known.change() * missed, change + known.change());
+            from = from + known.offset(known.step) + known.change() * missed;
+            change = change + known.change();
             bend = bend.max(known.bend);
         }
         // One that does not bend comes to no offset.
