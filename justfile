@@ -83,7 +83,7 @@ bench-step PLACEMENTS="launcher":
 
 # A round trip between two processes beside bare iceoryx2, a futex and a socket, in microseconds.
 bench-latency:
-    cargo test --release -p mrroc --features processes --lib round_trips_of_every_kind -- --ignored --nocapture
+    cargo test --release -p mrroc-processes --lib round_trips_of_every_kind -- --ignored --nocapture
 
 # Every fault in every step of small cells: over 100,000 cases, some minutes.
 sweep:
@@ -97,7 +97,7 @@ sweep-tasks EVERY="7":
 # Rows of SAFETY.md and their tests, the cases of a share of the sweeps, and the worst stop beside its bound.
 safety:
     cargo test -p mrroc-tests --test all -- --ignored --nocapture safety::summary
-    cargo test -p mrroc --lib -- --nocapture fault_03_arms fault_06_arms
+    cargo test -p mrroc-core --lib -- --nocapture fault_03_arms fault_06_arms
 
 # Mutated files into all that reads files and messages: so many in all.
 fuzz N="10000000":
@@ -109,7 +109,7 @@ fuzz-nightly TARGET SECONDS="60":
     cd tests/fuzz && cargo +nightly fuzz run {{TARGET}} corpus/{{TARGET}} ../parsers/corpus/{{TARGET}} -- -max_total_time={{SECONDS}}
 
 # Mutants of one file and the unit tests of the runtime, with cargo-mutants; takes minutes to hours.
-mutants FILE="runtime/src/stopping.rs":
+mutants FILE="runtime/core/src/safety/stopping.rs":
     CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --in-place --file {{FILE}}
 
 # All that the tutorial says, word for word: builds five projects, which takes minutes.
