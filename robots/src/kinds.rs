@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 
+use mrroc::fault::Excess;
 use mrroc::prelude::*;
 use mrroc::robot::CoupledLimit;
 use mrroc_launch::cell_file::{Kinds, RobotEntry};
@@ -69,7 +70,7 @@ fn set_up<const N: usize, R: Driven<N> + Kinematics<N>>(
 ) -> Result<RobotSetup<R>, CellError> {
     let start: SVector<f64, N> = entry.start(&robot)?;
     robot.check_coupled(&start, &start, 1.0).map_err(|limit| {
-        let CoupledLimit { joint, what, actual, limit, unit } = limit;
+        let CoupledLimit { joint, what, excess: Excess { actual, limit, unit } } = limit;
         let space = if unit.is_empty() { "" } else { " " };
         let what = format!(
             "the drives cannot take this `start`: joint {}: {what} {actual:.4}{space}{unit}, limit {limit:.4}{space}{unit}",

@@ -1,5 +1,6 @@
 //! Simulated drives that do not know where they are find out, from anywhere, and exactly.
 
+use mrroc::fault::Excess;
 use mrroc::robot::{DriveFault, Driver, Homing, Search};
 use mrroc_launch::cell_file::CellFile;
 use mrroc_robots::{
@@ -170,8 +171,9 @@ fn a_switch_that_never_closes_ends_the_search_at_the_motors_range() {
         homing.cut_switch(joint);
         let fault = home(homing).expect_err("there is no switch");
         let range = (Irp6::MOTOR_UPPER - Irp6::MOTOR_LOWER)[joint];
-        assert_eq!((fault.joint, fault.what), (joint, "way to the synchronisation switch"));
-        assert!(fault.limit == range && fault.actual > range && fault.actual < range + 0.1, "{fault}");
+        assert_eq!((fault.joint(), fault.what()), (Some(joint), "way to the synchronisation switch"));
+        let Excess { actual, limit, .. } = fault.excess().expect("a way and its limit");
+        assert!(limit == range && actual > range && actual < range + 0.1, "{fault}");
     }
 }
 

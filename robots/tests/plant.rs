@@ -237,7 +237,7 @@ fn a_blocked_joint_trips_its_drive_and_the_arm_stands_still() {
                 arm.tick(&q).err()
             })
             .expect("a jammed motor cannot follow");
-        assert_eq!(fault.joint, joint, "{fault}");
+        assert_eq!(fault.joint(), Some(joint), "{fault}");
         for _ in 0..200 {
             assert_eq!(arm.tick(&q), Err(fault), "the first cause stays");
         }
@@ -283,7 +283,7 @@ fn demands_that_no_drive_can_take_are_refused_by_name() {
         change(&mut q);
         let fault = arm.tick(&q).expect_err("refused");
         assert!((arm.shaft().state().position - start).amax() < 1e-9, "nothing moved");
-        (fault.joint, fault.what)
+        (fault.joint().expect("a joint"), fault.what())
     };
     assert_eq!(refused(|q| q[0] += 0.01), (0, "demanded motor speed"));
     assert_eq!(refused(|q| q[1] = -2.3), (1, "demanded motor angle"));

@@ -72,7 +72,7 @@ fn the_linkages_refuse_the_neighbourhood_of_a_dead_centre() {
     let mut q = drawn();
     (q[1], q[2]) = (limits.upper[1], limits.upper[2]);
     let why = robot.check_coupled(&drawn(), &q, 10.0).expect_err("rocker and rod in line");
-    assert!(why.actual < Rnt::TRANSMISSION && why.what.contains("transmission"), "{why:?}");
+    assert!(why.excess.actual < Rnt::TRANSMISSION && why.what.contains("transmission"), "{why:?}");
     assert!(robot.check_coupled(&drawn(), &drawn(), 1.0).is_ok());
     assert_eq!(Rnt::elevations(&Six::new(0.0, 0.9, 0.5, 0.0, 0.0, 0.0)), None, "an actuator too long");
 }

@@ -36,7 +36,7 @@ fn walk<const N: usize, R: Kinematics<N>>(
             }
         }
         if let Err(why) = robot.check_coupled(&near, &q, 1.0) {
-            return (gone, Some(format!("{} of joint {}: {}", why.what, why.joint, why.actual)));
+            return (gone, Some(format!("{} of joint {}: {}", why.what, why.joint, why.excess.actual)));
         }
         let step = (q - near).amax();
         assert!(step < 0.05, "{}: a jump of {step} rad after {gone} m", R::KIND);

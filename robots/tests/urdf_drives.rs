@@ -194,7 +194,7 @@ fn an_effort_that_cannot_carry_the_arm_trips_by_name() {
     let stretched = Vector2::zeros();
     let mut drives = Simulated::new(robot, &stretched);
     let fault = (0..500).find_map(|_| drives.tick(&stretched).err()).expect("17 N m is above 5 N m");
-    assert_eq!((fault.joint, fault.what), (0, "motor current"));
+    assert_eq!((fault.joint(), fault.what()), (Some(0), "motor current"));
 }
 
 #[test]

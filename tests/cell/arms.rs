@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
-use mrroc::robot::{DriveFault, Driver, Measured};
+use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
 use mrroc_tests::fixture::{COMPUTES, OTHER, RECORDS};
 
@@ -121,12 +121,14 @@ impl Driver<Irp6> for Recorded {
         self.drives.switch_on()
     }
 
-    fn is_simulated(&self) -> bool {
-        self.drives.is_simulated()
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Irp6>> {
+        Some(self)
     }
+}
 
+impl SimulatedDrives<Irp6> for Recorded {
     fn brake(&mut self) -> Measured<Six> {
-        let measured = Driver::brake(&mut self.drives);
+        let measured = self.drives.brake();
         self.write("brake", &measured);
         measured
     }

@@ -193,14 +193,14 @@ fn fault_08_a_panic_in_a_generator_is_caught_and_the_robots_stop() {
         mp.move_robots((&mut g,), (), Panics).map(drop)
     });
     let by_mp = fault(cell.run());
-    assert_eq!(by_mp.kind(), FaultKind::GeneratorPanicked);
+    assert_eq!(by_mp.kind(), FaultKind::Panicked);
     assert!(by_mp.message().contains("no such place"), "{by_mp}");
     stops_within_the_limits(&trace.borrow());
 
     let (robot, trace) = gantry("g");
     let robot = robot.program(|ecp| ecp.move_robot((), PanicsAlone).map(drop));
     let by_ecp = fault(Cell::new(MS).robot(robot).run());
-    assert_eq!(by_ecp.kind(), FaultKind::GeneratorPanicked);
+    assert_eq!(by_ecp.kind(), FaultKind::Panicked);
     assert_eq!(by_ecp.process().expect("named").to_string(), "ecp g");
     stops_within_the_limits(&trace.borrow());
 }

@@ -149,7 +149,7 @@ fn a_guard_that_panics_stops_the_cell() {
             })
             .run(),
     );
-    assert_eq!(fault.kind(), FaultKind::GeneratorPanicked, "{fault}");
+    assert_eq!(fault.kind(), FaultKind::Panicked, "{fault}");
     let trace = trace.borrow();
     assert_eq!(trace[trace.len() - 1], trace[trace.len() - 2], "not at a standstill");
 }

@@ -4,7 +4,7 @@ use std::cell::Cell as Count;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::fault::FaultKind;
+use mrroc::fault::{Excess, FaultKind};
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Homing, Search};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, traced};
@@ -36,13 +36,9 @@ impl Homing<Gantry> for Blind {
         self.ticks.set(self.ticks.get() + 1);
         self.left -= 1;
         match self.left {
-            0 if self.trips => Err(DriveFault {
-                joint: 1,
-                what: "way to the synchronisation switch",
-                actual: 0.7,
-                limit: 0.5,
-                unit: "m",
-            }),
+            0 if self.trips => {
+                Err(DriveFault::exceeded(1, "way to the synchronisation switch", Excess::new(0.7, 0.5, "m")))
+            }
             0 => Ok(Search::Found(ExactDrive::new(Q::<3>::new(0.1, 0.0, 0.0), MS))),
             _ => Ok(Search::Searching(self)),
         }

@@ -4,7 +4,7 @@ use std::cell::Cell as Shared;
 use std::rc::Rc;
 use std::time::Duration;
 
-use mrroc::fault::FaultKind;
+use mrroc::fault::{Excess, FaultKind};
 use mrroc::prelude::*;
 use mrroc::robot::{CoupledLimit, JointKind, Limits, NoInverse};
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
@@ -56,7 +56,7 @@ impl Robot for Bench {
         assert!(((to - from) / duration).amax() <= 1.0 + 1e-9, "faster than the joints may be");
         let sum = to[0] + to[1];
         if sum > self.sum {
-            return Err(CoupledLimit { joint: 1, what: "x + y", actual: sum, limit: self.sum, unit: "m" });
+            return Err(CoupledLimit { joint: 1, what: "x + y", excess: Excess::new(sum, self.sum, "m") });
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! The two halves of an instruction: pairing, payloads, first causes, arrays of robots.
 
-use mrroc::fault::FaultKind;
+use mrroc::fault::{Excess, FaultKind};
 use mrroc::prelude::*;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured};
@@ -59,7 +59,7 @@ impl Driver<Gantry> for Trips {
     fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
         self.ticks += 1;
         if self.ticks == self.at {
-            return Err(DriveFault { joint: 0, what: "trip", actual: 2.0, limit: 1.0, unit: "A" });
+            return Err(DriveFault::exceeded(0, "trip", Excess::new(2.0, 1.0, "A")));
         }
         Driver::<Gantry>::tick(&mut self.drive, demanded)
     }

@@ -9,7 +9,7 @@ use crate::runtime::kit::{Count, Counter, Offset, Smooth, Twin, Watch};
 
 fn stopped(result: Result<mrroc::cell::RunReport, CellError>, process: &str, trace: &[Q<3>]) {
     let fault = fault(result);
-    assert_eq!(fault.kind(), FaultKind::GeneratorPanicked, "{fault}");
+    assert_eq!(fault.kind(), FaultKind::Panicked, "{fault}");
     assert_eq!(fault.process().expect("named").to_string(), process, "{fault}");
     assert!(fault.message().contains("on purpose"), "{fault}");
     assert!(peaks(trace, 1e-3).1 <= 10.0 + 1e-6);

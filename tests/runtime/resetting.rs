@@ -4,7 +4,7 @@ use std::cell::{Cell as Shared, RefCell};
 use std::rc::Rc;
 
 use mrroc::cell::{AfterFault, RunReport};
-use mrroc::fault::FaultKind;
+use mrroc::fault::{Excess, FaultKind};
 use mrroc::operator::{Latch, LatchRefusal, Operator};
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured};
@@ -195,7 +195,7 @@ impl Driver<Gantry> for Trips {
         self.ticks += 1;
         if self.ticks == self.trips_at {
             self.off.set(true);
-            return Err(DriveFault { joint: 0, what: "motor current", actual: 30.0, limit: 25.0, unit: "A" });
+            return Err(DriveFault::exceeded(0, "motor current", Excess::new(30.0, 25.0, "A")));
         }
         self.at = demanded[0];
         Ok(self.measured())
@@ -213,7 +213,7 @@ impl Driver<Gantry> for Trips {
         assert!(self.off.get(), "switched on twice");
         if self.fails > 0 {
             self.fails -= 1;
-            return Err(DriveFault { joint: 0, what: "bus voltage", actual: 0.0, limit: 40.0, unit: "V" });
+            return Err(DriveFault::exceeded(0, "bus voltage", Excess::new(0.0, 40.0, "V")));
         }
         self.off.set(false);
         // Somebody leant on it.
@@ -420,8 +420,8 @@ fn fault_40_a_guard_that_panicked_forbids_every_reset_and_says_so() {
             })
             .run(),
     );
-    assert_eq!(fault.kind(), FaultKind::GeneratorPanicked, "{fault}");
-    let refused = (Some(FaultKind::GeneratorPanicked), Err(LatchRefusal::CausePersists));
+    assert_eq!(fault.kind(), FaultKind::Panicked, "{fault}");
+    let refused = (Some(FaultKind::Panicked), Err(LatchRefusal::CausePersists));
     assert_eq!(*told.borrow(), [refused, refused, refused]);
     assert_eq!(runs.get(), 1);
     let trace = trace.borrow();

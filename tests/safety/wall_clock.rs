@@ -4,12 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Files that may look at the machine's clock: what a launcher, a console or a recorder's thread waits for is no control.
-const MAY: [&str; 4] = [
-    "runtime/processes/",
-    "runtime/launch/src/patience.rs",
-    "runtime/recording/",
-    "runtime/view/",
-];
+const MAY: [&str; 4] =
+    ["runtime/processes/", "runtime/launch/src/patience.rs", "runtime/recording/", "runtime/view/"];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder") {

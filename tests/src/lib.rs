@@ -7,6 +7,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
+use mrroc::fault::Excess;
 use mrroc::observe::ServoRecord;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, JointKind, Limits, Measured, NoInverse};
@@ -165,7 +166,7 @@ impl<R: Robot<Joints = Q<N>>, const N: usize> Driver<R> for ExactDrive<N> {
     fn tick(&mut self, demanded: &Q<N>) -> Result<Measured<Q<N>>, DriveFault> {
         self.ticks += 1;
         if self.trips_at == Some(self.ticks) {
-            return Err(DriveFault { joint: 0, what: "motor current", actual: 30.0, limit: 25.0, unit: "A" });
+            return Err(DriveFault::exceeded(0, "motor current", Excess::new(30.0, 25.0, "A")));
         }
         if self.sticks_at.is_none_or(|tick| self.ticks < tick) {
             let velocity = (demanded - self.measured.position) / self.period.as_secs_f64();

@@ -303,9 +303,9 @@ impl<R: Robot> Arm<R> {
         let shared = self.robot.check_coupled(q, q, 1.0);
         shared.map_err(|over| Cause::Limit {
             joint: over.joint + 1,
-            actual: over.actual,
-            limit: over.limit,
-            unit: over.unit,
+            actual: over.excess.actual,
+            limit: over.excess.limit,
+            unit: over.excess.unit,
         })
     }
 

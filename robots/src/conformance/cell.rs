@@ -6,7 +6,7 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc::prelude::*;
-use mrroc::robot::{DriveFault, Driver, JointVector, Measured, Regulators};
+use mrroc::robot::{DriveFault, Driver, JointVector, Measured, Regulators, SimulatedDrives};
 
 use super::{Violation, ensure};
 
@@ -58,12 +58,19 @@ impl<R: Robot, D: Driver<R>> Driver<R> for Lent<R, D> {
         self.0.borrow_mut().driver.choose_regulators(sets);
     }
 
-    fn is_simulated(&self) -> bool {
-        self.0.borrow().driver.is_simulated()
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+        let is_simulated = self.0.borrow_mut().driver.simulation().is_some();
+        if is_simulated { Some(self) } else { None }
     }
+}
 
+impl<R: Robot, D: Driver<R>> SimulatedDrives<R> for Lent<R, D> {
     fn brake(&mut self) -> Measured<R::Joints> {
-        self.0.borrow_mut().driver.brake()
+        let driver = &mut self.0.borrow_mut().driver;
+        match driver.simulation() {
+            Some(simulated) => simulated.brake(),
+            None => driver.measured(),
+        }
     }
 }
 

@@ -18,7 +18,7 @@ fn period<R: Robot>(driver: &impl Driver<R>) -> f64 {
 
 /// Whether a tick reports the same cause again; its value may be NaN, which is not equal to itself.
 fn keeps<J>(outcome: Result<Measured<J>, DriveFault>, fault: &DriveFault) -> bool {
-    outcome.is_err_and(|again| (again.joint, again.what) == (fault.joint, fault.what))
+    outcome.is_err_and(|again| (again.joint(), again.what()) == (fault.joint(), fault.what()))
 }
 
 /// The largest of `a - b`, as shares of the joints' speed limits.
@@ -126,7 +126,8 @@ pub fn refuses<R: Robot, D: Driver<R>>(
             let Err(fault) = driver.tick(&demanded) else {
                 return Err(Violation(format!("joint {joint} takes the demand {value}")));
             };
-            ensure(fault.joint < R::Joints::LEN, || format!("the fault names joint {}", fault.joint))?;
+            let named = fault.joint().unwrap_or(0);
+            ensure(named < R::Joints::LEN, || format!("the fault names joint {named}"))?;
             ensure(keeps(driver.tick(start), &fault), || format!("the cause {fault} is not kept"))?;
             let moved = off(robot, &driver.measured().position, &before.position);
             ensure(moved < AT_REST, || {

@@ -105,7 +105,10 @@ pub fn trips_where_jammed<R: Robot, H: Homing<R>>(
         let Err(fault) = searched(jammed(joint))? else {
             return Err(Violation(format!("joint {joint} is jammed, and found")));
         };
-        ensure(fault.joint == joint, || format!("joint {joint} is jammed, and joint {} named", fault.joint))?;
+        ensure(fault.joint() == Some(joint), || match fault.joint() {
+            Some(named) => format!("joint {joint} is jammed, and joint {named} named"),
+            None => format!("joint {joint} is jammed, and no joint named"),
+        })?;
     }
     Ok(())
 }

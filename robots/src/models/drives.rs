@@ -5,6 +5,7 @@
 
 use core::f64::consts::{PI, TAU};
 
+use mrroc::fault::Excess;
 use mrroc::robot::{CoupledLimit, Measured, Robot};
 use nalgebra::SVector;
 
@@ -165,13 +166,12 @@ pub(crate) fn check_motors<const N: usize>(
         let limit = if after[i] < lower { lower } else { upper };
         if !(lower..=upper).contains(&after[i]) {
             let what = "angle of the motor";
-            return Err(CoupledLimit { joint: i, what, actual: after[i], limit, unit: "rad" });
+            return Err(CoupledLimit { joint: i, what, excess: Excess::new(after[i], limit, "rad") });
         }
         let speed = (after[i] - before[i]).abs() / duration;
         if speed > limits.speed {
-            let what = "speed of the motor";
-            let limit = limits.speed;
-            return Err(CoupledLimit { joint: i, what, actual: speed, limit, unit: "rad/s" });
+            let (what, limit) = ("speed of the motor", limits.speed);
+            return Err(CoupledLimit { joint: i, what, excess: Excess::new(speed, limit, "rad/s") });
         }
     }
     Ok(())

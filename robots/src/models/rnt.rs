@@ -37,6 +37,7 @@ mod outline;
 
 use core::f64::consts::PI;
 
+use mrroc::fault::Excess;
 use mrroc::prelude::*;
 use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
@@ -242,7 +243,7 @@ impl Robot for Rnt {
             return Ok(());
         }
         let what = "sine of the linkage's transmission angle";
-        Err(CoupledLimit { joint: 2, what, actual, limit: Self::TRANSMISSION, unit: "" })
+        Err(CoupledLimit { joint: 2, what, excess: Excess::new(actual, Self::TRANSMISSION, "") })
     }
 
     fn near_singularity(&self, q: &Six) -> Option<&'static str> {

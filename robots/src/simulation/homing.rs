@@ -17,6 +17,7 @@
 
 use core::time::Duration;
 
+use mrroc::fault::Excess;
 use mrroc::robot::{DriveFault, Homing, Search};
 use nalgebra::SVector;
 
@@ -172,7 +173,7 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
             Stage::ToIndex => ("way to the encoder's index line", TO_INDEX),
             Stage::Resting(_) => return None,
         };
-        let fault = DriveFault { joint: self.motor, what, actual: self.way, limit, unit: "rad" };
+        let fault = DriveFault::exceeded(self.motor, what, Excess::new(self.way, limit, "rad"));
         (self.way > limit).then_some(fault)
     }
 }

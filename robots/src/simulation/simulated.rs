@@ -4,7 +4,8 @@ use core::cell::Cell;
 use core::time::Duration;
 use std::rc::Rc;
 
-use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
+use mrroc::fault::Excess;
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
 use nalgebra::SVector;
 
 use super::plant::{PERIOD, Plant};
@@ -216,7 +217,9 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             let angle = motors[i];
             let speed = (motors[i] - drive.angle_demanded()) / PERIOD;
             let (lower, upper) = (limits.lower[i], limits.upper[i]);
-            let fault = |what, actual, limit, unit| Some(DriveFault { joint: i, what, actual, limit, unit });
+            let fault = |what, actual, limit, unit| {
+                Some(DriveFault::exceeded(i, what, Excess::new(actual, limit, unit)))
+            };
             if !angle.is_finite() || angle < lower {
                 return fault("demanded motor angle", angle, lower, "rad");
             }
@@ -295,12 +298,8 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         joint < N && RegulatorSet::numbered(set).is_some()
     }
 
-    fn is_simulated(&self) -> bool {
-        true
-    }
-
-    fn brake(&mut self) -> Measured<SVector<f64, N>> {
-        Simulated::brake(self)
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+        Some(self)
     }
 
     fn choose_regulators(&mut self, sets: &Regulators) {
@@ -310,6 +309,12 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
                 Some(_) | None => {}
             }
         }
+    }
+}
+
+impl<const N: usize, R: Driven<N>> SimulatedDrives<R> for Simulated<R, N> {
+    fn brake(&mut self) -> Measured<SVector<f64, N>> {
+        Simulated::brake(self)
     }
 }
 
@@ -355,7 +360,9 @@ impl Drive {
         self.read_encoder();
         self.mean_current += CURRENT_SHARE * (self.plant.current().abs() - self.mean_current);
         let following = (self.demanded - self.count) * self.pulse;
-        let fault = |what, actual, limit, unit| Some(DriveFault { joint: index, what, actual, limit, unit });
+        let fault = |what, actual, limit, unit| {
+            Some(DriveFault::exceeded(index, what, Excess::new(actual, limit, unit)))
+        };
         if self.data.overload == Overload::Limit {
             return None;
         }

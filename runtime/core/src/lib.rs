@@ -89,7 +89,9 @@ pub mod prelude {
 /// Robots: models, limits, images, and the drives that move them.
 pub mod robot {
     pub use crate::control::guard::RobotView;
-    pub use crate::model::driver::{DriveFault, Driver, Homing, Measured, Regulators, Search};
+    pub use crate::model::driver::{
+        DriveFault, Driver, Homing, Measured, Regulators, Search, SimulatedDrives,
+    };
     pub use crate::model::image::{RobotImage, RobotState};
     pub use crate::model::joints::{JointVector, MAX_JOINTS};
     pub use crate::model::list::State;
@@ -133,7 +135,8 @@ pub mod pose {
 
 /// Faults: what went wrong, in which process, and what it means.
 pub mod fault {
-    pub use crate::model::fault::{Excess, Fault, FaultClass, FaultKind, FaultWords, ProcessId, Role};
+    pub use crate::model::excess::Excess;
+    pub use crate::model::fault::{Fault, FaultClass, FaultKind, FaultWords, ProcessId, Role};
     pub use crate::model::name::{BadName, MAX_NAME, Name};
 }
 

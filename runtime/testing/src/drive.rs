@@ -2,9 +2,10 @@
 
 use core::time::Duration;
 
+use mrroc_core::fault::Excess;
 use mrroc_core::robot::JointVector;
 use mrroc_core::robot::Robot;
-use mrroc_core::robot::{DriveFault, Driver, Measured, Regulators};
+use mrroc_core::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
 
 /// How a joint's drive fails. Joints are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,8 +72,7 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
         let mut told = *demanded;
         match self.trouble {
             DriveTrouble::Trip if fails => {
-                let (actual, limit) = (30.0, 25.0);
-                return Err(DriveFault { joint, what: "motor current", actual, limit, unit: "A" });
+                return Err(DriveFault::exceeded(joint, "motor current", Excess::new(30.0, 25.0, "A")));
             }
             DriveTrouble::Blocked if fails => told[joint] = self.at,
             DriveTrouble::Friction(share) if fails => {
@@ -114,13 +114,8 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
         self.drives.switch_on()
     }
 
-    fn is_simulated(&self) -> bool {
-        self.drives.is_simulated()
-    }
-
-    fn brake(&mut self) -> Measured<R::Joints> {
-        self.said = self.drives.brake();
-        self.said
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+        if self.drives.simulation().is_some() { Some(self) } else { None }
     }
 
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
@@ -129,5 +124,15 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
 
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.drives.choose_regulators(sets);
+    }
+}
+
+impl<R: Robot, D: Driver<R>> SimulatedDrives<R> for FaultyDrive<R, D> {
+    fn brake(&mut self) -> Measured<R::Joints> {
+        self.said = match self.drives.simulation() {
+            Some(simulated) => simulated.brake(),
+            None => self.drives.measured(),
+        };
+        self.said
     }
 }

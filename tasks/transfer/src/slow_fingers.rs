@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
 use mrroc_robots::grasp::Fingers;
 use mrroc_robots::{Gripper, One};
 
@@ -43,15 +43,8 @@ impl Driver<Gripper> for SlowFingers {
         Ok(measured)
     }
 
-    fn is_simulated(&self) -> bool {
-        self.fingers.is_simulated()
-    }
-
-    fn brake(&mut self) -> Measured<One> {
-        for _ in 1..Self::PARTS {
-            self.fingers.brake();
-        }
-        self.fingers.brake()
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Gripper>> {
+        Some(self)
     }
 
     fn has_brakes(&self) -> bool {
@@ -74,6 +67,15 @@ impl Driver<Gripper> for SlowFingers {
 
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.fingers.choose_regulators(sets);
+    }
+}
+
+impl SimulatedDrives<Gripper> for SlowFingers {
+    fn brake(&mut self) -> Measured<One> {
+        for _ in 1..Self::PARTS {
+            self.fingers.brake();
+        }
+        self.fingers.brake()
     }
 }
 

@@ -61,8 +61,7 @@ impl Driver<Arm> for Drives {
     fn tick(&mut self, demanded: &Six) -> Result<Measured<Six>, DriveFault> {
         let before = self.measured().position;
         let answer = self.bus.exchange(counts(demanded));
-        let silent = DriveFault { joint: 0, what: "no answer", actual: 1.0, limit: 0.0, unit: "step" };
-        self.bus.counts = answer.ok_or(silent)?;
+        self.bus.counts = answer.ok_or(DriveFault::NoAnswer)?;
         self.velocity = (self.measured().position - before) / PERIOD.as_secs_f64();
         Ok(self.measured())
     }

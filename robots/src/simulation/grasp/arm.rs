@@ -7,7 +7,7 @@
 use core::time::Duration;
 
 use mrroc::pose::{Pose, Wrench};
-use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
 use nalgebra::{SVector, Vector6};
 
 use super::compliance::Grasp;
@@ -99,12 +99,8 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
         self.in_world(|arm| arm.tick(demanded))
     }
 
-    fn is_simulated(&self) -> bool {
-        true
-    }
-
-    fn brake(&mut self) -> Measured<SVector<f64, N>> {
-        self.in_world(Simulated::brake)
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+        Some(self)
     }
 
     fn has_brakes(&self) -> bool {
@@ -125,5 +121,11 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
 
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.arm.choose_regulators(sets);
+    }
+}
+
+impl<const N: usize, R: Driven<N> + Kinematics<N>> SimulatedDrives<R> for Grasping<R, N> {
+    fn brake(&mut self) -> Measured<SVector<f64, N>> {
+        self.in_world(Simulated::brake)
     }
 }

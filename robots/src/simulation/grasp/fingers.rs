@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use mrroc::robot::{DriveFault, Driver, Measured, Regulators};
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
 
 use super::error::{WorldError, positive};
 use super::world::Hand;
@@ -54,12 +54,8 @@ impl Driver<Gripper> for Fingers {
         self.drive.tick(demanded)
     }
 
-    fn is_simulated(&self) -> bool {
-        true
-    }
-
-    fn brake(&mut self) -> Measured<One> {
-        self.drive.brake()
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Gripper>> {
+        Some(self)
     }
 
     fn has_brakes(&self) -> bool {
@@ -80,5 +76,11 @@ impl Driver<Gripper> for Fingers {
 
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.drive.choose_regulators(sets);
+    }
+}
+
+impl SimulatedDrives<Gripper> for Fingers {
+    fn brake(&mut self) -> Measured<One> {
+        self.drive.brake()
     }
 }

@@ -42,14 +42,14 @@ impl Cell {
     }
 
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
-    pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
+    pub(super) fn assemble(mut self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
         let nudged = self.coordination.program.is_none();
         let patience = Patience::of_step(self.timing.step);
         let outcomes = Outcomes::default();
         let mp = link.place(ProcessId::MP);
         let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
 
-        let anything = self.parts.robots.iter().any(|robot| robot.is_simulated());
+        let anything = self.parts.robots.iter_mut().any(|robot| robot.is_simulated());
         let mut plant = Site::new(link, self.timing.step, anything, self.watching.watched_in_plant);
 
         let stop_steps = self.stop_steps();

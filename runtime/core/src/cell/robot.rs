@@ -175,7 +175,7 @@ pub trait AnyRobot {
     fn servo_period(&self) -> Duration;
     fn is_homed(&self) -> bool;
     /// Whether its drives may be in the plant.
-    fn is_simulated(&self) -> bool;
+    fn is_simulated(&mut self) -> bool;
     fn check_space(&self, name: Name) -> Option<CellError>;
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
@@ -271,8 +271,11 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         matches!(self.drives, Drives::Homed(_))
     }
 
-    fn is_simulated(&self) -> bool {
-        matches!(&self.drives, Drives::Homed(driver) if driver.is_simulated())
+    fn is_simulated(&mut self) -> bool {
+        match &mut self.drives {
+            Drives::Homed(driver) => driver.simulation().is_some(),
+            Drives::Unhomed(_) => false,
+        }
     }
 
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {

@@ -3,8 +3,10 @@
 //! Drives begin as [`Homing`] where their encoders do not know where the robot is, and become a [`Driver`] once they do.
 //! Only a `Driver` takes joint positions: before homing there is nothing that could move the robot by a demand.
 
+use core::fmt;
 use core::time::Duration;
 
+use crate::model::excess::Excess;
 use crate::model::joints::MAX_JOINTS;
 use crate::model::robot::Robot;
 
@@ -64,17 +66,19 @@ pub trait Driver<R: Robot> {
     /// Chooses the parameter sets of the regulators from the next tick on: only sets that there are.
     fn choose_regulators(&mut self, _sets: &Regulators) {}
 
-    /// Whether they are simulated. Where a cell runs as processes of the operating system, all its simulated drives are in
-    /// one of their own, `plant`, which outlives their EDPs as real drives do; real ones are reached by their EDP itself.
-    fn is_simulated(&self) -> bool {
-        false
+    /// Themselves, if they are simulated. Where a cell runs as processes of the operating system, all its simulated drives
+    /// are in one of their own, `plant`, which outlives their EDPs as real drives do; real ones are reached by their EDP
+    /// itself, and need not say more.
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
+        None
     }
+}
 
-    /// One servo period without power and with the brakes applied; returns what the encoders read at its end. Simulated
-    /// drives alone are asked, once demands have stayed away for too long: real ones do it by themselves.
-    fn brake(&mut self) -> Measured<R::Joints> {
-        self.measured()
-    }
+/// Simulated drives of one robot: what real ones do by themselves they have to be told.
+pub trait SimulatedDrives<R: Robot> {
+    /// One servo period without power and with the brakes applied, after demands have stayed away for too long; returns
+    /// what the encoders read at its end.
+    fn brake(&mut self) -> Measured<R::Joints>;
 }
 
 /// Which parameter set the regulator of each joint works with: the dynamic behaviour of a robot.
@@ -140,18 +144,67 @@ pub enum Search<H, D> {
     Found(D),
 }
 
-/// A drive that gave up.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{what}: {actual} {unit}, limit {limit} {unit}")]
-pub struct DriveFault {
-    /// Index of the joint, from 0.
-    pub joint: usize,
-    /// What went wrong, for the message: `"motor current"`.
-    pub what: &'static str,
-    /// The value met.
-    pub actual: f64,
-    /// The value allowed.
-    pub limit: f64,
-    /// Unit of both.
-    pub unit: &'static str,
+/// Why a drive gave up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveFault {
+    /// A value of one joint is beyond its limit.
+    Exceeded {
+        /// Index of the joint, from 0.
+        joint: usize,
+        /// What it is, for the message: `"motor current"`.
+        what: &'static str,
+        /// The value met, and the value allowed.
+        excess: Excess,
+    },
+    /// The hardware does not answer.
+    NoAnswer,
+    /// Something else, for the message: `"the enabling switch is open"`.
+    Other(&'static str),
 }
+
+impl DriveFault {
+    /// `what` of a joint, from 0, is beyond its limit.
+    #[must_use]
+    pub const fn exceeded(joint: usize, what: &'static str, excess: Excess) -> Self {
+        DriveFault::Exceeded { joint, what, excess }
+    }
+
+    /// The joint concerned, from 0, if it is one joint's fault.
+    #[must_use]
+    pub const fn joint(&self) -> Option<usize> {
+        match *self {
+            DriveFault::Exceeded { joint, .. } => Some(joint),
+            DriveFault::NoAnswer | DriveFault::Other(_) => None,
+        }
+    }
+
+    /// What went wrong, for the message.
+    #[must_use]
+    pub const fn what(&self) -> &'static str {
+        match *self {
+            DriveFault::Exceeded { what, .. } | DriveFault::Other(what) => what,
+            DriveFault::NoAnswer => "no answer",
+        }
+    }
+
+    /// The value that is beyond its limit, if one is.
+    #[must_use]
+    pub const fn excess(&self) -> Option<Excess> {
+        match *self {
+            DriveFault::Exceeded { excess, .. } => Some(excess),
+            DriveFault::NoAnswer | DriveFault::Other(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for DriveFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.what())?;
+        match self.excess() {
+            Some(Excess { actual, limit, unit }) => write!(f, ": {actual} {unit}, limit {limit} {unit}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for DriveFault {}

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use crate::model::driver::DriveFault;
+use crate::model::excess::Excess;
 use crate::model::name::Name;
 use crate::model::wire::{BadWords, WORDS, Wire};
 
@@ -94,8 +96,8 @@ fault_kinds! {
     FollowingError = 20: Stopped, "following error exceeds the limit";
     /// A drive tripped.
     DriveFault = 21: PowerOff, "drive fault";
-    /// A step function panicked.
-    GeneratorPanicked = 22: Stopped, "panic in the program";
+    /// A step function, a driver or a guard panicked.
+    Panicked = 22: Stopped, "panic in the program";
     /// A demand chooses a regulator's parameter set that the drive does not have.
     NoRegulator = 25: Stopped, "the drive has no such regulator";
     /// A guard of the cell saw what must not go on: a protective stop on the path.
@@ -201,17 +203,6 @@ impl fmt::Display for ProcessId {
     }
 }
 
-/// A value beyond its limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Excess {
-    /// The value met.
-    pub actual: f64,
-    /// The value allowed.
-    pub limit: f64,
-    /// The unit of both.
-    pub unit: &'static str,
-}
-
 /// The units that excesses come in; a unit travels as its place in this list.
 const UNITS: [&str; 13] =
     ["", "rad", "m", "rad/s", "m/s", "rad/s²", "m/s²", "rad/s³", "m/s³", "step", "A", "N", "N m"];
@@ -295,10 +286,13 @@ impl Fault {
         Fault::new(FaultKind::ProtectiveStop).in_process(ProcessId::MP).text(BY_OPERATOR)
     }
 
-    /// What a drive gave up for.
-    pub fn of_drive(trip: &crate::model::driver::DriveFault) -> Fault {
-        let fault = Fault::new(FaultKind::DriveFault).text(trip.what).at_joint(trip.joint);
-        fault.exceeds(trip.actual, trip.limit, trip.unit)
+    /// The fault of a drive that gave up.
+    pub fn of_drive(trip: &DriveFault) -> Fault {
+        let fault = Fault::new(FaultKind::DriveFault).text(trip.what());
+        match *trip {
+            DriveFault::Exceeded { joint, excess, .. } => fault.at_joint(joint).exceeds_by(excess),
+            DriveFault::NoAnswer | DriveFault::Other(_) => fault,
+        }
     }
 
     /// A fault that a program throws: lower case, what is wrong, what to do (cut at 120 bytes).
@@ -350,7 +344,14 @@ impl Fault {
     /// Says which value exceeds which limit.
     #[must_use]
     pub fn exceeds(mut self, actual: f64, limit: f64, unit: &'static str) -> Fault {
-        self.0.excess = Some(Excess { actual, limit, unit });
+        self.0.excess = Some(Excess::new(actual, limit, unit));
+        self
+    }
+
+    /// Says which value exceeds its limit.
+    #[must_use]
+    pub fn exceeds_by(mut self, excess: Excess) -> Fault {
+        self.0.excess = Some(excess);
         self
     }
 
@@ -541,5 +542,5 @@ pub fn panicked(panic: &(dyn core::any::Any + Send)) -> Fault {
     }
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    Fault::new(FaultKind::GeneratorPanicked).text(text.unwrap_or("no message"))
+    Fault::new(FaultKind::Panicked).text(text.unwrap_or("no message"))
 }

@@ -1,5 +1,6 @@
 //! What the runtime must know of a robot: its kinematics and its limits.
 
+use crate::model::excess::Excess;
 use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 
@@ -83,12 +84,8 @@ pub struct CoupledLimit {
     pub joint: usize,
     /// What exceeds the limit, for the message: `"angle of motor V"`.
     pub what: &'static str,
-    /// The value asked for.
-    pub actual: f64,
-    /// The value allowed.
-    pub limit: f64,
-    /// The unit of both.
-    pub unit: &'static str,
+    /// The value asked for, and the value allowed.
+    pub excess: Excess,
 }
 
 /// How a joint moves, and with it the units of its coordinates.

@@ -89,7 +89,7 @@ impl Fault {
                      last demanded to be",
                 );
             }
-            K::GeneratorPanicked => {
+            K::Panicked => {
                 return Some(
                     "the line that panicked is printed above: let it return `Err(Fault::thrown(\"..\"))` there, in a `Result`; a \
                      reading is None until the sensor has answered: write `is_some_and` or `match`",

@@ -30,7 +30,7 @@ impl<R: Robot> Edp<'_, R> {
         self.clock.forget_late_steps();
         let before = self.answers.fault.take();
         if self.servo.lost {
-            return Err(before.unwrap_or_else(|| Fault::new(FaultKind::GeneratorPanicked)));
+            return Err(before.unwrap_or_else(|| Fault::new(FaultKind::Panicked)));
         }
         let was_off = self.path.is_off();
         if was_off {

@@ -133,7 +133,7 @@ impl Mp<'_> {
             }
         }
         Ok(self.stops.guard_is_asleep().then(|| {
-            let fault = Fault::new(FaultKind::GeneratorPanicked).in_process(ProcessId::MP);
+            let fault = Fault::new(FaultKind::Panicked).in_process(ProcessId::MP);
             fault.text("the guard panicked and does not look any more: start the cell again")
         }))
     }

@@ -181,7 +181,7 @@ impl<R: Robot> Drives<R> {
             if !stands(&self.measured) {
                 off.braking += 1;
             }
-            self.measured = guarded(|| self.driver.brake()).unwrap_or(self.measured);
+            self.measured = guarded(|| brake(&mut *self.driver)).unwrap_or(self.measured);
             return;
         }
         if newest.choice != self.choice {
@@ -223,6 +223,14 @@ impl<R: Robot> Drives<R> {
         }
         // What is told of the time before a switch is old.
         self.message.header.instruction = self.switched as u32;
+    }
+}
+
+/// One servo period without power; drives that are not simulated brake by themselves.
+fn brake<R: Robot>(driver: &mut dyn Driver<R>) -> Measured<R::Joints> {
+    match driver.simulation() {
+        Some(simulated) => simulated.brake(),
+        None => driver.measured(),
     }
 }
 

@@ -96,10 +96,11 @@ impl Site {
         link: &mut dyn Link,
         process: ProcessId,
         edp: usize,
-        driver: Box<dyn Driver<R>>,
+        mut driver: Box<dyn Driver<R>>,
         observers: &mut Vec<Observer<R>>,
     ) -> Drive<R> {
-        let Some(plant) = self.place.filter(|_| driver.is_simulated()) else { return Drive::Here(driver) };
+        let is_simulated = driver.simulation().is_some();
+        let Some(plant) = self.place.filter(|_| is_simulated) else { return Drive::Here(driver) };
         let Patience { most: patience, again: step } = Patience::of_step(self.step);
         let (end, commands) = match self.simulation {
             Simulation::InEdps | Simulation::Asked => {

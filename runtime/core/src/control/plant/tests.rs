@@ -10,7 +10,8 @@ use crate::control::command::{Command, Reading, RegulatorSets, Switch};
 use crate::link::memory::MemoryBoard;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Server};
-use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::model::driver::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
+use crate::model::excess::Excess;
 use crate::model::fault::{FaultKind, ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::pose::Pose;
@@ -46,7 +47,7 @@ impl Driver<Slide> for Exact {
     fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
         self.told.borrow_mut().push(Told::Position(demanded[0]));
         if self.trips_at.is_some_and(|trips_at| demanded[0] >= trips_at) {
-            return Err(DriveFault { joint: 0, what: "motor current", actual: 30.0, limit: 25.0, unit: "A" });
+            return Err(DriveFault::exceeded(0, "motor current", Excess::new(30.0, 25.0, "A")));
         }
         let velocity = (demanded - self.measured.position) / 1e-3;
         self.measured = Measured { position: *demanded, velocity };
@@ -55,6 +56,12 @@ impl Driver<Slide> for Exact {
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.told.borrow_mut().push(Told::Choose(sets.set(0)));
     }
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Slide>> {
+        Some(self)
+    }
+}
+
+impl SimulatedDrives<Slide> for Exact {
     fn brake(&mut self) -> Measured<One> {
         self.told.borrow_mut().push(Told::Brake);
         self.measured.velocity /= 3.0;

@@ -77,7 +77,7 @@ impl<R: Robot> Checks<R> {
     ) -> Result<(), Fault> {
         let coupled = |limit: CoupledLimit| {
             let fault = Fault::new(FaultKind::DemandOutOfRange).at_joint(limit.joint).text(limit.what);
-            fault.exceeds(limit.actual, limit.limit, limit.unit)
+            fault.exceeds_by(limit.excess)
         };
         self.robot.check_coupled(&step.from.position, position, step.duration).map_err(coupled)?;
         if stop.time > 0.0 {

@@ -2,6 +2,7 @@
 
 use nalgebra::{SVector, Vector3};
 
+use crate::model::excess::Excess;
 use crate::model::robot::{CoupledLimit, Limits, NoInverse};
 
 use super::*;
@@ -68,7 +69,7 @@ impl Robot for Turntable {
         assert!(duration > 0.0, "a way of no time");
         let sum = to[0] + to[1];
         if sum > self.sum {
-            return Err(CoupledLimit { joint: 1, what: "sum", actual: sum, limit: self.sum, unit: "" });
+            return Err(CoupledLimit { joint: 1, what: "sum", excess: Excess::new(sum, self.sum, "") });
         }
         Ok(())
     }

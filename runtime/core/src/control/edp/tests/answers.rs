@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::model::excess::Excess;
 use crate::observe::servo::ServoRecord;
 use crate::slide::One;
 
@@ -258,7 +259,7 @@ fn drives_that_held_all_the_time_go_on_holding_what_they_were_told_unless_they_d
 
 #[test]
 fn drives_that_do_not_come_on_stay_latched() {
-    let trip = DriveFault { joint: 0, what: "motor current", actual: 30.0, limit: 25.0, unit: "A" };
+    let trip = DriveFault::exceeded(0, "motor current", Excess::new(30.0, 25.0, "A"));
     let (mut edp, told) = braked(MS, Err(trip));
     ask(&mut edp, RequestKind::Stop, 0, 0);
     let reply = ask(&mut edp, RequestKind::Reset, 0, 1);
