@@ -228,7 +228,7 @@ fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() 
                 .contains(&format!("control: the console of process {}", first.child.id()))
         );
         first.child.kill().expect("killed");
-        // It is gone when the desk sees the end of its socket.
+        // It is gone when the console server sees the end of its socket.
         wait_until(|| ask(&place, &["status"]).1.contains("control: nobody"));
         done(&place, &["speed", "100%"], "speed 100%: step ");
         let mut second = Console::new(&place);
@@ -287,7 +287,7 @@ fn fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost
             let (mut offered, mut heard) = (0_u64, Vec::new());
             let mut bytes = [0; 4096];
             while !over.load(Ordering::Acquire) {
-                // Most find the socket full: the desk takes one at a time from each console.
+                // Most find the socket full: the console server takes one at a time from each console.
                 offered += 1;
                 let _ = stream.write(request);
                 if let Ok(count) = stream.read(&mut bytes) {
@@ -344,7 +344,7 @@ fn fault_38_the_console_of_another_user_is_refused_and_told_of() {
         // As it is, nobody else gets to the socket at all ..
         let outside = std::thread::scope(|scope| scope.spawn(connect).join().expect("no panic"));
         assert_eq!(outside.map_err(|error| error.kind()), Err(std::io::ErrorKind::PermissionDenied));
-        // .. and where folders are open the desk asks the kernel who it is.
+        // .. and where folders are open the console server asks the kernel who it is.
         for (path, mode) in [(&place.base(), 0o711), (&session, 0o711), (&socket, 0o666)] {
             std::fs::set_permissions(path, PermissionsExt::from_mode(mode)).expect("set");
         }
