@@ -122,8 +122,8 @@ fn press() -> Result<Sheet, Box<dyn Error>> {
     Ok(Sheet { title, axes: vec![""], dashed: "", charts, paths: None, duration })
 }
 
-/// A name and an SVG for every example.
-pub fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+/// A name and a sheet for every example.
+pub fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
     let spline = past(
         "A spline through four poses",
         spline_through_points::path()?,
@@ -133,10 +133,10 @@ pub fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
     let via =
         past("Straight lines past via poses", via_points::path()?, &via_points::CORNERS, via_points::PERIOD);
     Ok(vec![
-        ("01_jerk_limited_plan", plan()?.draw()),
-        ("02_spline_through_points", spline.draw()),
-        ("03_via_points", via.draw()),
-        ("04_two_arms_carry", carry()?.draw()),
-        ("05_force", press()?.draw()),
+        ("01_jerk_limited_plan", plan()?),
+        ("02_spline_through_points", spline),
+        ("03_via_points", via),
+        ("04_two_arms_carry", carry()?),
+        ("05_force", press()?),
     ])
 }

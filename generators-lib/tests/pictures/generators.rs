@@ -1,4 +1,4 @@
-//! Draws what every generator demands, one SVG each: way, velocity, acceleration, jerk over time, and the path in space.
+//! What every generator demands, one sheet each: way, velocity, acceleration, jerk over time, and the path in space.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -294,8 +294,8 @@ fn pairs() -> Sheets {
     ])
 }
 
-/// A name and an SVG for every generator and every combinator.
-pub fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+/// A name and a sheet for every generator and every combinator.
+pub fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
     let all = plain()?.into_iter().chain(told()?).chain(pairs()?);
-    Ok(all.map(|(name, tools)| (name, Sheet::of_tools(name, &tools, DT).draw())).collect())
+    Ok(all.map(|(name, tools)| (name, Sheet::of_tools(name, &tools, DT))).collect())
 }

@@ -9,6 +9,8 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
+use sheet::Sheet;
+
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/pictures");
 
 /// Names of the files of a folder of this crate.
@@ -22,8 +24,8 @@ fn names(folder: &str) -> Vec<String> {
         .collect()
 }
 
-/// A name and an SVG for each.
-fn pictures() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+/// A name and a sheet for each.
+fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
     let mut all = generators::pictures()?;
     all.extend(examples::pictures()?);
     Ok(all)
@@ -34,8 +36,13 @@ fn everything_is_drawn_and_nothing_that_is_no_number() {
     let drawn = pictures().expect("the inputs are in range");
     let readme = include_str!("../../pictures/README.md");
     for name in ["src/generators", "src/combinators", "examples"].into_iter().flat_map(names) {
-        let (_, svg) =
+        let (_, sheet) =
             drawn.iter().find(|(drawn, _)| *drawn == name).unwrap_or_else(|| panic!("no picture of {name}"));
+        // What is no number, an SVG has as 0.
+        assert!(sheet.numbers().all(f64::is_finite), "{name}");
+        let least = sheet.lengths().min().unwrap_or(0);
+        assert!(least > 40, "a line of {name} has only {least} values");
+        let svg = sheet.draw();
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
         let points = svg.matches(',').count();
         assert!(points > 40, "{name} is empty: {points} points");
@@ -50,7 +57,7 @@ fn everything_is_drawn_and_nothing_that_is_no_number() {
 #[test]
 #[ignore = "writes the folder `pictures`"]
 fn draw_all_pictures_anew() {
-    for (name, svg) in pictures().expect("the inputs are in range") {
-        fs::write(format!("{FOLDER}/{name}.svg"), svg).expect("the folder can be written");
+    for (name, sheet) in pictures().expect("the inputs are in range") {
+        fs::write(format!("{FOLDER}/{name}.svg"), sheet.draw()).expect("the folder can be written");
     }
 }

@@ -2,22 +2,32 @@
 //!
 //! In: coordinates of one thing or of two, at equal steps of time. Out: an SVG.
 
-use std::fmt::Write as _;
-
-use nalgebra::Vector3;
+use mrroc_pictures::svg::palette::{GREY, HIGHLIGHT, INK, RULE, joint};
+use mrroc_pictures::svg::{Area, Axes, Look, Page, Range, Svg, TextStyle, thinned};
+use nalgebra::{Vector2, Vector3};
 
 /// Width and height of a chart, and where the first one stands on the page \[px\].
 const W: f64 = 560.0;
 const H: f64 = 110.0;
 const LEFT: f64 = 80.0;
-const TOP: f64 = 50.0;
+const TOP: f64 = 54.0;
 /// From one chart to the next \[px\].
 const NEXT: f64 = H + 32.0;
+/// Where the title stands, and what the lines are beside it \[px\].
+const TITLE: f64 = 24.0;
+/// From the name of a coordinate to the next \[px\].
+const NAME: f64 = 24.0;
 /// From the middle of a drawing of the path to its edge \[px\].
 const EDGE: f64 = 130.0;
-const COLOURS: [&str; 3] = ["#0072b2", "#d55e00", "#009e73"];
-/// How the lines are dashed: the first thing's are whole.
-const DASHES: [&str; 2] = ["", " stroke-dasharray=\"5 3\""];
+/// Where the middle of the first drawing of the path is, and how far down the next one \[px\].
+const MIDDLE: Vector2<f64> = Vector2::new(820.0, 184.0);
+const NEXT_PATH: f64 = 280.0;
+/// Width of curves \[px\].
+const CURVE: f64 = 1.5;
+/// Width of a straight line between two points, wider than the axes of its colour \[px\].
+const BAR: f64 = 3.0;
+/// How far a path may be from what is drawn: nobody sees it \[px\].
+const UNSEEN: f64 = 0.1;
 /// Values as small as rounding makes them are drawn as none: way, velocity, acceleration, jerk in SI.
 const ROUNDING: [f64; 4] = [1e-9, 1e-7, 1e-5, 1e-3];
 
@@ -102,138 +112,134 @@ impl Sheet {
         }
     }
 
+    /// All that is drawn to scale: the values, the lines and the points.
+    pub fn numbers(&self) -> impl Iterator<Item = f64> + '_ {
+        let charts =
+            self.charts.iter().flat_map(|chart| chart.values.iter().flatten().flatten().chain(&chart.lines));
+        let points = self.paths.iter().flat_map(|paths| paths.points().flatten());
+        charts.chain(points).copied().chain([self.duration])
+    }
+
+    /// How many values each curve and each path has.
+    pub fn lengths(&self) -> impl Iterator<Item = usize> + '_ {
+        let paths = self.paths.iter().flat_map(|paths| &paths.ways);
+        self.charts.iter().flat_map(|chart| &chart.values).chain(paths).map(Vec::len)
+    }
+
     /// The SVG.
     pub fn draw(&self) -> String {
         let width = if self.paths.is_some() { 1000.0 } else { LEFT + W + 20.0 };
         let height = TOP + self.charts.len() as f64 * NEXT + 22.0;
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n",
-        );
-        let title = format!("<tspan font-weight=\"bold\" font-size=\"15\">{}</tspan>", self.title);
-        words(&mut svg, LEFT, 24.0, "start", &title);
-        let names = LEFT + W - 24.0 * self.axes.len().max(1) as f64;
+        Page::new(&self.title, width, height).draw(|svg| {
+            svg.text(Vector2::new(LEFT, TITLE), TextStyle::new(15.0, INK).bold(), &self.title);
+            self.draw_legend(svg);
+            for (row, chart) in self.charts.iter().enumerate() {
+                let frame = Area { x: LEFT, y: TOP + row as f64 * NEXT, width: W, height: H };
+                let axes = chart.draw(svg, frame, self.axes.len(), self.duration);
+                if row + 1 == self.charts.len() {
+                    axes.draw_labels_below(svg);
+                    let below = Vector2::new(LEFT + 0.5 * W, frame.bottom() + 32.0);
+                    svg.text(below, heading().middle(), &format!("time [s], {:.3} in all", self.duration));
+                }
+            }
+            if let Some(paths) = &self.paths {
+                paths.draw(svg);
+            }
+        })
+    }
+
+    /// Which colour is which coordinate, and what the dashed lines are, beside the title.
+    fn draw_legend(&self, svg: &mut Svg) {
+        let names = LEFT + W - NAME * self.axes.len() as f64;
         for (axis, name) in self.axes.iter().enumerate() {
-            let name = format!("<tspan fill=\"{}\">{name}</tspan>", COLOURS[axis]);
-            words(&mut svg, names + 24.0 * (axis + 1) as f64, 24.0, "end", &name);
+            let at = Vector2::new(names + NAME * (axis + 1) as f64, TITLE);
+            svg.text(at, heading().colour(joint(axis)).bold().end(), name);
         }
-        words(&mut svg, names - 12.0, 24.0, "end", self.dashed);
-        for (row, chart) in self.charts.iter().enumerate() {
-            chart.draw(&mut svg, TOP + row as f64 * NEXT, self.axes.len());
-        }
-        let below = TOP + self.charts.len() as f64 * NEXT - 16.0;
-        words(&mut svg, LEFT, below, "start", "0 s");
-        words(&mut svg, LEFT + 0.5 * W, below, "middle", "time");
-        words(&mut svg, LEFT + W, below, "end", &format!("{:.3} s", self.duration));
-        if let Some(paths) = &self.paths {
-            paths.draw(&mut svg);
-        }
-        svg + "</svg>\n"
+        svg.text(Vector2::new(names - 12.0, TITLE), heading().colour(GREY).end(), self.dashed);
     }
 }
 
-/// A line through points of the page, of which those on a level between their neighbours are left out.
-fn line(svg: &mut String, points: impl Iterator<Item = (f64, f64)>, colour: &str, dashes: &str) {
-    let _ = write!(svg, "<polyline fill=\"none\" stroke=\"{colour}\"{dashes} stroke-width=\"1.5\" points=\"");
-    let points: Vec<_> = points.map(|(x, y)| (format!("{x:.1}"), format!("{y:.1}"))).collect();
-    for (i, (x, y)) in points.iter().enumerate() {
-        let level = |k: usize| points.get(k).is_some_and(|(_, other)| other == y);
-        if !(i > 0 && level(i - 1) && level(i + 1)) {
-            let _ = write!(svg, "{x},{y} ");
-        }
-    }
-    svg.push_str("\"/>\n");
+/// How headings are written.
+fn heading() -> TextStyle {
+    TextStyle::new(12.0, INK)
 }
 
-fn words(svg: &mut String, x: f64, y: f64, anchor: &str, text: &str) {
-    if !text.is_empty() {
-        let _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>");
-    }
+/// The first thing's lines are whole, the second's dashed.
+fn dashed(look: Look, thing: usize) -> Look {
+    if thing == 0 { look } else { look.dashed(5.0, 3.0) }
 }
 
 impl Chart {
-    fn draw(&self, svg: &mut String, top: f64, axes: usize) {
-        let of_values = || self.values.iter().flatten().flat_map(|p| p.iter().take(axes).copied());
-        let all = of_values().chain(self.lines.iter().copied());
-        let mut low: f64 = 0.0;
-        let mut high: f64 = 0.0;
-        for x in all {
-            low = low.min(x);
-            high = high.max(x);
+    /// Draws the chart of the first `coordinates` of the values in a frame.
+    fn draw(&self, svg: &mut Svg, frame: Area, coordinates: usize, duration: f64) -> Axes {
+        let values = self.values.iter().flatten().flat_map(|p| p.iter().take(coordinates));
+        let extremes = Range::of(values);
+        let mut up = Range::with_zero(self.lines.iter().chain(&[extremes.low, extremes.high]), 0.0);
+        if up.width() <= self.rounding {
+            up = Range { low: 0.0, high: 0.0 };
         }
-        let scale = if high - low > self.rounding { H / (high - low) } else { 0.0 };
-        if scale == 0.0 {
-            low = 0.0;
-            high = 0.0;
-        }
-        let y = |x: f64| top + H - (x - low) * scale;
-        let _ = writeln!(
-            svg,
-            "<path stroke=\"#999\" fill=\"none\" d=\"M{LEFT},{top}V{0}M{LEFT},{1}H{2}\"/>",
-            top + H,
-            y(0.0),
-            LEFT + W
+        let axes = Axes::new(frame, Range { low: 0.0, high: duration }, up);
+        svg.text(Vector2::new(frame.x, frame.y - 7.0), heading(), &self.heading);
+        let [low, high] = [extremes.low, extremes.high].map(|x| axes.up_ticks().figure(x));
+        svg.text(
+            Vector2::new(frame.right(), frame.y - 7.0),
+            TextStyle::new(11.0, GREY).end(),
+            &format!("{low} to {high}"),
         );
-        words(svg, LEFT, top - 6.0, "start", &self.heading);
-        // Not where another label stands.
-        words(svg, LEFT - 6.0, y(0.0) + 4.0, "end", "0.000");
-        for x in [low, high].into_iter().filter(|x| (y(*x) - y(0.0)).abs() > 12.0) {
-            words(svg, LEFT - 6.0, y(x) + 4.0, "end", &format!("{x:.3}"));
-        }
+        axes.draw_grid(svg);
         for x in &self.lines {
-            let _ = writeln!(
-                svg,
-                "<path stroke=\"#c00\" stroke-width=\"0.8\" stroke-dasharray=\"2 3\" d=\"M{LEFT},{0:.1}H{1}\"/>",
-                y(*x),
-                LEFT + W
-            );
+            let look = Look::line(HIGHLIGHT, 0.8).dashed(2.0, 3.0);
+            svg.line(axes.at(0.0, *x), axes.at(duration, *x), look);
         }
-        for (values, dashes) in self.values.iter().zip(DASHES) {
+        for (thing, values) in self.values.iter().enumerate() {
             let steps = (values.len() - 1).max(1) as f64;
-            for (axis, colour) in COLOURS.iter().enumerate().take(axes) {
-                let points =
-                    values.iter().enumerate().map(|(i, p)| (LEFT + W * i as f64 / steps, y(p[axis])));
-                line(svg, points, colour, dashes);
+            let times: Vec<f64> = (0..values.len()).map(|i| duration * i as f64 / steps).collect();
+            for axis in 0..coordinates {
+                let values: Vec<f64> = values.iter().map(|p| p[axis]).collect();
+                svg.polyline(&axes.curve(&times, &values), dashed(Look::line(joint(axis), CURVE), thing));
             }
         }
+        axes
     }
 }
 
 impl Paths {
-    /// From two sides.
-    fn draw(&self, svg: &mut String) {
-        let points = self.ways.iter().flatten().chain(&self.marks).chain(self.bars.iter().flatten());
-        let size = points.map(|p| p.amax()).fold(1e-6, f64::max);
-        for (k, [right, up]) in [[0, 1], [0, 2]].into_iter().enumerate() {
-            let x0 = 820.0;
-            let y0 = 180.0 + 280.0 * k as f64;
-            let place = |p: &Vector3<f64>| (x0 + EDGE * p[right] / size, y0 - EDGE * p[up] / size);
-            let _ = writeln!(
-                svg,
-                "<path stroke=\"#ccc\" fill=\"none\" d=\"M{0},{y0}h260M{x0},{1}v260\"/>",
-                x0 - EDGE,
-                y0 - EDGE
-            );
-            let [x, y] = [self.axes[right], self.axes[up]];
-            let heading = format!("path: {x} right, {y} up; edge at {size:.3} {}", self.unit);
-            words(svg, x0, y0 - 138.0, "middle", &heading);
-            for bar in &self.bars {
-                line(svg, bar.iter().map(place), "#aaa", "");
-            }
-            for (way, dashes) in self.ways.iter().zip(DASHES) {
-                line(svg, way.iter().map(place), "#222", dashes);
-            }
-            for mark in &self.marks {
-                let (x, y) = place(mark);
-                let _ = writeln!(
-                    svg,
-                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"none\" stroke=\"#d55e00\"/>"
-                );
-            }
-            for way in &self.ways {
-                let (x, y) = way.first().map_or((x0, y0), place);
-                let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"#222\"/>");
-            }
+    /// All points that are drawn.
+    fn points(&self) -> impl Iterator<Item = &Vector3<f64>> {
+        self.ways.iter().flatten().chain(&self.marks).chain(self.bars.iter().flatten())
+    }
+
+    /// From two sides, and below what the signs are.
+    fn draw(&self, svg: &mut Svg) {
+        let size = self.points().map(|p| p.amax()).fold(1e-6, f64::max);
+        let below = MIDDLE + Vector2::new(0.0, NEXT_PATH);
+        self.draw_side(svg, MIDDLE, [0, 1], size);
+        self.draw_side(svg, below, [0, 2], size);
+        let legend = format!("dot: the start{}", self.legend);
+        svg.text(below + Vector2::new(0.0, EDGE + 16.0), heading().middle(), &legend);
+    }
+
+    /// In the plane of two axes; from the middle to the edge it is `size` in the unit of the points.
+    fn draw_side(&self, svg: &mut Svg, middle: Vector2<f64>, [right, up]: [usize; 2], size: f64) {
+        let place = |p: &Vector3<f64>| middle + Vector2::new(p[right], -p[up]) * (EDGE / size);
+        let [x, y] = [self.axes[right], self.axes[up]];
+        let above = format!("path: {x} right, {y} up; edge at {size:.3} {}", self.unit);
+        svg.text(middle - Vector2::new(0.0, EDGE + 8.0), heading().middle(), &above);
+        let cross =
+            [Vector2::new(EDGE, 0.0), Vector2::new(0.0, EDGE)].map(|arm| [middle - arm, middle + arm]);
+        svg.path(&cross, Look::line(RULE, 1.0));
+        for [from, to] in &self.bars {
+            svg.line(place(from), place(to), Look::line(RULE, BAR));
         }
-        words(svg, 820.0, 606.0, "middle", &format!("dot: the start{}", self.legend));
+        for (thing, way) in self.ways.iter().enumerate() {
+            let points: Vec<_> = way.iter().map(place).collect();
+            svg.polyline(&thinned(&points, UNSEEN), dashed(Look::line(INK, CURVE), thing));
+        }
+        for mark in &self.marks {
+            svg.circle(place(mark), 4.0, Look::line(joint(1), 1.0));
+        }
+        for way in &self.ways {
+            svg.circle(way.first().map_or(middle, place), 3.0, Look::filled(INK));
+        }
     }
 }
