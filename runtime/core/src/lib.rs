@@ -156,7 +156,7 @@ pub use nalgebra;
 pub use mrroc_macros::{condition, generator};
 
 #[cfg(test)]
-mod slide;
+mod tests;
 
 #[doc(hidden)]
 #[path = "private.rs"]

@@ -15,7 +15,7 @@ use crate::model::fault::Role;
 use crate::model::name::Name;
 use crate::model::time::Nanos;
 use crate::model::wire::Wire;
-use crate::slide::{Exact, Slide};
+use crate::tests::slide::{Exact, Slide};
 
 mod answers;
 

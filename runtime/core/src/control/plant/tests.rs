@@ -16,7 +16,7 @@ use crate::model::fault::{FaultKind, ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
-use crate::slide::{One, Slide};
+use crate::tests::slide::{One, Slide};
 
 /// Servo period and step: 1 ms, so `L` is 20.
 const SERVO: Nanos = 1_000_000;

@@ -4,7 +4,7 @@ use super::*;
 use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::model::excess::Excess;
 use crate::observe::servo::ServoRecord;
-use crate::slide::One;
+use crate::tests::slide::One;
 
 /// Exact drives with brakes; power that comes back finds the slide where it sagged to meanwhile.
 struct Braked {

@@ -7,7 +7,7 @@
 
 use stateright::{Checker, Model, Property};
 
-use super::{Admission, Asked, Event, Gate, Latch, Latching};
+use crate::safety::latch::{Admission, Asked, Event, Gate, Latch, Latching};
 
 const ROBOTS: usize = 2;
 /// Resets, faults and messages on one link that are explored, and the speed of a robot in braking steps.
