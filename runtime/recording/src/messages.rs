@@ -21,7 +21,7 @@ use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
 use mrroc_core::replay::script::ScriptedStep;
 use mrroc_core::replay::{RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
-use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::robot::{MAX_JOINTS, Measured};
 
 /// What has been read so far.
 pub(super) struct Messages {
@@ -176,8 +176,10 @@ impl Messages {
         };
         let image = RecordedImage {
             demanded: numbers(&json["demanded"]["joints"])?,
-            position: numbers(&json["measured"]["joints"])?,
-            velocity: numbers(&json["measured"]["velocity"])?,
+            measured: Measured {
+                position: numbers(&json["measured"]["joints"])?,
+                velocity: numbers(&json["measured"]["velocity"])?,
+            },
         };
         if robot.images.is_empty() {
             robot.first = step;

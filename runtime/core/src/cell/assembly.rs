@@ -19,12 +19,12 @@ use crate::model::time::Nanos;
 use crate::observe::witness::{What, Witnesses};
 
 /// How the programs of a cell's processes ended.
-pub(super) type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
+pub type Outcomes = Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>;
 
 /// What the processes of a cell leave behind.
 pub struct Assembly {
     /// How their programs ended.
-    pub outcomes: Rc<RefCell<Vec<(ProcessId, Result<(), Fault>)>>>,
+    pub outcomes: Outcomes,
     /// Steps that the MP began.
     pub steps: Rc<core::cell::Cell<u64>>,
     /// How robots in the plant came to a standstill whose commands had stopped.

@@ -46,7 +46,7 @@ use watching::Watching;
 
 pub use crate::control::plant::{Rest, Rests};
 pub use crate::safety::latch::AfterFault;
-pub use assembly::Assembly;
+pub use assembly::{Assembly, Outcomes};
 pub use error::CellError;
 pub use picture::RunPicture;
 pub use realtime::{Permission, Realtime};

@@ -20,6 +20,7 @@ pub enum Permission {
 /// What the processes of a cell ask of the machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Realtime {
+    /// Whether it runs without what the machine does not permit.
     pub permission: Permission,
     /// Priority under SCHED_FIFO, from 1 to [`MAX_PRIORITY`].
     pub priority: u8,

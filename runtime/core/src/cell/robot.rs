@@ -19,7 +19,7 @@ use crate::control::replay::RecordedRobot;
 use crate::control::replay::drives::recorded_drives;
 use crate::control::sensing::Sensing;
 use crate::link::memory::Stuck;
-use crate::link::{Link, Server, Waiter};
+use crate::link::{Link, Server};
 use crate::model::driver::{Driver, Homing};
 use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::joints::JointVector;
@@ -122,6 +122,7 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
+    /// Gives it another name, before its cell is put together.
     pub fn rename(&mut self, name: &str) {
         name.clone_into(&mut self.name);
     }
@@ -162,23 +163,40 @@ pub(super) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
 
 /// A robot of any kind.
 pub trait AnyRobot {
+    /// Its set-up, whose type its kind tells.
     fn as_any(&mut self) -> &mut dyn Any;
+    /// Shows every servo period to an observer of several robots.
     fn watch(&mut self, observer: SharedObserver);
+    /// Takes away all observers that it has.
     fn unwatch(&mut self);
     /// Its drives read from a recording.
     fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration);
+    /// Its name in the cell.
     fn name(&self) -> &str;
+    /// Its kind, as a type.
     fn kind(&self) -> TypeId;
+    /// Its kind's name, for messages.
     fn kind_name(&self) -> &'static str;
+    /// What it is made of, in plain numbers.
     fn layout(&self) -> RobotLayout;
+    /// Whether its ECP has a program of its own.
     fn has_program(&self) -> bool;
+    /// How often its drives take a position.
     fn servo_period(&self) -> Duration;
+    /// Whether its drives know where it is.
     fn is_homed(&self) -> bool;
     /// Whether its drives may be in the plant.
     fn is_simulated(&mut self) -> bool;
+    /// What forbids that its EDP interpolates where it is told to.
     fn check_space(&self, name: Name) -> Option<CellError>;
+    /// What is wrong with its limits, in a cell of this step that allows a stop to take `stop_time`.
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
+    /// Steps within which it must stand after a stop began, in a cell whose drives are `delay` behind their demands.
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
+    /// Puts its EDP and its ECP on the link.
+    ///
+    /// # Errors
+    /// [`Stuck`] when the link has no room for them.
     fn spawn(
         self: Box<Self>,
         link: &mut dyn Link,

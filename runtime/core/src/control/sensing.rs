@@ -187,8 +187,8 @@ impl SensorPort {
 }
 
 /// All virtual sensors of a process.
-pub(crate) struct Sensing {
-    pub ports: Vec<SensorPort>,
+pub struct Sensing {
+    pub(crate) ports: Vec<SensorPort>,
     /// Of readings, and of other answers.
     pub patience: Patience,
     /// Where what was collected is shown.

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use crate::control::plant_sensor::PlantSensor;
 use crate::link::message::{Kind, Message};
-use crate::link::{Board, Closed, Sample, Server, Waiter};
+use crate::link::{Board, Closed, Sample, Server};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::Sensor;
 use crate::model::time::Nanos;

@@ -71,7 +71,14 @@ pub enum Stuck {
     Stack(String, String),
 }
 
+impl Default for Scheduler {
+    fn default() -> Self {
+        Scheduler::new()
+    }
+}
+
 impl Scheduler {
+    /// No process, at time 0.
     pub fn new() -> Scheduler {
         Scheduler {
             shared: Rc::new(Shared {

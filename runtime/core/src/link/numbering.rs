@@ -22,6 +22,7 @@ pub struct Asking {
 }
 
 impl Asking {
+    /// Nothing has been asked yet, in the run of this seal.
     pub const fn new(seal: Seal) -> Asking {
         Asking {
             seal,
@@ -86,6 +87,7 @@ pub struct Answering {
 }
 
 impl Answering {
+    /// Nothing has been answered yet, in the run of this seal.
     pub const fn new(seal: Seal) -> Answering {
         Answering {
             seal,

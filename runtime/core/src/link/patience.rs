@@ -5,10 +5,12 @@ use core::time::Duration;
 use super::{Client, Closed, Nanos, Waiter};
 pub use crate::safety::stopping::missed_step_budget;
 
-/// How long an answer may take, and after which time without one it is asked for again \[ns\].
+/// How long a process waits for an answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Patience {
+    /// The longest time for which an answer is awaited \[ns\].
     pub most: Nanos,
+    /// The time after which a request without an answer is sent again \[ns\].
     pub again: Nanos,
 }
 

@@ -88,6 +88,7 @@ impl<R: Robot> fmt::Debug for RobotImage<R> {
     }
 }
 
+/// Words of one state of a robot of any kind.
 pub const STATE_WORDS: usize = 2 * MAX_JOINTS + 7;
 
 impl<R: Robot> Wire for RobotState<R> {

@@ -9,6 +9,7 @@ use crate::model::shape::Shape;
 /// A cell.
 #[derive(Clone, Debug)]
 pub struct Layout {
+    /// Length of a step.
     pub step: Duration,
     /// The longest stop that it allows.
     pub stop_time: Duration,
@@ -16,46 +17,64 @@ pub struct Layout {
     pub detection: f64,
     /// Whether the MP has a program of its own.
     pub mp_program: bool,
+    /// Its robots.
     pub robots: Vec<RobotLayout>,
+    /// Its virtual sensors.
     pub sensors: Vec<SensorLayout>,
 }
 
-/// A robot of it.
+/// A robot of a cell.
 #[derive(Clone, Debug)]
 pub struct RobotLayout {
+    /// Its name in the cell.
     pub name: String,
+    /// Its kind's name.
     pub kind: &'static str,
+    /// How often its drives take a position.
     pub servo: Duration,
     /// Whether its drives know where it is.
     pub homed: bool,
     /// Whether its ECP has a program of its own.
     pub ecp_program: bool,
+    /// Where its EDP interpolates between two demands.
     pub space: InterpolationSpace,
+    /// Its joints, from the base on.
     pub joints: Vec<JointLayout>,
 }
 
-/// A joint of it [rad or m, s].
+/// A joint of a robot: its limits, in radians or metres by its kind.
 #[derive(Clone, Copy, Debug)]
 pub struct JointLayout {
+    /// How it moves.
     pub kind: JointKind,
+    /// Lower position limit [rad or m].
     pub lower: f64,
+    /// Upper position limit [rad or m].
     pub upper: f64,
+    /// Largest speed [rad/s or m/s].
     pub velocity: f64,
+    /// Largest acceleration [rad/s² or m/s²].
     pub acceleration: f64,
+    /// Largest jerk [rad/s³ or m/s³]; `None`: not limited.
     pub jerk: Option<f64>,
+    /// Largest difference between its demanded and its measured position [rad or m].
     pub following_error: f64,
     /// The longest time that it brakes for \[s\].
     pub braking: f64,
 }
 
-/// A sensor of it.
+/// A virtual sensor of a cell.
 #[derive(Clone, Debug)]
 pub struct SensorLayout {
+    /// Its name in the cell.
     pub name: String,
+    /// Its kind's name.
     pub kind: &'static str,
     /// The robot that it belongs to.
     pub of: Option<String>,
+    /// How it and its requesters keep step.
     pub mode: VspMode,
+    /// Time that one aggregation takes, under the virtual clock.
     pub latency: Duration,
     /// What its readings' words say.
     pub reading: &'static Shape,

@@ -33,7 +33,9 @@ pub struct Observation<'a> {
     pub measured: &'a [f64],
     /// What kind each joint is.
     pub joints: &'a [JointKind],
+    /// Shows a visitor the frames of its links; see [`frames`](Observation::frames).
     pub frames: &'a Frames<'a>,
+    /// The pose of its tool at the measured joints, `X_WE`.
     pub tool: Pose,
 }
 

@@ -16,55 +16,103 @@ use crate::model::wire::Wire;
 /// Words of what an image is shown as: the demanded state, the measured one, the tool.
 pub const IMAGE_WORDS: usize = 2 * STATE_WORDS + 7;
 
-/// What happened. The words beside it are named with each.
+/// What happened. The words that are shown beside it are named with each.
 #[derive(Clone, Copy, Debug)]
 pub enum What {
-    /// The MP begins a step; path time and real time of it \[s\], and what the operator wants. No words.
+    /// The MP begins a step. No words.
     Step {
+        /// Its index.
         step: u64,
+        /// Its path time \[s\].
         dt: f64,
+        /// Its real time \[s\].
         duration: f64,
+        /// The speed that the operator wants, as a share of the plan, 0 to 1.
         speed: f64,
+        /// Whether the operator has suspended the cell.
         suspended: bool,
+        /// Whether the operator aborts.
         aborting: bool,
-        /// He has asked for a protective stop since the step before.
+        /// Whether the operator has asked for a protective stop since the step before.
         stopping: bool,
+        /// Whether the operator has reset the latched cell.
         resetting: bool,
     },
     /// The operator aborts, after the step began. No words.
-    Abort { step: u64 },
-    /// What took place in the step left no time for more: an MP or ECP had none to begin a motion, a demand came too late
-    /// to its EDP. No words.
-    Late { step: u64 },
+    Abort {
+        /// The step.
+        step: u64,
+    },
+    /// What took place in the step left no time for more: an MP or ECP could not begin a motion in it, or a demand came
+    /// too late to its EDP. No words.
+    Late {
+        /// The step.
+        step: u64,
+    },
     /// The MP orders; the words of the order, if it has one.
     Order {
+        /// The robot that is ordered.
         robot: Name,
+        /// The step.
         step: u64,
+        /// The ordinal of the instruction.
         instruction: u32,
+        /// What kind of order it is.
         kind: OrderKind,
+        /// The name of the order's type.
         payload: &'static str,
+        /// What its words say.
         shape: &'static Shape,
     },
     /// The drives of an EDP have found their reference marks. No words.
-    Found { step: u64 },
+    Found {
+        /// The step.
+        step: u64,
+    },
     /// An EDP begins a step: [`IMAGE_WORDS`] words.
-    Image { step: u64, mode: Mode },
-    /// A process has collected a reading, taken in another step or in the same one: its words, or those of a fault.
-    Reading { sensor: Name, step: u64, state: ReadingState, taken: u64, shape: &'static Shape },
+    Image {
+        /// The step.
+        step: u64,
+        /// What the robot does in it.
+        mode: Mode,
+    },
+    /// A process has collected a reading: its words, or those of a fault.
+    Reading {
+        /// The sensor.
+        sensor: Name,
+        /// The step in which it was collected.
+        step: u64,
+        /// What was collected.
+        state: ReadingState,
+        /// The step in which it was taken.
+        taken: u64,
+        /// What its words say.
+        shape: &'static Shape,
+    },
     /// A process stops for a fault: its words.
-    Fault { step: u64 },
+    Fault {
+        /// The step.
+        step: u64,
+    },
     /// The MP's program is over: no words, or those of the fault it ended with.
-    End { step: u64 },
+    End {
+        /// The last step.
+        step: u64,
+    },
 }
 
 /// What an EDP does in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
+    /// The robot stands where it was demanded last.
     Holding,
+    /// It follows its demands.
     Moving,
     /// The demand did not come: the path goes on.
     Bridging,
+    /// It is on its way to a standstill.
     Braking,
+    /// Its drives have no power.
     Off,
 }
 

@@ -68,6 +68,7 @@ const FULL: u64 = 1.0_f64.to_bits();
 pub struct BadSpeed(pub f64);
 
 impl Operator {
+    /// An operator who has pressed nothing, at full speed.
     pub fn new() -> Operator {
         Operator::default()
     }
@@ -186,12 +187,13 @@ impl Operator {
         self.shared.given_up.store(true, Ordering::Release);
     }
 
+    /// Whether the operator has given the latched cell up.
     pub fn has_given_up(&self) -> bool {
         self.shared.given_up.load(Ordering::Acquire)
     }
 
     /// Something happened to the latch.
-    pub fn meet(&self, event: Event) -> Result<(), LatchRefusal> {
+    pub(crate) fn meet(&self, event: Event) -> Result<(), LatchRefusal> {
         let latching = &self.shared.latching;
         let mut word = latching.load(Ordering::Acquire);
         loop {
@@ -223,6 +225,7 @@ impl Operator {
         look(&mut self.shared.report.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
+    /// Whether the operator aborts the instruction that is carried out.
     pub fn is_aborting(&self) -> bool {
         self.shared.stage.load(Ordering::Acquire) == ABORTING
     }

@@ -13,7 +13,9 @@ pub enum Doing {
     Nothing,
     /// The drives look for their reference marks.
     Homing,
+    /// A Move.
     Move,
+    /// A Wait.
     Wait,
 }
 
@@ -35,16 +37,21 @@ impl Doing {
 /// What an MP shows of itself in every step.
 #[derive(Clone, Default)]
 pub struct MpState {
-    /// Index of the step, and the length of one \[ns\].
+    /// Index of the step.
     pub step: u64,
+    /// Length of a step \[ns\].
     pub period: Nanos,
-    /// Instructions begun, what the last one is and by which generator or condition.
+    /// Instructions that have begun.
     pub instructions: u64,
+    /// What is done now.
     pub doing: Doing,
+    /// The generator or condition of the last instruction, by its type's name.
     pub by: &'static str,
-    /// The rate of path time, 0 to 1, and the speed that the operator set.
+    /// The rate of path time, 0 to 1.
     pub rate: f64,
+    /// The speed that the operator set, 0 to 1.
     pub speed: f64,
+    /// The cell's state, as far as its operator is concerned.
     pub state: CellState,
     /// What became of the last press of each button.
     pub answers: [Answer; Button::KINDS],

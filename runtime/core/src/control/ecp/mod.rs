@@ -18,7 +18,7 @@ use crate::control::overruns::Overruns;
 use crate::control::replay::RecordedRobot;
 use crate::control::sensing::Sensing;
 use crate::link::message::{OrderKind, RequestKind, flag};
-use crate::link::{Client, Server, Waiter};
+use crate::link::{Client, Server};
 use crate::model::fault::{Ended, Fault, FaultKind, ProcessId};
 use crate::model::image::{RobotImage, Sensor};
 use crate::model::list::{PayloadType, SensorHandle};
@@ -79,7 +79,7 @@ enum Trouble {
 
 /// The times that an ECP goes by.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub struct Pace {
     /// The cell's step \[ns\].
     pub period: Nanos,
     /// The time into a step after which its demand would come too late for the EDP's ticks \[ns\].

@@ -28,7 +28,7 @@ use crate::control::plant_sensor::PlantSensor;
 use crate::control::vsp::{Aggregator, RawSensors};
 use crate::link::memory::Stuck;
 use crate::link::patience::Patience;
-use crate::link::{Board, Closed, Link, Sample, Simulation, Waiter};
+use crate::link::{Board, Closed, Link, Sample, Simulation};
 use crate::model::driver::{Driver, Measured};
 use crate::model::fault::ProcessId;
 use crate::model::robot::Robot;
@@ -70,7 +70,7 @@ trait Part {
 }
 
 /// The plant of a cell that is put together.
-pub(crate) struct Site {
+pub struct Site {
     simulation: Simulation,
     place: Option<usize>,
     step: Duration,
@@ -91,7 +91,7 @@ impl Site {
 
     /// Takes the drives of the EDP `process` at `edp`, if they are simulated and the plant has a place; returns what the
     /// EDP has of them. Who looks at them here is taken out of `observers`.
-    pub fn take<R: Robot>(
+    pub(crate) fn take<R: Robot>(
         &mut self,
         link: &mut dyn Link,
         process: ProcessId,
@@ -122,7 +122,7 @@ impl Site {
 
     /// Takes the raw sensors of the VSP at `vsp`, if they are simulated and the plant has a place; returns what the VSP has
     /// of them.
-    pub fn take_sensor<V: VirtualSensor>(
+    pub(crate) fn take_sensor<V: VirtualSensor>(
         &mut self,
         link: &mut dyn Link,
         vsp: usize,

@@ -4,8 +4,8 @@
 
 use super::{Part, Rest};
 use crate::control::vsp::Aggregator;
+use crate::link::Server;
 use crate::link::message::Message;
-use crate::link::{Client, Server};
 use crate::model::sensor::VirtualSensor;
 use crate::model::time::Nanos;
 

@@ -48,8 +48,8 @@ impl<R: Robot> Recorded<R> {
     fn at(&self, step: u64) -> Measured<R::Joints> {
         match self.recorded.nearest(step) {
             Some(image) => Measured {
-                position: R::Joints::from_joints(|i| image.position[i]),
-                velocity: R::Joints::from_joints(|i| image.velocity[i]),
+                position: R::Joints::from_joints(|i| image.measured.position[i]),
+                velocity: R::Joints::from_joints(|i| image.measured.velocity[i]),
             },
             None => Measured { position: R::Joints::zeros(), velocity: R::Joints::zeros() },
         }
@@ -103,7 +103,7 @@ impl<R: Robot> AnyHoming<R> for RecordedHoming<R> {
 }
 
 /// The drives of a robot, replaced by what a recording says of them.
-pub fn recorded_drives<R: Robot>(
+pub(crate) fn recorded_drives<R: Robot>(
     drives: &Drives<R>,
     recorded: Rc<RecordedRobot>,
     step: Duration,

@@ -11,6 +11,7 @@ pub mod script;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
+use crate::model::driver::Measured;
 use crate::model::fault::ProcessId;
 use crate::model::joints::MAX_JOINTS;
 use crate::model::name::Name;
@@ -25,19 +26,21 @@ pub struct RecordedImage {
     /// Joint positions that were demanded [rad or m].
     pub demanded: [f64; MAX_JOINTS],
     /// What the encoders had read before [rad or m], [rad/s or m/s].
-    pub position: [f64; MAX_JOINTS],
-    pub velocity: [f64; MAX_JOINTS],
+    pub measured: Measured<[f64; MAX_JOINTS]>,
 }
 
 /// The steps of one robot, without a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedRobot {
+    /// Its name.
     pub name: Name,
+    /// How many joints it has: entries of its images beyond them are 0.
     pub joints: usize,
     /// When its drives were found, if they had to look for their reference marks \[ns\].
     pub found: Option<Nanos>,
     /// The step of the first image.
     pub first: u64,
+    /// Its images, one per step.
     pub images: Vec<RecordedImage>,
     /// Steps whose demand did not come in time.
     pub missed: BTreeSet<u64>,
@@ -65,8 +68,11 @@ impl RecordedRobot {
 
 /// What a recording holds of a run.
 pub struct RecordedRun {
+    /// What is recorded of each robot.
     pub robots: Vec<Rc<RecordedRobot>>,
+    /// What each process collected of each sensor.
     pub readings: Vec<Rc<RecordedReadings>>,
+    /// The MP's steps, and what the operator wanted in them.
     pub script: Rc<Script>,
     /// The first fault that did not come from the programs: its step and its text.
     pub outside: Option<(u64, String)>,

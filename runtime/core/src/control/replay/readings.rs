@@ -11,9 +11,11 @@ use crate::observe::witness::ReadingState;
 /// What was collected once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedReading {
-    /// The step in which it was collected, and the one in which it was taken.
+    /// The step in which it was collected.
     pub step: u64,
+    /// The step in which it was taken.
     pub taken: u64,
+    /// What had been collected.
     pub state: ReadingState,
     /// The reading's words.
     pub words: Vec<u64>,
@@ -35,13 +37,17 @@ impl RecordedReading {
 /// What a process collected of a sensor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedReadings {
+    /// The sensor.
     pub sensor: Name,
+    /// The process that collected them.
     pub by: ProcessId,
+    /// What it collected, in the order in which it did.
     pub readings: Vec<RecordedReading>,
     next: Cell<usize>,
 }
 
 impl RecordedReadings {
+    /// Of a process that has collected nothing of the sensor yet.
     pub fn new(sensor: Name, by: ProcessId) -> RecordedReadings {
         RecordedReadings { sensor, by, readings: Vec::new(), next: Cell::new(0) }
     }

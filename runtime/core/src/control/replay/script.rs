@@ -6,16 +6,19 @@ use crate::safety::latch::Latch;
 /// One step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScriptedStep {
+    /// Its index.
     pub step: u64,
     /// The operator's speed, as a share of the plan.
     pub speed: f64,
+    /// Whether the operator had suspended the cell.
     pub suspended: bool,
-    /// Whether he aborted, when the step began or in it.
+    /// Whether the operator was aborting when it began.
     pub aborting: bool,
+    /// Whether the operator aborted after it had begun.
     pub aborts: bool,
-    /// Whether he asked for a protective stop before it.
+    /// Whether the operator asked for a protective stop before it.
     pub stopping: bool,
-    /// Whether he had reset the latched cell.
+    /// Whether the operator had reset the latched cell.
     pub resetting: bool,
     /// Whether what took place in it left no time for more.
     pub late: bool,
