@@ -15,7 +15,7 @@ pub fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
         .filter(|best| likeness(best) > 0.8)
 }
 
-/// "did you mean", and all that there is.
+/// A sentence for a message: the word that was probably meant, and all that are known; `what_there_is` begins the list.
 pub fn suggestion(word: &str, known: &[impl AsRef<str>], what_there_is: &str) -> String {
     let known: Vec<_> = known.iter().map(AsRef::as_ref).collect();
     let all = known.join(", ");

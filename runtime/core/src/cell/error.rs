@@ -10,7 +10,7 @@ use crate::observe::recording::NotRecorded;
 /// Why a cell did not run, or did not run to its end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CellError {
-    /// A name that is none.
+    /// A word that cannot be a name.
     #[error(transparent)]
     Name(#[from] BadName),
     /// Two robots, or two sensors, of one name.

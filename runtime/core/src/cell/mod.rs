@@ -2,7 +2,7 @@
 //!
 //! In: set-ups. Out: a run, or everything that is wrong with them before anything moves.
 //!
-//! Here is what a user calls. What is said is kept in four parts: [`parts`] for robots and sensors, [`timing`],
+//! Here are the functions that a user calls. A cell keeps what they are told in four parts: [`parts`] for robots and sensors, [`timing`],
 //! [`coordination`] for the MP and its operator, [`watching`] for those who look on; [`running`] runs the cell.
 
 mod assembly;
@@ -157,7 +157,7 @@ impl Cell {
         self
     }
 
-    /// Adds a hook to the one that there is.
+    /// Calls another hook at the start of every step, after the one that the cell has.
     pub fn also_on_step(mut self, mut hook: impl FnMut(u64, &Operator) + 'static) -> Cell {
         let mut own = self.coordination.hook.take();
         self.on_step(move |step, operator| {

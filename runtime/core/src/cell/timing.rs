@@ -44,7 +44,7 @@ impl Timing {
 
     /// Steps in which the rate falls from the planned one to a standstill.
     pub fn rate_steps(&self) -> u64 {
-        // A float becomes the nearest integer that there is.
+        // `as` saturates: no float is out of range.
         (1.0 / (self.rate_change * self.step.as_secs_f64())).ceil() as u64
     }
 }

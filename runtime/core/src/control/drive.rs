@@ -111,7 +111,7 @@ pub(crate) struct PlantDrive<R: Robot> {
     brakes: bool,
     /// The newest reading.
     shown: Reading<R::Joints>,
-    /// Whether one has come, or been waited for.
+    /// Whether a reading has come, or has been waited for.
     began: bool,
     /// How many choices of regulators there were, and the last one.
     chosen: (u64, Regulators),
@@ -177,7 +177,7 @@ impl<R: Robot> PlantDrive<R> {
     fn switch(&mut self, on: bool, waiter: &dyn Waiter) -> Result<(), Fault> {
         self.switched += 1;
         Switch { ordinal: self.switched, on }.put(&mut self.message);
-        // What is shown until the plant has acted is of before.
+        // Until the plant has acted, it shows readings of the time before the switch.
         self.began = false;
         match &self.end {
             PlantEnd::Asks(..) => self.tell(waiter),

@@ -89,7 +89,7 @@ pub(crate) fn home<R: Robot>(
         }
         while waiter.now() >= next_tick {
             match &mut state {
-                // What is searched no more comes to rest by itself, within a period.
+                // Drives whose search has ended come to rest by themselves, within a period.
                 State::Ended { rests, .. } => *rests = true,
                 State::Searching if suspended => {}
                 State::Searching => match guarded(|| homing.search()) {

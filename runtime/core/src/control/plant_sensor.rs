@@ -16,7 +16,7 @@ pub(crate) struct PlantSensor {
 }
 
 impl PlantSensor {
-    /// The reading for an order, or the fault that there is none.
+    /// Answers an order with a reading, or with the fault for which there is no reading.
     ///
     /// # Errors
     /// [`Closed`] when the cell is closing.

@@ -114,8 +114,8 @@ impl SensorPort {
         self.asked = Some(step);
     }
 
-    /// The step from which the age of what is there counts. A reading from before a pause is too old only when
-    /// its successor takes too long.
+    /// The step from which the age of the last reading counts. A reading from before a pause is too old only when
+    /// the next one takes too long.
     fn age_counts_from(&self) -> Option<u64> {
         let read = self.read.then_some(self.reply.header.step);
         match &self.source {
@@ -132,7 +132,7 @@ impl SensorPort {
     fn collect(&mut self, waiter: &dyn Waiter, mut waiting: Waiting) -> Result<(), Fault> {
         match &self.source {
             Source::Interactive(client) => {
-                // An answer to an order that was given up is none to this one.
+                // An answer to an order that was given up does not answer this one.
                 while !(client.receive(&mut self.reply) && self.reply.header.step == self.order.header.step) {
                     let goes_on = waiting.goes_on(&**client, waiter);
                     if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {

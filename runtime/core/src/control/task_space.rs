@@ -16,7 +16,7 @@ pub(crate) struct TaskSpace<J> {
     share: f64,
     /// Whether the demands are of poses.
     in_poses: bool,
-    /// Whether a pose was met that has no joints: there is no way back to the task space then.
+    /// Whether a pose was met that has no joints: from then on the interpolation is in joints.
     failed: bool,
 }
 

@@ -176,7 +176,7 @@ impl<V: VirtualSensor> Aggregator<V> {
         Ok(ReadingOrder { configuration, robot, step: request.header.step })
     }
 
-    /// The reading for an order, or the fault that there is none.
+    /// Answers an order with a reading, or with the fault for which there is no reading.
     pub fn answer(&mut self, request: &Message, reply: &mut Message) {
         reply.header.step = request.header.step;
         let result = Self::read(request).and_then(|order| {

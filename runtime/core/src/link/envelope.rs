@@ -57,7 +57,7 @@ pub struct Envelope {
     epoch: u64,
     /// Ordinal of the request that it is or answers, counted from 1; of a board's message, how many were shown before.
     pub sequence: u64,
-    /// How often a request has been sent, this time included; 1 of what is none.
+    /// How often a request has been sent, this time included; 1 for a message that is not a request.
     pub attempt: u64,
     /// The sum over all other words that count.
     check: u64,
@@ -116,8 +116,8 @@ impl Envelope {
         envelope
     }
 
-    /// A sum over the words that count. Each of its steps is a bijection of what it had, so that no change of one word
-    /// leaves it as it was, and one of several words does with a probability of 2⁻⁶⁴.
+    /// A sum over the words that count. Each of its steps is a bijection of the sum so far. So a change of one word always
+    /// changes the sum; a change of several words leaves it as it was with a probability of 2⁻⁶⁴.
     fn sum(&self, len: usize) -> u64 {
         let fixed = [self.layout, self.session, self.epoch, self.sequence, self.attempt];
         let body = self.body.get(..len).unwrap_or(&self.body);
@@ -146,7 +146,7 @@ impl Envelope {
     /// The message in it.
     ///
     /// # Errors
-    /// [`BadWords`] when it is damaged or its head is none; `message` is then as it was.
+    /// [`BadWords`] when it is damaged, or its first words are no header; `message` is then as it was.
     pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
         let [
             kind,

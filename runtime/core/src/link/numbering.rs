@@ -70,7 +70,7 @@ pub enum Heard {
     New,
     /// It asks again for an answer that was given: this one.
     Again(Envelope),
-    /// It is none, or one that is known.
+    /// It is not a request of this run, or one that was received already.
     Nothing,
 }
 

@@ -63,7 +63,7 @@ pub trait Driver<R: Robot> {
         set == 0
     }
 
-    /// Chooses the parameter sets of the regulators from the next tick on: only sets that there are.
+    /// Chooses the parameter sets of the regulators from the next tick on: only sets that [`has_regulator`](Self::has_regulator) knows.
     fn choose_regulators(&mut self, _sets: &Regulators) {}
 
     /// Themselves, if they are simulated. Where a cell runs as processes of the operating system, all its simulated drives
@@ -94,7 +94,7 @@ impl Regulators {
         Regulators([set; MAX_JOINTS])
     }
 
-    /// Another set for `joint`, from 0; beyond [`MAX_JOINTS`] there is none.
+    /// Another set for `joint`, from 0; a joint beyond [`MAX_JOINTS`] is ignored.
     #[must_use]
     pub const fn with(mut self, joint: usize, set: u8) -> Self {
         if joint < MAX_JOINTS {

@@ -66,7 +66,7 @@ impl<T: Wire> Shown<T> {
     pub fn get(&self) -> T {
         if let Some(board) = self.0.board.get().filter(|_| !self.0.own.get()) {
             let mut message = Message::empty();
-            // What is damaged is no news.
+            // A damaged message is passed over.
             if board.read(&mut message)
                 && message.words().len() == T::LEN
                 && let Ok(value) = T::get(message.words())

@@ -38,7 +38,7 @@ struct Shared {
     stage: AtomicU8,
     /// A [`Latching`] in one word.
     latching: AtomicU8,
-    /// What is latched. Written at standstill alone.
+    /// The fault that is latched. It is written only while the robots stand.
     report: Mutex<Report>,
     given_up: AtomicBool,
     /// A protective stop that the MP has not seen yet.
@@ -155,7 +155,7 @@ impl Operator {
     /// Acknowledges the fault that is latched. Nothing moves by it.
     ///
     /// # Errors
-    /// [`LatchRefusal`]: there is none, or the robots do not stand yet.
+    /// [`LatchRefusal`]: no fault is latched, or the robots do not stand yet.
     pub fn acknowledge(&self) -> Result<(), LatchRefusal> {
         self.meet(Event::Acknowledge)
     }

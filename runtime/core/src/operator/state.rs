@@ -8,7 +8,7 @@ use super::button::{Answer, Button, CellState};
 /// What kind of instruction an MP carries out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Doing {
-    /// None: its program computes, or is over.
+    /// No instruction: its program computes, or is over.
     #[default]
     Nothing,
     /// The drives look for their reference marks.

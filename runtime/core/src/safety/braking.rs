@@ -6,7 +6,7 @@
 use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::robot::Limits;
 
-/// How fast arms may slow down on their screw: what every robot of an instruction bears.
+/// How fast arms may slow down on their screw, so that no robot of an instruction exceeds its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrakingLaw {
     /// By how much of the present speed the speed may fall in a second \[1/s\].
@@ -19,13 +19,13 @@ impl BrakingLaw {
     /// The law of a robot that stands: it may stop at once.
     pub const UNLIMITED: BrakingLaw = BrakingLaw { fall: f64::INFINITY, bend: f64::INFINITY };
 
-    /// What two robots both bear.
+    /// The law for two robots together: the smaller of each value.
     #[must_use]
     pub fn and(self, other: BrakingLaw) -> BrakingLaw {
         BrakingLaw { fall: self.fall.min(other.fall), bend: self.bend.min(other.bend) }
     }
 
-    /// Whether all of them may stand in the next step of `duration` \[s\].
+    /// Whether all robots may stand in the next step of `duration` \[s\].
     pub fn stops_at_once(&self, duration: f64) -> bool {
         // Then no joint is faster than what its acceleration limit takes away in a step, see `Acceptor::braking_law`.
         self.fall * duration >= SHARE * (1.0 - 1e-6)

@@ -54,7 +54,7 @@ pub enum LatchRefusal {
     /// A reset comes after the acknowledgement.
     #[error("the fault is not acknowledged\n help: acknowledge it, then reset")]
     NotAcknowledged,
-    /// A reset is an edge: one that was there before the acknowledgement, or is held, is none.
+    /// A reset is pressed after the acknowledgement: one that was pressed before it, and is held, does not count.
     #[error("the reset is held\n help: let it go, then press it again")]
     Held,
     /// What the cell stopped for is still there.
@@ -167,7 +167,7 @@ pub(crate) enum Asked {
 /// What becomes of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Admission {
-    /// It is none: of an epoch that is over, or of one that has not begun here.
+    /// Not taken: it is of an epoch that is over, or of one that has not begun here.
     Ignored,
     /// It is done.
     Done,
@@ -201,7 +201,7 @@ impl Gate {
             // A stop of an epoch whose reset was lost is a stop.
             Asked::Stop => (Gate { epoch, shut: true }, Admission::Done),
             Asked::Reset if !newer => (self, Admission::Ignored),
-            // What was not stopped, or moves still, is not reset.
+            // A robot that was not stopped, or still moves, is not reset.
             Asked::Reset if !self.shut || !stands => (Gate { epoch, shut: true }, Admission::Refused),
             Asked::Reset => (Gate { epoch, shut: false }, Admission::Done),
             Asked::Move | Asked::Look if newer => (self, Admission::Ignored),

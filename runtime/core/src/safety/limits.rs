@@ -255,8 +255,8 @@ impl<R: Robot> Acceptor<R> {
         CheckedStep { from: &self.state, duration, starting }
     }
 
-    /// The velocity of a step to a position, within all limits; `held` is the velocity that is held when the demands after it
-    /// are lost, the step's own where there is none.
+    /// The velocity of a step to a position, within all limits. `held` is the velocity that is held when the demands after it
+    /// are lost; `None`: the step's own.
     fn velocity_to(
         &self,
         position: &R::Joints,

@@ -20,7 +20,7 @@ impl RateHeadroom {
     pub const UNLIMITED: RateHeadroom =
         RateHeadroom { rise: f64::INFINITY, fall: f64::INFINITY, bend: f64::INFINITY };
 
-    /// What two robots both have.
+    /// The headroom of two robots together: the smaller of each value.
     #[must_use]
     pub fn and(self, other: RateHeadroom) -> RateHeadroom {
         RateHeadroom {

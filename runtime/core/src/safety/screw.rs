@@ -1,7 +1,7 @@
 //! What arms that move together have in common: the screw of a step, and the law by which they brake on it.
 //!
 //! In: two poses of an arm's flange, one step apart; the law that the MP sent to all arms with the order of that step.
-//! Out: where the flange is to be in the steps that follow without one. Where arms carry one rigid body, the displacement of
+//! Out: where the flange is to be in steps for which no order comes. Where arms carry one rigid body, the displacement of
 //! a step in the world,
 //!
 //! ```text
@@ -27,7 +27,7 @@ pub(crate) struct Screw {
 }
 
 impl Screw {
-    /// That leads from one pose to another one.
+    /// The screw that leads from one pose to another one.
     pub fn between(from: &Pose, to: &Pose) -> Screw {
         #[allow(non_snake_case)]
         let D = to * from.inverse();

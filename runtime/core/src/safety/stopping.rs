@@ -42,7 +42,7 @@ pub(crate) fn braking_time<J: JointVector>(limits: &Limits<J>, joint: usize) -> 
 pub(crate) fn stop_steps<J: JointVector>(limits: &Limits<J>, step: Duration, delay: Duration) -> u64 {
     let braking = (0..J::LEN).map(|i| braking_time(limits, i)).fold(0.0, f64::max);
     let seconds = detection_time(step) + braking / SHARE + delay.max(2 * step).as_secs_f64();
-    // A float becomes the nearest integer that there is.
+    // `as` saturates: no float is out of range.
     (seconds / step.as_secs_f64()).ceil() as u64
 }
 

@@ -77,7 +77,7 @@ impl<R: Robot> DriverPort<R> {
         header.len = if kind == RequestKind::Demand { <Demand<R> as Wire>::LEN as u32 } else { 0 };
         self.port.send(&self.request);
         let mut waiting = self.patience.begin(waiter);
-        // An answer to a request that was given up is none to this one.
+        // An answer to a request that was given up does not answer this one.
         let to = |header: &Header| (header.epoch, header.step);
         while !(self.port.receive(&mut self.reply) && to(&self.reply.header) == to(&self.request.header)) {
             let goes_on = waiting.goes_on(&*self.port, waiter);

@@ -87,7 +87,7 @@ impl Phase {
                 Phase::Started | Phase::Obeying | Phase::Finished,
                 O::Start | O::Step | O::End | O::Abort | O::Brake,
             )
-            // What was not stopped is not reset.
+            // A robot that was not stopped is not reset.
             | (Phase::Idle | Phase::Started | Phase::Obeying | Phase::Finished, O::Reset) => Duty::Foreign,
         }
     }

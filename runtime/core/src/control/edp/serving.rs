@@ -1,8 +1,8 @@
 //! What an EDP answers: queries, demands, brakes, stops and resets of its ECP.
 //!
 //! In: a request. Out: the reply, with the robot's image when it is asked for, or with the fault that is latched. A demand
-//! is accepted or refused here; what becomes of it is [`path`](super::path)'s. What is of another epoch than
-//! the robot's is no request.
+//! is accepted or refused here; [`path`](super::path) makes demands of it. Requests of another epoch than the robot's are
+//! ignored.
 
 use crate::control::guarded::guarded;
 use crate::link::message::{RequestKind, flag};
@@ -96,8 +96,8 @@ impl<R: Robot> Edp<'_, R> {
         if let Some(sets) = &demand.regulators {
             self.servo.order_regulators(sets)?;
         }
-        // What was to be done in a step that is over has been bridged, and is never made up for; what was chosen with
-        // it stays in force, and a path that ends with it ends there.
+        // A step that is over has been bridged, and its demand is never made up for. The tool and the regulators that
+        // were chosen with it are in force all the same, and a path that ends with this demand ends there.
         if self.is_late(step) {
             return self.path.note_late(&demand, &self.answers.request, self.clock.due);
         }

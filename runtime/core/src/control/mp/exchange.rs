@@ -12,7 +12,7 @@ use crate::safety::braking::BrakingLaw;
 
 use super::{Mp, stops};
 
-/// What is said of an ECP that does not answer.
+/// The message of the fault of an ECP that does not answer.
 pub(super) const SILENT: &str = "no answer from the ECP: its program computes or waits elsewhere";
 
 /// What the robots of an exchange bound: those that an instruction does not name, nothing.

@@ -1,7 +1,7 @@
 //! The MP and its operator: what it is told when a step begins, and what it shows of itself.
 //!
 //! In: the buttons that were pressed since the last step. Out: what became of each, and in which step; and plain numbers
-//! of what the MP does, for whoever looks on from outside: nobody waits for that.
+//! of what the MP does, for an operator's panel outside of the cell: the MP does not wait for it.
 
 use crate::model::fault::{Fault, FaultWords};
 use crate::operator::Operator;

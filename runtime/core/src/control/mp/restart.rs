@@ -73,7 +73,7 @@ impl Mp<'_> {
         outcome
     }
 
-    /// Holds a latched cell until its operator resets it, or gives it up, or there is no way back.
+    /// Holds a latched cell until its operator resets it or gives it up, or a process is gone.
     fn await_reset(&mut self, cause: &Fault) -> Verdict {
         loop {
             if self.begin_step().is_err()

@@ -97,7 +97,7 @@ impl<R: Robot> Drives<R> {
         }
     }
 
-    /// Takes the command in the message, unless it is none or an old one.
+    /// Takes the command in the message, if there is one and it is new.
     fn take(&mut self) {
         if let Ok(order) = Switch::get(&self.message) {
             if order.ordinal > self.switched {
@@ -108,7 +108,7 @@ impl<R: Robot> Drives<R> {
         }
         let Ok(command) = Command::get(&self.message) else { return };
         if command.switched > self.switched {
-            // What is demanded has been given power first.
+            // The EDP has given power before this demand.
             self.switched = command.switched;
             self.switch(true);
         }
@@ -121,7 +121,7 @@ impl<R: Robot> Drives<R> {
         self.newest = Some(command);
     }
 
-    /// As they were before their first command: standing, with power or without. What they had tripped for is over.
+    /// Switches the power. The drives are as they were before their first command: standing, and no trip is remembered.
     fn switch(&mut self, on: bool) {
         self.newest = None;
         self.off = None;
@@ -144,7 +144,7 @@ impl<R: Robot> Drives<R> {
         }
     }
 
-    /// All periods up to this one.
+    /// Lets all servo periods up to this one happen.
     fn happen(&mut self, last: u64) {
         while self.next <= last {
             self.period();
@@ -221,7 +221,7 @@ impl<R: Robot> Drives<R> {
                 self.message.header.step = period;
             }
         }
-        // What is told of the time before a switch is old.
+        // A reading of the time before a switch is recognised by this number.
         self.message.header.instruction = self.switched as u32;
     }
 }

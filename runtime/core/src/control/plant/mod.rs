@@ -63,7 +63,7 @@ trait Part {
     fn due(&self) -> Option<Nanos>;
     /// Shows nothing more to observers: the cell's time stands still, and that of the drives goes on.
     fn blindfold(&mut self) {}
-    /// Whether nothing moves any more, whatever comes.
+    /// Whether nothing moves any more, whatever commands come.
     fn rests(&self) -> bool;
     /// How it came to that.
     fn rest(&self) -> Option<Rest>;

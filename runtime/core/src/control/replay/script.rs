@@ -40,7 +40,7 @@ impl Script {
         self.0.get(place).map_or(step + 1, |scripted| scripted.step)
     }
 
-    /// The last step that the MP began of those up to one; 0 where there is none.
+    /// The last step up to this one that the MP began; 0 if it began none.
     pub fn last_until(&self, step: u64) -> u64 {
         let count = self.0.partition_point(|scripted| scripted.step <= step);
         count.checked_sub(1).and_then(|last| self.0.get(last)).map_or(0, |scripted| scripted.step)
@@ -68,7 +68,7 @@ impl Script {
             operator.protective_stop();
         }
         if scripted.resetting && operator.latch() != Latch::Resetting {
-            // What is refused here was refused there, or the demands will tell.
+            // If the operator is refused here but was not in the recording, the demands will differ.
             let _ = operator.acknowledge().and_then(|()| operator.reset());
         }
     }

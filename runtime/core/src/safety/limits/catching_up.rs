@@ -15,7 +15,7 @@ const LEAST_SHARE: f64 = 0.05;
 /// demands, `a t²`. A path that brakes with 0.9 of the limit takes it `0.9²/(2 (1 - 0.9)) + 0.9/2 = 4.5` off.
 pub(super) const FARTHEST: f64 = 8.0;
 
-/// What is known of a path that a robot is off.
+/// What is known of a path while the robot is not on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CatchingUp<J> {
     /// The path's velocity at the end of its last step.
@@ -40,9 +40,9 @@ pub(super) struct Late<'a, J> {
 }
 
 impl<J: JointVector> CatchingUp<J> {
-    /// Where the robot is at the end of the step, and what is known of the path unless that is on it.
+    /// Where the robot is at the end of the step, and what is known of the path if it is not on the path then.
     ///
-    /// None where it would be too far off.
+    /// `None` if the robot would be too far off its path.
     pub fn next(known: Option<&Self>, late: &Late<'_, J>, limits: &Limits<J>) -> Option<(J, Option<Self>)> {
         let h = late.duration;
         let t = late.time;

@@ -47,8 +47,8 @@ pub(super) struct Checks<R> {
 }
 
 impl<R: Robot> Checks<R> {
-    /// The velocity of a step to a position, within all limits; `held` is the velocity that is held when the demands after it
-    /// are lost, the step's own where there is none.
+    /// The velocity of a step to a position, within all limits. `held` is the velocity that is held when the demands after it
+    /// are lost; `None`: the step's own.
     pub fn velocity_to(
         &self,
         position: &R::Joints,

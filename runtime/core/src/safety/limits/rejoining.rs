@@ -1,17 +1,19 @@
 //! How robots that move together come back onto their path when all of them had no demand.
 //!
 //! In: the screws of the path before and over the time without demands. Out: the displacement of the body from its path, in
-//! the world, step by step until there is none. All arms of one body know these screws, each by its own flange
+//! the world, step by step until it is zero. All arms of one body know these screws, each by its own flange
 //! ([`together`](crate::safety::screw)), so all of them are displaced alike and keep their relative pose.
 
 use crate::model::pose::Pose;
 use crate::safety::screw::Screw;
 
-/// Steps of the way back for each step's acceleration of the path that the robots are too fast by. The first acceleration on
-/// the way back is `4/50` of the path's, and a little for the displacement itself: a path of nine tenths of a limit leaves it.
+/// How many steps robots take to come back, for each multiple of the path's change of velocity in a step by which they are too
+/// fast. The first acceleration on the way back is `4/50` of the path's, and a little more for the displacement itself: a path
+/// that uses nine tenths of a limit leaves as much as that.
 const STEPS: f64 = 50.0;
 
-/// A way back: a cubic of the displacement, from what bridging left to rest at none.
+/// A way back to the path: the displacement from the path is a cubic polynomial in time. It begins with the displacement, and
+/// its change, that bridging left, and ends at rest without a displacement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rejoining {
     /// The displacement at the last bridged step, and its change in that step.

@@ -26,8 +26,8 @@ pub(super) struct Displaced<J> {
 }
 
 impl<R: Robot> Acceptor<R> {
-    /// The state at the end of a step in which the path goes to `demand`: there, or, where demands were late and the limits
-    /// do not allow that, on the way back to the path.
+    /// The state at the end of a step in which the path goes to `demand`: at the demand; or, when demands were late and the
+    /// limits do not allow the robot to be there yet, on the way back to the path.
     pub(super) fn next(
         &self,
         demand: &R::Joints,
@@ -92,7 +92,7 @@ impl<R: Robot> Acceptor<R> {
         Ok(Next { position: *demand, velocity, track: Track { path, off_path: None } })
     }
 
-    /// A state on the way back to the path; none where that is too far.
+    /// A state on the way back to the path; `None` if the path is too far away.
     fn back(&self, demand: &R::Joints, duration: f64) -> Result<Option<Next<R::Joints>>, Fault> {
         let path = self.track.path_to(demand, duration);
         // Both velocities are those of the middles of their times.
