@@ -1,8 +1,8 @@
-//! The state board of a session: what each of its processes does, in shared memory, for whoever looks on.
+//! The state board of a session: shared memory in which each process shows what it does.
 //!
-//! In: plain numbers, by each process in an entry of its own, in every step. Out: the newest of them, in the launcher.
-//! Writing is a few stores and waits for nobody: a sequence number that is odd while numbers change tells a reader to
-//! look again (a sequence lock). A reader that never finds them at rest knows no more than before.
+//! In: numbers that each process writes into its own entry in every step. Out: the newest numbers, read by the
+//! launcher. Writing takes a few stores and never waits: a sequence number that is odd while the numbers change tells a
+//! reader to read again (a sequence lock). A reader that finds them changing each time it tries gets nothing.
 
 use std::fs::{self, File, OpenOptions};
 use std::io;
@@ -20,7 +20,7 @@ use super::session::{SHARED_MEMORY, prefix};
 /// Words of an entry, its sequence number not counted.
 pub(super) const ENTRY: usize = 79;
 
-/// How often a reader looks again before it gives up.
+/// How many times a reader tries before it gives up.
 const LOOKS: usize = 1000;
 
 /// The numbers of one process.
@@ -47,40 +47,41 @@ impl Entry {
             let words = core::array::from_fn(|i| self.words[i].load(Ordering::Relaxed));
             fence(Ordering::Acquire);
             let after = self.sequence.load(Ordering::Relaxed);
-            // 0: nothing was ever written.
+            // 0: the entry was never written.
             (before == after && before.is_multiple_of(2) && before > 0).then_some(words)
         })
     }
 }
 
-/// The panels of all processes of a session, by their places.
+/// The entries of all processes of a session, by their places.
 #[derive(Debug)]
 pub(super) struct StateBoard {
     panels: NonNull<Entry>,
     count: usize,
 }
 
-// SAFETY: panels are atomics in memory that is mapped until the board is dropped.
+// SAFETY: entries are atomics in memory that is mapped until the board is dropped.
 #[allow(unsafe_code)]
 unsafe impl Send for StateBoard {}
 
 impl StateBoard {
-    /// Makes the board of a session with so many processes.
+    /// Makes the board of a session with `count` processes.
     ///
     /// # Errors
-    /// There is no shared memory for it.
+    /// There is too little shared memory for the board.
     pub fn create(session: u64, count: usize) -> io::Result<StateBoard> {
         let file =
             OpenOptions::new().read(true).write(true).create_new(true).mode(0o600).open(path(session))?;
-        // All of it is there before anything moves: a full disk must not show when it is written.
+        // All of the file is allocated before any robot moves: otherwise full shared memory would end a process that
+        // writes.
         fallocate(&file, FallocateFlags::empty(), 0, bytes(count) as u64)?;
         StateBoard::map(&file, count)
     }
 
-    /// Opens the board that a session's launcher made.
+    /// Opens the board that the session's launcher made.
     ///
     /// # Errors
-    /// There is none, or it is of another size.
+    /// The board does not exist, or has another size.
     pub fn open(session: u64, count: usize) -> io::Result<StateBoard> {
         let path = path(session);
         let file = OpenOptions::new().read(true).write(true).open(&path)?;
@@ -92,7 +93,7 @@ impl StateBoard {
 
     fn map(file: &File, count: usize) -> io::Result<StateBoard> {
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED | MapFlags::POPULATE);
-        // SAFETY: a new mapping, wherever the system likes; nothing else is at its address.
+        // SAFETY: a new mapping at an address that the system chooses, where nothing else is mapped.
         #[allow(unsafe_code)]
         let mapped = unsafe { mmap(core::ptr::null_mut(), bytes(count), access, flags, file.as_fd(), 0) }?;
         let panels = NonNull::new(mapped.cast()).ok_or(io::ErrorKind::OutOfMemory)?;
@@ -100,20 +101,22 @@ impl StateBoard {
     }
 
     fn entry(&self, place: usize) -> Option<&Entry> {
-        // SAFETY: the mapping holds `count` panels, aligned to a page, of which every byte is a part of an atomic number,
-        // and lives as long as the board.
+        // SAFETY: the mapping holds `count` entries, aligned to a page; every byte of them is part of an atomic number;
+        // and the mapping lives as long as the board.
         #[allow(unsafe_code)]
         (place < self.count).then(|| unsafe { self.panels.add(place).as_ref() })
     }
 
-    /// Shows the numbers of the process at a place: it alone does so. What does not fit is not shown.
+    /// Shows the numbers of the process at a place; only that process may call this. Words beyond the entry's size are
+    /// left out.
     pub fn write(&self, place: usize, words: &[u64]) {
         if let Some(entry) = self.entry(place) {
             entry.write(words);
         }
     }
 
-    /// The numbers shown last by the process at a place; `None` before there are any, or if it died over them.
+    /// The numbers shown last by the process at a place; `None` before it has shown any, or if it died while it wrote
+    /// them.
     pub fn read(&self, place: usize) -> Option<[u64; ENTRY]> {
         self.entry(place)?.read()
     }
@@ -121,7 +124,7 @@ impl StateBoard {
 
 impl Drop for StateBoard {
     fn drop(&mut self) {
-        // SAFETY: what `map` mapped, once; no entry is borrowed any more.
+        // SAFETY: `map` made this mapping, it is unmapped once, and no entry is borrowed any more.
         #[allow(unsafe_code)]
         let _ = unsafe { munmap(self.panels.as_ptr().cast(), bytes(self.count)) };
     }
@@ -140,12 +143,12 @@ mod tests {
     use super::*;
     use std::sync::atomic::AtomicBool;
 
-    /// A board of this process, whose file goes with it.
+    /// A board of this test, whose file is removed with it.
     struct Board(StateBoard, u64);
 
     impl Board {
         fn new(test: u64) -> Board {
-            // The bits above those of a session's number: no session has it.
+            // A bit above those of a session's number, so that it is no session's number.
             let session = 1 << 60 | u64::from(std::process::id()) << 8 | test;
             Board(StateBoard::create(session, 2).expect("shared memory"), session)
         }

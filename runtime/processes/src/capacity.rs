@@ -1,8 +1,9 @@
-//! What a machine must be able to give before a cell's processes start: shared memory and open files (row 35 of SAFETY.md).
+//! Whether a machine has enough shared memory and open files for a cell's processes (row 35 of SAFETY.md).
 //!
-//! In: how many ways between processes there are. Out: nothing, or what is too little and what to change. A process that
-//! finds shared memory full when it first writes there is killed, and so is one that cannot open what it needs too late to
-//! say why in words of the user's.
+//! In: the number of processes and of ways between them. Out: nothing if there is enough, or what is too little and
+//! what to change. The check comes before the processes start, because later errors are hard to understand: a process
+//! that first writes to shared memory when it is full is killed, and one that cannot open a file fails without naming
+//! the cause.
 
 use std::io;
 use std::path::Path;
@@ -12,18 +13,18 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
 use super::session::SHARED_MEMORY;
 
-/// Shared memory of a process or of a way between two \[bytes\]. The cell of the tests takes 30 kB for each.
+/// Shared memory of a process, or of a way between two processes \[bytes\]. The cell of the tests takes 30 kB for each.
 const SHARED_EACH: u64 = 128 << 10;
 
-/// Files that a process has open, and those that each process and each way adds to it. The busiest process of the cell of
-/// the tests, with 10 processes and 15 ways, has 67.
+/// Files that a process has open by itself, and those that each process and each way of the cell adds. In the cell of
+/// the tests, with 10 processes and 15 ways, the process with the most has 67.
 const FILES: u64 = 40;
 const FILES_EACH: u64 = 4;
 
-/// The machine has too little of something.
+/// Why a machine has no room for a cell.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoRoom {
-    /// Shared memory.
+    /// There is too little shared memory.
     #[error(
         "{SHARED_MEMORY} has {} kB free, the cell needs {}\n help: remove what is not needed there, or mount it larger; \
          in a container: --shm-size=64m",
@@ -31,30 +32,30 @@ pub(crate) enum NoRoom {
         needed >> 10
     )]
     Shared {
-        /// What there is and what is needed \[bytes\].
+        /// Free and needed shared memory \[bytes\].
         free: u64,
         needed: u64,
     },
-    /// Open files.
+    /// A process may open too few files.
     #[error("a process may open {allowed} files, one of this cell needs {needed}\n help: ulimit -n {needed}")]
     Files {
-        /// What is allowed at most, and what is needed.
+        /// The allowed and the needed number of open files.
         allowed: u64,
         needed: u64,
     },
-    /// It cannot be told.
+    /// The machine could not be asked.
     #[error("{SHARED_MEMORY} cannot be looked at: {0}")]
     Unknown(io::Error),
 }
 
-/// Bytes that are free in shared memory.
+/// Free shared memory \[bytes\].
 pub(super) fn free_shared_memory() -> io::Result<u64> {
     let shm = statvfs(Path::new(SHARED_MEMORY))?;
     Ok(shm.f_bavail * shm.f_frsize)
 }
 
-/// Looks whether there is room for so many processes and ways between them. The limit of open files is raised to
-/// that, where this process may, for itself and for those that it starts.
+/// Checks that there is room for so many processes and ways between them. Raises the limit of open files of this
+/// process, and so of the processes that it starts, to what they need, as far as the system allows it.
 ///
 /// # Errors
 /// [`NoRoom`]

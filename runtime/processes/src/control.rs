@@ -1,7 +1,9 @@
-//! What a launcher and the processes that it started tell each other, over a socket that is a process's standard input.
+//! What a launcher and the processes that it started tell each other, over a socket that is each process's standard
+//! input.
 //!
-//! Frames of a fixed size, in the order in which they are sent. The end of the stream is the end of the other side: a
-//! process whose launcher is gone has nobody to run for, and a launcher sees the death of a process by it.
+//! In: frames of a fixed size. Out: the same frames at the other end, in the order in which they were sent. The end of
+//! the stream means that the other side has ended: by it a process notices that its launcher is gone, and the launcher
+//! that a process has died.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
@@ -23,42 +25,45 @@ const WORDS: usize = 32;
 /// Bytes of a text in a frame.
 const TEXT: usize = 8 * (WORDS - 2);
 
-/// What a launcher tells a process, and what it is told.
+/// A frame from a launcher to a process, or from a process to its launcher.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Frame {
-    /// To a process: which run it belongs to, whose time that has, and how long to spin before it sleeps \[ns\].
+    /// To a process: which run it belongs to, by which clock the run goes, and how long to poll before it sleeps
+    /// \[ns\].
     Welcome { seal: Seal, clock: Clock, spin: Nanos },
-    /// All have made what others open: open it.
+    /// To a process: all processes have made what others open; now open what the others have made.
     Connect,
-    /// All are connected: run. Time counts from here, on the machine's monotonic clock \[ns\].
+    /// To a process: all processes are connected; run. The cell's time begins at `origin` of the machine's monotonic
+    /// clock \[ns\].
     Go { origin: Nanos },
-    /// In lock-step: run until you wait. It is now this time \[ns\].
+    /// To a process, in lock-step: run until you wait. The time is now `now` \[ns\].
     Resume { now: Nanos },
     /// To an MP: a process is gone.
     Lost(ProcessId),
     /// To an MP: the operator aborts.
     Abort,
-    /// To an MP: the operator has pressed a button, under this number.
+    /// To an MP: the operator has pressed a button; the answer is shown under this number.
     Press { number: u64, button: Button },
-    /// The cell closes.
+    /// To a process: the cell closes.
     Close,
-    /// From a process: it has made what others open; a hash of the cell as it sees it.
+    /// From a process: it has made what others open; with a hash of the cell that it has put together.
     Created { fingerprint: u64 },
-    /// It is connected; what the machine did not give it.
+    /// From a process: it is connected; with what the machine did not grant it.
     Ready { lacks: Lacks },
-    /// In lock-step: it waits, at most until this time; places that it sent messages to, one bit each.
+    /// From a process, in lock-step: it waits, at most until `deadline` \[ns\]; with the places to which it has sent
+    /// messages, one bit each.
     Waits { deadline: Nanos, woken: u64 },
-    /// In lock-step: the process at a place is to run until it waits, and then this one goes on; other places that it sent
-    /// messages to.
+    /// From a process, in lock-step: the process at `place` is to run until it waits, then this process goes on; with
+    /// the other places to which it has sent messages, one bit each.
     Calls { place: u64, woken: u64 },
-    /// From the plant: a robot whose commands had stopped has come to a standstill.
+    /// From the plant: a robot has come to a standstill after its demands had stopped.
     Rested(Rest),
-    /// In real time, now and then and at the end: how late it was, how long it worked.
+    /// From a process, in real time, once a second and at the end: how late it was and how long it worked.
     Figures(Figures),
-    /// It cannot take part.
+    /// From a process: it cannot take part, for this reason.
     Refuses(String),
-    /// It has ended: steps begun, the time, and how its program ended, if it had one. To a plant that is watched: so has the
-    /// cell.
+    /// From a process: its part is over; with the steps begun, the time \[ns\], and how its program ended, if it had
+    /// one. To a plant that is watched: the same of the whole cell.
     Over { steps: u64, time: Nanos, outcome: Option<Result<(), Fault>> },
 }
 
@@ -214,7 +219,7 @@ impl Control {
         Control(stream)
     }
 
-    /// Sends a frame whole.
+    /// Sends a frame.
     pub(super) fn send(&self, frame: &Frame) -> io::Result<()> {
         let mut words = [0; WORDS];
         frame.put(&mut words);
@@ -238,7 +243,7 @@ impl Control {
         Frame::get(&words).map_err(|_| io::Error::new(ErrorKind::InvalidData, "no frame of this program"))
     }
 
-    /// Waits for frames without an end from now on.
+    /// From now on, waits for frames without a time-out.
     pub(super) fn wait_for_ever(&self) -> io::Result<()> {
         self.0.set_read_timeout(None)
     }
@@ -248,7 +253,7 @@ impl Control {
         self.0.try_clone().map(Control)
     }
 
-    /// What to wait on for the next frame.
+    /// The file descriptor that becomes readable when a frame comes.
     pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
     }
@@ -300,7 +305,7 @@ mod tests {
 
     #[test]
     fn words_that_spell_no_frame_are_refused() {
-        // No tag; an unknown one; a text, a role, an outcome and a button that there are not.
+        // No tag; an unknown tag; a text, a role, an outcome and a button that do not exist.
         for words in [[0; WORDS], [99; WORDS]] {
             assert_eq!(Frame::get(&words), Err(BadWords));
         }

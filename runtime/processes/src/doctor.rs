@@ -1,4 +1,6 @@
 //! `doctor`: what this machine can do for a cell of processes, and what to change.
+//!
+//! In: the limits of the machine, and wake-ups measured on it. Out: a text of one line for each, with what to change.
 
 use std::fmt::Write;
 use std::fs;
@@ -27,7 +29,7 @@ const PRIORITY: u8 = 50;
 /// Shared memory that a cell of eight processes takes, with capacity to spare \[bytes\].
 const ENOUGH: u64 = 64 << 20;
 
-/// What was found: one line each, and what to change.
+/// Examines the machine: one line for each thing found, and what to change.
 pub(crate) fn examine() -> String {
     let mut found = String::new();
     let mut changes = Vec::new();
@@ -58,7 +60,7 @@ pub(crate) fn examine() -> String {
     if free < ENOUGH {
         changes.push("mount /dev/shm with at least 64 MB; in a container: --shm-size=64m");
     }
-    // For this moment alone: memory that comes later is not locked.
+    // Locks the present memory only, and unlocks it at once: memory that is taken later is not locked.
     let locks = mlockall(MlockAllFlags::CURRENT).and_then(|()| munlockall()).is_ok();
     line("locked memory", permitted(locks));
     let usual = wake_ups(None);
@@ -83,7 +85,8 @@ fn permitted(is: bool) -> String {
     if is { "permitted" } else { "not permitted" }.to_owned()
 }
 
-/// How late a thread of a priority wakes that sleeps until each millisecond; `None` when it may not have the priority.
+/// How late a thread of this priority wakes when it sleeps until each millisecond; `None` when it is not allowed the
+/// priority.
 fn wake_ups(priority: Option<u8>) -> Option<String> {
     let measure = move || {
         if priority.is_some_and(|priority| !set_priority(priority)) {
@@ -102,7 +105,7 @@ fn wake_ups(priority: Option<u8>) -> Option<String> {
         });
         Some(summary(late.collect()))
     };
-    // In a thread of its own: the priority ends with it.
+    // A thread of its own, so that the priority ends with the thread.
     std::thread::spawn(measure).join().ok().flatten()
 }
 
@@ -115,7 +118,7 @@ fn summary(mut late: Vec<u64>) -> String {
     format!("late by {} us (half), {} us (99 %), {} us (worst of {})", at(0.5), at(0.99), at(1.0), late.len())
 }
 
-/// What cyclictest says, where there is one.
+/// What `cyclictest` measures; `None` where the program is not installed.
 fn cyclictest() -> Option<String> {
     let arguments = ["--quiet", "--priority=50", "--interval=1000", "--loops=5000", "--threads=1"];
     let output = Command::new("cyclictest").args(arguments).output().ok()?;

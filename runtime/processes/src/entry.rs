@@ -1,6 +1,7 @@
-//! What processes write on their panels of the state board, and what is read there.
+//! What processes write in their entries of the state board, and what consoles read there.
 //!
-//! In: the state of an MP, or a servo period of a robot. Out: words, and the same again.
+//! In: the state of an MP, or a servo period of a robot. Out: the words of an entry, and from these words the same
+//! values again.
 
 use super::board::ENTRY;
 use mrroc_core::fault::{Fault, FaultWords};
@@ -10,7 +11,7 @@ use mrroc_core::operator::state::{Doing, MpState};
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::MAX_JOINTS;
 
-/// Where the answers, the fault and the name of the generator begin in the entry of an MP.
+/// Where the answers begin in the entry of an MP; the fault and the name of the generator follow.
 const ANSWERS: usize = 7;
 const FAULT: usize = ANSWERS + 4 * Button::KINDS;
 const NAME: usize = FAULT + 1 + FaultWords::LEN;
@@ -55,7 +56,7 @@ fn last_word(name: &str) -> &str {
     plain.rsplit("::").next().unwrap_or_default()
 }
 
-/// What the entry of an MP says.
+/// What the entry of an MP contains.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MpPanel {
     pub step: u64,
@@ -71,7 +72,7 @@ pub(super) struct MpPanel {
 }
 
 impl MpPanel {
-    /// Reads it; what spells nothing is as if it were not there.
+    /// Reads an entry. Words that have no valid meaning are read as absent.
     pub fn read(words: &[u64; ENTRY]) -> MpPanel {
         let state = |word: u64| {
             let place = usize::try_from(word).ok();

@@ -1,7 +1,7 @@
-//! The figures of a process in real time: how late it woke, how long it worked, what it left out.
+//! The figures of a process in real time: how late it woke, how long it worked, which periods it left out.
 //!
-//! In: the samples of its steps, in a ring. Out: [`Figures`], once a second and at the end, to the launcher. A thread of
-//! ordinary priority makes them; the step only puts samples into the ring.
+//! In: the samples of its steps, in a ring. Out: [`Figures`] to the launcher, once a second and at the end. A thread of
+//! ordinary priority computes the figures; the step only puts samples into the ring.
 
 use std::fmt::Write;
 use std::io;
@@ -17,39 +17,39 @@ use crate::iceoryx::Samples;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::{Nanos, Sample};
 
-/// How often the ring is emptied, and after how many times figures are told.
+/// How often the ring is emptied, and after how many emptyings the figures are sent.
 const EMPTYING: Duration = Duration::from_millis(200);
 const TELLING: u32 = 5;
 
-/// The longest time that is told apart \[ns\]: a minute.
+/// The longest time that is resolved \[ns\]: a minute.
 const LONGEST: u64 = 60_000_000_000;
 
-/// How a time is spread \[ns\].
+/// The distribution of a time \[ns\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spread {
-    /// How often it was taken.
+    /// How many samples there are.
     pub count: u64,
     pub p50: Nanos,
     pub p99: Nanos,
     pub max: Nanos,
 }
 
-/// What is known of a process since the cell began.
+/// The figures of a process since the cell began.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Figures {
     /// How late steps of the MP and servo periods of an EDP or of the plant began.
     pub late: Spread,
-    /// Own time for a step, a servo period, an order or a reading.
+    /// How long the process itself worked on a step, a servo period, an order or a reading.
     pub worked: Spread,
-    /// Periods that were left out.
+    /// How many periods were left out.
     pub skipped: u64,
-    /// Steps that took a period or more: own time alone.
+    /// How many steps took a period or more of the process's own time.
     pub overruns: u64,
-    /// Samples that the ring had no room for.
+    /// How many samples were dropped because the ring was full.
     pub dropped: u64,
 }
 
-/// Words that figures take.
+/// Number of words in which figures are sent.
 pub(super) const FIGURES_WORDS: usize = 11;
 
 impl Figures {
@@ -67,7 +67,7 @@ impl Figures {
     }
 }
 
-/// Samples of a process as they are counted.
+/// The samples of a process, counted so far.
 struct Counts {
     late: Histogram<u32>,
     worked: Histogram<u32>,
@@ -117,10 +117,10 @@ pub(super) struct Gauge {
 }
 
 impl Gauge {
-    /// Begins to count. Until it is [`ended`](Self::end) it alone says anything to the launcher.
+    /// Begins to count. Until [`end`](Self::end) is called, only its thread sends frames to the launcher.
     ///
     /// # Errors
-    /// No thread, or no second end of the socket, can be had.
+    /// The thread cannot be started, or the socket cannot be duplicated.
     pub fn start(control: &Control, step: Nanos) -> io::Result<Gauge> {
         let (samples, over) = (Arc::new(Samples::new()), Arc::new(AtomicBool::new(false)));
         let mut counts = Counts::new(step).map_err(io::Error::other)?;
@@ -131,7 +131,7 @@ impl Gauge {
                 let last = ended.load(Ordering::Acquire);
                 counts.take(&from);
                 if last || round % TELLING == 0 {
-                    // A launcher that is gone wants to know nothing.
+                    // Sending fails only when the launcher is gone.
                     drop(control.send(&Frame::Figures(counts.figures(from.dropped()))));
                 }
                 if last {
@@ -143,12 +143,12 @@ impl Gauge {
         Ok(Gauge { samples, over, thread })
     }
 
-    /// Where the process puts its samples.
+    /// The ring into which the process puts its samples.
     pub fn samples(&self) -> Arc<Samples> {
         Arc::clone(&self.samples)
     }
 
-    /// Tells the last figures.
+    /// Ends the thread, which sends the last figures.
     pub fn end(self) {
         self.over.store(true, Ordering::Release);
         self.thread.thread().unpark();

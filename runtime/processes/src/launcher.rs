@@ -1,7 +1,8 @@
-//! The launcher: starts a session, paces or supervises its processes, and says how the run ended.
+//! The launcher: starts a session and its processes, supervises them in real time or resumes them under the virtual
+//! clock, and reports how the run ended.
 //!
-//! In: the cell as the launcher sees it, and how it is to run. Out: a report, or the first cause of a stop; all processes
-//! reaped and the session's files removed.
+//! In: the cell, as the launcher puts it together, and a [`Plan`] of how to run it. Out: a report, or the first cause
+//! of a stop. When the launcher returns, all processes are reaped and the session's files are removed.
 
 use std::io::Read;
 use std::os::fd::AsFd;
@@ -29,61 +30,61 @@ use mrroc_core::link::memory::Scheduler;
 use mrroc_core::link::{Link, Nanos, Waiter};
 use mrroc_core::observe::NotRecorded;
 
-/// How often a launch is tried whose processes die while they start.
+/// How many times a launch is tried when processes die while they start.
 const ATTEMPTS: u64 = 5;
 
-/// Time from GO to the beginning of step 0: all have heard it by then.
+/// Time from GO to the beginning of step 0, long enough for all processes to receive GO.
 const HEAD_START: Duration = Duration::from_millis(20);
 
-/// How much longer than its robots' stops the end of a cell may take.
+/// Time that processes have to end after the cell closes, in addition to the time that its robots take to stop.
 const CLOSING: Duration = Duration::from_secs(10);
 
-/// How much longer than its robots' stops an MP may go on that was told to end.
+/// Time that the MP's program has to end after an abort, in addition to the time that its robots take to stop.
 const ABORTING: Duration = Duration::from_secs(5);
 
-/// A cell did not run as processes, or not to its end.
+/// Why a cell did not run as processes, or did not run to its end.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum LaunchError {
     /// What is wrong with the cell, or the first cause of a stop.
     #[error(transparent)]
     Cell(#[from] CellError),
-    /// The machine has no capacity for it.
+    /// The machine has too little shared memory or too few open files for the cell.
     #[error(transparent)]
     Room(#[from] NoRoom),
-    /// It has no session.
+    /// The session could not be made.
     #[error(transparent)]
     Session(#[from] SessionError),
     /// A process could not be set up.
     #[error(transparent)]
     Start(#[from] NoStart),
-    /// It has no state board.
+    /// The state board of the session could not be made.
     #[error("no shared memory for the cell's state: {0}\n help: make capacity in /dev/shm")]
     Board(std::io::Error),
-    /// Its operator cannot reach it.
+    /// The socket for the operator's consoles could not be made.
     #[error("the operator's socket cannot be made: {0}")]
     ConsoleServer(std::io::Error),
-    /// Signals cannot be heard.
+    /// The handlers of signals could not be registered.
     #[error("signals cannot be heard: {0}")]
     Signals(#[from] std::io::Error),
 }
 
-/// What became of a launch.
+/// The result of a launch.
 pub(crate) enum Launched {
     /// The run ended well.
     Ran(RunReport),
-    /// The plant has told of the run, well or not, and has ended with this status.
+    /// The plant has reported the result of the run, success or failure, and has ended with this exit status.
     Told(u8),
 }
 
-/// Runs every process of a cell as one of the operating system.
+/// Runs every process of a cell as a process of the operating system.
 ///
 /// # Errors
-/// [`LaunchError`]: what was refused, before anything moves; or the first cause of a stop.
+/// [`LaunchError`]: what was refused, before any robot moves; or the first cause of a stop.
 pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let stop = cell.stop_limit();
     let recorder = cell.recorder();
     let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
-    // The launcher's own look at the cell: it runs no part of it.
+    // The launcher puts the cell together to learn its processes, and runs none of them itself.
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
     let lock = CellLock::take(&plan.cell)?;
@@ -114,7 +115,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 };
                 let teller = if plan.watched { process_set.plant_over() } else { None };
                 process_set.reap(teller, Instant::now() + CLOSING);
-                // All have said what they had to say.
+                // All processes have ended, so all their messages have been sent.
                 drop(relay);
                 let figures = process_set.figures();
                 if !plan.quiet && !figures.is_empty() {
@@ -139,7 +140,8 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     }
 }
 
-/// Where the processes of a cell in real time show what they do. Virtual time waits for nobody who looks on.
+/// Makes the state board on which the processes of a cell in real time show what they do; `None` under the virtual
+/// clock, where consoles cannot watch the cell.
 fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<StateBoard>, LaunchError> {
     match clock {
         Clock::Real => StateBoard::create(session.number(), places).map(Some).map_err(LaunchError::Board),
@@ -147,7 +149,7 @@ fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<S
     }
 }
 
-/// Where the operator's consoles connect.
+/// Opens the console server, to which the operator's consoles connect.
 fn open_desk(
     session: &Session,
     board: StateBoard,
@@ -157,7 +159,7 @@ fn open_desk(
     ConsoleServer::open(session.folder(), board, seats).map_err(LaunchError::ConsoleServer)
 }
 
-/// What became of a run.
+/// The result of a run.
 struct Run {
     /// The first process that died.
     death: Option<Fault>,
@@ -191,8 +193,8 @@ impl Run {
     }
 }
 
-/// Ctrl-C, and being told to end: the first one is an abort, after which the cell closes, whatever its program does; the
-/// second one ends the launcher at once.
+/// The signals that ask the launcher to end, such as Ctrl-C: the first one is an abort, after which the cell closes,
+/// whatever its program does; the second one ends the launcher at once.
 struct Signals {
     came: Arc<AtomicBool>,
     wakes: UnixStream,
@@ -204,7 +206,8 @@ impl Signals {
         let (wakes, waker) = UnixStream::pair()?;
         wakes.set_nonblocking(true)?;
         for signal in [SIGINT, SIGTERM, SIGHUP] {
-            // In this order: the second one finds the flag of the first one.
+            // The shutdown is registered before the flag is set: the first signal finds the flag clear, the second one
+            // finds it set.
             signal_hook::flag::register_conditional_shutdown(signal, 130, Arc::clone(&came))?;
             signal_hook::flag::register(signal, Arc::clone(&came))?;
             signal_hook::low_level::pipe::register(signal, waker.try_clone()?)?;
@@ -217,7 +220,7 @@ impl Signals {
     }
 }
 
-/// Runs a cell in real time: hears who is gone and who has ended, until all have.
+/// Runs a cell in real time: receives what its processes send, and returns when all of them have ended or died.
 fn supervise(
     process_set: &ProcessSet,
     signals: &Signals,
@@ -249,7 +252,7 @@ fn supervise(
                         death.get_or_insert(member.death("it did not end when the cell closed"));
                     }
                 }),
-                // Its program computes, or goes on although it was aborted.
+                // The MP's program still computes, or goes on although it was aborted.
                 None => close(&mut closing),
             }
             continue;
@@ -282,7 +285,7 @@ fn supervise(
                         continue;
                     }
                     match member.id.role {
-                        // Whoever reads it notices; whoever does not goes on.
+                        // Processes that read this sensor notice its loss; all others go on.
                         Role::Vsp => note(member, &how),
                         Role::Mp => {
                             death.get_or_insert(member.death(&how));
@@ -299,7 +302,8 @@ fn supervise(
     }
 }
 
-/// Waits until a signal comes, a button is pressed, or a process says something or ends; at most for a time.
+/// Waits, for at most `time`, until a signal comes, a button is pressed, or a process sends a frame or ends. Returns
+/// whether a signal came, and the processes of which something came.
 fn wait<'a>(
     left: &[&'a Rc<Member>],
     signals: &Signals,
@@ -314,7 +318,7 @@ fn wait<'a>(
     all.push(PollFd::from_borrowed_fd(signals.wakes.as_fd(), PollFlags::IN));
     let time = time.and_then(|time| Timespec::try_from(time).ok());
     if poll(&mut all, time.as_ref()).is_err() {
-        // Interrupted by a signal, which the next wait sees.
+        // A signal interrupted the call; the next wait sees it.
         return (false, Vec::new());
     }
     let came: Vec<_> = all.iter().map(|descriptor| !descriptor.revents().is_empty()).collect();
@@ -329,7 +333,7 @@ fn note(member: &Member, how: &str) {
     eprintln!("note: {}: {how}", member.id);
 }
 
-/// Says how a robot came to a standstill that was demanded nothing any more.
+/// Prints how a robot came to a standstill after its demands had stopped.
 fn tell_rest(rest: &Rest) {
     let Rest { edp, braked_after, stood_after } = rest;
     eprintln!(
@@ -338,8 +342,8 @@ fn tell_rest(rest: &Rest) {
     );
 }
 
-/// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes the processes instead of
-/// coroutines, one at a time and in the same order, so that they do the same.
+/// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes processes in place of
+/// coroutines, one at a time and in the same order, so that the run is the same as on the memory link.
 fn pace(process_set: &ProcessSet, signals: &Signals, stop: Duration) -> Result<Run, CellError> {
     process_set.tell(&Frame::Go { origin: 0 });
     let mut scheduler = Scheduler::new();
@@ -363,7 +367,7 @@ fn pace(process_set: &ProcessSet, signals: &Signals, stop: Duration) -> Result<R
     Ok(Run::of(process_set, death, Some(time)))
 }
 
-/// Stands for a process in the scheduler of the launcher.
+/// Represents a process in the scheduler of the launcher.
 struct Proxy {
     member: Rc<Member>,
     wake: Box<dyn Fn(u64)>,
@@ -372,7 +376,7 @@ struct Proxy {
     death: Rc<core::cell::RefCell<Option<Fault>>>,
     /// How long robots may take to stop \[ns\].
     stop: Nanos,
-    /// All processes by their places, and this one's.
+    /// All processes by their places, and the place of this process.
     all: Vec<Rc<Member>>,
     place: usize,
 }
@@ -380,7 +384,7 @@ struct Proxy {
 impl Proxy {
     fn run(&self, waiter: &dyn Waiter) {
         let mp = self.member.id == ProcessId::MP;
-        // In lock-step a process is silent for as long as its program computes.
+        // In lock-step a process sends nothing while its program computes, however long that takes.
         drop(self.member.control.wait_for_ever());
         let mut frame = Frame::Resume { now: waiter.now() };
         loop {
@@ -415,21 +419,21 @@ impl Proxy {
         }
     }
 
-    /// Lets the process at a place run until it waits, as if it were a part of this one.
+    /// Lets the process at a place run until it waits, as if it were a part of the calling process.
     fn call(&self, place: u64, now: Nanos) {
         let Some(called) = usize::try_from(place).ok().and_then(|place| self.all.get(place)) else { return };
         if called.gone.get() || called.over.borrow().is_some() {
             return;
         }
         match called.control.send(&Frame::Resume { now }).and_then(|()| called.control.receive()) {
-            // This one goes on at once.
+            // The calling process goes on at once, so it needs no wake-up.
             Ok(Frame::Waits { woken, .. }) => (self.wake)(woken & !(1 << self.place)),
-            // Its own turn finds that it is gone.
+            // The called process is gone: its own proxy notices that when it is resumed.
             Ok(_) | Err(_) => (self.wake)(1 << place),
         }
     }
 
-    /// The process is gone. Without an MP the cell closes when its robots have stopped by themselves.
+    /// Reports the death of the process. When the MP has died, the robots stop by themselves, and then the cell closes.
     fn mourn(&self, waiter: &dyn Waiter, mp: bool) {
         let how = self.member.reap();
         if self.member.id.role == Role::Vsp {

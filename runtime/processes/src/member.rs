@@ -1,4 +1,7 @@
-//! One process of a cell: joins the session that its launcher made, runs its part, and says how it ended.
+//! One process of a cell.
+//!
+//! In: the session's folder, and frames of the launcher. Out: the run of this process's part of the cell; to the
+//! launcher, how that part ended.
 
 use core::cell::OnceCell;
 use std::io;
@@ -27,10 +30,10 @@ use mrroc_core::operator::state::MpState;
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
 
-/// Stack of the thread that listens to the launcher \[bytes\]: where memory is locked, all of it is there.
+/// Stack of the thread that listens to the launcher \[bytes\], kept small because locked memory holds all of it.
 const RECEIVE_STACK: usize = 64 << 10;
 
-/// What a frame of the launcher says. One that says anything else is no launcher, and one that is gone says nothing more.
+/// What a frame of the launcher says. An unexpected frame, or the end of the stream, counts as the close of the cell.
 fn heard(frame: io::Result<Frame>) -> Heard {
     match frame {
         Ok(Frame::Resume { now }) => Heard::Resume(now),
@@ -47,7 +50,7 @@ impl Launcher for Control {
     }
 
     fn yields(&self, deadline: Nanos, woken: u64) {
-        // A launcher that is gone resumes nobody: `hear` tells.
+        // If the launcher is gone, sending fails, and the next `hear` reports the close of the cell.
         drop(self.send(&Frame::Waits { deadline, woken }));
     }
 
@@ -59,10 +62,10 @@ impl Launcher for Control {
 /// Why a process did not take part.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoPart {
-    /// It was not started by a launcher, or its launcher is gone.
+    /// The process was not started by a launcher, or its launcher is gone.
     #[error("{0} is started by the launcher alone\n help: start the cell by --processes")]
     NoLauncher(ProcessId),
-    /// The launcher has been told why.
+    /// The process could not take part, and has told the launcher why.
     #[error("{0}")]
     Told(String),
 }
@@ -70,11 +73,11 @@ pub(crate) enum NoPart {
 /// How the run of a cell has ended.
 pub(crate) type Concluded = Result<RunReport, Fault>;
 
-/// Runs the process `me` of a cell in the session in `folder`, until the cell closes; a plant that is `watched` hears from
-/// its launcher how the run has ended.
+/// Runs the process `me` of a cell in the session in `folder`, until the cell closes. A plant that is `watched` then
+/// receives the result of the run from its launcher, and returns it.
 ///
 /// # Errors
-/// [`NoPart`] when it cannot take part; then nothing has moved.
+/// [`NoPart`] when the process cannot take part; then no robot has moved.
 pub(crate) fn run(
     cell: Cell,
     me: ProcessId,
@@ -83,7 +86,8 @@ pub(crate) fn run(
 ) -> Result<Option<Concluded>, NoPart> {
     let stdin = io::stdin().as_fd().try_clone_to_owned();
     let control = Control::new(UnixStream::from(stdin.map_err(|_| NoPart::NoLauncher(me))?));
-    // A robot outlives its launcher for as long as it brakes; what has no robot goes at once, whatever it does.
+    // A process with a robot goes on without its launcher until the robot has braked; any other process ends at once,
+    // whatever it does.
     if !has_robot(me) {
         let _ = set_parent_process_death_signal(Some(Signal::KILL));
     }
@@ -98,7 +102,7 @@ pub(crate) fn run(
                 return Ok(None);
             }
             give_back_priority();
-            // In real time the receive thread has it; a launcher that is gone says nothing more.
+            // In real time the receive thread passes the frame on; there is no frame if the launcher is gone.
             let last = receiver.map_or_else(|| control.receive().ok(), |receiver| receiver.recv().ok());
             Ok(last.and_then(concluded))
         }
@@ -121,13 +125,14 @@ fn concluded(frame: Frame) -> Option<Concluded> {
     }
 }
 
-/// What a process says at its end, and, in real time, what its receive thread gets after it.
+/// What a process sends to the launcher at its end; and, in real time, where its receive thread passes on what the
+/// launcher answers.
 type LastWords = (Frame, Option<Receiver<Frame>>);
 
 /// Why a process ended before it ran.
 enum Ended {
     Refuses(String),
-    /// The launcher gave up, or is gone.
+    /// The launcher gave the launch up, or is gone.
     Closed,
 }
 
@@ -163,7 +168,7 @@ fn take_part(
         entry.open(&fabric, me, seal).map_err(Ended::of)?;
     }
     fabric.connect(seal).map_err(Ended::of)?;
-    // Before this thread asks for a priority that the other one is not to have.
+    // The gauge's thread starts before this thread asks for its priority: a new thread would inherit it.
     let gauge = match clock {
         Clock::Real => Some(Gauge::start(control, step).map_err(Ended::of)?),
         Clock::Virtual => None,
@@ -200,12 +205,12 @@ fn take_part(
     Ok((Frame::Over { steps: assembly.steps.get(), time, outcome }, receiver))
 }
 
-/// Whether a robot brakes by what this process does.
+/// Whether robots are braked by this process.
 fn has_robot(me: ProcessId) -> bool {
     matches!(me.role, Role::Edp | Role::Plant)
 }
 
-/// This process's entry on the state board, once the cell is put together and its place is known.
+/// This process's entry on the state board; empty until the cell is put together and the place of the process is known.
 #[derive(Default)]
 struct Entry(Rc<OnceCell<(StateBoard, usize)>>);
 
@@ -214,13 +219,13 @@ impl Entry {
         let places = fabric.places();
         let board = StateBoard::open(seal.session, places.len())?;
         if let Some(place) = places.iter().position(|&place| place == me) {
-            // It is opened once.
+            // The entry is opened once, so it is still empty here.
             drop(self.0.set((board, place)));
         }
         Ok(())
     }
 
-    /// Shows every servo period of the robot of this process.
+    /// An observer that shows every servo period of this process's robot on the board.
     fn of_robot(&self) -> impl FnMut(&Observation<'_>) + 'static {
         let entry = Rc::clone(&self.0);
         move |seen| {
@@ -230,7 +235,7 @@ impl Entry {
         }
     }
 
-    /// Shows every step of an MP.
+    /// What shows every step of an MP on the board; `None` in any other process.
     fn of(&self, me: ProcessId) -> Option<Show> {
         let entry = Rc::clone(&self.0);
         let show = move |state: &MpState| {
@@ -246,9 +251,10 @@ fn say(control: &Control, frame: &Frame) -> Result<(), Ended> {
     control.send(frame).map_err(|_| Ended::Closed)
 }
 
-/// Receives from the launcher in a thread of its own, which wakes the process: so a step waits in one place. A process
-/// with a robot brakes it when the launcher is gone, and ends; one whose drives do not return is ended. What is said of the
-/// run when it is over comes apart.
+/// Receives the launcher's frames in a thread of its own, which wakes the process, so that a step waits in one place
+/// only. When the launcher is gone, a process with a robot brakes it and ends; if its drives do not return in that
+/// time, the thread ends the process. The first receiver gets what concerns the running cell, the second one the result
+/// of the run.
 fn listen(
     control: &Control,
     wake_futex: WakeFutex,
@@ -268,7 +274,7 @@ fn listen(
                 frame => frame,
             };
             let gone = frame.is_err();
-            // A process that does not listen any more is about to end.
+            // Sending fails only when the process has stopped listening, which means that it is about to end.
             let _ = tells.send(heard(frame));
             wake_futex.wake();
             if gone {

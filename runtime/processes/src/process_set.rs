@@ -1,4 +1,7 @@
-//! The processes of a launch: started, connected, reaped.
+//! The processes of a launch.
+//!
+//! In: the places of the cell and a [`Plan`]. Out: processes that are started, connected and ready to run; at the end,
+//! how each of them ended.
 
 use core::cell::{Cell, RefCell};
 use std::ffi::OsString;
@@ -21,7 +24,7 @@ use mrroc_core::cell::Rest;
 use mrroc_core::fault::{Fault, FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
 
-/// How long a process may take to set itself up: a loaded machine is no reason to give up.
+/// How long a process may take to set itself up: long, because the machine may be loaded.
 const SETTING_UP: Duration = Duration::from_secs(30);
 
 /// How the processes of a cell are started.
@@ -29,43 +32,43 @@ const SETTING_UP: Duration = Duration::from_secs(30);
 pub(crate) struct Plan {
     /// The cell's file.
     pub cell: PathBuf,
-    /// What its processes are started with.
+    /// The arguments with which its processes are started.
     pub arguments: Vec<OsString>,
-    /// Whose time the cell runs in.
+    /// The clock by which the cell runs.
     pub clock: Clock,
-    /// How long a process looks for messages before it sleeps \[ns\].
+    /// How long a process polls for messages before it sleeps \[ns\].
     pub spin: Nanos,
-    /// What to do when the machine does not permit what the cell asks of it.
+    /// What to do when the machine does not grant what the cell asks for.
     pub permission: Permission,
-    /// Whether processes say nothing but errors.
+    /// Whether processes print errors only.
     pub quiet: bool,
-    /// Whether the plant has the program's observers, and tells of the run.
+    /// Whether the program's observers are in the plant, which then also reports the result of the run.
     pub watched: bool,
 }
 
-/// A process could not be set up; all others are ended, and nothing has moved.
+/// Why a process could not be set up. All other processes are ended, and no robot has moved.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NoStart {
-    /// It was killed: another start may succeed.
+    /// A signal killed the process: another start may succeed.
     #[error("{0} ended while it started: {1}")]
     Died(ProcessId, String),
-    /// It ended by itself, and would again.
+    /// The process ended by itself, and another start would end in the same way.
     #[error("{0} ended while it started: {1}")]
     Ended(ProcessId, String),
-    /// It says why not.
+    /// The process refused to take part, for this reason.
     #[error("{0}: {1}")]
     Refuses(ProcessId, String),
-    /// It is of another program.
+    /// The process put together another cell than the launcher did.
     #[error(
         "{0} sees another cell than its launcher\n help: the program or cell.toml changed meanwhile: start again"
     )]
     OtherCell(ProcessId),
-    /// The machine does not give it what the cell asks for.
+    /// The machine does not grant the process what the cell asks for.
     #[error(
         "{0} may not have {1}\n help: allow it, as root: setcap cap_sys_nice,cap_ipc_lock+ep PROGRAM; or write permission = \"best effort\" in [realtime] of cell.toml"
     )]
     NotPermitted(ProcessId, Lacks),
-    /// It could not be started.
+    /// The process could not be started.
     #[error("{0} cannot be started: {1}")]
     Spawn(ProcessId, io::Error),
 }
@@ -78,17 +81,17 @@ pub(super) struct Over {
     pub outcome: Option<Result<(), Fault>>,
 }
 
-/// One process.
+/// One process of the cell, as its launcher holds it.
 pub(super) struct Member {
     pub id: ProcessId,
     pub control: Control,
     child: RefCell<Child>,
     pub over: RefCell<Option<Over>>,
-    /// Its newest figures, in real time.
+    /// Its newest figures; in real time only.
     pub figures: Cell<Option<Figures>>,
-    /// How robots in it came to a standstill whose commands had stopped.
+    /// How robots of this process came to a standstill after their demands had stopped.
     pub rests: RefCell<Vec<Rest>>,
-    /// It has been waited for.
+    /// Whether the launcher has waited for its end.
     pub gone: Cell<bool>,
 }
 
@@ -99,10 +102,11 @@ impl Member {
         if let Some(program) = std::env::args_os().next() {
             command.arg0(program);
         }
-        // What `ps` shows: its role and whose it is.
+        // `ps` shows these arguments: the role, and the robot or sensor that it belongs to.
         command.args(id.to_string().split(' '));
         command.arg("--session").arg(session.folder()).args(&plan.arguments);
-        // Ctrl-C is the launcher's to act on: a robot must not lose its processes one by one.
+        // A process group of its own keeps Ctrl-C away from the process: only the launcher acts on it, so that a robot
+        // does not lose its processes one by one.
         let child = command.stdin(Stdio::from(OwnedFd::from(theirs))).process_group(0).spawn()?;
         ours.set_read_timeout(Some(SETTING_UP))?;
         let (child, over) = (RefCell::new(child), RefCell::new(None));
@@ -110,12 +114,12 @@ impl Member {
         Ok(Member { id, control: Control::new(ours), child, over, figures, rests, gone })
     }
 
-    /// Its number.
+    /// The number of the process.
     pub fn pid(&self) -> u32 {
         self.child.borrow().id()
     }
 
-    /// Waits for its end, which has come; says how it ended.
+    /// Waits for a process whose end has come, and says how it ended.
     pub fn reap(&self) -> String {
         self.gone.set(true);
         match self.child.borrow_mut().wait() {
@@ -124,19 +128,20 @@ impl Member {
         }
     }
 
-    /// Whether its part is over, and it is still there.
+    /// Whether its part of the run is over while the process still exists.
     pub fn is_over(&self) -> bool {
         !self.gone.get() && self.over.borrow().is_some()
     }
 
-    /// Ends it at once.
+    /// Kills the process.
     pub fn kill(&self) {
-        // It may have ended just now.
+        // Killing fails if the process has ended just now.
         drop(self.child.borrow_mut().kill());
         self.reap();
     }
 
-    /// Tells it how the cell has ended, and waits for what it makes of that; its exit status, unless it died of it.
+    /// Sends the result of the run to the process and waits for its end. Returns its exit status; `None` if it was
+    /// killed or could not be told.
     pub fn conclude(&self, steps: u64, time: Nanos, outcome: Result<(), Fault>) -> Option<u8> {
         let told = self.control.send(&Frame::Over { steps, time, outcome: Some(outcome) });
         self.gone.set(true);
@@ -144,12 +149,12 @@ impl Member {
         told.ok().and(status.code()).and_then(|code| u8::try_from(code).ok())
     }
 
-    /// The fault that its death is.
+    /// The fault by which the death of this process stops the cell.
     pub fn death(&self, how: &str) -> Fault {
         Fault::new(FaultKind::PeerLost).in_process(self.id).text(how)
     }
 
-    /// Waits for an answer while the cell is set up.
+    /// Waits for the next frame of the process while the cell is set up.
     fn expect(&self) -> Result<Frame, NoStart> {
         match self.control.receive() {
             Ok(Frame::Refuses(text)) => Err(NoStart::Refuses(self.id, text)),
@@ -179,11 +184,11 @@ fn how(status: ExitStatus) -> String {
     }
 }
 
-/// All processes of a launch. Those that are left are ended with it.
+/// All processes of a launch. Dropping it kills those that still run.
 pub(super) struct ProcessSet(pub Vec<Rc<Member>>);
 
 impl ProcessSet {
-    /// Starts the processes at `places` and connects them. They wait to be told to go.
+    /// Starts the processes at `places` and connects them. They then wait for [`Frame::Go`].
     pub fn start(
         places: &[ProcessId],
         fingerprint: u64,
@@ -198,7 +203,7 @@ impl ProcessSet {
         }
         match process_set.set_up(fingerprint, (session, epoch), plan) {
             Ok(()) => Ok(process_set),
-            // One that died explains what another one lacks.
+            // If a process has died, its death is the reason for the other processes' errors.
             Err(error) => Err(process_set.first_dead().unwrap_or(error)),
         }
     }
@@ -235,40 +240,41 @@ impl ProcessSet {
         Ok(())
     }
 
-    /// A process that has ended while it was set up.
+    /// A process that was killed while it was set up.
     fn first_dead(&self) -> Option<NoStart> {
         self.0.iter().filter(|member| !member.gone.get()).find_map(|member| {
             let status = member.child.borrow_mut().try_wait().ok()??;
-            // One that refused has said so, and ends by itself.
+            // A process that refused has sent its reason and ends by itself, with a status and not by a signal.
             status.signal().map(|_| NoStart::Died(member.id, how(status)))
         })
     }
 
-    /// The newest figures of all processes that have told any.
+    /// The newest figures of all processes that have reported any.
     pub fn figures(&self) -> Vec<(ProcessId, Figures)> {
         self.0.iter().filter_map(|member| Some((member.id, member.figures.get()?))).collect()
     }
 
-    /// Tells all that are still at work. Whoever is gone does not hear it; that it is gone is seen elsewhere.
+    /// Sends a frame to all processes whose part is not over. A frame to a process that has just died is lost; its
+    /// death is noticed at the end of its stream.
     pub fn tell(&self, frame: &Frame) {
         for member in self.0.iter().filter(|member| !member.gone.get() && member.over.borrow().is_none()) {
             drop(member.control.send(frame));
         }
     }
 
-    /// Tells the MP.
+    /// Sends a frame to the MP.
     pub fn tell_mp(&self, frame: &Frame) {
         if let Some(mp) = self.0.iter().find(|member| member.id == ProcessId::MP && !member.gone.get()) {
             drop(mp.control.send(frame));
         }
     }
 
-    /// The plant, if it has ended well and waits for what there is to tell of the run.
+    /// The plant, if its part is over and it waits for the result of the run.
     pub fn plant_over(&self) -> Option<&Rc<Member>> {
         self.0.iter().find(|member| member.id.role == Role::Plant && member.is_over())
     }
 
-    /// Waits for all, but for one that goes on, to end, at most until a time; ends those that have not.
+    /// Waits until `until` for all processes except `goes_on` to end, and kills those that have not ended by then.
     pub fn reap(&self, goes_on: Option<&Rc<Member>>, until: Instant) {
         let goes_on = goes_on.map(|member| member.id);
         for member in self.0.iter().filter(|member| !member.gone.get() && Some(member.id) != goes_on) {

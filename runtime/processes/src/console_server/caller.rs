@@ -1,4 +1,7 @@
-//! A console's side of the connection: finds the cell that runs, asks and hears.
+//! A console's side of the connection.
+//!
+//! In: the path of a cell's file, then requests. Out: a connection to the console server of that cell, then its answers
+//! and pictures.
 
 use std::io::{self, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
@@ -8,34 +11,34 @@ use super::protocol::{Heard, Request};
 use super::service::SOCKET;
 use crate::session::{SessionError, sessions_of};
 
-/// No cell is there to be operated.
+/// Why a console cannot connect to a cell.
 #[derive(Debug, thiserror::Error)]
 pub enum NoCell {
-    /// Nobody runs it.
+    /// The cell is not running.
     #[error(
         "no processes run the cell of {0}\n help: start it in another terminal: --processes; --cell FILE names another one"
     )]
     NotRun(PathBuf),
-    /// It has no console server.
+    /// The cell runs, but has no console server.
     #[error(
         "the cell of {0} takes no orders now\n help: it is starting or ending, or runs under the virtual clock, which waits for nobody"
     )]
     Closed(PathBuf),
-    /// Its sessions cannot be looked at.
+    /// The folder of sessions cannot be read.
     #[error(transparent)]
     Session(#[from] SessionError),
 }
 
-/// A connection to the console server of a running cell: its two directions.
+/// A connection to the console server of a running cell, with both directions.
 pub struct Caller {
     pub asks: Asks,
     pub hears: Hears,
 }
 
-/// What a console asks by.
+/// The direction from a console to the console server.
 pub struct Asks(UnixStream);
 
-/// What it hears by.
+/// The direction from the console server to a console.
 pub struct Hears(BufReader<UnixStream>);
 
 impl Caller {
@@ -56,10 +59,10 @@ impl Caller {
         }
     }
 
-    /// Asks for something, and hears what comes of it.
+    /// Sends a request and waits for its answer.
     ///
     /// # Errors
-    /// The console_server is gone, or what came is nothing that a console server says.
+    /// The console server is gone, or what came is neither an answer nor a picture.
     pub fn ask(&mut self, request: &Request) -> io::Result<Heard> {
         self.asks.ask(request)?;
         self.hears.hear()
@@ -67,10 +70,10 @@ impl Caller {
 }
 
 impl Asks {
-    /// Asks for something.
+    /// Sends a request.
     ///
     /// # Errors
-    /// The console_server is gone.
+    /// The console server is gone.
     pub fn ask(&mut self, request: &Request) -> io::Result<()> {
         self.0.write_all(format!("{request}\n").as_bytes())
     }
@@ -80,7 +83,7 @@ impl Hears {
     /// Waits for the next answer or picture.
     ///
     /// # Errors
-    /// The console_server is gone, or what came is nothing that a console server says.
+    /// The console server is gone, or what came is neither an answer nor a picture.
     pub fn hear(&mut self) -> io::Result<Heard> {
         let over = || io::Error::new(ErrorKind::UnexpectedEof, "the cell has ended");
         Heard::read(&mut self.0)?.ok_or_else(over)

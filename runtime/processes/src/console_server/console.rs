@@ -1,7 +1,7 @@
-//! One console, as the server of its cell sees it.
+//! One console, as the console server holds it.
 //!
-//! In: bytes, as they come. Out: requests, one at a time: the next one is read when the one before is answered, so that a
-//! console that asks more than can be answered waits in its own socket and in nobody's memory.
+//! In: bytes, as they come. Out: requests, one at a time: the next request is read when the one before is answered, so
+//! that requests of a console that asks too fast stay in its own socket and take none of the launcher's memory.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::{AsFd, BorrowedFd};
@@ -11,32 +11,32 @@ use std::time::Instant;
 use super::protocol::{MAX_REQUEST, Reply};
 use mrroc_core::operator::button::Button;
 
-/// Bytes that may wait for a console to read them.
+/// How much unread text may wait for a console \[bytes\].
 const MAX_OUTPUT: usize = 1 << 16;
 
-/// What a console has asked and not been answered.
+/// The request of a console that has not been answered yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Asked {
     Nothing,
-    /// A button, whose kind is in use.
+    /// A button, while another press of its kind is under way.
     Press(Button),
-    /// What becomes of the press of this kind and number.
+    /// The result of the press of this kind and number.
     Answer(usize, u64),
 }
 
 /// A console.
 pub(super) struct Console {
-    /// Which one it is, among all that there were; the process that it is.
+    /// Its ordinal among all consoles of the session.
     pub id: u64,
     pub pid: u32,
     pub asked: Asked,
-    /// When it is due its next picture, if it watches.
+    /// When it gets its next picture, if it watches.
     pub watches: Option<Instant>,
-    /// It has gone, or is to.
+    /// Whether it has gone or is to be disconnected.
     pub gone: bool,
     stream: UnixStream,
     input: Vec<u8>,
-    /// It says nothing more.
+    /// Whether it has closed its sending direction.
     silent: bool,
     output: Vec<u8>,
 }
@@ -59,27 +59,27 @@ impl Console {
         })
     }
 
-    /// What to wait on.
+    /// The file descriptor of the connection.
     pub fn descriptor(&self) -> BorrowedFd<'_> {
         self.stream.as_fd()
     }
 
-    /// Whether to wait for it to say something.
+    /// Whether to wait until it sends something.
     pub fn is_listened_to(&self) -> bool {
         self.asked == Asked::Nothing && !self.silent && !self.has_line()
     }
 
-    /// Whether to wait for it to read something.
+    /// Whether to wait until it can take more text.
     pub const fn is_written_to(&self) -> bool {
         !self.output.is_empty()
     }
 
-    /// Whether a request is here that has not been looked at.
+    /// Whether a request has come that has not been read yet.
     pub fn has_line(&self) -> bool {
         self.input.contains(&b'\n')
     }
 
-    /// Reads what has come, no more than one request is long.
+    /// Reads what has come, at most as much as the longest request.
     pub fn read(&mut self) {
         let mut bytes = [0; MAX_REQUEST + 1];
         let room = bytes.len() - self.input.len().min(bytes.len());
@@ -91,7 +91,7 @@ impl Console {
         }
     }
 
-    /// The next request, without its end, if the one before is answered.
+    /// The next request, without its line end, if the one before is answered.
     pub fn line(&mut self) -> Option<Vec<u8>> {
         if self.asked != Asked::Nothing || self.is_written_to() {
             return None;
@@ -109,20 +109,20 @@ impl Console {
         None
     }
 
-    /// Answers what it asked.
+    /// Answers its request.
     pub fn answer(&mut self, reply: &Reply) {
         self.asked = Asked::Nothing;
         self.write(&format!("{reply}\n"));
     }
 
-    /// Writes to it; whoever does not read is left.
+    /// Writes to it; disconnects it if too much text is unread.
     pub fn write(&mut self, text: &str) {
         self.output.extend_from_slice(text.as_bytes());
         self.flush();
         self.gone |= self.output.len() > MAX_OUTPUT;
     }
 
-    /// Writes what is left as far as it goes.
+    /// Writes as much of the waiting text as the socket takes.
     pub fn flush(&mut self) {
         while !self.output.is_empty() {
             match self.stream.write(&self.output) {
@@ -137,7 +137,7 @@ impl Console {
         }
     }
 
-    /// Whether nothing more is to be done for it: it has gone, or has said its last and been answered.
+    /// Whether it can be removed: it has gone, or it has sent its last request and got the answer.
     pub fn is_over(&self) -> bool {
         let answered = self.asked == Asked::Nothing && !self.is_written_to() && !self.has_line();
         self.gone || (self.silent && answered && self.watches.is_none())

@@ -1,7 +1,7 @@
-//! The launcher's handle of the console_server.
+//! The launcher's handle of the console server.
 //!
-//! In: who the processes are, which of them have ended, what they tell of their time. Out: presses of buttons for the MP. The
-//! console_server itself is a thread, [`Service`].
+//! In: the processes of the cell, which of them have ended, and their figures. Out: presses of buttons for the MP. The
+//! console server itself is a thread, [`Service`].
 
 use std::collections::BTreeSet;
 use std::io::{self, Read};
@@ -20,7 +20,7 @@ use crate::figures::Figures;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::operator::button::Button;
 
-/// A process of the cell, and whether it is there.
+/// A process of the cell, and whether it runs.
 pub(super) struct Seat {
     pub id: ProcessId,
     pub pid: u32,
@@ -28,21 +28,21 @@ pub(super) struct Seat {
     pub figures: Figures,
 }
 
-/// The console_server of a running cell.
+/// The console server of a running cell.
 pub(crate) struct ConsoleServer {
     presses: Receiver<Frame>,
     wakes: UnixStream,
     seats: Arc<Mutex<Vec<Seat>>>,
-    /// Its end ends the thread.
+    /// The thread ends when this end of the socket is closed.
     open: Option<UnixStream>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl ConsoleServer {
-    /// Opens the console_server in a session's folder, for processes by their places with their numbers.
+    /// Opens the console server in a session's folder, for the processes by their places, each with its process number.
     ///
     /// # Errors
-    /// The socket cannot be made, or the thread.
+    /// The socket cannot be made, or the thread cannot be started.
     pub fn open(
         folder: &Path,
         board: StateBoard,
@@ -79,23 +79,23 @@ impl ConsoleServer {
         Ok(ConsoleServer { presses, wakes, seats, open: Some(open), thread: Some(thread) })
     }
 
-    /// What to wait on for presses.
+    /// The file descriptor that becomes readable when a press has come.
     pub fn descriptor(&self) -> BorrowedFd<'_> {
         self.wakes.as_fd()
     }
 
-    /// The presses that have come, for the MP.
+    /// Takes the presses that have come; they are for the MP.
     pub fn presses(&self) -> impl Iterator<Item = Frame> {
         drop((&self.wakes).read(&mut [0; 64]));
         self.presses.try_iter()
     }
 
-    /// A process has ended.
+    /// Notes that a process has ended.
     pub fn ended(&self, id: ProcessId) {
         self.at_seat(id, |seat| seat.runs = false);
     }
 
-    /// What a process tells of its time.
+    /// Notes the newest figures of a process.
     pub fn measured(&self, id: ProcessId, figures: Figures) {
         self.at_seat(id, |seat| seat.figures = figures);
     }
@@ -110,7 +110,7 @@ impl Drop for ConsoleServer {
     fn drop(&mut self) {
         drop(self.open.take());
         if let Some(thread) = self.thread.take() {
-            // One that panicked has said so.
+            // A thread that panicked has printed its message already.
             drop(thread.join());
         }
     }

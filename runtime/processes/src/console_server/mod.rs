@@ -1,10 +1,12 @@
-//! The console server: a running cell as its operator's consoles see it.
+//! The console server: connects the operator's consoles with a running cell.
 //!
-//! In: requests of any number of consoles, over a socket in the session's folder. Out: presses of buttons for the MP, one at
-//! a time of each kind; answers that say in which step each was carried out or refused; pictures of the cell.
-//! [`protocol`] is what the two sides write, [`picture`] what the cell looks like, [`service`] the launcher's side, of
-//! which [`handle`] is what the launcher holds, [`console`] one connection and [`presses`] the way to the MP; [`caller`] is
-//! the other side.
+//! In: requests of any number of consoles, over a socket in the session's folder. Out: presses of buttons for the MP,
+//! one of each kind at a time; answers that say in which step each press was carried out or refused; pictures of the
+//! cell.
+//!
+//! [`protocol`] defines what the two sides write and [`picture`] the state of the cell that is shown. On the launcher's
+//! side [`service`] is the server's thread, [`handle`] the launcher's handle of it, [`console`] one connection, and
+//! [`presses`] the way of presses to the MP and back. [`caller`] is the console's side.
 
 mod caller;
 mod console;

@@ -1,8 +1,8 @@
-//! A picture of a running cell: what its operator is shown, and how that is written.
+//! A picture of a running cell: the state that the operator is shown, and its form as text.
 //!
-//! In: the panels of its processes, or lines of text. Out: the other of the two. A picture is written as lines of words
-//! apart by spaces, from `picture` to `end`; each begins with what it is about, and those about a process or a robot come as
-//! often as there are such.
+//! In: a [`Picture`], or lines of text. Out: the text, or the picture again. The text begins with the line `picture`
+//! and ends with the line `end`. Each line between them consists of words separated by spaces, and its first word says
+//! what the line is about; there is one line for each process and one for each robot.
 
 use core::fmt::{self, Write};
 use core::str::{FromStr, SplitAsciiWhitespace};
@@ -13,52 +13,52 @@ use mrroc_core::operator::button::CellState;
 use mrroc_core::operator::state::Doing;
 use mrroc_core::robot::MAX_JOINTS;
 
-/// A line that is no part of a picture.
+/// A line that cannot be part of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no part of a picture")]
 pub struct BadPicture(String);
 
-/// What a cell looks like.
+/// The state of a running cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     pub state: CellState,
-    /// The step of the MP, and its period \[ns\].
+    /// The step of the MP; below, its period \[ns\].
     pub step: u64,
     pub period: u64,
-    /// Rate of path time, and the speed that is set, 0 to 1.
+    /// The rate of path time; below, the speed that the operator has set; both 0 to 1.
     pub rate: f64,
     pub speed: f64,
-    /// Instructions begun; what the present one is, by which generator or condition.
+    /// Number of instructions begun; below, the kind of the present one, and the name of its generator or condition.
     pub instructions: u64,
     pub doing: Doing,
     pub by: String,
-    /// Which process holds the control token.
+    /// The number of the process that holds the control token.
     pub holder: Option<u32>,
-    /// What ended the last instruction that did not end well.
+    /// The fault that ended the last instruction that failed.
     pub fault: Option<String>,
     pub processes: Vec<ProcessPicture>,
     pub robots: Vec<RobotPicture>,
 }
 
-/// One process.
+/// One process of the cell.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProcessPicture {
-    /// `ecp left`.
+    /// Its role and robot or sensor, such as `ecp left`.
     pub name: String,
     pub pid: u32,
-    /// Whether it is there.
+    /// Whether it runs.
     pub runs: bool,
-    /// How late it was, and how long it worked.
+    /// How late it was and how long it worked.
     pub figures: Figures,
 }
 
-/// One robot.
+/// One robot of the cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotPicture {
     pub name: String,
-    /// Time of the servo period \[s\].
+    /// Time of the servo period that is shown \[s\].
     pub time: f64,
-    /// Joint positions [rad or m].
+    /// Demanded joint positions, in the order of the joints [rad or m]; below, the measured ones.
     pub demanded: Vec<f64>,
     pub measured: Vec<f64>,
 }
@@ -92,16 +92,16 @@ impl fmt::Display for Picture {
     }
 }
 
-/// A program's text of a fault may have several.
+/// Joins the lines of a text: a program's text of a fault may have several.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 impl Picture {
-    /// Takes one line of a picture between its first and its last.
+    /// Takes one line between the first and the last line of a picture.
     ///
     /// # Errors
-    /// [`BadPicture`]: it says nothing of a cell, or more than a cell can have.
+    /// [`BadPicture`]: the line has no valid form, or there are more processes or robots than a cell can have.
     pub fn take(&mut self, line: &str) -> Result<(), BadPicture> {
         let mut words = line.split_ascii_whitespace();
         let taken = match words.next() {

@@ -1,7 +1,7 @@
 //! Presses of buttons on their way to the MP and back.
 //!
-//! In: buttons that consoles wait for, and the MP's entry on the state board. Out: one press of each kind at a time, and its answer to all
-//! consoles that wait for it.
+//! In: buttons that consoles have asked for, and the MP's entry on the state board. Out: one press of each kind at a
+//! time to the MP, and its answer to all consoles that wait for it.
 
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -24,7 +24,7 @@ pub(super) struct Flight {
 }
 
 impl Service {
-    /// Tells consoles what became of their presses.
+    /// Answers consoles whose presses were carried out or refused.
     pub(super) fn look_after_presses(&mut self) {
         let mp = self.mp();
         let over = !self.mp_runs();
@@ -39,14 +39,14 @@ impl Service {
                 }
                 None => continue,
             };
-            // One that is late may still be carried out, but the next one need not wait for that.
+            // A late press may still be carried out, but the next press does not wait for it.
             *flight = None;
             let asked = Asked::Answer(kind, number);
             self.consoles.iter_mut().filter(|console| console.asked == asked).for_each(|c| c.answer(&reply));
         }
     }
 
-    /// Presses the first button of each kind that consoles wait for, unless one of its kind is under way.
+    /// Sends the first waiting button of each kind to the MP, unless a press of that kind is under way.
     pub(super) fn press(&mut self) {
         for kind in 0..Button::KINDS {
             let waits = |console: &Console| match console.asked {
@@ -59,7 +59,7 @@ impl Service {
             let Some(button) = self.consoles.iter().find_map(waits) else { continue };
             self.presses_made += 1;
             let number = self.presses_made;
-            // A launcher that is gone closes the console_server, too.
+            // Sending fails only when the launcher is gone, which closes the console server as well.
             drop(self.presses.send(Frame::Press { number, button }));
             drop(self.waker.write(&[1]));
             self.flights[kind] = Some(Flight { number, button, since: Instant::now() });

@@ -1,16 +1,17 @@
-//! What a console and the console_server of a cell write to each other: lines of text.
+//! What a console and the console server of a cell write to each other: lines of text.
 //!
-//! A console asks one thing a line, and reads the answer before it asks the next one:
+//! A console sends one request a line, and reads the answer before it sends the next request:
 //!
 //! | request | answer |
 //! |---|---|
-//! | `stop`, `abort` | from every console |
-//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset` | from the console that holds the control token; one that asks while nobody does takes it |
-//! | `take`, `release` | takes and returns the token; the end of a console returns it as well |
+//! | `stop`, `abort` | to every console |
+//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset` | only to the console that holds the control token; a console that asks while the token is free takes it |
+//! | `take`, `release` | takes or returns the token; the end of a console returns it as well |
 //! | `status` | a picture |
-//! | `watch` | a picture, and from now on up to 20 a second between the answers |
+//! | `watch` | a picture, and from then on up to 20 pictures a second between the answers |
 //!
-//! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`; a picture has many, from `picture` to `end`.
+//! An answer is one line, `done TEXT`, `refused TEXT` or `pending TEXT`. A picture is many lines, from `picture` to
+//! `end`.
 
 use core::fmt;
 use std::io::{self, BufRead, ErrorKind};
@@ -18,16 +19,16 @@ use std::io::{self, BufRead, ErrorKind};
 use super::picture::Picture;
 use mrroc_core::operator::button::Button;
 
-/// The longest request, its end not counted \[bytes\].
+/// The longest request, without its line end \[bytes\].
 pub const MAX_REQUEST: usize = 80;
 
 /// The longest line of an answer \[bytes\].
 const MAX_ANSWER: usize = 4096;
 
-/// The most lines of a picture.
+/// The largest number of lines of a picture.
 const MAX_LINES: usize = 1000;
 
-/// What a console asks.
+/// A request of a console.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Request {
     Status,
@@ -37,7 +38,7 @@ pub enum Request {
     Press(Button),
 }
 
-/// The words that are no buttons.
+/// The requests that are not buttons.
 const WORDS: [&str; 4] = ["status", "watch", "take", "release"];
 
 impl Request {
@@ -81,11 +82,11 @@ impl fmt::Display for Request {
 /// The answer to a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Reply {
-    /// It was carried out: what happened, in which step.
+    /// The request was carried out; with what happened, in which step.
     Done(String),
-    /// It was not: why.
+    /// The request was refused; with the reason.
     Refused(String),
-    /// It will be when a step begins; the program computes now.
+    /// The request will be carried out when the next step begins; at present the program computes.
     Pending(String),
 }
 
@@ -99,7 +100,7 @@ impl fmt::Display for Reply {
     }
 }
 
-/// What a console hears.
+/// What a console receives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
     Reply(Reply),
@@ -107,10 +108,10 @@ pub enum Heard {
 }
 
 impl Heard {
-    /// Reads the next one; `None` when the console_server is gone.
+    /// Reads the next answer or picture; `None` when the console server is gone.
     ///
     /// # Errors
-    /// What is read is nothing that a console_server writes.
+    /// What was read is neither an answer nor a picture, or reading failed.
     pub fn read(from: &mut impl BufRead) -> io::Result<Option<Heard>> {
         let bad = |line: &str| {
             let text = format!("`{}` is no answer", line.escape_default());
@@ -139,7 +140,7 @@ impl Heard {
     }
 }
 
-/// A line without its end; `None` at the end of the stream.
+/// Reads a line, without its line end; `None` at the end of the stream.
 fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
     let mut line = Vec::new();
     let whole = io::Read::take(&mut *from, MAX_ANSWER as u64).read_until(b'\n', &mut line)?;

@@ -1,8 +1,11 @@
-//! The launcher's side of the console_server: a thread that hears all consoles, and passes presses on to the MP.
+//! The thread of the console server.
 //!
-//! Of each kind of button one press is under way at a time, and the MP carries out one of each kind in a step: however many
-//! consoles press however often, it hears no more. Presses of one kind and meaning that wait share one press and its
-//! answer. What the MP did is read from its entry on the state board, so that it writes to nobody.
+//! In: requests of all consoles, and the state board. Out: presses for the MP; answers and pictures for the consoles.
+//!
+//! One press of each kind of button is under way at a time, and the MP carries out one of each kind in a step, so that
+//! the MP's work does not grow with the number of consoles and presses. Waiting presses of the same button share one
+//! press and its answer. The thread reads from the MP's entry on the state board what the MP did, so that the MP sends
+//! no answers.
 
 use std::collections::BTreeSet;
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -27,19 +30,19 @@ use mrroc_core::operator::button::{Button, CellState};
 /// The name of the socket in a session's folder.
 pub(super) const SOCKET: &str = "operator";
 
-/// The most consoles at a time. One more makes the one go that has been there longest without the token.
+/// The most consoles at a time. One more disconnects the oldest console that does not hold the control token.
 const CONSOLES: usize = 16;
 
-/// The shortest time between two rounds: a flood of requests keeps no core busy.
+/// The shortest time between two rounds, so that a flood of requests does not keep a core busy.
 const ROUND: Duration = Duration::from_millis(1);
 
-/// How often a press that is under way is looked after.
+/// How often the server looks for the answer to a press that is under way.
 const LOOK: Duration = Duration::from_millis(2);
 
 /// The time between two pictures.
 const PICTURE: Duration = Duration::from_millis(50);
 
-/// The thread of the console_server.
+/// The state of the console server's thread.
 pub(super) struct Service {
     pub listener: UnixListener,
     pub end: UnixStream,
@@ -48,18 +51,18 @@ pub(super) struct Service {
     pub presses: Sender<Frame>,
     pub waker: UnixStream,
     pub consoles: Vec<Console>,
-    /// By their kinds.
+    /// The presses under way, by their kinds.
     pub flights: [Option<Flight>; Button::KINDS],
     pub ids: u64,
     pub presses_made: u64,
     /// The console that holds the control token.
     pub holder: Option<u64>,
-    /// Users who were refused, each told of once.
+    /// Users whose consoles were refused; each is reported once.
     pub strangers: BTreeSet<u32>,
 }
 
 impl Service {
-    /// Serves until the handle of the console_server goes.
+    /// Serves until the handle of the console server is dropped.
     pub fn run(mut self) {
         while self.wait() {
             self.accept();
@@ -76,7 +79,7 @@ impl Service {
         }
     }
 
-    /// Waits until something is to be done; whether the console_server is still open.
+    /// Waits until something is to be done; returns whether the console server is still open.
     fn wait(&mut self) -> bool {
         let time = self.next_round();
         let mut all = vec![PollFd::new(&self.end, PollFlags::IN), PollFd::new(&self.listener, PollFlags::IN)];
@@ -104,7 +107,7 @@ impl Service {
         came[0].is_empty()
     }
 
-    /// How long nothing has to be done unless something comes.
+    /// How long to wait if nothing comes meanwhile.
     fn next_round(&self) -> Option<Duration> {
         let ready = |console: &Console| console.has_line() && console.asked == Asked::Nothing;
         if self.consoles.iter().any(|console| ready(console) && !console.is_written_to()) {
@@ -117,7 +120,7 @@ impl Service {
         look.into_iter().chain(due).min()
     }
 
-    /// Lets consoles in: those of the user that the cell belongs to.
+    /// Accepts new consoles of the user to whom the cell belongs, and refuses those of other users.
     fn accept(&mut self) {
         for _ in 0..CONSOLES {
             let Ok((stream, _)) = self.listener.accept() else { return };
@@ -141,7 +144,7 @@ impl Service {
         }
     }
 
-    /// Answers a console, or takes down what it waits for.
+    /// Answers a console's request, or notes the press that it waits for.
     fn serve(&mut self, i: usize) {
         let Some(line) = self.consoles[i].line() else { return };
         let answer = match Request::read(&line) {
@@ -192,7 +195,8 @@ impl Service {
         if !matches!(button, Button::Stop | Button::Abort) {
             self.take(i)?;
         }
-        // Kept until an instruction begins, it would abort one that nobody meant.
+        // An abort that is kept until the next instruction begins would abort an instruction that the operator did not
+        // mean.
         if button == Button::Abort && self.mp().is_some_and(|mp| mp.state == CellState::Idle) {
             return Err(Reply::Refused(CellState::Idle.reason(button).to_owned()));
         }
@@ -200,7 +204,7 @@ impl Service {
         Ok(())
     }
 
-    /// Shows the cell to those who watch it and keep up with it.
+    /// Sends pictures to the consoles that watch and have read the earlier ones.
     fn show(&mut self) {
         let now = Instant::now();
         let due = |console: &Console| console.watches.is_some_and(|due| due <= now);
@@ -217,7 +221,7 @@ impl Service {
     }
 
     fn seats(&self) -> MutexGuard<'_, Vec<Seat>> {
-        // A seat is whole whatever a thread that held it did.
+        // A seat is valid even if a thread panicked while it held the lock.
         self.seats.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -225,7 +229,7 @@ impl Service {
         self.seats().iter().any(|seat| seat.id == ProcessId::MP && seat.runs)
     }
 
-    /// What the MP shows.
+    /// What the MP shows on the state board.
     pub fn mp(&self) -> Option<MpPanel> {
         let place = self.seats().iter().position(|seat| seat.id == ProcessId::MP)?;
         self.board.read(place).map(|words| MpPanel::read(&words))
