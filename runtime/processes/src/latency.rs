@@ -1,7 +1,8 @@
-//! How long a round trip takes, ours beside what it is made of: `just bench-latency`.
+//! How long a round trip takes on this link and on the primitives that it is made of: `just bench-latency`.
 //!
-//! Two processes, a request and its answer of the size of a [`Message`], the asking one blocked until the answer is
-//! there. All kinds take turns in one run, so that they meet the same machine. Raw samples go to `target/latency/`.
+//! Two processes exchange a request and its answer of the size of a [`Message`]; the asking process blocks until the
+//! answer has come. All kinds take turns in one run, so that they are measured under the same load. Raw samples go to
+//! `target/latency/`.
 
 mod step;
 mod topology;
@@ -31,10 +32,10 @@ const WARM_UP: usize = 500;
 const SAMPLES: usize = 5000;
 const ROUNDS: usize = 5;
 const KINDS: [&str; 4] = ["mrroc", "iceoryx2", "futex", "socket"];
-/// Of an envelope \[bytes\].
+/// Size of an envelope \[bytes\].
 const SIZE: usize = 8 * (4 + 11 + mrroc_core::payload::WORDS);
 const SEAL: Seal = Seal { session: 1, epoch: 1 };
-/// What tells a test to be the answering process: the kind, the cores, the folder.
+/// The environment variable that makes a test the answering process: the kind, the cores, the folder.
 const PEER: &str = "MRROC_LATENCY_PEER";
 
 fn ids() -> [ProcessId; 2] {
@@ -45,7 +46,7 @@ fn folder(of: u32) -> PathBuf {
     PathBuf::from(format!("/tmp/mrl{of}"))
 }
 
-/// Real time as a cell would ask for it: priority 50 where it is permitted, on this core.
+/// Asks for real time as a cell does: priority 50 where it is permitted, on this core.
 fn be_real_time(core: usize) -> bool {
     let ecp = ids()[1];
     let realtime = Realtime {
@@ -175,7 +176,7 @@ fn name(text: &str) -> ServiceName {
     ServiceName::new(text).expect("a name")
 }
 
-/// An end of one kind: `asks` says which. `barrier` returns when the other end has come as far.
+/// One end of a kind; `asks` says which end. `barrier` returns when the other end has come to the same point.
 fn end(
     kind: &str,
     asks: bool,
@@ -242,7 +243,8 @@ fn end(
                 let both = ProtFlags::READ | ProtFlags::WRITE;
                 mmap(core::ptr::null_mut(), 4096, both, MapFlags::SHARED, shared.as_fd(), 0).expect("mapped")
             };
-            // SAFETY: it is aligned to a page, all of it is atomics, for which every value is one, and it stays.
+            // SAFETY: it is aligned to a page, consists of atomics, for which every value is valid, and is never
+            // unmapped.
             #[allow(unsafe_code)]
             let words = unsafe { &*memory.cast::<[AtomicU32; 1024]>() };
             let last = words[0].load(Ordering::Acquire);
@@ -257,7 +259,7 @@ fn end(
     }
 }
 
-/// Starts this executable as a process of the measurement: the test `what`, which is told `words`.
+/// Starts this executable as a process of the measurement: it runs the test `what`, with the arguments `words`.
 fn start(what: &str, words: &str, stdin: UnixStream, shared: &OwnedFd) -> Child {
     let shared = shared.try_clone().expect("a descriptor");
     Command::new("/proc/self/exe")
@@ -291,7 +293,7 @@ fn peer() {
     for _ in 0..WARM_UP + SAMPLES {
         end.answer();
     }
-    // Not through the harness, whose words would go to the shared memory.
+    // The process does not return to the test harness, whose output would go to the shared memory.
     std::process::exit(0);
 }
 
@@ -356,21 +358,21 @@ fn round_trips_of_every_kind() {
     let _ = std::fs::remove_dir_all(root);
 }
 
-/// Waits as a process of a cell does, with a launcher that says nothing.
+/// Waits as a process of a cell does, with a launcher that sends nothing.
 fn waiter(fabric: &Fabric) -> RealTime {
     let hears_nothing = std::sync::mpsc::channel().1;
     let samples = std::sync::Arc::new(crate::iceoryx::Samples::new());
     RealTime::new(fabric.wake_futex().expect("made"), hears_nothing, (0, 0), samples)
 }
 
-/// Where raw samples go.
+/// The folder for raw samples.
 fn samples_folder() -> PathBuf {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../target/latency"));
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
 }
 
-/// Those of this measurement alone.
+/// Removes the segments of this measurement and no others.
 fn remove_segments() {
     let prefix = format!("mrl{}", std::process::id());
     for entry in std::fs::read_dir("/dev/shm").into_iter().flatten().flatten() {

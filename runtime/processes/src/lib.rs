@@ -1,10 +1,14 @@
-//! Processes of the operating system: one executable is every process of a cell, and the launcher that starts them.
+//! Cells as processes of the operating system: one executable plays every process of a cell, and its launcher.
 //!
-//! [`launcher`] starts a [`session`], its [`process_set`], each a [`member`] that puts the whole cell together and
-//! runs its own part of it; [`control`] is what they tell each other besides the messages of the cell; [`console_server`] is where the
-//! operator's consoles connect, and [`board`] where processes show what they do, each in its [`entry`];
-//! [`scheduling`] asks the machine for priorities, cores and memory, [`capacity`] whether there is enough memory and files for it, and [`doctor`] what it can
-//! do.
+//! In: a cell and a command line. Out: the run of all its processes, supervised by the launcher, or of the one process
+//! that this is.
+//!
+//! The [`launcher`] starts a [`session`] and its [`process_set`]. Each process is a [`member`], which puts the whole
+//! cell together and runs its own part; [`control`] holds the frames between the launcher and its processes. The
+//! operator's consoles connect to the [`console_server`]. Each process shows what it does in its [`entry`] of the state
+//! [`board`].
+//! [`scheduling`] asks the machine for priorities, cores and locked memory, [`capacity`] checks that there is enough shared
+//! memory and open files, and [`doctor`] says what the machine can do.
 
 #![cfg(target_os = "linux")]
 #![allow(

@@ -1,6 +1,7 @@
-//! The operator's command line: asks a cell that runs in another terminal, and tells what it answers.
+//! The operator's command line for a cell that runs in another terminal.
 //!
-//! In: a word of the command line, or lines of a console. Out: answers, and an exit status.
+//! In: a word of the command line, or lines of a console. Out: requests to the cell; on the terminal its answers, and
+//! an exit status.
 
 use std::fmt::Write;
 use std::io::{self, BufRead};
@@ -16,7 +17,7 @@ use crate::console_server::{Caller, Heard, Picture, Reply, Request};
 use crate::figures::Figures;
 use crate::part::View;
 
-/// Asks the cell of the file at `cell`.
+/// Sends a request to the running cell of the file at `cell`, and prints the answer.
 pub(super) fn operate(cell: &Path, operating: Operating, view: Option<View>) -> ExitCode {
     let caller = match Caller::find(cell) {
         Ok(caller) => caller,
@@ -46,7 +47,7 @@ fn show(caller: Caller, view: Option<View>) -> ExitCode {
     }
 }
 
-/// One request, and what came of it.
+/// Sends one request and prints its answer.
 fn once(mut caller: Caller, request: &Request) -> ExitCode {
     match caller.ask(request) {
         Ok(Heard::Picture(picture)) => say(&describe(&picture)),
@@ -62,7 +63,7 @@ fn tell(reply: &Reply) -> ExitCode {
     match reply {
         Reply::Done(text) => say(&format!("{text}\n")),
         Reply::Refused(text) => {
-            // As much an answer as the other one: whoever reads answers finds it in the same place.
+            // A refusal is printed in the same place as any other answer, so that scripts read both alike.
             let _ = say(&format!("refused: {text}\n"));
             ExitCode::FAILURE
         }
@@ -73,12 +74,12 @@ fn tell(reply: &Reply) -> ExitCode {
     }
 }
 
-/// One request a line, over one connection: it keeps the control token as long as it lasts.
+/// Sends one request for each line, over one connection, which may hold the control token until it ends.
 fn converse(mut caller: Caller) -> ExitCode {
     for line in io::stdin().lock().lines() {
         let Ok(line) = line else { break };
         match Request::read(line.as_bytes()) {
-            // A console shows one thing after the other: it asks again for the next picture.
+            // A console prints one answer after another: it asks again for each picture.
             Ok(Request::Watch) => {
                 let _ = tell(&Reply::Refused("write status, or start the view".to_owned()));
             }

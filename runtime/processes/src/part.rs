@@ -1,6 +1,6 @@
-//! Processes as a part of a program: what the command line asks of them.
+//! What the command line of a task program asks of this crate.
 //!
-//! In: an assembled cell and the options. Out: the run of all its processes, or of the one that this is.
+//! In: an assembled cell and the options. Out: the run of all its processes, or of the one process that this is.
 
 use std::io;
 use std::path::Path;
@@ -29,7 +29,7 @@ pub type View = fn(Caller) -> io::Result<()>;
 /// Cells as processes over shared memory.
 #[derive(Clone, Copy, Debug)]
 pub struct OverSharedMemory {
-    /// What records their runs.
+    /// What records the runs, if the program was built with it.
     pub recorder: Option<&'static dyn Recorder>,
     /// The operator's view, if the program was built with it.
     pub view: Option<View>,
@@ -62,7 +62,7 @@ impl Processes for OverSharedMemory {
 /// Runs one process of a cell for its launcher.
 ///
 /// # Errors
-/// In a plant that is watched: the first cause of a stop.
+/// The first cause of a stop; only in a plant that is watched.
 fn take_part(
     recorder: Option<&'static dyn Recorder>,
     mut cell: Cell,
@@ -82,7 +82,7 @@ fn take_part(
         cell = cell.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
     }
     let ran = run(cell, process, session, how.watching);
-    // What the launcher's thread has not got yet.
+    // What the launcher's thread has not received yet.
     record.iter().for_each(|record| record.finish());
     Ok(Ran::Part(match ran {
         Ok(Some(Ok(report))) => return Ok(Ran::Here(report)),
@@ -90,7 +90,7 @@ fn take_part(
         Ok(None) => ExitCode::SUCCESS,
         Err(NoPart::NoLauncher(_)) if session.is_dir() => ExitCode::FAILURE,
         Err(error @ NoPart::NoLauncher(_)) => refused(&error),
-        // The launcher says it.
+        // The launcher prints the fault.
         Err(NoPart::Told(_)) => ExitCode::FAILURE,
     }))
 }

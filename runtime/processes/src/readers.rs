@@ -1,13 +1,13 @@
-//! What consoles and the console server write to one another, read back: for fuzzing. Nothing here is promised to stay.
+//! Reads what consoles and the console server write to each other, for fuzzing. Not part of the stable interface.
 
 use crate::console_server::{Heard, MAX_REQUEST, Request};
 
-/// What an operator's console writes to a cell's console server, and what the server writes to it.
+/// Reads `bytes` as a request of an operator's console, and as what the console server writes to a console.
 ///
 /// # Panics
-/// When what was read is written as something else, or an answer is more than a line.
+/// When a value that was read is written as something else, or an answer is longer than a line.
 pub fn operator(bytes: &[u8]) {
-    // The console_server reads no longer ones.
+    // The console server reads no longer requests.
     for line in bytes.split(|byte| *byte == b'\n').filter(|line| line.len() <= MAX_REQUEST) {
         match Request::read(line) {
             Ok(request) => assert_eq!(Request::read(request.to_string().as_bytes()), Ok(request)),

@@ -1,4 +1,6 @@
-//! Asks the machine for what a process of a cell needs in real time, and says what it did not get.
+//! Asks the machine for the priority, the core and the locked memory that a process of a cell needs in real time.
+//!
+//! In: what the cell asks for, and which process this is. Out: what the machine did not grant.
 
 use core::fmt;
 
@@ -8,7 +10,7 @@ use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use mrroc_core::cell::Realtime;
 use mrroc_core::fault::ProcessId;
 
-/// What a machine did not give.
+/// What a machine did not grant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Lacks(u64);
 
@@ -47,7 +49,7 @@ impl fmt::Display for Lacks {
     }
 }
 
-/// Asks for what `realtime` says for the process `me` of a cell with these ECPs.
+/// Asks the machine for what `realtime` gives the process `me` of a cell with these ECPs; returns what was not granted.
 pub(super) fn ask(realtime: &Realtime, me: ProcessId, ecps: &[ProcessId]) -> Lacks {
     let mut lacks = Lacks::default();
     if !set_priority(realtime.priority) {
@@ -71,9 +73,9 @@ pub(super) fn ask(realtime: &Realtime, me: ProcessId, ecps: &[ProcessId]) -> Lac
     lacks
 }
 
-/// Gives back the priority: what is left to do has no deadline.
+/// Returns to ordinary priority: the work that is left has no deadline.
 pub(super) fn give_back_priority() {
-    // SAFETY: all bytes zero are a `sched_param`: it holds numbers alone.
+    // SAFETY: a `sched_param` of zero bytes is valid, because it holds numbers only.
     #[allow(unsafe_code)]
     let parameters: libc::sched_param = unsafe { core::mem::zeroed() };
     // SAFETY: 0 is the calling thread, and the parameters are read before the call returns.
@@ -81,9 +83,9 @@ pub(super) fn give_back_priority() {
     let _ = unsafe { libc::sched_setscheduler(0, libc::SCHED_OTHER, &raw const parameters) };
 }
 
-/// First in, first out, at a priority from 1 to 99; whether it is permitted.
+/// Sets SCHED_FIFO with a priority from 1 to 99; returns whether that is permitted.
 pub(super) fn set_priority(priority: u8) -> bool {
-    // SAFETY: all bytes zero are a `sched_param`: it holds numbers alone.
+    // SAFETY: a `sched_param` of zero bytes is valid, because it holds numbers only.
     #[allow(unsafe_code)]
     let mut parameters: libc::sched_param = unsafe { core::mem::zeroed() };
     parameters.sched_priority = libc::c_int::from(priority);

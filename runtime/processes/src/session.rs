@@ -1,9 +1,12 @@
-//! A session: what one launch has for itself, so that nothing of another launch, alive or crashed, is in its way.
+//! A session: the files and the shared memory of one launch, kept apart from those of any other launch, running or
+//! crashed.
 //!
-//! In a folder that belongs to one user (0700) lie the lock of every running cell, with its launcher's number, and one
-//! folder per session, the root path of its shared memory; the names of its segments begin with a prefix of its own.
-//! Every process of a session holds its lock, shared: a session whose lock is free is over or crashed, and whoever
-//! starts the next one removes what it has left.
+//! In: the path of a cell's file. Out: a session of its own, after the remains of crashed sessions are removed.
+//!
+//! A folder that belongs to one user (mode 0700) contains the lock of every running cell, with the number of its
+//! launcher's process, and one folder per session. That folder is the root path of the session's shared memory, and the
+//! names of its segments begin with a prefix of the session. Every process of a session holds the session's lock,
+//! shared: if the lock is free, the session is over or has crashed, and the next launch removes its remains.
 
 use std::fs::{self, DirBuilder, DirEntry, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -12,33 +15,33 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsE
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Where segments of shared memory lie.
+/// The folder of the segments of shared memory.
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 
-/// The longest root path: a socket in it has 57 bytes more, and the system allows it 107.
+/// The longest root path \[bytes\]: the path of a socket in it is 57 bytes longer, and the system allows 107.
 const MAX_ROOT: usize = 50;
 
-/// A session's number has so many bits: every byte of its name is one of each socket's.
+/// Bits of a session's number: few, because its digits are part of the path of each socket, whose length is limited.
 const NUMBER_BITS: u32 = 48;
 
-/// The longest time that processes of a crashed launch may still brake their robots.
+/// How long processes of a crashed launch may still brake their robots.
 const BRAKING: Duration = Duration::from_secs(3);
 
-/// A session could not be had.
+/// Why a session could not be made.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum SessionError {
-    /// The cell is running.
+    /// The cell is running already.
     #[error("the cell is run by process {0} already\n help: wait for it, or stop it: kill {0}")]
     Running(u32),
-    /// Processes of a launch that crashed have not ended.
+    /// Processes of a launch that crashed have not ended yet.
     #[error(
         "processes of an earlier launch of the cell are still there, in {0}\n help: see `ps -ef`, and stop them"
     )]
     Orphans(PathBuf),
-    /// A folder that others could change.
+    /// The folder of sessions could be changed by other users.
     #[error("{0} must be a folder of yours that nobody else may enter\n help: chmod 700 it, or remove it")]
     NotPrivate(PathBuf),
-    /// Its path is too long for sockets.
+    /// The path of the session's folder is too long for sockets.
     #[error(
         "the path {0} is too long for sockets: at most 28 bytes\n help: set XDG_RUNTIME_DIR to a shorter one"
     )]
@@ -53,13 +56,13 @@ fn at(path: &Path) -> impl FnOnce(io::Error) -> SessionError {
     move |error| SessionError::Io(path, error)
 }
 
-/// The right to run a cell: one launcher has it.
+/// The right to run a cell, which one launcher at a time has.
 #[derive(Debug)]
 pub(super) struct CellLock {
     base: PathBuf,
     path: PathBuf,
     cell: u32,
-    /// Locked as long as it is open.
+    /// The file is locked as long as it is open.
     _file: File,
 }
 
@@ -78,14 +81,14 @@ impl CellLock {
                     file.read_to_string(&mut holder).map_err(at(&path))?;
                     match holder.trim().parse() {
                         Ok(holder) => return Err(SessionError::Running(holder)),
-                        // It has the lock and is about to write its number.
+                        // The other launcher has the lock and is about to write its number.
                         Err(_) => std::thread::sleep(Duration::from_millis(1)),
                     }
                     continue;
                 }
                 Err(TryLockError::Error(error)) => return Err(at(&path)(error)),
             }
-            // The holder before removed the file after this one was opened: then it is nobody's.
+            // The previous holder may have removed the file after this process opened it: such a lock does not count.
             let ours = file.metadata().map_err(at(&path))?.ino();
             if fs::metadata(&path).is_ok_and(|now| now.ino() == ours) {
                 file.set_len(0).and_then(|()| file.rewind()).map_err(at(&path))?;
@@ -95,18 +98,19 @@ impl CellLock {
         }
     }
 
-    /// A new session of the cell, after what crashed ones have left is removed.
+    /// Makes a new session of the cell, after the remains of crashed sessions are removed.
     pub fn session(&self) -> Result<Session, SessionError> {
         let patience = Instant::now() + BRAKING;
         loop {
-            // One launcher at a time: a folder without a lock in it is a crashed one's, and not one that is being made.
+            // One launcher at a time does this, so that a folder without a lock is the rest of a crashed launch and not
+            // a folder that is being made.
             let guard = self.base.join("making");
             let making = open(&guard).map_err(at(&guard))?;
             making.lock().map_err(at(&guard))?;
             match self.remove_crashed()? {
                 None => return Session::make(&self.base, self.cell),
                 Some(alive) if Instant::now() > patience => return Err(SessionError::Orphans(alive)),
-                // They brake their robots.
+                // Processes of the crashed session still brake their robots.
                 Some(_) => {}
             }
             drop(making);
@@ -114,7 +118,8 @@ impl CellLock {
         }
     }
 
-    /// Removes sessions that nobody is in; one of this cell that somebody is in.
+    /// Removes the sessions that no process is in; returns the folder of a session of this cell that still has
+    /// processes.
     fn remove_crashed(&self) -> Result<Option<PathBuf>, SessionError> {
         let mut alive = None;
         for entry in fs::read_dir(&self.base).map_err(at(&self.base))?.flatten() {
@@ -135,7 +140,8 @@ impl CellLock {
 
 impl Drop for CellLock {
     fn drop(&mut self) {
-        // While it is locked: whoever opened it meanwhile sees that it is gone. A file that stays harms nobody.
+        // The file is removed while it is locked, so that a launcher that opened it meanwhile sees that it is gone. If
+        // it cannot be removed, it does no harm.
         drop(fs::remove_file(&self.path));
     }
 }
@@ -150,7 +156,7 @@ pub(super) struct Session {
 
 impl Session {
     fn make(base: &Path, cell: u32) -> Result<Session, SessionError> {
-        // The seeds of hash tables come from the system's random numbers.
+        // The seeds of hash tables come from the system's random numbers, so they serve as a random session number.
         let number = RandomState::new().build_hasher().finish() >> (u64::BITS - NUMBER_BITS);
         let folder = base.join(format!("{cell:08x}-{number:012x}"));
         if folder.as_os_str().len() > MAX_ROOT {
@@ -162,20 +168,21 @@ impl Session {
         Ok(Session { folder, number, _lock: lock })
     }
 
-    /// Its folder, the root path of its shared memory.
+    /// The folder of the session, which is the root path of its shared memory.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Its number, which every message carries.
+    /// The number of the session, which every message carries.
     pub const fn number(&self) -> u64 {
         self.number
     }
 
-    /// Makes the shared memory of the session its user's alone: iceoryx2 lets everybody read and write what its nodes share.
+    /// Lets only the session's user read and write its shared memory: iceoryx2 makes it readable and writable for all
+    /// users.
     pub fn keep_others_out(&self) {
         for segment in segments(self.number) {
-            // What is gone by now needs no keeping.
+            // Changing the mode fails only if the segment is gone by now.
             drop(fs::set_permissions(segment, PermissionsExt::from_mode(0o600)));
         }
     }
@@ -187,7 +194,7 @@ impl Drop for Session {
     }
 }
 
-/// A process's part of a session that its launcher made.
+/// The membership of a process in a session that its launcher made.
 #[derive(Debug)]
 pub(super) struct Membership {
     pub number: u64,
@@ -206,14 +213,14 @@ impl Membership {
     }
 }
 
-/// The number of the cell in a file: what its sessions are found by.
+/// The number of the cell in a file, by which its sessions are found.
 fn number_of(cell: &Path) -> u32 {
     let whole = fs::canonicalize(cell).unwrap_or_else(|_| cell.to_owned());
     let hash = mrroc_core::payload::layout_hash(0, &whole.to_string_lossy());
     (hash ^ hash >> 32) as u32
 }
 
-/// The folders of the sessions of the cell in a file that somebody is in.
+/// The folders of those sessions of the cell in the file at `cell` that have processes.
 ///
 /// # Errors
 /// [`SessionError`]: the folder of sessions is not private, or cannot be read.
@@ -224,25 +231,25 @@ pub(super) fn sessions_of(cell: &Path) -> Result<Vec<PathBuf>, SessionError> {
         let name = entry.file_name().to_str().and_then(read_name);
         name.is_some_and(|(cell, _)| cell == number)
     });
-    // A crashed one's lock is free.
+    // The lock of a crashed session is free.
     let is_held =
         |folder: &PathBuf| File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err());
     Ok(ours.map(|entry| entry.path()).filter(is_held).collect())
 }
 
-/// What the names of a session's segments begin with.
+/// The prefix of the names of a session's segments.
 pub(super) fn prefix(number: u64) -> String {
     format!("mrroc_{number:012x}_")
 }
 
-/// `0123abcd-0123456789ab`: the cell and the number of a session.
+/// Reads a name such as `0123abcd-0123456789ab`: the number of the cell and the number of the session.
 fn read_name(name: &str) -> Option<(u32, u64)> {
     let (cell, number) = name.split_once('-')?;
     let right = cell.len() == 8 && number.len() == 12;
     Some((u32::from_str_radix(cell, 16).ok()?, u64::from_str_radix(number, 16).ok()?)).filter(|_| right)
 }
 
-/// The shared memory of a session.
+/// The paths of the shared memory of a session.
 fn segments(number: u64) -> impl Iterator<Item = PathBuf> {
     let prefix = prefix(number);
     let names = fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
@@ -251,10 +258,10 @@ fn segments(number: u64) -> impl Iterator<Item = PathBuf> {
     names.filter(is_its).map(|entry| entry.path())
 }
 
-/// Removes a session's files, and only those.
+/// Removes the files of a session and no others.
 fn remove(folder: &Path, number: u64) {
     for segment in segments(number) {
-        // What cannot be removed now is the next launch's to remove.
+        // What cannot be removed now is removed by the next launch.
         drop(fs::remove_file(segment));
     }
     drop(fs::remove_dir_all(folder));

@@ -1,8 +1,10 @@
-//! Puts a cell together in one of its processes, and connects the part of it that is here.
+//! Puts a cell together in one of its processes, and connects the ends that belong to this process.
 //!
-//! Services are made in two rounds with a barrier between them, which the launcher keeps: first every process makes its
-//! wake_futex, the ports that it answers and the boards that it writes; when all have, each opens what the others
-//! made. So nothing is opened that is not there, and nothing is made twice.
+//! In: the cell, and which process this is. Out: the body of this process, with its ports and boards connected.
+//!
+//! Services are made in two rounds, and the launcher keeps a barrier between them. In the first round every process
+//! makes its wake-up futex, the ports that it answers and the boards that it writes. When all have done so, each
+//! process opens what the others have made. So every service exists before it is opened, and each is made once.
 
 use core::cell::Cell;
 use core::fmt::Display;
@@ -20,7 +22,7 @@ use mrroc_core::link::memory::{MAX_PROCESSES, Stuck};
 use mrroc_core::link::{Board, Body, Client, Link, Server, Simulation};
 use mrroc_core::payload::layout_hash;
 
-/// The one value of a board.
+/// The key of a board's only value.
 const KEY: u64 = 0;
 
 /// The shared memory of a session could not be set up.
@@ -49,15 +51,15 @@ pub(crate) struct Fabric {
     places: Vec<ProcessId>,
     planned: Vec<Planned>,
     body: Option<Body>,
-    /// Places that messages were sent to since the process was resumed, in lock-step.
+    /// Places to which messages were sent since the process was resumed, in lock-step.
     woken: Rc<Cell<u64>>,
-    /// What it sleeps on, and the prefix of all futexes, in real time.
+    /// What the process sleeps on, and the prefix of all futexes' names; in real time only.
     wake_futex: Option<(WakeFutex, String)>,
     node: Option<Node<ipc::Service>>,
 }
 
 impl Fabric {
-    /// The cell in the process `me`, in this time.
+    /// An empty cell, as the process `me` holds it, by this clock.
     pub fn new(me: ProcessId, clock: Clock) -> Fabric {
         Fabric {
             me,
@@ -76,22 +78,23 @@ impl Fabric {
         &self.places
     }
 
-    /// What this process runs; `None` where the cell has no such process.
+    /// What this process runs; `None` if the cell has no such process.
     pub fn take_body(&mut self) -> Option<Body> {
         self.body.take()
     }
 
-    /// Places that messages were sent to, one bit each.
+    /// The places to which messages were sent, one bit each.
     pub fn woken(&self) -> Rc<Cell<u64>> {
         Rc::clone(&self.woken)
     }
 
-    /// How many ports and boards connect the processes.
+    /// Number of ports and boards that connect the processes.
     pub const fn ways(&self) -> usize {
         self.planned.len()
     }
 
-    /// A hash of the processes and of what connects them: processes that disagree about it are of different programs.
+    /// A hash of the processes and of what connects them: if two processes have different hashes, they put together
+    /// different cells.
     pub fn fingerprint(&self) -> u64 {
         let names = self.places.iter().fold(LAYOUT, |hash, place| layout_hash(hash, &place.to_string()));
         self.planned.iter().fold(names, |hash, planned| {
@@ -109,10 +112,11 @@ impl Fabric {
         self.places[place] == self.me
     }
 
-    /// The first round: makes what others open. Its files are under `root`, its shared memory under `prefix`.
+    /// The first round: makes what others open. The files are in the folder `root`; the names of the shared memory
+    /// begin with `prefix`.
     ///
     /// # Errors
-    /// [`LinkError`]
+    /// [`LinkError`]: what could not be made or opened, and why.
     pub fn create(&mut self, root: &Path, prefix: &str, seal: Seal) -> Result<(), LinkError> {
         set_log_level(LogLevel::Fatal);
         let mut config = Config::default();
@@ -129,7 +133,7 @@ impl Fabric {
             .map_err(LinkError::of("its node"))?;
         let me = self.places.iter().position(|&place| place == self.me);
         if let (Clock::Real, Some(me)) = (self.clock, me) {
-            // There before anyone can ring.
+            // The futex is made first, so that it exists before another process can wake this one.
             let wake_futex = WakeFutex::create(prefix, me).map_err(LinkError::of("its wake_futex"))?;
             self.wake_futex = Some((wake_futex, prefix.to_owned()));
         }
@@ -154,7 +158,7 @@ impl Fabric {
     /// The second round: opens what others made.
     ///
     /// # Errors
-    /// [`LinkError`]
+    /// [`LinkError`]: what could not be made or opened, and why.
     pub fn connect(&mut self, seal: Seal) -> Result<(), LinkError> {
         let Some(node) = &self.node else { return Ok(()) };
         for (i, planned) in self.planned.iter().enumerate() {
@@ -191,7 +195,7 @@ impl Fabric {
         }
     }
 
-    /// What this process sleeps on, in real time.
+    /// What this process sleeps on; in real time only.
     pub fn wake_futex(&self) -> Option<WakeFutex> {
         self.wake_futex.as_ref().map(|(wake_futex, _)| *wake_futex)
     }

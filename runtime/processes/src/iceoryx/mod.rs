@@ -1,9 +1,9 @@
-//! The iceoryx2 link: every process is one of the operating system, and messages lie in shared memory.
+//! The iceoryx2 link: every process is a process of the operating system, and messages lie in shared memory.
 //!
-//! In: a cell put together as on any other link, in every one of its processes alike. Out: the part of it that runs
-//! here. A board is a blackboard, a port two of them, and each process sleeps on one [`wake_futex`].
-//! [`fabric`] puts the cell together, [`ports`] are the ends that are here,
-//! [`waiter`] how a process waits: in real time, or in lock-step under the launcher's virtual clock.
+//! In: a cell, put together in every process in the same way, as on any other link. Out: the part of the cell that runs
+//! in this process. A board is a blackboard, a port is two blackboards, and each process sleeps on one [`wake_futex`].
+//! [`fabric`] puts the cell together, [`ports`] holds the ends of ports and boards in this process, and [`waiter`] lets a
+//! process wait: in real time, or in lock-step under the launcher's virtual clock.
 
 mod fabric;
 mod ports;

@@ -1,12 +1,12 @@
 //! The ends of ports and boards that are in this process.
 //!
-//! In: messages. Out: envelopes in shared memory, and a wake-up of the process that reads them. An end is made before
-//! its service is: the cell is put together first and connected afterwards, so an end that belongs to another process
-//! stays empty and does nothing.
+//! In: messages. Out: envelopes in shared memory, and a wake-up of the process that reads them. The ends are made when
+//! the cell is put together, and their services when it is connected; so an end that belongs to another process stays
+//! empty and does nothing.
 //!
-//! A port is two boards: the newest request, and the answer to it, which bears its ordinal
-//! ([`numbering`](mrroc_core::link::numbering)). iceoryx2's request-response
-//! allocates three times for an exchange, for the request on both sides and for the answer; a blackboard never does.
+//! A port is two boards: one shows the newest request, the other its answer, which carries the request's ordinal
+//! ([`numbering`](mrroc_core::link::numbering)). Blackboards are used because iceoryx2's request-response allocates
+//! three times for an exchange (for the request on both sides, and for the answer), and a blackboard does not allocate.
 
 use core::cell::{Cell, OnceCell};
 use std::rc::Rc;
@@ -27,14 +27,15 @@ use mrroc_core::link::{Board, Client, Server};
 pub(super) struct Packet(pub Envelope);
 
 #[expect(unsafe_code, reason = "it says to iceoryx2 that the type may be in shared memory")]
-// SAFETY: an envelope is words, in C's layout: it has no pointer, nothing to drop, and every bit pattern is one.
+// SAFETY: an envelope consists of words, in C's layout: it has no pointer and nothing to drop, and every bit pattern is
+// valid.
 unsafe impl ZeroCopySend for Packet {
     unsafe fn type_name() -> &'static str {
         "mrroc::Envelope"
     }
 }
 
-/// The end of a board in shared memory that is written, and the one that is read.
+/// The end of a board in shared memory that is written; below, the end that is read.
 pub(super) type Writes = EntryHandleMut<ipc::Service, u64, Packet>;
 pub(super) type Reads = EntryHandle<ipc::Service, u64, Packet>;
 
@@ -42,21 +43,21 @@ pub(super) type Reads = EntryHandle<ipc::Service, u64, Packet>;
 pub(super) enum Waker {
     /// By its futex.
     WakeFutex(WakeFutex),
-    /// In lock-step: the launcher resumes it. Which place, and the places to be resumed.
+    /// In lock-step the launcher resumes it: the place of the process, and the set of places to be resumed.
     Mark(usize, Rc<Cell<u64>>),
 }
 
 impl Waker {
     fn wake(&self) {
         match self {
-            // A peer that is gone is not woken; that it is gone is told by its silence and by the launcher.
+            // Waking has no effect on a peer that is gone; its silence and the launcher tell that it is gone.
             Waker::WakeFutex(wake_futex) => wake_futex.wake(),
             Waker::Mark(place, woken) => woken.set(woken.get() | 1 << place),
         }
     }
 }
 
-/// One end of a port: the board that it writes, and what is known once the other side has made its own.
+/// One end of a port: the board that it writes, and what it gets once the other side has made its own board.
 pub(super) struct PortEnd {
     writes: Writes,
     other: OnceCell<(Reads, Waker)>,
@@ -67,13 +68,13 @@ impl PortEnd {
         PortEnd { writes, other: OnceCell::new() }
     }
 
-    /// Connects it with the other side.
+    /// Connects this end with the other side.
     pub fn meet(&self, reads: Reads, waker: Waker) {
-        // It is met once: each port is looked at once in that round.
+        // The round connects each port once, so the cell is still empty.
         drop(self.other.set((reads, waker)));
     }
 
-    /// Shows an envelope and wakes its reader.
+    /// Writes an envelope to the board and wakes its reader.
     fn show(&self, envelope: Envelope) {
         self.writes.update_with_copy(Packet(envelope));
         if let Some((_, waker)) = self.other.get() {
@@ -81,7 +82,7 @@ impl PortEnd {
         }
     }
 
-    /// Looks at what the other side shows, once it has made its own board.
+    /// Reads what the other side shows; `None` until that side has made its own board.
     fn look<T>(&self, looks: impl FnOnce(&Envelope) -> T) -> Option<T> {
         self.other.get().map(|(reads, _)| looks(&reads.get().0))
     }
@@ -126,7 +127,7 @@ impl<T> End<T> {
     }
 
     pub fn connect(&self, with: T) {
-        // It is connected once: its fabric connects all ends of its list in one pass.
+        // The fabric connects each end of its list once, so the cell is still empty.
         drop(self.0.set(with));
     }
 }

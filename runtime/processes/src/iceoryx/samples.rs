@@ -1,23 +1,24 @@
-//! What is counted of a process, from its step to a thread that may lag.
+//! The ring that carries samples of a process's timing from its step to a thread that may lag.
 //!
-//! In: a sample from the one that waits. Out: samples in their order, to one reader. A ring of words of fixed size: writing
-//! one takes no lock, no call of the system and no memory, and a sample that finds the ring full is dropped and counted.
+//! In: samples from the thread that waits and steps. Out: the samples in their order, to one reader. The ring has a
+//! fixed number of words: writing a sample takes no lock, no system call and no allocation; when the ring is full, the
+//! sample is dropped and counted.
 
 use core::sync::atomic::{AtomicU64, Ordering};
 
 use mrroc_core::link::Sample;
 
-/// Samples that the ring holds: a second's at 1 kHz.
+/// Number of samples that the ring holds: those of a second at 1 kHz.
 const LEN: usize = 4096;
 
-/// The two highest bits of a word say what it counts.
+/// The two highest bits of a word say which kind of sample it is.
 const KIND: u32 = 62;
 
-/// The ring. One thread pushes, one pops.
+/// The ring. One thread pushes and one thread pops.
 #[derive(Debug)]
 pub(crate) struct Samples {
     words: Box<[AtomicU64]>,
-    /// Samples pushed, and samples popped.
+    /// Number of samples pushed; below, number of samples popped.
     pushed: AtomicU64,
     popped: AtomicU64,
     dropped: AtomicU64,
@@ -33,10 +34,10 @@ impl Samples {
         }
     }
 
-    /// Keeps a sample, if there is room.
+    /// Puts a sample into the ring, or counts it as dropped when the ring is full.
     pub fn push(&self, sample: Sample) {
         let pushed = self.pushed.load(Ordering::Relaxed);
-        // What the reader has popped is free: its reads come before its count.
+        // A word that the reader has popped is free: the reader reads it before it raises its count.
         if pushed - self.popped.load(Ordering::Acquire) >= LEN as u64 {
             self.dropped.fetch_add(1, Ordering::Relaxed);
             return;
@@ -51,7 +52,7 @@ impl Samples {
         self.pushed.store(pushed + 1, Ordering::Release);
     }
 
-    /// The oldest sample.
+    /// Takes the oldest sample.
     pub fn pop(&self) -> Option<Sample> {
         let popped = self.popped.load(Ordering::Relaxed);
         if popped == self.pushed.load(Ordering::Acquire) {
@@ -67,7 +68,7 @@ impl Samples {
         })
     }
 
-    /// Samples that found no room.
+    /// Number of samples that were dropped.
     pub fn dropped(&self) -> u64 {
         self.dropped.load(Ordering::Relaxed)
     }

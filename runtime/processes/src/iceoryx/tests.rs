@@ -85,7 +85,7 @@ fn fault_17_a_reader_that_does_not_read_blocks_no_writer_and_sees_the_newest_aft
     let [(_, writes, (client, _)), (_, reads, (_, server))] = &ends;
     let mut seen = Message::empty();
     assert!(!reads.read(&mut seen) && !server.receive(&mut seen));
-    // Far more than any queue has places: each returns, though nobody reads.
+    // Far more messages than any queue holds: each call returns, although nobody reads.
     for step in 1..=100_000 {
         writes.write(&numbered(step));
         client.send(&numbered(step));

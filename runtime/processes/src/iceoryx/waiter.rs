@@ -1,4 +1,7 @@
-//! How a process waits: in real time on its futex, or in lock-step for the launcher to resume it.
+//! How a process waits.
+//!
+//! In: wake-ups, deadlines, and what the launcher says. Out: a wait that ends at the next of them: in real time a sleep
+//! on the process's futex, in lock-step a wait for the launcher to resume the process.
 
 use core::cell::Cell;
 use core::num::NonZeroU64;
@@ -21,7 +24,7 @@ const NANOS: u64 = 1_000_000_000;
 /// The machine's monotonic time \[ns\].
 pub(crate) fn monotonic() -> Nanos {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
-    // The clock counts from the start of the machine: neither part is negative.
+    // The clock counts from the start of the machine, so neither part is negative.
     now.tv_sec.cast_unsigned() * NANOS + now.tv_nsec.cast_unsigned()
 }
 
@@ -29,26 +32,28 @@ pub(super) fn timespec(nanos: Nanos) -> Timespec {
     Timespec { tv_sec: (nanos / NANOS).cast_signed(), tv_nsec: (nanos % NANOS).cast_signed() }
 }
 
-/// The launcher's side of a process in lock-step: it says when the process runs.
+/// The launcher, as a process in lock-step sees it: it decides when the process runs.
 pub(crate) trait Launcher {
-    /// What it says; waits for it.
+    /// Waits for what the launcher says.
     fn hear(&self) -> Heard;
 
-    /// In lock-step: the process waits, and sent messages to these places.
+    /// Tells the launcher that the process waits, at most until `deadline` \[ns\], and has sent messages to the places
+    /// `woken`, one bit each.
     fn yields(&self, deadline: Nanos, woken: u64);
 
-    /// In lock-step: the process at a place is to run before this one goes on, which sent messages to these places.
+    /// Asks the launcher to run the process at `place` before this process goes on; this process has sent messages to
+    /// the places `woken`, one bit each.
     fn calls(&self, place: usize, woken: u64);
 }
 
 /// What a launcher says to a process that runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Heard {
-    /// Run on; it is now this time \[ns\].
+    /// Go on; the time is now this \[ns\].
     Resume(Nanos),
-    /// Something has happened.
+    /// A process is gone, or the operator aborts.
     News(News),
-    /// The operator has pressed a button, under this number.
+    /// The operator has pressed a button; the answer is shown under this number.
     Press(u64, Button),
     /// The cell closes, or the launcher is gone.
     Close,
@@ -57,17 +62,17 @@ pub(crate) enum Heard {
 /// Waits in real time: sleeps until it is woken, or until a deadline.
 pub(crate) struct RealTime {
     wake_futex: WakeFutex,
-    /// Wake-ups that it has seen.
+    /// Number of wake-ups that the process has seen.
     wakes: Cell<u32>,
-    /// What the launcher says. It comes with a wake-up.
+    /// What the launcher says. Each message comes with a wake-up.
     heard: Receiver<Heard>,
-    /// When the cell's time began, on the machine's clock, and for how long to listen before sleeping \[ns\].
+    /// When the cell's time began, on the machine's clock \[ns\]; below, how long to poll before sleeping \[ns\].
     origin: Nanos,
     spin: Nanos,
     closing: Cell<bool>,
     news: Cell<Option<News>>,
     samples: Arc<Samples>,
-    /// One press of each kind: a newer one replaces it.
+    /// The press of each kind that was not taken yet; a newer press replaces it.
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
     shows: Option<Show>,
 }
@@ -82,7 +87,8 @@ impl RealTime {
         (origin, spin): (Nanos, Nanos),
         samples: Arc<Samples>,
     ) -> Self {
-        // A sleep that ends 50 us late is a late step. Without it, it is only a little later.
+        // The usual slack of 50 us would make steps late. If the slack cannot be changed, sleeps end only a little
+        // later.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
         RealTime {
             wake_futex,
@@ -98,29 +104,29 @@ impl RealTime {
         }
     }
 
-    /// Shows what the MP does by this.
+    /// Lets the MP show its state by `shows`.
     pub fn showing(mut self, shows: Option<Show>) -> Self {
         self.shows = shows;
         self
     }
 
-    /// All that a process has of the link.
+    /// All that the link offers to a process.
     pub fn host(&self) -> Host<'_> {
         Host { waiter: self, meter: self, notices: self, console: self }
     }
 
-    /// Whether the process was woken since this was asked last.
+    /// Whether the process was woken since the last call.
     fn was_woken(&self) -> bool {
         let wakes = self.wake_futex.wakes();
         self.wakes.replace(wakes) != wakes
     }
 
-    /// Takes what the launcher has said.
+    /// Takes all that the launcher has said.
     fn hear(&self) {
         while let Ok(heard) = self.heard.try_recv() {
             match heard {
                 Heard::Close => self.closing.set(true),
-                // An abort must not hide that a process is gone.
+                // An abort must not replace the news that a process is gone.
                 Heard::News(News::Abort) if self.news.get().is_some() => {}
                 Heard::News(news) => self.news.set(Some(news)),
                 Heard::Press(number, button) => self.pressed[button.kind()].set(Some((number, button))),
@@ -152,7 +158,7 @@ impl Waiter for RealTime {
     }
 
     fn wait_closing(&self, until: Nanos) -> Result<(), Closed> {
-        // The start of the cell's time and a time of it are both nanoseconds of this machine.
+        // The sum is a time of the machine's clock: `origin` is one, and `until` counts from it.
         let until = timespec(self.origin.saturating_add(until));
         let _ = clock_nanosleep_absolute(ClockId::Monotonic, &until);
         Ok(())
@@ -183,7 +189,7 @@ impl Console for RealTime {
     }
 }
 
-/// Waits in lock-step: the launcher resumes one process at a time, and says what time it is.
+/// Waits in lock-step: the launcher resumes one process at a time and tells it the time.
 pub(crate) struct LockStep<'a, L: Launcher> {
     launcher: &'a L,
     woken: Rc<Cell<u64>>,
@@ -202,7 +208,7 @@ impl<'a, L: Launcher> LockStep<'a, L> {
     fn be_resumed(&self) {
         match self.launcher.hear() {
             Heard::Resume(now) => self.now.set(now),
-            // In lock-step nothing else is said.
+            // In lock-step the launcher sends nothing else.
             Heard::Close | Heard::News(_) | Heard::Press(..) => self.closing.set(true),
         }
     }

@@ -1,8 +1,8 @@
-//! A wake-up futex: a word in shared memory that counts the messages for a process, which sleeps on it.
+//! A wake-up futex: a word in shared memory that counts the wake-ups of a process, which sleeps on it.
 //!
-//! In: wake-ups by other processes, and by threads of this one. Out: a sleep until the next one, or until a time. A wake-up
-//! calls the system only where somebody sleeps. The event service of iceoryx2 is a socket and takes four calls for each
-//! message: see docs/decisions/0014-a-process-sleeps-on-a-futex.md.
+//! In: wake-ups by other processes, and by threads of this process. Out: a sleep until the next wake-up, or until a
+//! time. A wake-up makes a system call only if the process sleeps. The event service of iceoryx2 is a socket and takes
+//! four system calls for each message: see docs/decisions/0014-a-process-sleeps-on-a-futex.md.
 
 use core::num::NonZeroU32;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -18,16 +18,16 @@ use rustix::thread::futex;
 use super::waiter::timespec;
 use mrroc_core::link::Nanos;
 
-/// Where its file lies: in memory, whatever the folder of the session is.
+/// The folder of the futex's file: in memory, wherever the folder of the session is.
 const FOLDER: &str = "/dev/shm";
 
-/// Bytes of its file.
+/// Size of the futex's file \[bytes\].
 const SIZE: usize = size_of::<[AtomicU32; 2]>();
 
-/// The wake-up futex of this process or of another one. It stays mapped for as long as the process lives.
+/// The wake-up futex of this process or of another process. It stays mapped as long as this process lives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WakeFutex {
-    /// Wake-ups so far, wrapping.
+    /// Number of wake-ups so far, wrapping.
     wakes: &'static AtomicU32,
     /// Whether the process sleeps.
     asleep: &'static AtomicU32,
@@ -56,38 +56,41 @@ impl WakeFutex {
     }
 
     fn map(file: &File) -> io::Result<WakeFutex> {
-        // SAFETY: a new mapping, which is never unmapped, of a file of that size; nobody makes it shorter.
+        // SAFETY: a new mapping, which is never unmapped, of a file of that size, which no process makes shorter.
         #[allow(unsafe_code)]
         let memory = unsafe {
             let both = ProtFlags::READ | ProtFlags::WRITE;
             mmap(core::ptr::null_mut(), SIZE, both, MapFlags::SHARED | MapFlags::POPULATE, file.as_fd(), 0)?
         };
-        // SAFETY: a mapping begins with a page; all of it is atomics, for which every value is one; and it stays.
+        // SAFETY: the mapping is aligned to a page, consists of atomics, for which every value is valid, and is never
+        // unmapped.
         #[allow(unsafe_code)]
         let [wakes, asleep] = unsafe { &*memory.cast::<[AtomicU32; 2]>() };
         Ok(WakeFutex { wakes, asleep })
     }
 
-    /// Wakes the process, or keeps it from falling asleep.
+    /// Wakes the process; if it is about to sleep, keeps it awake.
     pub fn wake(self) {
-        // In one order for all: either the process sees the wake-up, or this sees that it sleeps.
+        // Both accesses are sequentially consistent: either the process sees the wake-up, or this call sees that it
+        // sleeps.
         self.wakes.fetch_add(1, Ordering::SeqCst);
         if self.asleep.load(Ordering::SeqCst) != 0 {
-            // The number of those woken says nothing more: a process that is gone is not woken.
+            // The number of woken threads is not needed: if the process is gone, none is woken.
             let _ = futex::wake(self.wakes, futex::Flags::empty(), 1);
         }
     }
 
-    /// Wake-ups so far.
+    /// Number of wake-ups so far.
     pub fn wakes(self) -> u32 {
         self.wakes.load(Ordering::SeqCst)
     }
 
-    /// Sleeps until the count of wake-ups is another one, or until a time of the machine's monotonic clock; it may end sooner.
+    /// Sleeps until the number of wake-ups differs from `wakes`, or until a time of the machine's monotonic clock
+    /// \[ns\]. It may return sooner.
     pub fn sleep(self, wakes: u32, until: Option<Nanos>) {
         self.asleep.store(1, Ordering::SeqCst);
         let until = until.map(timespec);
-        // Woken meanwhile, interrupted or over: whoever sleeps looks.
+        // Woken, interrupted or timed out: the caller checks which.
         let _ = futex::wait_bitset(self.wakes, futex::Flags::empty(), wakes, until.as_ref(), NonZeroU32::MAX);
         self.asleep.store(0, Ordering::SeqCst);
     }
@@ -102,7 +105,7 @@ mod tests {
     use super::super::monotonic;
     use super::*;
 
-    /// A wake-up futex that ends with its test.
+    /// A wake-up futex that is removed at the end of its test.
     struct Temporary(String, WakeFutex);
 
     impl Temporary {
@@ -132,7 +135,7 @@ mod tests {
     fn whoever_is_not_rung_sleeps_until_its_time() {
         let Temporary(_, wake_futex) = &Temporary::new("time");
         let until = monotonic() + 2_000_000;
-        // It may wake sooner, but not for ever.
+        // A sleep may end sooner, so it is repeated until the time has come.
         while monotonic() < until {
             wake_futex.sleep(wake_futex.wakes(), Some(until));
         }

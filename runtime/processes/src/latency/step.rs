@@ -1,5 +1,5 @@
-//! How long a whole step takes, from the MP to 1 to 4 ECPs, to their EDPs, and back, beside the same processes on bare
-//! shared memory and futexes: `just bench-step`.
+//! How long a whole step takes, from the MP to 1 to 4 ECPs, to their EDPs, and back, compared with the same processes
+//! on bare shared memory and futexes: `just bench-step`.
 //!
 //! Both kinds take turns in one run, at the same priority and on the same cores, at a step of 1 ms. The time counts from
 //! the MP's wake-up to its last reply. Raw samples go to `target/latency/steps.csv`.
@@ -25,7 +25,7 @@ use mrroc_core::fault::Role;
 const WARM_UP: usize = 200;
 const STEPS: usize = 2000;
 const ROUNDS: usize = 3;
-/// \[ns\].
+/// The step \[ns\].
 const PERIOD: u64 = 1_000_000;
 const PRIORITY: u8 = 50;
 const KINDS: [&str; 2] = ["mrroc", "futex"];
@@ -37,9 +37,9 @@ const WORK: [u64; 2] = [0, 10];
 enum Placement {
     /// As the launcher places them.
     Launcher,
-    /// A robot's processes together, robots by turns, the MP anywhere.
+    /// The processes of a robot share a core, the robots alternate between the cores, the MP runs on any core.
     RobotsByTurns,
-    /// The same, and the MP with the first robot.
+    /// The same, with the MP on the core of the first robot.
     MpWithFirst,
     /// All on one core.
     OneCore,
@@ -137,7 +137,7 @@ struct Part {
 }
 
 impl Part {
-    /// What its process is told, by the process `of`.
+    /// The arguments that the process `of` gives this part's process.
     fn words(self, of: u32) -> String {
         let core = self.core.map_or_else(|| "any".to_owned(), |core| core.to_string());
         format!("{} {of} {} {} {} {core}", self.kind, self.place, self.robots, self.work)
@@ -157,7 +157,7 @@ impl Part {
         (part, number(of) as u32)
     }
 
-    /// Its lines to the others; `meet` returns when all have come as far.
+    /// Its lines to the others; `meet` returns when all processes have come to the same point.
     fn connect(self, of: u32, shared: &OwnedFd, meet: &dyn Fn()) -> Box<dyn Topology> {
         match self.kind {
             "mrroc" => ours((self.place, self.robots), of, meet),
@@ -185,7 +185,7 @@ fn part() {
     for _ in 0..WARM_UP + STEPS {
         take_part(&mut *topology, role, part.work);
     }
-    // Not through the harness, whose words would go to the shared memory.
+    // The process does not return to the test harness, whose output would go to the shared memory.
     std::process::exit(0);
 }
 
@@ -207,7 +207,7 @@ fn round(kind: &'static str, robots: usize, work: u64, placement: Placement) -> 
         controls.iter().for_each(|control| control.send(&Frame::Connect).expect("sent"));
     };
     let mut samples = std::thread::scope(|scope| {
-        // In a thread of its own, with which priority and core end.
+        // A thread of its own, so that its priority and core end with it.
         let mp = scope.spawn(|| {
             let mut topology = part(0).connect(of, &shared, &meet);
             meet();
@@ -242,14 +242,14 @@ fn steps(topology: &mut dyn Topology, robots: usize) -> Vec<u64> {
     samples
 }
 
-/// Half, 99 % and all of the samples are at most this \[us\].
+/// The median, the 99th percentile and the maximum of the samples \[us\].
 fn summary(samples: &[u64]) -> [f64; 3] {
     let mut sorted = samples.to_vec();
     sorted.sort_unstable();
     [0.5, 0.99, 1.0].map(|share| sorted[(share * (sorted.len() - 1) as f64) as usize] as f64 * 1e-3)
 }
 
-/// The same of cyclictest's wake-ups, now; `None` where there is no such program.
+/// The same figures of cyclictest's wake-ups at present; `None` where the program is not installed.
 fn cyclictest() -> Option<[f64; 3]> {
     let arguments = ["--quiet", "--priority=50", "--interval=1000", "--loops=2000", "--histogram=20000"];
     let output = Command::new("cyclictest").args(arguments).output().ok()?;

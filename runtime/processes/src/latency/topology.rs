@@ -1,7 +1,8 @@
-//! The messages of a step, on our process link or on bare shared memory and futexes: MP to ECPs, ECPs to EDPs, and back.
+//! The messages of a step, on this crate's link or on bare shared memory and futexes: MP to ECPs, ECPs to EDPs, and
+//! back.
 //!
-//! In: which process this is, of how many robots. Out: its lines to others, and a place to wait. Both kinds carry
-//! messages of one size along the same lines, and a process has one place to wait, whoever writes to it.
+//! In: which process this is, and the number of robots. Out: its lines to the others, and a place to wait. Both kinds
+//! carry messages of one size along the same lines, and each process waits in one place for all that write to it.
 
 use std::os::fd::{AsFd, OwnedFd};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -16,7 +17,7 @@ use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::message::{Kind, Message, OrderKind};
 use mrroc_core::link::{Client, Link, Server, Waiter};
 
-/// The most robots.
+/// The largest number of robots.
 pub const ROBOTS: usize = 4;
 
 /// The process at a place: the MP, then the ECPs, then the EDPs.
@@ -29,7 +30,7 @@ pub fn id(place: usize, robots: usize) -> ProcessId {
     }
 }
 
-/// Who asks and who answers: the MP each ECP, each ECP its EDP.
+/// The asking and the answering process of each line: the MP asks each ECP, each ECP asks its EDP.
 fn lines(robots: usize) -> impl Iterator<Item = (usize, usize)> {
     (1..=robots).flat_map(move |ecp| [(0, ecp), (ecp, robots + ecp)])
 }
@@ -38,7 +39,7 @@ fn lines(robots: usize) -> impl Iterator<Item = (usize, usize)> {
 pub trait Topology {
     /// Asks, or answers, on a line.
     fn send(&mut self, line: usize);
-    /// Whether something has come on a line, which is taken.
+    /// Takes what has come on a line; returns whether anything has.
     fn take(&mut self, line: usize) -> bool;
     /// Sleeps until something may have come.
     fn wait(&mut self);
@@ -49,7 +50,7 @@ enum Line {
     Answers(Box<dyn Server>),
 }
 
-/// Our process link.
+/// This crate's link.
 pub struct Ours<W> {
     lines: Vec<Line>,
     waiter: W,
@@ -76,7 +77,7 @@ impl<W: Waiter> Topology for Ours<W> {
     }
 }
 
-/// The process at `place` on our link; `barrier` returns when all have come as far.
+/// The process at `place` on this crate's link; `barrier` returns when all processes have come to the same point.
 pub fn ours((place, robots): (usize, usize), of: u32, barrier: &dyn Fn()) -> Box<dyn Topology> {
     let mut fabric = Fabric::new(id(place, robots), Clock::Real);
     for place in 0..=2 * robots {
@@ -103,17 +104,17 @@ pub fn ours((place, robots): (usize, usize), of: u32, barrier: &dyn Fn()) -> Box
     Box::new(Ours { lines: mine, waiter, message })
 }
 
-/// Words of a message, and of a place for one: its ordinal first, on cache lines of its own.
+/// Words of a message and of its slot, which begins with the message's ordinal and has cache lines of its own.
 const BODY: usize = SIZE / 4;
 const SLOT: usize = (1 + BODY).next_multiple_of(16);
-/// A process counts what it is sent in a word on a cache line of its own.
+/// Messages for a process are counted in a word on a cache line of its own.
 const FUTEX: usize = 16;
 const SLOTS: usize = FUTEX * (1 + 2 * ROBOTS);
 const WORDS: usize = SLOTS + 4 * ROBOTS * SLOT;
-/// Of the memory that all processes share \[bytes\].
+/// Size of the memory that all processes share \[bytes\].
 pub const MEMORY: u64 = 4 * WORDS as u64;
 
-/// One direction of a line: where the message lies, and whose futex tells of it.
+/// One direction of a line: where the message lies, and which futex counts it.
 #[derive(Clone, Copy)]
 struct Way {
     slot: usize,
@@ -124,7 +125,7 @@ struct Way {
 /// Shared memory and futexes.
 pub struct Bare {
     words: &'static [AtomicU32; WORDS],
-    /// Out and in.
+    /// The outgoing and the incoming direction of each line.
     lines: Vec<(Way, Way)>,
     wake_futex: usize,
     heard: u32,
@@ -170,7 +171,7 @@ pub fn bare((place, robots): (usize, usize), shared: &OwnedFd) -> Box<dyn Topolo
         mmap(core::ptr::null_mut(), MEMORY as usize, both, MapFlags::SHARED, shared.as_fd(), 0)
             .expect("mapped")
     };
-    // SAFETY: it is aligned to a page, all of it is atomics, for which every value is one, and it stays.
+    // SAFETY: it is aligned to a page, consists of atomics, for which every value is valid, and is never unmapped.
     #[allow(unsafe_code)]
     let words = unsafe { &*memory.cast::<[AtomicU32; WORDS]>() };
     let way = |i: usize, to: usize| Way { slot: SLOTS + i * SLOT, wake_futex: FUTEX * to, ordinal: 0 };
