@@ -1,6 +1,6 @@
-//! The channels of a recording: what a process shows becomes a message of one of them.
+//! The channels of a recording: each thing that a process shows becomes a message of one channel.
 //!
-//! In: records of the ring. Out: for each a channel, which is made when it is needed first, and a JSON text.
+//! In: records of the ring. Out: for each record a JSON text on its channel, which is made when it is first needed.
 
 use core::fmt::Write;
 use std::io;
@@ -22,20 +22,20 @@ use mrroc_core::robot::MAX_JOINTS;
 
 /// Where the messages go.
 pub(super) trait Outlet {
-    /// Makes a channel of a topic, with a schema of a name; its number.
+    /// Makes a channel for a topic, with a schema of this name and text; returns the number of the channel.
     fn open(&mut self, topic: &str, schema: &str, text: &str) -> io::Result<u16>;
 
     /// Writes a message at a time of the cell.
     fn write(&mut self, channel: u16, time: Nanos, json: &str) -> io::Result<()>;
 
-    /// Lets whoever reads meanwhile have what was written.
+    /// Hands on what was written, so that a reader can have it now.
     fn flush(&mut self) -> io::Result<()>;
 
-    /// Nothing more comes; how many messages were written, and how many records were dropped.
+    /// Ends the recording: this many messages were written and this many records were dropped.
     fn finish(&mut self, messages: u64, dropped: u64) -> io::Result<()>;
 }
 
-/// What tells channels apart.
+/// The topic of a channel, by which channels are distinguished.
 #[derive(Clone, Copy, PartialEq)]
 enum Topic {
     Steps,
@@ -46,7 +46,7 @@ enum Topic {
     Sensor(Name),
 }
 
-/// The channels that there are.
+/// The channels made so far.
 pub(super) struct Channels {
     layout: Layout,
     open: Vec<(Topic, u16)>,
@@ -58,7 +58,7 @@ impl Channels {
         Channels { layout, open: Vec::new(), text: String::new() }
     }
 
-    /// Writes what a record says.
+    /// Writes a record as a message.
     pub fn put(&mut self, record: &Record, outlet: &mut dyn Outlet) -> io::Result<()> {
         let (topic, shape) = topic(record);
         let known = self.open.iter().find(|(known, _)| *known == topic);
@@ -152,7 +152,7 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
                 ("reading", shape),
             ];
             let mut reading = object(reading);
-            // Without a reading there is none.
+            // The field `reading` is absent when there is no reading, so it is not required.
             reading["required"] = json!(["step", "by", "state"]);
             (format!("/sensors/{name}"), format!("mrroc.Reading.{name}"), reading)
         }
@@ -236,12 +236,12 @@ fn write_event(out: &mut String, step: u64, by: ProcessId, what: &str, text: &st
     let _ = write!(out, "{}", json!({"step": step, "process": by.to_string(), "what": what, "text": text}));
 }
 
-/// What a fault says; nothing where there is none.
+/// The text of a fault; empty if there is no fault.
 fn fault_text(words: &[u64]) -> String {
     FaultWords::get(words).map_or_else(|_| String::new(), |fault| Fault::from(fault).to_string())
 }
 
-/// Whether a fault is not the programs' doing: a replay, which has no robots, cannot come to it.
+/// Whether a fault came from outside the programs, so that a replay, which has no robots, cannot have it.
 fn comes_from_outside(words: &[u64]) -> bool {
     use FaultKind::{DriveFault, FollowingError, Overrun, PeerLost, StartPoseMismatch};
     let kind = FaultWords::get(words).map(|fault| Fault::from(fault).kind());

@@ -1,7 +1,7 @@
-//! The comparison: what a replay demands beside what was demanded.
+//! The comparison of a replay's demands with the recorded demands.
 //!
-//! In: the images of a replay. Out: how many steps were compared, and the first step, robot and joint whose demands are not
-//! the same to the bit.
+//! In: the images of a replay. Out: how many steps were compared, and the first step, robot and joint with demands that are
+//! not the same to the bit.
 
 use core::cell::{Cell, RefCell};
 use core::fmt;
@@ -14,7 +14,7 @@ use mrroc_core::observe::witness::{What, Witness};
 
 use mrroc_core::replay::RecordedRun;
 
-/// A demand that is not the recorded one.
+/// A demand that differs from the recorded demand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
     /// Index of the step.
@@ -23,9 +23,9 @@ pub struct Difference {
     pub robot: Name,
     /// Index of the joint, from 0.
     pub joint: usize,
-    /// Its position that was demanded in the recorded run [rad or m].
+    /// The position that the recorded run demanded of the joint [rad or m].
     pub recorded: f64,
-    /// Its position that the replay demands [rad or m].
+    /// The position that the replay demanded of the joint [rad or m].
     pub replayed: f64,
 }
 
@@ -41,32 +41,33 @@ pub(crate) struct Comparison {
     recorded: Rc<RecordedRun>,
     /// The last step that is compared.
     last: u64,
-    /// The last step that the MP began, of those that are compared.
+    /// The last of the compared steps that the MP began.
     begun: Cell<u64>,
-    /// The robots' images that were the recorded ones, and how many.
+    /// How many images of robots had the recorded demands.
     compared: Cell<u64>,
     first: RefCell<Option<Difference>>,
 }
 
-/// What a comparison came to.
+/// The result of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compared {
-    /// Steps that the MP began in both.
+    /// Number of steps that the MP began both in the recorded run and in the replay.
     pub steps: u64,
-    /// Steps of all robots that were compared.
+    /// Number of compared steps, counted for each robot.
     pub images: u64,
-    /// The first demand that is not the recorded one.
+    /// The first demand that differs from the recorded demand.
     pub difference: Option<Difference>,
-    /// The last step of the recording, when the replay's programs ended before it.
+    /// The last step of the recording, if the replay's programs ended before it.
     pub longer: Option<u64>,
-    /// The fault from outside, such as a drive's, up to which was compared.
+    /// The fault from outside, such as a drive's fault, at which the comparison ended.
     pub outside: Option<String>,
-    /// What the recorded run ended with: nothing, or the text of its fault; `None` when it was cut off.
+    /// How the recorded run ended: `Some(None)` without a fault, `Some(Some(text))` with a fault, `None` if the
+    /// recording was cut off.
     pub end: Option<Option<String>>,
 }
 
 impl Compared {
-    /// Whether every demand of the recording was made again.
+    /// Whether the replay made every demand of the recording again.
     #[must_use]
     pub const fn is_identical(&self) -> bool {
         self.difference.is_none() && self.longer.is_none() && self.images > 0
@@ -84,7 +85,7 @@ impl Comparison {
         let difference = *self.first.borrow();
         let steps =
             self.recorded.script.0.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
-        // The MP may have left out the last steps.
+        // The MP may have left out the last steps of the recording.
         let due = self.recorded.script.last_until(self.last);
         let is_short = difference.is_none() && self.begun.get() < due;
         Compared {
@@ -97,7 +98,7 @@ impl Comparison {
         }
     }
 
-    /// Compares the demanded joints of an image, which are its first words.
+    /// Compares the demanded joint positions of an image, which are its first words.
     fn compare(&self, robot: Name, step: u64, words: &[u64]) {
         let Some(recorded) = self.recorded.robot(robot.as_str()) else { return };
         let Some(image) = recorded.image(step).filter(|_| step <= self.last) else { return };
@@ -107,7 +108,8 @@ impl Comparison {
             self.compared.set(self.compared.get() + 1);
             return;
         };
-        // Robots begin a step one after another: the cell's order counts.
+        // Robots begin a step one after another, so of the differences in one step the robot first in the cell's order
+        // counts.
         let found = Difference { step, robot, joint, recorded, replayed: f64::from_bits(word) };
         self.first.borrow_mut().get_or_insert(found);
     }

@@ -1,7 +1,7 @@
 //! The MCAP file of a recording.
 //!
-//! In: channels and messages. Out: chunks in the order in which they are full, each whole: what was killed in the middle
-//! leaves a file that is good up to its last chunk. Nothing is ever sought in it, so that it may be a pipe.
+//! In: channels and messages. Out: whole chunks, in the order in which they become full: if the process is killed, the
+//! file is valid up to its last chunk. The file is written without seeking, so that it may be a pipe.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -18,21 +18,21 @@ use super::json::schema;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 
-/// The profile of the files, and the name of the metadata that says what the cell is made of.
+/// The profile of the files, and the name of the metadata that describes the cell.
 pub(super) const PROFILE: &str = "mrroc";
 /// The name of the metadata at the end.
 pub(super) const END: &str = "mrroc.end";
-/// The version of what channels and metadata hold.
+/// The version of the contents of channels and metadata.
 pub(super) const VERSION: &str = "1";
-/// The link of a cell that runs as processes in real time.
+/// The name of the link of a cell that runs as processes in real time.
 pub(super) const REAL_TIME: &str = "processes in real time";
-/// A chunk is full with so many bytes.
+/// The size at which a chunk is full \[bytes\].
 const CHUNK: u64 = 256 * 1024;
 
 /// A file that is being written.
 pub(super) struct McapFile {
     writer: Writer<NoSeek<File>>,
-    /// Messages of each channel.
+    /// Number of messages of each channel.
     sequences: Vec<(u16, u32)>,
 }
 
@@ -43,14 +43,14 @@ fn io_error(error: McapError) -> io::Error {
     }
 }
 
-/// Whether a file can be written, as far as that can be known without waiting for whoever reads it.
+/// Checks that a file can be written, as far as this can be known without waiting for the reader of a pipe.
 pub(super) fn can_be_written(path: &Path) -> io::Result<()> {
     let is_special = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
     if is_special { Ok(()) } else { OpenOptions::new().append(true).create(true).open(path).map(drop) }
 }
 
 impl McapFile {
-    /// Begins a file that says what the cell is made of.
+    /// Creates the file, with metadata that describes the cell.
     pub fn create(path: &Path, layout: &Layout, link: &str) -> io::Result<McapFile> {
         let options = WriteOptions::new()
             .profile(PROFILE)
@@ -79,7 +79,7 @@ impl McapFile {
     }
 }
 
-/// The robots, as the metadata has them.
+/// The robots, as the metadata describes them.
 fn robots(layout: &Layout) -> Value {
     let robot = |robot: &mrroc_core::observe::layout::RobotLayout| {
         let units: Vec<_> = robot.joints.iter().map(|joint| joint.kind.unit(0)).collect();
@@ -88,7 +88,7 @@ fn robots(layout: &Layout) -> Value {
     layout.robots.iter().map(robot).collect()
 }
 
-/// The sensors, as the metadata has them.
+/// The sensors, as the metadata describes them.
 fn sensors(layout: &Layout) -> Value {
     let sensor = |sensor: &mrroc_core::observe::layout::SensorLayout| json!({"name": sensor.name, "kind": sensor.kind, "of": sensor.of, "reading": schema(sensor.reading)});
     layout.sensors.iter().map(sensor).collect()

@@ -1,6 +1,7 @@
-//! Words as JSON, and back, by the shape of their type; and the schema of such JSON.
+//! Conversion of words to JSON and back, by the shape of their type; and the schema of such JSON.
 //!
-//! In: words and a [`Shape`]. Out: text; or from a parsed value the same words again, to the bit.
+//! In: words and a [`Shape`]. Out: JSON text. In: a parsed value and a [`Shape`]. Out: the same words again, to the
+//! bit.
 
 use core::fmt::Write;
 
@@ -9,7 +10,7 @@ use serde_json::{Map, Value, json};
 use mrroc_core::payload::Shape;
 use mrroc_core::robot::MAX_JOINTS;
 
-/// A number that JSON may have no word for.
+/// Writes a number, also one that is not finite.
 pub fn number(out: &mut String, x: f64) {
     // Writing to a text cannot fail.
     let _ = if x.is_nan() {
@@ -17,12 +18,12 @@ pub fn number(out: &mut String, x: f64) {
     } else if x.is_infinite() {
         out.write_str(if x > 0.0 { "\"Infinity\"" } else { "\"-Infinity\"" })
     } else {
-        // The shortest digits that give the number back.
+        // Debug formatting gives the fewest digits that are read back as the same number.
         write!(out, "{x:?}")
     };
 }
 
-/// The number again.
+/// Reads a number that [`number`] has written.
 pub fn as_number(value: &Value) -> Option<f64> {
     match value.as_str() {
         Some("NaN") => Some(f64::NAN),
@@ -33,7 +34,7 @@ pub fn as_number(value: &Value) -> Option<f64> {
     }
 }
 
-/// A list of numbers.
+/// Writes a list of numbers.
 pub fn numbers(out: &mut String, words: &[u64]) {
     list(out, words.len(), |out, i| number(out, f64::from_bits(words[i])));
 }
@@ -49,7 +50,7 @@ fn list(out: &mut String, len: usize, mut item: impl FnMut(&mut String, usize)) 
     out.push(']');
 }
 
-/// The value that the words of a type spell. Too few of them spell 0 at the end.
+/// Writes the value that words of this shape represent. Missing words at the end count as 0.
 pub fn value(out: &mut String, shape: &Shape, words: &[u64]) {
     let word = words.first().copied().unwrap_or(0);
     let _ = match shape {
@@ -85,7 +86,7 @@ pub fn value(out: &mut String, shape: &Shape, words: &[u64]) {
     };
 }
 
-/// The words that a value spells; `None` when it is no value of the type.
+/// Appends the words that represent a value; `None` if the value does not have this shape.
 pub fn words(shape: &Shape, value: &Value, out: &mut Vec<u64>) -> Option<()> {
     match shape {
         Shape::Float => out.push(as_number(value)?.to_bits()),
@@ -111,13 +112,13 @@ pub fn words(shape: &Shape, value: &Value, out: &mut Vec<u64>) -> Option<()> {
                 out.push(u64::from_str_radix(item.as_str()?, 16).ok()?);
             }
         }
-        // Never read back: a replay makes its demands anew.
+        // Demands are not read back, because a replay computes them anew.
         Shape::Demand => return None,
     }
     Some(())
 }
 
-/// The part of a demand that its first word chooses, as `Demand` writes it.
+/// Writes the part of a demand that its first word chooses, in the layout of `Demand`.
 fn demand(out: &mut String, words: &[u64]) {
     let Some((&head, body)) = words.split_first().filter(|(_, body)| body.len() >= MAX_JOINTS + 9) else {
         return out.push_str("{}");
@@ -185,7 +186,7 @@ pub fn schema(shape: &Shape) -> Value {
     }
 }
 
-/// The schema of an object with these properties, all of which it has.
+/// The schema of an object with these properties, all of them required.
 pub fn object<'a>(properties: impl IntoIterator<Item = (&'a str, Value)>) -> Value {
     let properties: Map<_, _> =
         properties.into_iter().map(|(name, schema)| (name.to_owned(), schema)).collect();
@@ -222,7 +223,7 @@ mod tests {
             rest in any::<[u64; 2]>(),
         ) {
             let mut floats = bits.iter().map(|&bits| {
-                // There is one NaN in JSON.
+                // JSON text has a single NaN, so that the bits of a NaN are not kept.
                 let x = f64::from_bits(bits);
                 if x.is_nan() { f64::NAN.to_bits() } else { bits }
             });

@@ -1,7 +1,9 @@
-//! Recording: every step of a cell to an MCAP file, from a thread that may lag or block, never the step.
+//! Recording: writes every step of a cell to an MCAP file, from a thread that may lag or block without delaying the
+//! step.
 //!
-//! In: what the processes of a run show ([`witness`](mrroc_core::observe::witness)). Out: a file that common viewers open, with a JSON
-//! schema for each channel; log time is the cell's time \[ns\].
+//! In: what the processes of a run show ([`witness`](mrroc_core::observe::witness)). Out: a file that common viewers
+//! open, with a JSON schema for each channel; log time is the cell's time \[ns\]. Back in: such a file. Out: the
+//! comparison of a replay with it.
 //!
 //! | channel | what | schema |
 //! |---|---|---|
@@ -12,14 +14,15 @@
 //! | `/sensors/NAME` | each reading that a process collected, its fields by their names | `mrroc.Reading.NAME` |
 //! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
 //!
-//! The file's metadata `mrroc` says what the cell is made of, `mrroc.end` how many messages there are and how many were
-//! dropped. A step copies what it shows into a ring ([`ring`]); a thread makes messages of it ([`channels`], [`json`]) and
-//! writes them to the file ([`file`]), or hands them to the launcher's thread when the cell runs as processes
-//! (`relay`). Where the ring is full, a step in real time drops and counts; under the virtual clock, where time stands
-//! still meanwhile, it waits for as long as the thread gets on. [`reader`] reads a file back.
+//! The file's metadata `mrroc` says what the cell is made of; `mrroc.end` says how many messages there are and how many
+//! records were dropped. A step copies what it shows into a ring ([`ring`]). A thread makes messages of these records
+//! ([`channels`], [`json`]) and writes them to the file ([`file`]), or sends them to the launcher's thread when the
+//! cell runs as processes (`relay`). When the ring is full, a step in real time drops the record and counts it. Under
+//! the virtual clock, which stands still meanwhile, the step waits as long as the thread makes progress. [`reader`]
+//! reads a file back.
 //!
-//! JSON has no words for numbers that are not finite: they are the texts "NaN", "Infinity", "-Infinity", as in the JSON
-//! form of protocol buffers. Any other number is written with the digits that give it back to the bit.
+//! JSON cannot express numbers that are not finite: they are written as the texts "NaN", "Infinity" and "-Infinity", as
+//! in the JSON form of protocol buffers. Any other number is written with enough digits to be read back to the bit.
 
 mod channels;
 mod compare;
@@ -41,12 +44,13 @@ pub use reader::{CutOff, NotReplayable};
 pub use recorder::Mcap;
 pub use replaying::{Replay, ReplayError, replay_command};
 
-/// Everything, to an MCAP file, which is made or written anew: for [`Cell::record`](mrroc_core::cell::Cell::record).
+/// Records everything to the MCAP file at `file`, which is created or overwritten: an argument for
+/// [`Cell::record`](mrroc_core::cell::Cell::record).
 pub fn to(file: impl Into<PathBuf>) -> Recording {
     Recording::to(file).by(&Mcap)
 }
 
-/// Reads a recording of this cell, for fuzzing. Nothing here is promised to stay.
+/// Reads a recording of this cell, for fuzzing. Not part of the stable interface.
 ///
 /// # Errors
 /// What is wrong with it.

@@ -1,7 +1,7 @@
-//! The messages of a recording, from their JSON to a [`RecordedRun`].
+//! The messages of a recording, converted from JSON to a [`RecordedRun`].
 //!
-//! In: the metadata, then messages with their topics. Out: for each robot its images without a gap, for each process what it
-//! collected of each sensor, and the MP's steps.
+//! In: the metadata, then messages with their topics. Out: for each robot its images without a gap, for each process
+//! the readings that it collected of each sensor, and the steps of the MP.
 
 use std::collections::BTreeSet;
 use std::rc::Rc;
@@ -23,13 +23,13 @@ use mrroc_core::replay::script::ScriptedStep;
 use mrroc_core::replay::{RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
 use mrroc_core::robot::{MAX_JOINTS, Measured};
 
-/// What has been read so far.
+/// The messages read so far.
 pub(super) struct Messages {
     robots: Vec<RecordedRobot>,
     sensors: Vec<(Name, &'static Shape)>,
     readings: Vec<RecordedReadings>,
     steps: Vec<ScriptedStep>,
-    /// Whether demands may have come too late for another reason than in a replay.
+    /// Whether the run was in real time, where demands may come too late for reasons that a replay does not have.
     real_time: bool,
     late: BTreeSet<u64>,
     aborts: BTreeSet<u64>,
@@ -40,7 +40,7 @@ pub(super) struct Messages {
 const OTHER_CELL: &str = "replay it with the cell that was recorded, with all its robots and sensors";
 
 impl Messages {
-    /// Of a cell, which must be the recorded one.
+    /// Begins to read a recording with this metadata, which must be of the cell with this layout.
     pub fn of(metadata: &Metadata, layout: &Layout) -> Result<Messages, Wrong> {
         let text = |key: &str| metadata.metadata.get(key).map_or("", String::as_str);
         let list = |key: &str| serde_json::from_str::<Vec<Value>>(text(key)).unwrap_or_default();
@@ -94,12 +94,12 @@ impl Messages {
         Ok(Messages { robots, sensors, readings, steps, real_time, late, aborts, outside: None, end: None })
     }
 
-    /// The last step of the MP that has been read.
+    /// The last step of the MP read so far.
     pub fn last_step(&self) -> u64 {
         self.steps.last().map_or(0, |scripted| scripted.step)
     }
 
-    /// Takes a message. What a replay does not need is passed over.
+    /// Takes a message. Messages that a replay does not need are skipped.
     pub fn take(&mut self, topic: &str, time: Nanos, data: &[u8]) -> Result<(), Wrong> {
         let parts: Vec<_> = topic.split('/').skip(1).collect();
         let json = || serde_json::from_slice::<Value>(data).ok();
@@ -140,7 +140,7 @@ impl Messages {
             "late" => match self.robots.iter_mut().find(|robot| Some(robot.name) == by.name) {
                 Some(robot) if self.real_time && by.role == Role::Edp => drop(robot.missed.insert(step)),
                 Some(robot) if self.real_time => drop(robot.put_off.insert(step)),
-                // Under the virtual clock it is late by itself.
+                // Under the virtual clock a replay is late in the same steps by itself.
                 Some(_) => {}
                 None => drop(self.late.insert(step)),
             },
@@ -155,7 +155,7 @@ impl Messages {
         Some(())
     }
 
-    /// What came from outside in this step, no replay can make again.
+    /// Ends the part that can be replayed before this step, in which `what` came from outside.
     fn end_before(&mut self, step: u64, what: String) {
         let earlier = self.outside.as_ref().is_none_or(|(first, _)| step < *first);
         if earlier {
@@ -217,7 +217,7 @@ impl Messages {
         Some(())
     }
 
-    /// All that was read.
+    /// Completes the run from all messages.
     pub fn finish(mut self, cut_off: CutOff) -> Result<RecordedRun, Wrong> {
         for scripted in &mut self.steps {
             scripted.late = self.late.contains(&scripted.step);
@@ -240,7 +240,7 @@ impl Messages {
     }
 }
 
-/// `mp`, `ecp arm`.
+/// Reads the name of a process, such as `mp` or `ecp arm`.
 fn process(text: &str) -> Option<ProcessId> {
     let (role, name) = text.split_once(' ').unwrap_or((text, ""));
     let role = match role {

@@ -1,7 +1,7 @@
-//! A recording read back, as far as a replay needs it.
+//! Reads a recording, as far as a replay needs it.
 //!
-//! In: a file, and what the cell is made of. Out: a [`RecordedRun`], or what is wrong with the file. The file may be anything: it
-//! is read piece by piece, and no piece of it is larger than [`LARGEST`].
+//! In: a file, and the layout of the cell. Out: a [`RecordedRun`], or what is wrong with the file. The file may have
+//! any contents: it is read piece by piece, and no piece is larger than [`LARGEST`].
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -17,15 +17,15 @@ use super::messages::Messages;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::replay::RecordedRun;
 
-/// The largest record or chunk that is read \[bytes\]; those of a recording have a quarter of a megabyte.
+/// The largest record or chunk that is read \[bytes\]; the chunks of a recording have a quarter of a megabyte.
 const LARGEST: usize = 1 << 20;
 
-/// Whether a recording that was cut off is taken as far as it goes.
+/// What to do with a recording that was cut off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CutOff {
-    /// It is refused.
+    /// Refuse it.
     Refused,
-    /// It is replayed up to the last step of which everything is there.
+    /// Replay it up to the last step that is complete.
     Taken,
 }
 
@@ -38,7 +38,7 @@ pub struct NotReplayable {
     help: String,
 }
 
-/// What is wrong, before it is known with which file.
+/// What is wrong with a recording; the name of the file is added later.
 pub(super) struct Wrong {
     what: String,
     help: &'static str,
@@ -49,7 +49,7 @@ impl Wrong {
         Wrong { what: what.into(), help }
     }
 
-    /// What nobody could have written but a recorder of another kind.
+    /// An error for contents that only another kind of recorder can have written.
     pub fn foreign(what: impl Into<String>) -> Wrong {
         Wrong::new(what, "give a file that --record has written")
     }
@@ -65,13 +65,13 @@ const DAMAGED: &str =
 /// Reads a recording of a cell.
 ///
 /// # Errors
-/// [`NotReplayable`]: it is no recording, not of this cell, or not whole.
+/// [`NotReplayable`]: the file is no recording, is of another cell, or is not complete.
 pub(crate) fn read(file: &Path, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, NotReplayable> {
     let recorded = File::open(file).map_err(unreadable).and_then(|from| read_from(from, layout, cut_off));
     recorded.map_err(|wrong| wrong.of(file))
 }
 
-/// The same from what is no file.
+/// Reads a recording from bytes in memory.
 pub(crate) fn read_bytes(
     bytes: &[u8],
     layout: &Layout,
@@ -110,13 +110,13 @@ fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Re
     taker.finish(cut_off)
 }
 
-/// What says to be longer than what it is in.
+/// An error for a part that states a length beyond the end of what contains it.
 fn torn(what: &str) -> Wrong {
     Wrong::new(format!("is damaged: {what} is longer than what it is in"), DAMAGED)
 }
 
-/// The records in a chunk, which must be as its checksum says. The parser's own way into chunks counts below 0 where a record
-/// is longer than its chunk.
+/// The records in a chunk, after its checksum is verified. The parser's own function for chunks is not used: its
+/// counter underflows if a record is longer than its chunk.
 fn chunk(data: &[u8]) -> Result<&[u8], Wrong> {
     let (size, sum, compression, records) = chunk_parts(data).ok_or_else(|| torn("a chunk"))?;
     if !compression.is_empty() {
@@ -130,9 +130,9 @@ fn chunk(data: &[u8]) -> Result<&[u8], Wrong> {
     }
 }
 
-/// What it has uncompressed, its checksum, the name of the compression, and its records.
+/// The parts of a chunk: its uncompressed size \[bytes\], its checksum, the name of its compression, and its records.
 fn chunk_parts(mut rest: &[u8]) -> Option<(u64, u32, &[u8], &[u8])> {
-    // The times of its first and last message.
+    // The times of the chunk's first and last message, which are not needed.
     rest.split_off(..16)?;
     let (size, sum) = (u64_of(&mut rest)?, u32_of(&mut rest)?);
     let compression = text(&mut rest)?;
@@ -140,7 +140,7 @@ fn chunk_parts(mut rest: &[u8]) -> Option<(u64, u32, &[u8], &[u8])> {
     Some((size, sum, compression, rest.split_off(..len)?))
 }
 
-/// Passes over a record of a chunk.
+/// Splits the next record off a chunk: its opcode and its data.
 fn record<'a>(rest: &mut &'a [u8]) -> Option<(u8, &'a [u8])> {
     let opcode = *rest.split_off_first()?;
     let len = usize::try_from(u64_of(rest)?).ok()?;
@@ -151,10 +151,10 @@ fn u64_of(rest: &mut &[u8]) -> Option<u64> {
     rest.split_off(..8)?.try_into().ok().map(u64::from_le_bytes)
 }
 
-/// Whether the texts of a record fit into it: the parser takes memory for as much as they say. `None` for records that are
-/// not used.
+/// Whether the texts of a record fit into it: the parser allocates as much memory as their lengths state. `None` for
+/// records that are not used.
 fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
-    // Bytes before the texts, texts, whether a map of texts follows them.
+    // The number of bytes before the texts, the number of texts, and whether a map of texts follows.
     let (skipped, count, map) = match opcode {
         op::HEADER => (0, 2, false),
         op::CHANNEL => (4, 2, true),
@@ -165,7 +165,7 @@ fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
     let fits = |mut rest: &[u8]| {
         rest.split_off(..skipped)?;
         (0..count).try_for_each(|_| text(&mut rest).map(drop))?;
-        // A map is as long as a text is, in bytes.
+        // A map has a length in bytes before it, as a text has.
         let mut map = if map { text(&mut rest)? } else { &[] };
         while !map.is_empty() {
             let _key = text(&mut map)?;
@@ -176,7 +176,7 @@ fn has_its_texts(opcode: u8, data: &[u8]) -> Option<bool> {
     Some(fits(data).is_some())
 }
 
-/// A text, after its length.
+/// Splits a text off, which stands after its length.
 fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     let len = usize::try_from(u32_of(rest)?).ok()?;
     rest.split_off(..len)
@@ -196,9 +196,9 @@ fn damaged(error: McapError) -> Wrong {
 /// Takes the records of a file one after another.
 struct Taker<'a> {
     layout: &'a Layout,
-    /// There from the metadata on.
+    /// `None` until the metadata has been read.
     messages: Option<Messages>,
-    /// The topics of channels.
+    /// The topics of the channels, by their numbers.
     channels: BTreeMap<u16, String>,
     end: Option<Metadata>,
 }

@@ -1,8 +1,10 @@
-//! The recording of a cell that runs as processes: each of them hands its messages to its launcher, which has the file.
+//! The recording of a cell that runs as processes: each process sends its messages to the launcher, which writes the
+//! file.
 //!
-//! In: messages, from the recorder's thread of each process. Out: one file, which outlives every process but the launcher.
-//! They go through a datagram socket in the session's folder: whole messages, in the order of each process; a thread that
-//! finds it full waits, and the step does not know.
+//! In: messages, from the recorder's thread of each process. Out: one file, which is complete even if a process dies,
+//! as long as the launcher lives. The messages go through a datagram socket in the session's folder, each of them
+//! whole, in the order in which a process sends them. When the socket is full, the recorder's thread waits, and the
+//! step is not delayed.
 
 #![expect(clippy::disallowed_methods, reason = "the launcher's thread, which is no part of control")]
 
@@ -25,16 +27,16 @@ use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::{NotRecorded, Recording};
 
-/// The longest message \[bytes\]: one is some thousand bytes long.
+/// The longest message \[bytes\]; usual messages have some thousand bytes.
 const LONGEST: usize = 128 * 1024;
 
-/// How often the launcher's thread looks whether it is over.
+/// How often the launcher's thread checks whether the recording is to end.
 const REST: Duration = Duration::from_millis(50);
 
-/// How long a file that takes nothing is waited for at the end.
+/// How long the end waits for a file that takes no more data.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The socket of a session, named by the time that its processes run in.
+/// The path of a session's socket, whose name says by which clock its processes run.
 fn socket(folder: &Path, clock: Clock) -> PathBuf {
     folder.join(match clock {
         Clock::Real => "record.real",
@@ -42,7 +44,7 @@ fn socket(folder: &Path, clock: Clock) -> PathBuf {
     })
 }
 
-/// Joins the recording of a session, if it is recorded and this process has anything to show.
+/// Joins the recording of a session; `None` if the session is not recorded or this process has nothing to show.
 pub(crate) fn join(
     recording: Option<&Recording>,
     layout: &Layout,
@@ -62,7 +64,7 @@ pub(crate) fn join(
         socket.connect(&path)?;
         Ok(Box::new(Sender { socket, topics: Vec::new(), frame: Vec::new() }) as Box<dyn Outlet>)
     });
-    // One that cannot be recorded runs all the same.
+    // A process that cannot record runs without being recorded.
     let begun = RunRecorder::begin(&recording, recording.of(layout.clone()), clock, open);
     begun
         .map(Rc::new)
@@ -70,12 +72,12 @@ pub(crate) fn join(
         .ok()
 }
 
-/// What a frame is about: its first byte.
+/// The first byte of a frame, which says what it is about.
 const CHANNEL: u8 = b'C';
 const MESSAGE: u8 = b'M';
 const END: u8 = b'E';
 
-/// A process's end.
+/// A process's end of the socket.
 struct Sender {
     socket: UnixDatagram,
     topics: Vec<String>,
@@ -83,7 +85,7 @@ struct Sender {
 }
 
 impl Sender {
-    /// Sends a frame of texts, each with its length, but for the last one.
+    /// Sends a frame of texts; each of them but the last one stands after its length.
     fn send(&mut self, kind: u8, number: u64, texts: &[&str]) -> io::Result<()> {
         self.frame.clear();
         self.frame.push(kind);
@@ -148,7 +150,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The launcher's end.
+/// The launcher's end of the socket.
 pub(crate) struct Relay {
     closing: Arc<AtomicBool>,
     received: Arc<AtomicU64>,
@@ -157,10 +159,10 @@ pub(crate) struct Relay {
 }
 
 impl Relay {
-    /// Waits for the messages of a session's processes.
+    /// Begins to receive the messages of a session's processes.
     ///
     /// # Errors
-    /// [`NotRecorded`]: the file cannot be written, or there can be no socket.
+    /// [`NotRecorded`]: the file cannot be written, or the socket cannot be made.
     pub fn listen(
         folder: &Path,
         recording: &Recording,
@@ -193,7 +195,7 @@ impl Relay {
 }
 
 impl Drop for Relay {
-    /// Waits for what the processes have sent before they ended, as long as the file takes it.
+    /// Waits until all that the processes have sent before they ended is written, as long as the file takes data.
     fn drop(&mut self) {
         let Some(thread) = self.thread.take() else { return };
         self.closing.store(true, Ordering::Release);
@@ -214,7 +216,7 @@ impl Drop for Relay {
     }
 }
 
-/// What the launcher's thread has.
+/// The state of the launcher's thread.
 struct Receiver {
     socket: UnixDatagram,
     closing: Arc<AtomicBool>,
@@ -238,7 +240,7 @@ impl Receiver {
                     self.take(&buffer[..len], &mut file);
                 }
                 Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
-                    // All processes have ended before the launcher closes.
+                    // All processes have ended before the launcher closes the recording.
                     if self.closing.load(Ordering::Acquire) {
                         break;
                     }
@@ -305,7 +307,7 @@ impl Receiver {
         }
     }
 
-    /// Once: after it nothing more is written.
+    /// Warns once; after the warning nothing more is written.
     fn warn(&self, error: &io::Error) {
         complain(&format!("warning: {}: cannot be written: {error}; the run goes on unrecorded", self.name));
     }

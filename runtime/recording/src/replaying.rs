@@ -1,6 +1,6 @@
-//! A replay: a cell's programs run again on what a recording holds.
+//! A replay: runs a cell's programs again on the contents of a recording.
 //!
-//! In: an assembled cell and a recording. Out: what the comparison of all demands came to; from the command line
+//! In: an assembled cell and a recording. Out: the result of comparing all demands; on the command line
 //! `identical`, or the first demand that differs, and an exit status.
 
 use std::path::Path;
@@ -15,7 +15,7 @@ use mrroc_launch::outcome::{cell_refused, report};
 use crate::compare::{Compared, Comparison};
 use crate::reader::{CutOff, NotReplayable, read};
 
-/// A recording was not replayed.
+/// Why a recording was not replayed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReplayError {
     /// What is wrong with the file.
@@ -28,12 +28,13 @@ pub enum ReplayError {
 
 /// A cell whose programs can be run again on a recording.
 pub trait Replay {
-    /// Runs the cell's programs again on what `file` has recorded, on the memory link: what robots measured, sensors read
-    /// and the operator wanted comes from the file, in place of drivers and virtual sensors. Compares every demand with
-    /// the recorded one, to the bit, up to the first that differs, or up to a fault that came from outside.
+    /// Runs the cell's programs again on the recording in `file`, on the memory link. The file replaces drivers,
+    /// virtual sensors and the operator: measured states, readings and what the operator wanted come from it. Every
+    /// demand is compared with the recorded demand, to the bit, up to the first difference, or up to a fault that came
+    /// from outside.
     ///
     /// # Errors
-    /// [`ReplayError`]: the file is no recording of this cell, or not whole; or what is wrong with the cell.
+    /// [`ReplayError`]: the file is no recording of this cell or is not complete; or what is wrong with the cell.
     fn replay(self, file: impl AsRef<Path>, cut_off: CutOff) -> Result<Compared, ReplayError>;
 }
 
@@ -44,14 +45,15 @@ impl Replay for Cell {
         let comparison = Rc::new(Comparison::with(Rc::clone(&recorded)));
         let witness: Rc<dyn Witness> = Rc::<Comparison>::clone(&comparison);
         match self.replaying(recorded).witnessed_by(witness).run_on_memory(&names) {
-            // How it ends, the comparison tells: a recording may end before its programs do.
+            // A fault is no error here: the comparison tells how the replay ended, and a recording may end before its
+            // programs do.
             Ok(_) | Err(CellError::Fault(_)) => Ok(comparison.outcome()),
             Err(error) => Err(error.into()),
         }
     }
 }
 
-/// Replays a recording for the command line; `partial`: one that was cut off as far as it goes.
+/// Replays a recording for the command line; with `partial` also one that was cut off, up to its last complete step.
 pub fn replay_command(cell: Cell, file: &Path, partial: bool, quiet: bool) -> ExitCode {
     let cut_off = if partial { CutOff::Taken } else { CutOff::Refused };
     let compared = match cell.replay(file, cut_off) {

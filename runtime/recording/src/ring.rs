@@ -1,7 +1,8 @@
-//! From the step to the thread: records of a fixed size through a ring of a fixed length.
+//! The ring that carries records from the step to the thread that writes them.
 //!
-//! In: what processes show. Out: records for [`channels`](super::channels), in their order, on a thread that may lag or
-//! block. A full ring is counted in real time; under the virtual clock it is waited for, as long as the thread gets on.
+//! In: what processes show. Out: records of a fixed size for [`channels`](super::channels), in their order, on a thread
+//! that may lag or block. The ring has a fixed length. When it is full, a record is dropped and counted in real time;
+//! under the virtual clock the step waits as long as the thread makes progress.
 
 #![expect(
     clippy::disallowed_methods,
@@ -27,21 +28,21 @@ use mrroc_core::observe::recording::{Recording, RunRecord};
 use mrroc_core::observe::witness::{IMAGE_WORDS, What, Witness};
 use mrroc_core::payload::WORDS;
 
-/// Records that the ring holds: a second of two robots and a sensor at 1 kHz.
+/// Number of records that the ring holds: those of a second with two robots and a sensor at 1 kHz.
 const LENGTH: usize = 8192;
 
 /// How long the thread sleeps when there is nothing to write.
 const REST: Duration = Duration::from_millis(2);
 
-/// How often what was written is handed on, so that a process that is killed leaves all but the last of it.
+/// How often what was written is handed on, so that a killed process loses no more than the last part.
 const FLUSH: Duration = Duration::from_secs(1);
 
-/// How long a thread that does not get on is waited for, under the virtual clock and at the end.
+/// How long to wait for a thread that makes no progress, under the virtual clock and at the end.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 const _: () = assert!(IMAGE_WORDS <= WORDS);
 
-/// What a process has shown.
+/// One thing that a process has shown.
 #[derive(Clone, Copy)]
 pub(super) struct Record {
     pub time: Nanos,
@@ -63,33 +64,33 @@ impl Record {
     }
 }
 
-/// What both ends of the ring know.
+/// What both ends of the ring share.
 #[derive(Default)]
 struct Shared {
-    /// Records that the thread has taken, and messages that it has written.
+    /// Number of records that the thread has taken, and of messages that it has written.
     taken: AtomicU64,
     written: AtomicU64,
-    /// Records that found no room, or no file.
+    /// Number of records dropped because the ring was full or the file could not be written.
     dropped: AtomicU64,
     closing: AtomicBool,
 }
 
-/// Shows a run to a thread that writes it down.
+/// The witness of a run that passes what it sees to the thread that writes it.
 pub(crate) struct RunRecorder {
     ring: RefCell<Producer<Record>>,
     shared: Arc<Shared>,
     thread: RefCell<Option<JoinHandle<()>>>,
     clock: Clock,
     recording: Recording,
-    /// What the thread had taken when it was given up.
+    /// Number of records that the thread had taken when the step gave up waiting for it.
     stuck: Cell<Option<u64>>,
 }
 
-/// Opens where messages go. It may block for ever: the thread does it.
+/// Opens the outlet for messages. Only the thread calls it, because it may block for ever.
 pub(super) type Open = Box<dyn FnOnce() -> io::Result<Box<dyn Outlet>> + Send>;
 
 impl RunRecorder {
-    /// Begins to record; `open` says where to.
+    /// Begins to record to the outlet that `open` opens.
     pub(super) fn begin(
         recording: &Recording,
         layout: Layout,
@@ -97,7 +98,7 @@ impl RunRecorder {
         open: Open,
     ) -> io::Result<RunRecorder> {
         let (mut ring, mut taken) = RingBuffer::new(LENGTH);
-        // Every page is there before the first step.
+        // Filling the ring once makes all its pages resident before the first step.
         let blank = Record::new(0, ProcessId::MP, &What::Late { step: 0 }, &[]);
         while ring.push(blank).is_ok() {}
         while taken.pop().is_ok() {}
@@ -114,7 +115,7 @@ impl RunRecorder {
         Ok(RunRecorder { ring, shared, thread, clock, recording: recording.clone(), stuck })
     }
 
-    /// Whether the recording is to have it.
+    /// Whether this is to be recorded.
     fn is_asked_for(&self, by: ProcessId, what: &What) -> bool {
         match what {
             What::Image { .. } => by.name.is_none_or(|name| self.recording.has_robot(name.as_str())),
@@ -129,7 +130,7 @@ impl RunRecorder {
         }
     }
 
-    /// Waits until the ring has room, as long as the thread gets on.
+    /// Waits until the ring has room, as long as the thread makes progress.
     fn make_room(&self, ring: &Producer<Record>) {
         let (mut since, mut seen) = (Instant::now(), self.shared.taken.load(Ordering::Acquire));
         while ring.is_full() && self.stuck.get() != Some(seen) {
@@ -143,7 +144,7 @@ impl RunRecorder {
         }
     }
 
-    /// Waits for the thread to write the rest, as long as it gets on.
+    /// Waits until the thread has written the rest, as long as it makes progress.
     fn wait_for_the_rest(&self) {
         let Some(thread) = self.thread.take() else { return };
         self.shared.closing.store(true, Ordering::Release);
@@ -195,12 +196,12 @@ impl Drop for RunRecorder {
     }
 }
 
-/// The writing end.
+/// The thread that writes.
 struct Thread {
     ring: Consumer<Record>,
     shared: Arc<Shared>,
     channels: Channels,
-    /// What messages call the file.
+    /// The name of the file in messages.
     name: String,
 }
 
@@ -210,7 +211,7 @@ impl Thread {
         let mut flushed = Instant::now();
         let mut warned = false;
         loop {
-            // In this order: what was pushed before the end is written.
+            // `closing` is read before the ring is emptied, so that what was pushed before the end is written.
             let closing = self.shared.closing.load(Ordering::Acquire);
             while let Ok(record) = self.ring.pop() {
                 self.shared.taken.fetch_add(1, Ordering::AcqRel);
@@ -238,7 +239,7 @@ impl Thread {
         }
     }
 
-    /// Writes a record, or counts it where nothing can be written any more.
+    /// Writes a record, or counts it as dropped if nothing can be written any more.
     fn write(&mut self, record: &Record, outlet: &mut Option<Box<dyn Outlet>>) {
         let put = outlet.as_mut().map(|outlet| self.channels.put(record, &mut **outlet));
         let counter = match put {
