@@ -9,7 +9,6 @@ use std::time::Duration;
 use mrroc::observe::ServoRecord;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use mrroc_generators::force::{Behaviour, ForceControl, Give};
 use mrroc_generators::generators::ForceLaw;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};

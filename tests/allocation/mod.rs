@@ -1,7 +1,6 @@
 //! No allocation in a step once warm: counted over whole cells, whose processes are all of one thread.
 
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
 use mrroc_counting_allocator::allocations;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};

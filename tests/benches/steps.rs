@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 use mrroc::generator::Generator;
 use mrroc::generator::Motion;
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use mrroc::robot::{RobotImage, RobotState};
 use mrroc_generators::generators::StraightLine;
 use mrroc_generators::line::ToolLimits;

@@ -3,7 +3,6 @@
 use mrroc::fault::FaultKind;
 use mrroc::generator::Generator;
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::cooperation::{Displacement, StraightBody};
 use mrroc_generators::curve::Helix;

@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 

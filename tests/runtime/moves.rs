@@ -5,7 +5,6 @@ use std::rc::Rc;
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use mrroc_tests::{ExactDrive, Gantry, MS, fault, gantry, peaks, traced};
 
 use crate::runtime::kit::{Coast, Counter, Counting, Smooth, Twin, Watch, x};

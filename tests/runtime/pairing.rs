@@ -2,7 +2,6 @@
 
 use mrroc::fault::{Excess, FaultKind};
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured};
 use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, traced};
 

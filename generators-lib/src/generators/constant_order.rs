@@ -3,7 +3,6 @@
 use mrroc::generator::Uses;
 use mrroc::generator::{Class, Generator, Level, Motion, RobotList, Robots, RobotsEach};
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 
 /// Tells each robot the same in every step, `f**() = const`: a phase of loose cooperation, a force to be kept, a demand. The
 /// motion ends when every ECP of the list has finished; robots that are told different things work on their own.

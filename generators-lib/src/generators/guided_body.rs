@@ -5,7 +5,6 @@ use core::marker::PhantomData;
 use mrroc::generator::{Motion, RobotList, RobotsEach, SensorList, SensorsEach};
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 use nalgebra::{Translation3, Vector3};
 
 use mrroc_generators::cooperation::Placed;

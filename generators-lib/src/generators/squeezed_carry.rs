@@ -6,7 +6,6 @@ use mrroc::fault::FaultKind;
 use mrroc::generator::{Motion, RobotList, RobotsEach, SensorList, SensorsEach};
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
-use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{BodyFrame, BodyPath, Correction, Grasps};
 use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, central_squeeze};
