@@ -14,7 +14,7 @@ use engraving::plate::Cutter;
 use engraving::run::{Settings, Watch};
 use engraving::sampling::Sampling;
 use mrroc::cell::{Cell, RunReport};
-use mrroc::launch::{Clock, Launch, Ran};
+use mrroc::launch::{Clock, Ran};
 use mrroc_tests::fixture::{RECORDS, SEEN};
 use transfer::pictures::filmed;
 use transfer::variant::{Bases, Sensors, Variant};

@@ -9,7 +9,6 @@ use mrroc::sensor::VspMode;
 use mrroc_tests::{Gantry, MS, fault, gantry};
 
 use crate::runtime::kit::{Counter, Counting, Offset, Smooth, Watch};
-use mrroc::prelude::*;
 
 fn watched(mode: VspMode, latency: Duration, steps: usize) -> Vec<Option<(u64, u32)>> {
     let (robot, _) = gantry("g");

@@ -5,7 +5,6 @@ use mrroc::prelude::*;
 use mrroc_tests::{Gantry, MS, fault, gantry};
 
 use crate::runtime::kit::{Counter, Counting, Phase, Smooth};
-use mrroc::prelude::*;
 
 struct CountTo(u64);
 

@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use crate::generators::{GuardedApproach, JointMove};
     use mrroc::pose::Wrench;
-    use mrroc::prelude::*;
+
     use mrroc::robot::{RobotImage, RobotState};
     use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Polycrank, Seven, Simulated, SimulatedIrp6, Six};

@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use crate::cooperation::Displacement;
     use crate::generators::{EyeInHand, GuardedApproach, Servoing};
-    use mrroc::prelude::*;
+
     use mrroc::robot::{RobotImage, RobotState};
     use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Six};

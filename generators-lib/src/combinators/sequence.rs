@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use crate::generators::{JointMove, Sleep};
     use mrroc::observe::ServoRecord;
-    use mrroc::prelude::*;
+
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::{cell::RefCell, rc::Rc, time::Duration};
 

@@ -29,7 +29,7 @@ impl<R: Robot, F: FnMut() -> bool> AwaitOperator<R, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};

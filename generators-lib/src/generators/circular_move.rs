@@ -68,7 +68,7 @@ impl<R: Robot> CircularMove<R> {
 mod tests {
     use super::*;
     use mrroc::observe::ServoRecord;
-    use mrroc::prelude::*;
+
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::{cell::RefCell, rc::Rc, time::Duration};
 

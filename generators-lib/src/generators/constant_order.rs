@@ -59,7 +59,7 @@ impl<L: Robots<O>, O: 'static> Generator for ConstantOrder<L, O> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_generators::generators::JointMove;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;

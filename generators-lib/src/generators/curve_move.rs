@@ -55,7 +55,7 @@ impl<R: Robot, C: Curve + 'static> CurveMove<R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_generators::curve::Helix;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

@@ -57,7 +57,7 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_generators::force::{Behaviour, Give};
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

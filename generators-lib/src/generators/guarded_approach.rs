@@ -82,7 +82,7 @@ impl<R: Robot, S: Sensor> GuardedApproach<R, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;
 

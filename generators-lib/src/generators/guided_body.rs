@@ -100,7 +100,7 @@ impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L,
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc::robot::{RobotImage, RobotState};
     use mrroc::sensor::SensorImage;
     use mrroc_robots::{Irp6, Six};

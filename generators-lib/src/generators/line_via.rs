@@ -58,7 +58,7 @@ impl<R: Robot> LineVia<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_generators::profile::JerkLimits;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

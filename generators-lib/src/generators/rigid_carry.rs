@@ -58,7 +58,7 @@ impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_generators::cooperation::StraightBody;
     use mrroc_generators::line::ToolLimits;
     use mrroc_generators::profile::ProfileLimits;

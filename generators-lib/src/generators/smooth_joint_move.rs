@@ -48,7 +48,7 @@ impl<R: Robot> SmoothJointMove<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use std::time::Duration;
 

@@ -68,7 +68,7 @@ where
 mod tests {
     use super::*;
     use mrroc::observe::ServoRecord;
-    use mrroc::prelude::*;
+
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;
     use std::{cell::RefCell, rc::Rc, time::Duration};

@@ -72,7 +72,7 @@ impl<R: Robot, L: MotionLimits> StraightLine<R, L> {
 mod tests {
     use super::*;
     use mrroc::observe::ServoRecord;
-    use mrroc::prelude::*;
+
     use mrroc_generators::line::SmoothToolLimits;
     use mrroc_generators::profile::{JerkLimits, ProfileLimits};
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};

@@ -58,7 +58,7 @@ impl<R: Robot, C: Curve + 'static> TimeOptimalCurve<R, C> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_generators::curve::Helix;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

@@ -46,7 +46,7 @@ impl<R: Robot> ToolOffset<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use mrroc::prelude::*;
+
     use mrroc_generators::profile::ProfileLimits;
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;

@@ -13,7 +13,6 @@ mod program;
 mod running;
 mod table;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc_core::cell::{Cell, CellError, RunPicture};
