@@ -29,8 +29,11 @@ const LONGEST: u64 = 60_000_000_000;
 pub struct Spread {
     /// How many samples there are.
     pub count: u64,
+    /// The median \[ns\].
     pub p50: Nanos,
+    /// The 99th percentile \[ns\].
     pub p99: Nanos,
+    /// The maximum \[ns\].
     pub max: Nanos,
 }
 

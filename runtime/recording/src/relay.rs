@@ -1,8 +1,8 @@
 //! The recording of a cell that runs as processes: each process sends its messages to the launcher, which writes the
 //! file.
 //!
-//! In: messages, from the recorder's thread of each process. Out: one file, which is complete even if a process dies,
-//! as long as the launcher lives. The messages go through a datagram socket in the session's folder, each of them
+//! In: messages, from the recorder's thread of each process. Out: one file, which is kept even if a process dies, as
+//! long as the launcher lives. The messages go through a datagram socket in the session's folder, each of them
 //! whole, in the order in which a process sends them. When the socket is full, the recorder's thread waits, and the
 //! step is not delayed.
 

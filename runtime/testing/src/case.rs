@@ -7,30 +7,30 @@ use mrroc_core::fault::ProcessId;
 /// A direction of a link between two processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Channel {
-    /// Who sends.
+    /// The process that sends.
     pub from: ProcessId,
-    /// Who receives.
+    /// The process that receives.
     pub to: ProcessId,
 }
 
-/// What a link does to messages.
+/// What a faulty link does to messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkFault {
-    /// They do not arrive.
+    /// Messages do not arrive.
     Drop,
-    /// They arrive twice.
+    /// Messages arrive twice.
     Duplicate,
-    /// Each arrives after the one that follows it, or a step late where none follows.
+    /// Each message arrives after the one that follows it, or a step late if none follows.
     Reorder,
-    /// They arrive so many steps late.
+    /// Messages arrive so many steps late.
     Delay(u32),
-    /// One to three of their bits are the wrong way round.
+    /// One to three bits of each message are inverted.
     Corrupt,
-    /// Each is followed by one that was sent long before, now and then under the seal of an earlier attempt to start the
-    /// cell.
+    /// Each message is followed by one that was sent long before, sometimes under the seal of an earlier attempt to
+    /// start the cell.
     Replay,
-    /// One to three of their bits are the wrong way round, under a right checksum: a sender that is out of its mind. The
-    /// drives' limits hold all the same; where the program ends is not asked.
+    /// One to three bits of each message are inverted, with a correct checksum, as by a sender that computes wrongly.
+    /// The drives' limits must still hold; where the program ends is not checked.
     Forge,
 }
 
@@ -41,40 +41,40 @@ pub enum Press {
     SuspendAndResume(u32),
     /// Aborts the instruction.
     Abort,
-    /// Stops the cell for good.
+    /// Stops the cell permanently.
     Stop,
     /// Suspends, aborts and resumes, all in one step.
     Everything,
 }
 
-/// What is done to a cell.
+/// The fault that is injected into a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Injected {
-    /// The process ends at once and says nothing more.
+    /// The process ends at once and sends nothing more.
     Kill(ProcessId),
-    /// The process stands still for so many steps, then goes on as if nothing had been.
+    /// The process does nothing for so many steps, then goes on as before.
     Stall(ProcessId, u32),
-    /// The link does this to what is sent in so many steps.
+    /// The link does this to the messages that are sent in so many steps.
     Link(Channel, LinkFault, u32),
     /// The operator presses a button.
     Press(Press),
-    /// The cell itself has a fault of this name.
+    /// The cell is built with a fault of this name.
     Own(&'static str),
 }
 
-/// A fault in a step. The same case does the same to the same cell, to the bit.
+/// A fault and the step in which it begins. The same case has the same effect on the same cell, to the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Case {
-    /// What is done.
+    /// The fault.
     pub injected: Injected,
-    /// The step in which it is done first.
+    /// The step in which the fault begins.
     pub at: u64,
-    /// What decides which bits are turned round, and at which of its messages in the step a killed process ends.
+    /// The seed, which decides which bits are inverted, and at which of its messages in the step a killed process ends.
     pub seed: u64,
 }
 
 impl Case {
-    /// The first step in which it is no longer done.
+    /// The first step in which the fault is over.
     pub(super) const fn end(&self) -> u64 {
         let steps = match self.injected {
             Injected::Kill(_) | Injected::Own(_) => return u64::MAX,
@@ -84,7 +84,7 @@ impl Case {
         self.at.saturating_add(steps as u64)
     }
 
-    /// Whether it is done in a step.
+    /// Whether the fault is present in a step.
     pub(super) const fn is_at_work(&self, step: u64) -> bool {
         self.at <= step && step < self.end()
     }

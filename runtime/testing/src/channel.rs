@@ -1,8 +1,8 @@
-//! A channel of which the link loses, doubles, delays or alters messages: decorators on the ends of ports and boards,
-//! as smoltcp's fault injector is one on its devices.
+//! A channel on which messages are lost, doubled, delayed or altered: decorators on the ends of ports and boards, like
+//! smoltcp's fault injector, which is a decorator on its devices.
 //!
 //! In: what the sender sent, in the envelopes that go through shared memory: numbered, under the session's seal, with a
-//! checksum. Out: what of it the receiver's end lets in.
+//! checksum. Out: the messages among them that the receiver's end accepts.
 
 use core::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -17,7 +17,7 @@ use mrroc_core::link::numbering::{self, Heard};
 use mrroc_core::link::{Board, Client, Nanos, Server};
 use mrroc_core::payload::WORDS;
 
-/// Messages that a channel remembers, to send an old one again.
+/// Number of messages that a channel remembers, so that it can send an old one again.
 const REMEMBERED: usize = 64;
 
 const SEAL: Seal = Seal { session: 0x6d72_726f_6320_7465, epoch: 2 };
@@ -28,7 +28,7 @@ pub(super) struct Direction {
     stage: Rc<Stage>,
     channel: Channel,
     to: usize,
-    /// Envelopes on their way, and when each is there \[ns\].
+    /// Envelopes under way, and when each arrives \[ns\].
     flight: RefCell<Vec<(Nanos, Envelope)>>,
     past: RefCell<VecDeque<Envelope>>,
 }
@@ -77,7 +77,7 @@ impl Direction {
         }
     }
 
-    /// Whether its sender says something now.
+    /// Whether its sender sends something now.
     fn speaks(&self) -> bool {
         self.stage.speaks(self.channel.from)
     }
@@ -87,7 +87,7 @@ impl Direction {
         self.stage.wake_at(self.to, at);
     }
 
-    /// Shows all that has come to `looks`, in its order; whether any of it is what it looks for.
+    /// Passes all envelopes that have arrived to `looks`, in their order; returns whether `looks` accepted any.
     fn take(&self, mut looks: impl FnMut(&Envelope) -> bool) -> bool {
         let now = self.stage.now.get();
         let mut taken = false;
@@ -120,14 +120,14 @@ impl Direction {
     }
 }
 
-/// The message that was put into an envelope here.
+/// Reads the message back that this channel put into an envelope.
 fn opened(envelope: &Envelope) -> Message {
     let mut message = Message::empty();
     envelope.open(&mut message).expect("whole");
     message
 }
 
-/// Turns one to three bits round, of the head or of the words that count.
+/// Inverts one to three bits of the header or of the words in use.
 fn forge(message: &mut Message, random: &mut Random) {
     for _ in 0..=random.below(3) {
         let bit = random.below(64);
@@ -138,7 +138,7 @@ fn forge(message: &mut Message, random: &mut Random) {
             0 => header.flags ^= 1 << (bit % 9),
             1 => header.step ^= 1 << bit,
             2 => header.instruction ^= 1 << (bit % 32),
-            // A length beyond the body is no envelope's.
+            // An envelope has no length beyond its body.
             3 => header.len = (header.len ^ 1 << (bit % 6)).min(WORDS as u32),
             4 => header.payload ^= 1 << bit,
             5 => header.dt = flip(header.dt),
@@ -148,7 +148,7 @@ fn forge(message: &mut Message, random: &mut Random) {
     }
 }
 
-/// The asking end of a port. What is `inner`'s only wakes the other end.
+/// The asking end of a port. `inner` is used only to wake the other end.
 pub(super) struct FaultyClient {
     inner: Box<dyn Client>,
     requests: Rc<Direction>,
@@ -239,7 +239,7 @@ impl Server for FaultyServer {
     }
 }
 
-/// A board: it shows what came last.
+/// A board, which shows what arrived last.
 pub(super) struct FaultyBoard {
     pub channel: Direction,
     pub shown: RefCell<Option<Message>>,

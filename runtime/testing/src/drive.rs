@@ -1,4 +1,6 @@
-//! Drives that fail: a joint that is blocked or stiff, a drive that trips, an encoder that lies.
+//! Drives that fail: a blocked or stiff joint, a drive that trips, an encoder with wrong values.
+//!
+//! In: drives, and how one of them fails from which servo period on. Out: drives that fail in this way.
 
 use core::time::Duration;
 
@@ -12,17 +14,17 @@ use mrroc_core::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrive
 pub enum DriveTrouble {
     /// The joint stays where it is.
     Blocked,
-    /// In each servo period the joint comes this share nearer to its demand, 0 to 1.
+    /// In each servo period the joint moves by this share of its distance to the demand, 0 to 1.
     Friction(f64),
     /// The drive trips, and applies its brake.
     Trip,
-    /// The encoder gives no number.
+    /// The encoder gives NaN.
     EncoderNan,
-    /// The encoder says what it said last.
+    /// The encoder repeats its last value.
     EncoderStuck,
 }
 
-/// Drives of which one fails from a servo period on.
+/// Drives of which one joint's fails from some servo period on.
 ///
 /// ```
 /// use mrroc::cell::RobotSetup;
@@ -40,16 +42,16 @@ pub struct FaultyDrive<R: Robot, D> {
     joint: usize,
     from: u64,
     ticks: u64,
-    /// What the encoders said last, and where the failing joint is \[rad or m\].
+    /// The last values of the encoders, and the position of the failing joint [rad or m].
     said: Measured<R::Joints>,
     at: f64,
 }
 
 impl<R: Robot, D: Driver<R>> FaultyDrive<R, D> {
-    /// `joint` of `drives` fails in servo period `from`, counted from 1, and in all after it.
+    /// Lets `joint` of `drives`, counted from 0, fail in servo period `from`, counted from 1, and in all later ones.
     ///
     /// # Panics
-    /// When the robot has no such joint.
+    /// If the robot has no such joint.
     pub fn new(drives: D, trouble: DriveTrouble, joint: usize, from: u64) -> Self {
         assert!(joint < R::Joints::LEN, "joint {joint} of {}", R::Joints::LEN);
         let said = drives.measured();

@@ -1,7 +1,7 @@
-//! Copies of a run: it goes through its program once, and the process is forked where each fault begins.
+//! Copies of a run: the run goes through its program once, and the process is forked where each fault begins.
 //!
-//! In: cases. Out: in the run itself, what its copies came to; in a copy, the case that it is to go on with. A case so costs
-//! the way from its fault to a standstill and not the whole program, of which nothing before the fault is done again.
+//! In: cases. Out: in the run itself, the verdicts on its copies; in a copy, the case with which it goes on. So a case
+//! costs the time from its fault to a standstill, and the part of the program before the fault is not repeated.
 
 use std::collections::VecDeque;
 use std::io::{self, PipeReader, PipeWriter, Read, Write, pipe};
@@ -10,19 +10,19 @@ use super::case::{Case, Injected, LinkFault};
 use super::stage::Lasting;
 use super::verdict::Verdict;
 
-/// How many steps before its fault a copy is made: messages name steps that are still to come.
+/// How many steps before its fault a copy is made: earlier, because messages name steps that are still to come.
 const LEAD: u64 = 4;
 
-/// After so many seconds of the machine's time a copy is ended: something in it does not return.
+/// After this time of the machine's clock a copy is ended, because something in it does not return \[s\].
 #[cfg(unix)]
 const PATIENCE: u32 = 60;
 
-/// The copies of a run, or of a copy where it tells what it came to.
+/// In the run: its copies. In a copy: where it reports its verdict.
 #[derive(Default)]
 pub(super) struct Forks {
-    /// Cases to come, the next one last.
+    /// The cases that are left, the next one last.
     cases: Vec<Case>,
-    /// The time of a copy; it is watched for so many steps from its fault on.
+    /// How long a copy lasts, counted from its fault.
     lasting: Option<Lasting>,
     at_a_time: usize,
     replay: bool,
@@ -31,7 +31,7 @@ pub(super) struct Forks {
     tells: Option<PipeWriter>,
 }
 
-/// A process that goes on with a case.
+/// A copy of the process, which goes on with a case.
 struct Copy {
     case: Case,
     process: i32,
@@ -46,12 +46,12 @@ impl Forks {
         Forks { cases, lasting: Some(lasting), at_a_time: at_a_time.max(1), replay, ..Forks::default() }
     }
 
-    /// Whether a case to come sends old messages again.
+    /// Whether one of the cases that are left sends old messages again.
     pub const fn replay(&self) -> bool {
         self.replay
     }
 
-    /// Makes a copy for each case that begins soon after this step; in a copy, returns its case.
+    /// Makes a copy for each case that begins soon after this step. In a copy, returns its case; in the run, `None`.
     pub fn fork(&mut self, step: u64) -> Option<(Case, Lasting)> {
         let lasting = self.lasting?;
         while let Some(case) = self.cases.pop_if(|case| case.at <= step + LEAD) {
@@ -73,7 +73,7 @@ impl Forks {
         None
     }
 
-    /// In the run itself, what all copies came to; waits for those that go on.
+    /// In the run itself: waits for all copies and returns their verdicts.
     pub fn verdicts(mut self) -> Vec<(Case, Verdict)> {
         while !self.copies.is_empty() {
             self.hear_of_one();
@@ -81,10 +81,10 @@ impl Forks {
         self.verdicts
     }
 
-    /// Ends a copy, which came to this.
+    /// Reports the verdict of a copy and ends it.
     pub fn tell(self, verdict: &Verdict) {
         if let Some(mut tells) = self.tells {
-            // A run that does not listen any more is gone.
+            // Writing fails only if the run is gone.
             drop(tells.write_all(verdict.to_line().as_bytes()));
         }
         end_copy();
@@ -101,17 +101,18 @@ impl Forks {
     }
 }
 
-/// Copies this process: 0 in the copy, its number here.
+/// Copies this process; returns 0 in the copy, and the copy's process number in the run.
 #[cfg(unix)]
 #[allow(unsafe_code)]
 fn copy() -> io::Result<i32> {
-    // SAFETY: the copy has this thread alone. It runs a cell, whose processes are coroutines of this thread, takes memory,
-    // which the C library makes ready for it in the copy, and ends by `end_copy`; other threads' locks it never asks for.
+    // SAFETY: the copy has only this thread. It runs a cell, whose processes are coroutines of this thread; it
+    // allocates memory, for which the C library prepares the copy; it ends by `end_copy`; and it never takes locks of
+    // other threads.
     let process = unsafe { libc::fork() };
     match process {
         -1 => Err(io::Error::last_os_error()),
         0 => {
-            // SAFETY: no memory is handed over.
+            // SAFETY: no memory is passed.
             unsafe { libc::alarm(PATIENCE) };
             Ok(0)
         }
@@ -119,18 +120,18 @@ fn copy() -> io::Result<i32> {
     }
 }
 
-/// Ends this process without what it would do at its end: that is the run's.
+/// Ends this process at once, without the work at a process's usual end, which is left to the run.
 #[cfg(unix)]
 #[allow(unsafe_code)]
 pub(super) fn end_copy() -> ! {
-    // SAFETY: no memory is handed over, and nothing runs after it.
+    // SAFETY: no memory is passed, and nothing runs after the call.
     unsafe { libc::_exit(0) }
 }
 
 #[cfg(unix)]
 #[allow(unsafe_code)]
 fn reap(process: i32) {
-    // SAFETY: the process is a child, which nobody else waits for, and no status is asked for.
+    // SAFETY: the process is a child for which nothing else waits, and no status is asked for.
     unsafe { libc::waitpid(process, core::ptr::null_mut(), 0) };
 }
 

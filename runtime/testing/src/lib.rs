@@ -1,15 +1,17 @@
-//! Faults on purpose: for tests of the runtime, and of programs that run on it.
+//! Fault injection, for tests of the runtime and of programs that run on it.
 //!
-//! A [`Sweep`] runs a cell time and again on the memory link, with one fault in one step each time: a process is killed
-//! or stalled, a link loses, doubles, swaps, delays or alters messages, the operator presses a button. Of every run it
-//! asks what SAFETY.md promises:
+//! In: a cell. Out: one run of it for each fault in each step, and a verdict on each run.
+//!
+//! A [`Sweep`] runs a cell many times on the memory link, each time with one fault in one step: a process is killed or
+//! stalled; a link loses, doubles, swaps, delays or alters messages; the operator presses a button. In every run it
+//! checks what SAFETY.md promises:
 //!
 //! - the drives get no NaN and nothing beyond a limit of position, velocity or acceleration;
-//! - a run that goes on to its end leaves the robots where the undisturbed one does;
-//! - one that stops reports the cause, and all robots stand within the bound of their limits and of the steps in which
-//!   a lost peer is noticed;
-//! - a robot that stands then does not move again, nor does a gripper open;
-//! - it ends.
+//! - a run that goes on to its end leaves the robots where the undisturbed run does;
+//! - a run that stops reports the cause, and all robots stand within the bound that follows from their limits and from
+//!   the steps in which a lost peer is noticed;
+//! - a robot that stands after the stop does not move again, and no gripper opens;
+//! - the run ends.
 //!
 //! ```
 //! use mrroc::testing::{LinkFault, Press, Sweep};
@@ -52,12 +54,12 @@
 //! assert!(report.is_clean(), "{report}");
 //! ```
 //!
-//! A [`FaultySensor`] and a [`FaultyDrive`] stand in for a sensor and for drives; [`Sweep::own`] runs a cell with one of
-//! them, or with any other fault of your own, that begins in one step after the other.
+//! A [`FaultySensor`] replaces a sensor and a [`FaultyDrive`] replaces drives. [`Sweep::own`] runs a cell with one of
+//! them, or with any other fault of your own, which begins in a different step in each run.
 //!
-//! [`Sweep::forking`] does faults to copies of one run: that reaches every step of long programs.
+//! [`Sweep::forking`] injects faults into copies of one run, which makes it possible to cover every step of a long program.
 //!
-//! A failure names its [`Case`] with the seed; [`Sweep::repeat`] runs that one again.
+//! A failure names its [`Case`] with the seed; [`Sweep::repeat`] runs that case again.
 
 mod case;
 mod channel;

@@ -1,4 +1,6 @@
 //! A link with a fault: the memory link, with decorators on its ports, its boards and its processes' waiters.
+//!
+//! In: a cell and a case. Out: the same cell on a link that has the fault of the case.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
@@ -10,7 +12,7 @@ use mrroc_core::fault::ProcessId;
 use mrroc_core::link::memory::{Scheduler, Stuck};
 use mrroc_core::link::{Board, Body, Client, Closed, Host, Link, Nanos, Server, Waiter};
 
-/// The memory link under a case.
+/// The memory link with the fault of a case.
 pub(super) struct FaultyLink<'s> {
     pub scheduler: &'s mut Scheduler,
     pub stage: Rc<Stage>,
@@ -55,7 +57,7 @@ impl Link for FaultyLink<'_> {
                 Err(panic) if !panic.is::<Killed>() => resume_unwind(panic),
                 Err(_) => {}
                 Ok(()) => {
-                    // The robots are watched for a while after the MP's program is over.
+                    // The robots are watched for some time after the MP's program is over.
                     if process == ProcessId::MP {
                         waiter.linger();
                     }
@@ -71,10 +73,10 @@ impl Link for FaultyLink<'_> {
     }
 }
 
-/// What unwinds a process that is killed, when the cell is closed and nobody hears it any more.
+/// The payload of the panic that unwinds a killed process, when the cell is closed and nothing reads its messages.
 struct Killed;
 
-/// A process that stands still when the case says so.
+/// The waiter of a process, which stalls or kills the process when the case says so.
 struct FaultyWaiter<'w> {
     inner: &'w dyn Waiter,
     stage: &'w Stage,
@@ -90,14 +92,14 @@ impl FaultyWaiter<'_> {
         now
     }
 
-    /// Sleeps for what the trial goes on for after the MP's end, then closes the cell.
+    /// Sleeps for the time that the trial lasts after the MP's end, then closes the cell.
     fn linger(&self) {
         let until = self.look_at_clock() + self.stage.lasting.get().afterwards * self.stage.step;
         while self.inner.now() < until && self.inner.wait(Some(until)).is_ok() {}
         (self.close)();
     }
 
-    /// A process that is dead does nothing; that of the MP closes the cell in the end, as its launcher would.
+    /// A dead process does nothing more; if it is the MP, it closes the cell in the end, as the launcher would.
     fn stay_dead(&self) -> Closed {
         if self.process == ProcessId::MP {
             self.stage.over.set(Some(self.stage.now.get()));

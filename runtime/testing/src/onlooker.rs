@@ -1,14 +1,14 @@
-//! Watches what a robot's drives are told: whether it is within the limits, and when the robot moves.
+//! Watches the demands that a robot's drives get: whether they are within the limits, and when the robot moves.
 //!
-//! In: the position demanded of the drives, servo period by servo period. Out: the first demand that no drive should
-//! have got, and the episodes of motion. Velocity and acceleration are the differences of what the drives got, over the
-//! time that passed: servo periods that an EDP which was late left out are no demands (SAFETY.md, row 11). The runtime's
-//! own figures are not asked.
+//! In: the position demanded of the drives in each servo period. Out: the first demand that the drives should not have
+//! got, and the intervals of motion. Velocity and acceleration are computed here, independently of the runtime: as
+//! differences of the positions that the drives got, divided by the time that passed. Servo periods that a late EDP
+//! left out have no demands (SAFETY.md, row 11).
 
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, RobotLayout};
 
-/// What a robot's drives may be told.
+/// The limits of what a robot's drives may be demanded.
 #[derive(Clone, Debug)]
 pub(crate) struct Bounds {
     pub lower: Vec<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Of a robot of a cell.
+    /// The limits of a robot of a cell.
     pub fn of(robot: &RobotLayout) -> Bounds {
         let joints = |value: fn(&JointLayout) -> f64| robot.joints.iter().map(value).collect();
         Bounds {
@@ -32,7 +32,7 @@ impl Bounds {
     }
 }
 
-/// What one robot's drives were told in a trial.
+/// The demands that one robot's drives got in a trial.
 #[derive(Clone, Debug)]
 pub(crate) struct Onlooker {
     pub name: String,
@@ -43,13 +43,13 @@ pub(crate) struct Onlooker {
     /// The end of the last servo period \[ns\], and the time from the one before it \[s\].
     told: Nanos,
     lasted: f64,
-    /// When the robot began to move, and when it stood again, time and again \[ns\].
+    /// The intervals of motion: when the robot began to move, and when it stood again \[ns\].
     pub episodes: Vec<(Nanos, Nanos)>,
-    /// What was wrong first.
+    /// The first demand that was wrong, as text.
     pub wrong: Option<String>,
 }
 
-/// The share of a limit, and the size of a round-off beside a position [rad or m], that differences are off by.
+/// Tolerances of differences: the share of a limit, and below, the round-off of a position [rad or m].
 const SHARE: f64 = 1e-9;
 const ROUND_OFF: f64 = 1e-15;
 
@@ -76,14 +76,14 @@ impl Onlooker {
         &self.last
     }
 
-    /// The drives get `demanded` for the end of a servo period \[ns\].
+    /// Notes that the drives get the positions `demanded` [rad or m] for the end of a servo period \[ns\].
     pub fn see(&mut self, end: Nanos, demanded: &[f64]) {
         if self.last.is_empty() {
             (self.last, self.told) = (demanded.to_vec(), end.saturating_sub(self.bounds.servo));
         }
         let servo = self.bounds.servo as f64 * 1e-9;
         let dt = (end.saturating_sub(self.told) as f64 * 1e-9).max(servo);
-        // Between the middles of the times over which the two velocities are means.
+        // Each velocity is a mean over an interval; this is the time between the middles of the two intervals.
         let between = (dt + self.lasted) / 2.0;
         let mut moves = false;
         for (i, &q) in demanded.iter().enumerate() {
@@ -171,7 +171,7 @@ mod tests {
             let wrong = seen(demands).wrong.expect(says);
             assert!(wrong.contains(says), "{wrong}");
         }
-        // 10 m/s² and not more.
+        // 10 m/s², which is exactly the limit.
         let u = |i: i32| 5e-6 * f64::from(i * i);
         let demands: Vec<_> = [0.0].into_iter().chain((0..50).map(u)).collect();
         assert_eq!(seen(&demands).wrong, None);

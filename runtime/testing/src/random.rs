@@ -1,6 +1,7 @@
-//! Seeded numbers: the same seed, the same faults.
+//! Seeded random numbers: the same seed gives the same faults.
 
-/// SplitMix64 (Steele, Lea, Flood 2014): one multiplication chain a number, equally distributed over 64 bits.
+/// SplitMix64 (Steele, Lea, Flood 2014): one chain of multiplications for each number, uniformly distributed over 64
+/// bits.
 #[derive(Clone, Debug)]
 pub(super) struct Random(u64);
 
@@ -17,7 +18,7 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// A whole number from 0 to below `end`, which is at least 1.
+    /// A whole number from 0 to `end - 1`; `end` is at least 1.
     pub const fn below(&mut self, end: u64) -> u64 {
         ((self.next() as u128 * end as u128) >> 64) as u64
     }

@@ -1,14 +1,15 @@
-//! What a cell reads that others wrote, and that no public function reads: for fuzzing. Nothing here is promised to stay.
+//! Reads what a cell gets from other processes and no public function reads, for fuzzing. Not part of the stable
+//! interface.
 
 use mrroc_core::link::envelope::{Envelope, Seal};
 use mrroc_core::link::message::Message;
 
 pub use mrroc_core::link::envelope::ENVELOPE_WORDS;
 
-/// Words in shared memory, the head of a message first, of which the checksum says that they are whole.
+/// Reads words of shared memory, the header first, as a message with a correct checksum.
 ///
 /// # Panics
-/// When a message that is read is written as something else.
+/// If a message that was read is written as something else.
 pub fn envelope(words: &[u64]) {
     let shown = Envelope::of_words(words);
     let mut message = Message::empty();

@@ -1,33 +1,33 @@
-//! What a sweep came to.
+//! The results of a sweep: figures of each fault, and the cases that failed.
 
 use core::fmt;
 
 use super::case::{Case, Injected};
 use super::verdict::Verdict;
 
-/// Figures of the cases of one fault.
+/// The figures of all cases of one fault.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tally {
-    /// Cases in which the fault had something to be done to.
+    /// Number of cases in which the fault was applied.
     pub cases: u64,
-    /// Runs that ended well, where the undisturbed one ends.
+    /// Number of runs that ended without a fault, where the undisturbed run ends.
     pub survived: u64,
-    /// Runs that stopped in order, the cause reported.
+    /// Number of runs that stopped as promised and reported the cause.
     pub stopped: u64,
-    /// The worst stop, in steps from its cause, and its bound.
+    /// The stop that used the largest share of its bound: its length from the cause, and its bound \[steps\].
     pub worst_stop: (u64, u64),
 }
 
 /// A case in which a promise was broken.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// The case, for [`Sweep::repeat`](super::Sweep::repeat); `None` where the undisturbed run failed.
+    /// The case, for [`Sweep::repeat`](super::Sweep::repeat); `None` if the undisturbed run failed.
     pub case: Option<Case>,
-    /// What was broken.
+    /// The promise that was broken, and how.
     pub what: String,
 }
 
-/// What a sweep came to. It displays as a table.
+/// The results of a sweep. Its display is a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SweepReport {
     rows: Vec<(String, Tally)>,
@@ -35,7 +35,7 @@ pub struct SweepReport {
     seed: u64,
 }
 
-/// Failures that a report shows.
+/// The largest number of failures that a report shows.
 const SHOWN: usize = 20;
 
 impl SweepReport {
@@ -43,7 +43,7 @@ impl SweepReport {
         SweepReport { seed, ..SweepReport::default() }
     }
 
-    /// Whether no promise was broken in any case.
+    /// Whether all promises were kept in all cases.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.failures.is_empty()
@@ -112,13 +112,13 @@ impl Tally {
             cases: self.cases + other.cases,
             survived: self.survived + other.survived,
             stopped: self.stopped + other.stopped,
-            // By the share of the bound.
+            // Stops are compared by the share of their bounds.
             worst_stop: if a.0 * b.1.max(1) >= b.0 * a.1.max(1) && a.1 > 0 { a } else { b },
         }
     }
 }
 
-/// What a row is called: the fault and the role of whom it is done to.
+/// The name of a row: the fault, and the role of the process that has it.
 fn name(injected: &Injected) -> String {
     match injected {
         Injected::Kill(process) => format!("kill {:?}", process.role).to_lowercase(),

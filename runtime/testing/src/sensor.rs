@@ -1,4 +1,4 @@
-//! A virtual sensor that fails, in the words of PX4's failure injection.
+//! A virtual sensor that fails; the kinds of failure have the names of PX4's failure injection.
 
 use std::collections::VecDeque;
 
@@ -14,25 +14,25 @@ type ConfigurationOf<V> = <<V as VirtualSensor>::Kind as Sensor>::Configuration;
 /// How a sensor that reads a `T` fails.
 #[derive(Clone, Copy, Debug)]
 pub enum SensorFault<T> {
-    /// It does not.
+    /// The sensor works.
     Ok,
-    /// It gives nothing: [`FaultKind::SensorFailed`].
+    /// The sensor gives no reading: [`FaultKind::SensorFailed`].
     Off,
-    /// It reads what it read last.
+    /// The sensor repeats its last reading.
     Stuck,
-    /// Its reading is of random bits; what they do not spell is [`FaultKind::SensorFailed`].
+    /// The reading consists of random bits; if they are no valid reading, it is [`FaultKind::SensorFailed`].
     Garbage,
-    /// It reads something else.
+    /// The reading is altered by this function.
     Wrong(fn(T) -> T),
-    /// It reads anew in every so many steps, at least 1, and says the same in between.
+    /// The sensor reads anew once in so many steps, at least 1, and repeats the reading between them.
     Slow(u32),
-    /// It reads what was so many readings ago.
+    /// The sensor gives the reading of so many readings before.
     Delayed(u32),
-    /// It is off and on again at random, half of the time.
+    /// The sensor is off at random, half of the time.
     Intermittent,
 }
 
-/// A sensor that fails from one step on, for some steps.
+/// A sensor that fails from some step on, for some steps.
 ///
 /// ```
 /// use mrroc::testing::{FaultySensor, SensorFault};
@@ -59,13 +59,13 @@ pub struct FaultySensor<V: VirtualSensor> {
 }
 
 impl<V: VirtualSensor> FaultySensor<V> {
-    /// `sensor` fails in step `from` and the `steps - 1` after it.
+    /// Lets `sensor` fail in step `from` and in the `steps - 1` steps after it.
     pub fn new(sensor: V, fault: SensorFault<ReadingOf<V>>, from: u64, steps: u64) -> Self {
         let (random, last, past) = (Random::new(from), None, VecDeque::new());
         FaultySensor { sensor, fault, from, steps, random, last, past }
     }
 
-    /// With a seed for what is random; without one the step is the seed.
+    /// Sets the seed of what is random; without it the step is the seed.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.random = Random::new(seed);

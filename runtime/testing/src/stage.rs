@@ -1,4 +1,4 @@
-//! What all that a trial surrounds a cell with has in common: the case, the time, who lives.
+//! The state that a trial's decorators share: the case, the time, and which processes stand still.
 
 use core::cell::{Cell, RefCell};
 
@@ -11,9 +11,9 @@ use mrroc_core::link::Nanos;
 /// How long a trial goes on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lasting {
-    /// What the robots are watched for after the MP's program is over, or gone \[steps\].
+    /// How long the robots are watched after the MP's program is over or the MP is gone \[steps\].
     pub afterwards: u64,
-    /// After so many steps a trial is given up: it does not end.
+    /// After so many steps a trial is given up as endless.
     pub most: u64,
     /// After so many steps a trial that goes on has been watched for long enough.
     pub watched: u64,
@@ -24,23 +24,24 @@ pub(super) struct Stage {
     pub case: Cell<Option<Case>>,
     pub step: Nanos,
     pub lasting: Cell<Lasting>,
-    /// Cases that are to go on from copies of this run.
+    /// The cases that go on from copies of this run.
     pub forks: RefCell<Forks>,
-    /// Time when a process woke last: between wake-ups the virtual clock stands \[ns\].
+    /// The time when a process woke last, which is the present time, because the virtual clock stands between wake-ups
+    /// \[ns\].
     pub now: Cell<Nanos>,
-    /// Processes by place, and until when each of them stands still \[ns\].
+    /// The processes, by their places.
     pub processes: RefCell<Vec<ProcessId>>,
     pub channels: RefCell<Vec<Channel>>,
-    /// When a message that a channel keeps back is due at a place \[ns\].
+    /// When the next message that a channel delays is due, for each place \[ns\].
     pub due: RefCell<Vec<Nanos>>,
-    /// How often the fault had something to be done to.
+    /// How often the fault was applied.
     pub hits: Cell<u64>,
-    /// Messages that a process which is killed still sends in its last step.
+    /// How many messages a killed process still sends in its last step.
     last_words: Cell<u64>,
     /// When the MP's program was over \[ns\].
     pub over: Cell<Option<Nanos>>,
     pub given_up: Cell<bool>,
-    /// Whether it was not watched to its end.
+    /// Whether the run was cut before its end.
     pub cut: Cell<bool>,
     pub random: RefCell<Random>,
 }
@@ -71,7 +72,7 @@ impl Stage {
         stage
     }
 
-    /// From now on the run is this case's.
+    /// Makes this run the run of `case`.
     fn begin(&self, case: Case) {
         let mut random = Random::new(case.seed);
         self.last_words.set(random.below(4));
@@ -79,7 +80,7 @@ impl Stage {
         self.case.set(Some(case));
     }
 
-    /// Copies the run for each case that begins soon; in a copy, begins its case.
+    /// Copies the run for each case that begins soon; a copy begins its case.
     pub fn fork(&self) {
         let begun = self.forks.borrow_mut().fork(self.now.get() / self.step);
         if let Some((case, lasting)) = begun {
@@ -88,7 +89,7 @@ impl Stage {
         }
     }
 
-    /// What is done to the messages of a channel, if anything ever is.
+    /// What the case does to the messages of a channel, if anything.
     pub fn fault_of(&self, channel: Channel) -> Option<LinkFault> {
         match self.case.get() {
             Some(Case { injected: Injected::Link(at, fault, _), .. }) if at == channel => Some(fault),
@@ -96,12 +97,12 @@ impl Stage {
         }
     }
 
-    /// Whether messages of a channel may be sent once more.
+    /// Whether messages of a channel may be sent a second time.
     pub fn remembers(&self, channel: Channel) -> bool {
         self.fault_of(channel) == Some(LinkFault::Replay) || self.forks.borrow().replay()
     }
 
-    /// Until when a process stands still, if it does now.
+    /// Until when a process stands still \[ns\], if it stands still now.
     pub fn still_until(&self, process: ProcessId) -> Option<Nanos> {
         let case = self.case.get()?;
         let (Injected::Kill(who) | Injected::Stall(who, _)) = case.injected else { return None };
@@ -112,7 +113,7 @@ impl Stage {
         })
     }
 
-    /// Whether a process says something now: one that is killed falls silent between any two messages of a step.
+    /// Whether a process sends something now: a killed process may end between any two messages of a step.
     pub fn speaks(&self, process: ProcessId) -> bool {
         let Some(Case { injected: Injected::Kill(who), at, .. }) = self.case.get() else { return true };
         if who != process || self.now.get() / self.step < at {
@@ -123,12 +124,12 @@ impl Stage {
         left > 0
     }
 
-    /// Whether the trial's process is one that is killed.
+    /// Whether the case kills this process.
     pub fn kills(&self, process: ProcessId) -> bool {
         matches!(self.case.get(), Some(Case { injected: Injected::Kill(who), .. }) if who == process)
     }
 
-    /// Notes that a message for a place is kept back until then.
+    /// Notes that a message for a place is delayed until `time` \[ns\].
     pub fn wake_at(&self, place: usize, time: Nanos) {
         let due = &mut self.due.borrow_mut()[place];
         *due = time.min(*due);

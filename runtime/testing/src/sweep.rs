@@ -1,4 +1,6 @@
-//! A sweep: one fault after the other, in one step of a cell's program after the other.
+//! A sweep: each fault, in each step of a cell's program.
+//!
+//! In: what makes a cell, and which faults to inject. Out: a [`SweepReport`].
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,7 +13,7 @@ use super::trial::{Part, Trial, attempt};
 use super::verdict::{Verdict, judge};
 use mrroc_core::cell::{Cell, CellError};
 
-/// What a sweep does to every process, to every link, or by the operator.
+/// A kind of fault that a sweep injects into every process, into every link, or by the operator.
 enum Deed<'c> {
     Kill,
     Stall(u32),
@@ -20,12 +22,12 @@ enum Deed<'c> {
     Own(&'static str, Box<dyn Fn(u64) -> Cell + Sync + 'c>),
 }
 
-/// How long a run without a fault goes on: to its end.
+/// A run without a fault goes on to its end.
 const UNDISTURBED: Lasting = Lasting { afterwards: 0, most: u64::MAX, watched: u64::MAX };
 
-/// Runs a cell once for every fault in every step, and asks of each run what SAFETY.md promises.
+/// Runs a cell once for every fault in every step, and checks in each run what SAFETY.md promises.
 ///
-/// The example of the [module](super) shows one.
+/// The [module](super) has an example.
 pub struct Sweep<'c> {
     cell: Box<dyn Fn() -> Cell + Sync + 'c>,
     deeds: Vec<Deed<'c>>,
@@ -37,47 +39,48 @@ pub struct Sweep<'c> {
 }
 
 impl<'c> Sweep<'c> {
-    /// A sweep of what `cell` makes, the same cell each time.
+    /// A sweep of the cell that `cell` makes; each call must make the same cell.
     #[must_use]
     pub fn new(cell: impl Fn() -> Cell + Sync + 'c) -> Sweep<'c> {
         let cell = Box::new(cell);
         Sweep { cell, deeds: Vec::new(), every: 1, seed: 1, threads: 1, end_tolerance: 1e-6, watched: None }
     }
 
-    /// Does each fault in every `every`-th step only. Different faults begin in different steps, so that together they
-    /// still come in all of them.
+    /// Injects each fault in every `every`-th step only. Different faults begin in different steps, so that together
+    /// they still cover all steps.
     #[must_use]
     pub fn every(mut self, every: u64) -> Self {
         self.every = every.max(1);
         self
     }
 
-    /// The seed of all that is random, 1 unless told otherwise.
+    /// Sets the seed of all that is random; 1 by default.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
     }
 
-    /// How many runs go on at a time, 1 unless told otherwise.
+    /// Sets how many runs go on at a time; 1 by default.
     #[must_use]
     pub fn threads(mut self, threads: usize) -> Self {
         self.threads = threads.max(1);
         self
     }
 
-    /// Goes through the program once and copies the run where each fault begins, for which the process is forked: a case
-    /// then costs the steps after its fault alone. What goes on after a fault is watched for `watched` steps, and at least
-    /// for as long as stops take; where it would end is not asked. As many copies run at a time as the sweep has
-    /// [threads](Self::threads). Cells of [`own`](Self::own) faults are run whole. On Unix only: elsewhere each case fails.
+    /// Goes through the program once and forks the process where each fault begins, so that a case costs only the steps
+    /// after its fault. A copy that goes on after the fault is watched for `watched` steps, and at least as long as
+    /// stops take; where it would end is not checked. As many copies run at a time as the sweep has
+    /// [threads](Self::threads). Cells with
+    /// [`own`](Self::own) faults are run from their beginning. On Unix only: elsewhere each case fails.
     #[must_use]
     pub fn forking(mut self, watched: u64) -> Self {
         self.watched = Some(watched);
         self
     }
 
-    /// How far from the undisturbed run's end a run may end that no fault stopped, 1e-6 in each joint [rad or m] unless
-    /// told otherwise. A program whose end depends on when it reads its sensors has its own.
+    /// Sets how far from the end of the undisturbed run a run may end that was not stopped; 1e-6 in each joint by
+    /// default [rad or m]. A program whose end depends on when it reads its sensors needs a value of its own.
     #[must_use]
     pub fn end_tolerance(mut self, tolerance: f64) -> Self {
         self.end_tolerance = tolerance;
@@ -96,7 +99,7 @@ impl<'c> Sweep<'c> {
         self.with(Deed::Stall(steps))
     }
 
-    /// Does something to so many steps of each direction of each link.
+    /// Injects this fault into each direction of each link, for so many steps.
     #[must_use]
     pub fn links(self, fault: LinkFault, steps: u32) -> Self {
         self.with(Deed::Link(fault, steps))
@@ -108,8 +111,8 @@ impl<'c> Sweep<'c> {
         self.with(Deed::Press(press))
     }
 
-    /// Runs what `cell` makes for a step in place of the sweep's own cell: the same cell with a fault that begins in that
-    /// step, or in that servo period. Names are the sweep's rows, each once.
+    /// Runs the cell that `cell` makes for a step, in place of the sweep's cell: the same cell with a fault that begins
+    /// in that step, or in that servo period. Each `name` is a row of the report and is used once.
     #[must_use]
     pub fn own(self, name: &'static str, cell: impl Fn(u64) -> Cell + Sync + 'c) -> Self {
         self.with(Deed::Own(name, Box::new(cell)))
@@ -142,7 +145,7 @@ impl<'c> Sweep<'c> {
         }
         let next = AtomicUsize::new(0);
         let work = || {
-            // Each thread has its own undisturbed run to compare with: cells do not cross threads.
+            // Each thread has its own undisturbed run for the comparison, because cells do not cross threads.
             let mut report = SweepReport::new(self.seed);
             let Ok(calm) = attempt((self.cell)(), Part::Calm, UNDISTURBED) else { return report };
             while let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -162,7 +165,7 @@ impl<'c> Sweep<'c> {
         report
     }
 
-    /// Does each case to a copy of one run.
+    /// Runs each case in a copy of one run.
     fn try_copies(&self, cases: Vec<Case>, watched: u64, calm: &Trial, report: &mut SweepReport) {
         let lasting = self.lasting(calm);
         let watched = watched.max(2 * lasting.afterwards);
@@ -190,7 +193,7 @@ impl<'c> Sweep<'c> {
         }
     }
 
-    /// Runs one case again, as a report named it, and says what it came to.
+    /// Runs one case again, which a report has named, and reports its result.
     #[must_use]
     pub fn repeat(&self, case: &Case) -> SweepReport {
         let mut report = SweepReport::new(self.seed);
@@ -210,7 +213,7 @@ impl<'c> Sweep<'c> {
 
     fn lasting(&self, calm: &Trial) -> Lasting {
         let steps = calm.over / calm.step;
-        // Longer than any stop, so that what would move again after it is seen.
+        // Longer than any stop, so that a motion after the stop is noticed.
         let afterwards = calm.stop_steps.max(calm.rate_steps) + 50;
         Lasting { afterwards, most: 3 * steps + 4 * afterwards + 5000, watched: u64::MAX }
     }

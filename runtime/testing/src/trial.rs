@@ -1,4 +1,6 @@
-//! A trial: a cell run on the memory link with a fault, and everything that its drives were told.
+//! A trial: one run of a cell on the memory link with a fault.
+//!
+//! In: a cell and a case. Out: how the programs ended, and all demands that the drives got.
 
 use core::time::Duration;
 use std::cell::RefCell;
@@ -15,42 +17,43 @@ use mrroc_core::link::Nanos;
 use mrroc_core::link::memory::Scheduler;
 use mrroc_core::operator::Operator;
 
-/// What came of a trial.
+/// The result of a trial.
 pub(super) struct Trial {
-    /// How the programs ended; a process that was killed reports nothing.
+    /// How the programs ended; a killed process reports nothing.
     pub outcome: Result<RunReport, CellError>,
     pub robots: Vec<Onlooker>,
     pub processes: Vec<ProcessId>,
     pub channels: Vec<Channel>,
-    /// Whether the fault had anything to be done to.
+    /// Whether the fault was applied.
     pub hit: bool,
-    /// Whether it had to be given up: it would not have ended.
+    /// Whether the trial was given up, because it did not end.
     pub endless: bool,
-    /// Whether it was watched for long enough and not to its end.
+    /// Whether the trial was watched for long enough, but not to its end.
     pub cut: bool,
-    /// What was done to it, and its copies.
+    /// The case, if any; below, its copies.
     pub case: Option<Case>,
     pub forks: Forks,
-    /// When the MP's program was over, or gone \[ns\].
+    /// When the MP's program was over or the MP was gone \[ns\].
     pub over: Nanos,
     /// The cell's step \[ns\].
     pub step: Nanos,
-    /// Steps in which all robots stand after the cause of a stop, by their limits and the budget of missing demands.
+    /// The bound in which all robots stand after the cause of a stop, from their limits and the budget of missing
+    /// demands \[steps\].
     pub stop_steps: u64,
-    /// Steps in which robots stop on their path: their rate falls.
+    /// The bound in which robots stop on their path, while their rate falls \[steps\].
     pub rate_steps: u64,
 }
 
-/// What is done to the cell of a trial.
+/// What is injected into the cell of a trial.
 pub(super) enum Part {
     /// Nothing.
     Calm,
     One(Case),
-    /// Nothing, but for what is done to its copies.
+    /// Nothing in the run itself; a fault in each of its copies.
     Copied(Forks),
 }
 
-/// Runs a cell with a fault, or without one. A copy of the run returns from here too.
+/// Runs a cell with a fault, or without one. A copy of the run returns from this function as well.
 ///
 /// # Errors
 /// What is wrong with the cell's set-up.
@@ -85,8 +88,8 @@ pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Tr
         .map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot))))
         .collect();
     let seeing = Rc::clone(&onlookers);
-    let cell = cell.watch(move |seen| {
-        // A time that a servo period ends at, in nanoseconds again.
+    let mut cell = cell.watch(move |seen| {
+        // The end of the servo period, converted from seconds back to nanoseconds.
         let end = (seen.time * 1e9).round() as Nanos;
         let of_robot = seeing.iter().find(|onlooker| onlooker.borrow().name == seen.robot);
         of_robot.into_iter().for_each(|onlooker| onlooker.borrow_mut().see(end, seen.demanded));
@@ -122,7 +125,7 @@ pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Tr
     })
 }
 
-/// What the operator does in a step; whether there is anything to be done to.
+/// Does what the operator does in a step; returns whether that was possible.
 fn play(press: Press, at: u64, step: u64, operator: &Operator) -> bool {
     let running = operator.is_running();
     match press {

@@ -1,7 +1,7 @@
-//! What is asked of every trial, whatever the fault.
+//! The verdict on a trial, by the same criteria for every fault.
 //!
-//! In: a trial and the undisturbed run. Out: whether the program ended as if nothing had been, or stopped in order, and
-//! after how many steps all robots stood; or which promise was broken.
+//! In: a trial and the undisturbed run. Out: that the program ended where the undisturbed run does; or that it stopped
+//! as promised, and after how many steps all robots stood; or which promise was broken.
 
 use super::case::{Case, Injected, LinkFault};
 use super::trial::Trial;
@@ -10,21 +10,21 @@ use mrroc_core::fault::{FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
 use mrroc_core::link::patience::missed_step_budget;
 
-/// What came of a case.
+/// The verdict on a case.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Verdict {
-    /// There was nothing that the fault could be done to: it came after the end.
+    /// The fault was never applied: it came after the end.
     Void,
-    /// The program ended well, where it ends undisturbed.
+    /// The program ended without a fault, where the undisturbed run ends.
     Survived,
-    /// All robots stood after so many steps, of so many allowed.
+    /// All robots stood after `steps` steps; `bound` steps are allowed.
     Stopped { steps: u64, bound: u64 },
     /// A promise was broken.
     Broken(String),
 }
 
 impl Verdict {
-    /// As a copy of a run tells it.
+    /// The line by which a copy of a run reports the verdict.
     pub fn to_line(&self) -> String {
         match self {
             Verdict::Void => "void".to_owned(),
@@ -34,7 +34,7 @@ impl Verdict {
         }
     }
 
-    /// What a copy told, if it was whole.
+    /// Reads the line of a copy; `None` if it is not complete.
     pub fn from_line(line: &str) -> Option<Verdict> {
         let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
         match word {
@@ -50,7 +50,8 @@ impl Verdict {
     }
 }
 
-/// Steps between what a process does and the next one's reading of it, and until drives are told.
+/// The time for messages: from what a process does until the next process has read it, and until the drives get it
+/// \[steps\].
 const MESSAGES: u64 = 4;
 
 pub(super) fn judge(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64) -> Verdict {
@@ -66,7 +67,7 @@ pub(super) fn judge(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64
     let fault = match &trial.outcome {
         Err(CellError::Fault(fault)) => Some(fault),
         Err(other) => return Verdict::Broken(format!("the cell ends with `{other}`")),
-        // With its MP a cell has no one to say how the program ended.
+        // After its MP was killed, a cell does not report how the program ended.
         Ok(_) if case.injected == Injected::Kill(ProcessId::MP) && trial.hit => None,
         Ok(_) if !trial.hit => return Verdict::Void,
         Ok(_) => return at_the_end(case, trial, calm, end_tolerance),
@@ -80,21 +81,22 @@ pub(super) fn judge(case: &Case, trial: &Trial, calm: &Trial, end_tolerance: f64
             return Verdict::Broken(format!("the cause is not reported: {fault}"));
         }
     }
-    // Noticed in this step: the cause lies a budget of missing demands before it, and not before the fault.
+    // The fault was noticed in this step. Its cause is earlier by the budget of missing demands at most, and not before
+    // the injected fault.
     let budget = u64::from(missed_step_budget(core::time::Duration::from_nanos(trial.step))) + 1;
     let noticed = fault.and_then(|fault| fault.step()).unwrap_or(case.at);
     let cause = case.at.max(noticed.saturating_sub(budget));
     stands(case, trial, (cause, noticed))
 }
 
-/// A program that ended well left its robots where it always does.
+/// Checks that a program that ended without a fault left its robots where the undisturbed run leaves them.
 fn at_the_end(case: &Case, trial: &Trial, calm: &Trial, tolerance: f64) -> Verdict {
     if is_forged(case) {
         return Verdict::Survived;
     }
     for (robot, calm) in trial.robots.iter().zip(&calm.robots) {
         for (i, (q, calm)) in robot.last().iter().zip(calm.last()).enumerate() {
-            // NaN is no small difference.
+            // Written so that NaN counts as a difference.
             let is_there = (q - calm).abs() <= tolerance;
             if !is_there {
                 let (name, joint) = (&robot.name, i + 1);
@@ -105,16 +107,18 @@ fn at_the_end(case: &Case, trial: &Trial, calm: &Trial, tolerance: f64) -> Verdi
     Verdict::Survived
 }
 
-/// All robots stand within the bound, and then for good: none that stood when the fault was noticed begins to move.
+/// Checks that all robots stand within the bound and do not move again, and that no robot that stood when the fault was
+/// noticed begins to move.
 fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
     let step = trial.step;
-    // A rate that falls takes its own time, and drives lie behind their demands.
+    // A falling rate takes time of its own, and drives lag behind their demands.
     let is_sound = matches!(&trial.outcome, Err(CellError::Fault(fault)) if fault.leaves_demands_sound());
     let on_path = is_sound || matches!(case.injected, Injected::Press(_));
     let stop = trial.stop_steps;
     let mut worst = (0, stop + MESSAGES);
     for robot in &trial.robots {
-        // One without an EDP is its drives' to brake; one whose EDP stood still brakes when it goes on.
+        // A robot whose EDP was killed is braked by its drives; a robot whose EDP stood still brakes when the EDP goes
+        // on.
         let from = match case.injected {
             Injected::Kill(ProcessId { role: Role::Edp, name }) if is_of(robot, name) => continue,
             Injected::Stall(ProcessId { role: Role::Edp, name }, _) if is_of(robot, name) => case.end(),
@@ -130,7 +134,7 @@ fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
         if steps * worst.1 > worst.0 * bound {
             worst = (steps, bound);
         }
-        // On its path a robot that has only begun its motion becomes faster before it becomes slower.
+        // On its path, a robot that has just begun its motion becomes faster before it becomes slower.
         let settling = if on_path { bound } else { MESSAGES };
         let settled: Nanos = (noticed.max(case.at) + settling) * step + delay(trial);
         if let Some((began, _)) =
@@ -146,12 +150,12 @@ fn stands(case: &Case, trial: &Trial, (cause, noticed): (u64, u64)) -> Verdict {
     Verdict::Stopped { steps: worst.0, bound: worst.1 }
 }
 
-/// Whether a sender says what is not so: then neither the cause nor the end is what it should be.
+/// Whether a sender sends wrong contents: then neither the cause nor the end can be checked.
 fn is_forged(case: &Case) -> bool {
     matches!(case.injected, Injected::Link(_, LinkFault::Forge, _))
 }
 
-/// What drives lie behind their demands at most \[ns\]: two steps and two of the slowest servo periods.
+/// How far drives lag behind their demands at most \[ns\]: two steps and two of the slowest servo periods.
 fn delay(trial: &Trial) -> Nanos {
     2 * trial.step + 2 * trial.robots.iter().map(|robot| robot.servo()).max().unwrap_or(0)
 }

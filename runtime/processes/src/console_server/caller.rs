@@ -13,7 +13,7 @@ use crate::session::{SessionError, sessions_of};
 
 /// Why a console cannot connect to a cell.
 #[derive(Debug, thiserror::Error)]
-pub enum NoCell {
+pub(crate) enum NoCell {
     /// The cell is not running.
     #[error(
         "no processes run the cell of {0}\n help: start it in another terminal: --processes; --cell FILE names another one"
@@ -31,7 +31,9 @@ pub enum NoCell {
 
 /// A connection to the console server of a running cell, with both directions.
 pub struct Caller {
+    /// The direction to the console server.
     pub asks: Asks,
+    /// The direction from the console server.
     pub hears: Hears,
 }
 
@@ -46,7 +48,7 @@ impl Caller {
     ///
     /// # Errors
     /// [`NoCell`]
-    pub fn find(cell: &Path) -> Result<Caller, NoCell> {
+    pub(crate) fn find(cell: &Path) -> Result<Caller, NoCell> {
         let sessions = sessions_of(cell)?;
         let connect = |folder: &PathBuf| {
             let stream = UnixStream::connect(folder.join(SOCKET)).ok()?;

@@ -21,22 +21,29 @@ pub struct BadPicture(String);
 /// The state of a running cell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
+    /// Whether the MP is idle, runs an instruction, or is latched after a fault.
     pub state: CellState,
-    /// The step of the MP; below, its period \[ns\].
+    /// Index of the MP's step.
     pub step: u64,
+    /// Period of the step \[ns\].
     pub period: u64,
-    /// The rate of path time; below, the speed that the operator has set; both 0 to 1.
+    /// The rate of path time, 0 to 1.
     pub rate: f64,
+    /// The speed that the operator has set, as a share of the planned speed, 0 to 1.
     pub speed: f64,
-    /// Number of instructions begun; below, the kind of the present one, and the name of its generator or condition.
+    /// Number of instructions begun.
     pub instructions: u64,
+    /// The kind of the present instruction.
     pub doing: Doing,
+    /// The name of the present instruction's generator or condition.
     pub by: String,
     /// The number of the process that holds the control token.
     pub holder: Option<u32>,
     /// The fault that ended the last instruction that failed.
     pub fault: Option<String>,
+    /// The processes of the cell, in the order of their places.
     pub processes: Vec<ProcessPicture>,
+    /// The robots of the cell.
     pub robots: Vec<RobotPicture>,
 }
 
@@ -45,6 +52,7 @@ pub struct Picture {
 pub struct ProcessPicture {
     /// Its role and robot or sensor, such as `ecp left`.
     pub name: String,
+    /// Its number in the operating system.
     pub pid: u32,
     /// Whether it runs.
     pub runs: bool,
@@ -55,11 +63,13 @@ pub struct ProcessPicture {
 /// One robot of the cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotPicture {
+    /// Its name.
     pub name: String,
     /// Time of the servo period that is shown \[s\].
     pub time: f64,
-    /// Demanded joint positions, in the order of the joints [rad or m]; below, the measured ones.
+    /// Demanded joint positions, in the order of the joints [rad or m].
     pub demanded: Vec<f64>,
+    /// Measured joint positions, in the order of the joints [rad or m].
     pub measured: Vec<f64>,
 }
 

@@ -31,10 +31,15 @@ const MAX_LINES: usize = 1000;
 /// A request of a console.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Request {
+    /// `status`: one picture.
     Status,
+    /// `watch`: one picture now, and further ones from then on.
     Watch,
+    /// `take`: the control token.
     Take,
+    /// `release`: give the control token back.
     Release,
+    /// A button is pressed.
     Press(Button),
 }
 
@@ -103,7 +108,9 @@ impl fmt::Display for Reply {
 /// What a console receives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Heard {
+    /// The answer to a request.
     Reply(Reply),
+    /// A picture of the cell.
     Picture(Picture),
 }
 
