@@ -1,4 +1,6 @@
-//! What stands in the parentheses of an attribute: `(mp, first = grasp)`.
+//! Reads the parentheses of an attribute.
+//!
+//! In: their tokens, such as `(mp, first = grasp)`. Out: the arguments, and mistakes.
 
 use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::quote;
@@ -36,7 +38,7 @@ impl Kind {
 
 /// The arguments of an attribute.
 pub struct Arguments {
-    /// Absent only after a mistake.
+    /// The level; absent only after a mistake.
     pub level: Option<Level>,
     pub first: Option<ExprPath>,
     pub until: Option<ExprPath>,
@@ -103,7 +105,7 @@ impl Arguments {
                 ),
             }
         }
-        // After another mistake the level may be there, misspelt.
+        // After another mistake the level may be present but misspelt.
         if arguments.level.is_none() && errors.is_empty() {
             errors.add(syn::Error::new(
                 Span::call_site(),
@@ -114,7 +116,7 @@ impl Arguments {
     }
 }
 
-/// The level that a list of arguments begins with, whatever follows.
+/// The level with which a list of arguments begins, whatever follows it.
 fn level_at_the_front(tokens: TokenStream) -> Option<Level> {
     match tokens.into_iter().next() {
         Some(TokenTree::Ident(key)) if key == "mp" => Some(Level::Mp),

@@ -1,8 +1,10 @@
 //! The classification of section 6 of the paper, as far as a signature shows it.
+//!
+//! In: the roles of a function's arguments, and its level. Out: whether the paper has such a class, and its name.
 
 use core::fmt;
 
-/// Where a motion is generated.
+/// The level at which a motion is generated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
     /// In the coordinator.
@@ -12,7 +14,7 @@ pub enum Level {
 }
 
 impl Level {
-    /// As the attribute names it.
+    /// The level as it is written in the attribute.
     pub fn key(self) -> &'static str {
         match self {
             Level::Mp => "mp",
@@ -21,7 +23,7 @@ impl Level {
     }
 }
 
-/// What an argument is to a step function.
+/// The role of an argument of a step function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// `&Order<P>`, `c0` of an ECP.
@@ -50,7 +52,7 @@ impl Role {
         }
     }
 
-    /// What the argument holds, for messages.
+    /// What the argument contains, for messages.
     pub fn noun(self) -> &'static str {
         match self {
             Role::Order => "order",
@@ -71,14 +73,14 @@ impl Uses {
         self.0 & (1 << role as u8) != 0
     }
 
-    /// Adds an argument; false when it is there already.
+    /// Adds an argument; returns false if it is present already.
     pub fn insert(&mut self, role: Role) -> bool {
         let new = !self.has(role);
         self.0 |= 1 << role as u8;
         new
     }
 
-    /// Whether a generator of this level may take these (`mrroc::generator::Class::is_legal`).
+    /// Whether a generator of this level may take these arguments (`mrroc::generator::Class::is_legal`).
     pub fn is_legal(self, level: Level) -> bool {
         let c = self.has(Role::State) || self.has(Role::Tick);
         match level {

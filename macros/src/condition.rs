@@ -38,7 +38,7 @@ fn of_function(
     );
     errors.append(mistakes);
     if signature.receiver().is_some() {
-        // Inside a block there is no place for what would stand beside the function.
+        // Inside a block the implementation cannot be placed beside the function.
         let errors = errors.into_tokens();
         return quote!(#item #errors);
     }
@@ -117,7 +117,7 @@ fn class_line(roles: &Roles, level: Level) -> String {
     format!("Condition class: {level} `{}`.", roles.uses.in_paper(level))
 }
 
-/// Nobody gives orders to an MP.
+/// Reports an order that an MP's condition takes: an MP gets no orders.
 fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
     if level == Some(Level::Mp)
         && let Some(at) = roles.place(Role::Order)

@@ -1,4 +1,7 @@
-//! Prints implementations of the traits. Every path of the runtime that an expansion uses is named here.
+//! Prints implementations of the traits.
+//!
+//! In: what the analysis has found. Out: tokens. Every path of the runtime that an expansion uses is named in this
+//! file.
 
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote, quote_spanned};
@@ -8,7 +11,7 @@ use syn::{Attribute, ExprPath, Generics};
 use crate::class::{Level, Role, Uses};
 use crate::signature::Roles;
 
-/// What both traits need to know.
+/// What the implementations of both traits need.
 pub struct Target<'a> {
     /// The path of the runtime crate.
     pub krate: TokenStream,
@@ -17,7 +20,7 @@ pub struct Target<'a> {
     /// The type that implements the trait.
     pub self_type: TokenStream,
     pub cfgs: &'a [Attribute],
-    /// A line of documentation for the implementation, where the function has none of its own.
+    /// A line of documentation for the implementation, if the function has no documentation of its own.
     pub doc: Option<String>,
 }
 
@@ -31,7 +34,7 @@ pub struct Call<'a> {
 /// How a step or the terminal condition is computed.
 pub enum Source<'a> {
     Seen(Call<'a>),
-    /// A plain function named in the attribute: the compiler alone sees its signature.
+    /// A plain function that the attribute names: only the compiler sees its signature.
     Named(&'a ExprPath),
 }
 
@@ -41,10 +44,10 @@ pub struct GeneratorImpl<'a> {
     pub robots: TokenStream,
     pub language: TokenStream,
     pub sensors: TokenStream,
-    /// Whether the list of sensors stands in a signature, and not in the attribute alone.
+    /// Whether the list of sensors stands in a signature, and not only in the attribute.
     pub sensors_are_seen: bool,
     pub order: TokenStream,
-    /// `None`: the next step serves as the first.
+    /// The first step; `None` if the function of the next steps also computes the first one.
     pub first: Option<Source<'a>>,
     pub next: Call<'a>,
     pub until: Option<Source<'a>>,
@@ -60,7 +63,7 @@ pub struct ConditionImpl<'a> {
     pub is_met: Call<'a>,
 }
 
-/// A local name of the expansion, which no name of the user's can meet.
+/// A local name of the expansion, which cannot collide with a name of the user's.
 fn local(name: &str, span: Span) -> Ident {
     Ident::new(name, Span::mixed_site().located_at(span))
 }
@@ -77,7 +80,7 @@ fn argument(role: Role, span: Span) -> Ident {
 }
 
 impl Call<'_> {
-    /// The call, each argument placed at its type, so that a mismatch is blamed there.
+    /// The call, with each argument at the span of its type, so that the compiler reports a mismatch there.
     fn tokens(&self) -> TokenStream {
         let path = &self.path;
         let arguments = self.roles.arguments.iter().map(|(role, span)| {
@@ -112,7 +115,7 @@ impl Target<'_> {
         }
     }
 
-    /// The arguments of a trait's method; those that are not `used` have no name.
+    /// The arguments of a trait's method; arguments that are not `used` have no name.
     pub fn arguments(&self, used: impl Fn(Role) -> bool) -> TokenStream {
         let krate = &self.krate;
         let name = |role| {
@@ -131,7 +134,7 @@ impl Target<'_> {
     /// The implementation of `trait_name` around its items, in a scope of its own.
     ///
     /// `assumed` are the bounds on the lists. The compiler has checked them already, at the signature of the
-    /// user's function; assumed here, they are not reported a second and a third time. The lifetime is what
+    /// user's function; as assumptions here, they are not reported a second and a third time. The lifetime
     /// makes the compiler accept them as assumptions.
     pub fn implement(&self, trait_name: &str, assumed: &[TokenStream], items: &TokenStream) -> TokenStream {
         let Target { krate, self_type, cfgs, .. } = self;
@@ -143,7 +146,7 @@ impl Target<'_> {
             let doc = format!(" {doc}");
             quote!(#[doc = #doc])
         });
-        // At the state's type, where a second implementation is reported.
+        // At the span of the state's type, where the compiler reports a second implementation.
         let implement = quote_spanned!(self_type.span()=> impl);
         let mut body = Group::new(Delimiter::Brace, items.clone());
         body.set_span(self_type.span());
@@ -244,8 +247,8 @@ impl GeneratorImpl<'_> {
         quote!(#krate::generator::Class { level: #level, first: #first, next: #next, until: #until })
     }
 
-    /// A plain function with what its type says of it. The same expression wherever the function is used, so
-    /// that the compiler reports a mistake about it once.
+    /// A plain function, wrapped so that its type gives its arguments. The expression is the same wherever the function
+    /// is used, so that the compiler reports a mistake about it once.
     fn named(&self, path: &ExprPath, until: bool) -> TokenStream {
         let krate = &self.target.krate;
         let adapter = match (until, self.target.level) {
@@ -256,7 +259,7 @@ impl GeneratorImpl<'_> {
         quote_spanned!(path.span()=> #krate::__private1::#adapter::<Self, _, _>(&#path))
     }
 
-    /// One method of the trait; `first` when a function of its own computes the first step.
+    /// One method of the trait; `first` if a separate function computes the first step.
     fn step(&self, name: &str, first: Option<&Source<'_>>) -> TokenStream {
         let krate = &self.target.krate;
         let method = Ident::new(name, Span::call_site());
@@ -354,7 +357,7 @@ impl ConditionImpl<'_> {
     }
 }
 
-/// The type of a function without state: of its name, which functions leave free among types.
+/// The type of a function without state, which has the function's name: names of functions and of types do not collide.
 pub fn unit_type(function: &crate::item::Function, doc: &str) -> TokenStream {
     let visibility = &function.visibility;
     let name = &function.signature.ident;

@@ -1,4 +1,4 @@
-//! Mistakes, collected so that all of them are reported at once.
+//! Mistakes of the user, collected so that all of them are reported at once.
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
@@ -7,7 +7,7 @@ use quote::ToTokens;
 #[derive(Default)]
 pub struct Errors {
     errors: Option<syn::Error>,
-    /// Whether there are mistakes that the compiler itself reports, at the same place and as well.
+    /// Whether there are mistakes that the compiler itself reports, at the same place and equally well.
     left: bool,
 }
 
@@ -33,12 +33,12 @@ impl Errors {
         self.left |= others.left;
     }
 
-    /// Leaves a mistake to the compiler: it is not reported here, but nothing is built on it.
+    /// Leaves a mistake to the compiler: it is not reported here, but counts as a mistake.
     pub fn leave_to_compiler(&mut self) {
         self.left = true;
     }
 
-    /// Whether there is none.
+    /// Whether there are no mistakes.
     pub fn is_empty(&self) -> bool {
         self.errors.is_none() && !self.left
     }

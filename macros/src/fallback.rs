@@ -1,4 +1,4 @@
-//! What is implemented after a mistake.
+//! The implementation that is printed after a mistake.
 
 use proc_macro2::TokenStream;
 use quote::quote;

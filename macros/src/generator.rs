@@ -39,7 +39,7 @@ fn of_function(
     let has_mistakes = !mistakes.is_empty();
     errors.append(mistakes);
     if signature.receiver().is_some() {
-        // Inside a block there is no place for what would stand beside the function.
+        // Inside a block the implementation cannot be placed beside the function.
         let errors = errors.into_tokens();
         return quote!(#item #errors);
     }
@@ -183,7 +183,7 @@ pub fn analyse_method(
     roles
 }
 
-/// Whether the paper knows a class for what the function takes (section 6).
+/// Checks that the paper has a class for the arguments of the function (section 6).
 fn check_class(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
     if level == Some(Level::Mp)
         && !roles.uses.has(Role::Order)
@@ -211,7 +211,7 @@ fn check_class(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
     }
 }
 
-/// Nobody gives orders to an MP.
+/// Reports an order that an MP's generator takes: an MP gets no orders.
 fn check_no_order(level: Option<Level>, roles: &Roles, errors: &mut Errors) {
     if level == Some(Level::Mp)
         && let Some(at) = roles.place(Role::Order)
@@ -230,7 +230,7 @@ const FIVE_FORMS: &str = "the five forms of an MP's step function are \
     `f*3(c0, e, v)`: `(c: &mut Carry, e: &State<..>, v: &Reading<..>)`, each with or without `t: Tick`, \
     and `f**() = const`: no argument and `-> Always<..>`";
 
-/// `sensors` and `order` are for what the annotated function itself does not take.
+/// Checks that `sensors` and `order` name only what the annotated function itself does not take.
 fn check_keys(arguments: &Arguments, roles: &Roles, errors: &mut Errors) {
     let named = arguments.first.is_some() || arguments.until.is_some();
     for (key, list, taken, form) in [
@@ -251,14 +251,14 @@ fn check_keys(arguments: &Arguments, roles: &Roles, errors: &mut Errors) {
     }
 }
 
-/// What the fallback says of an ECP's robot, so that the calls of the motion still fit.
+/// The robot of an ECP for the fallback, so that calls of the motion still compile.
 fn robot_of_ecp<'a>(arguments: &Arguments, roles: &'a Roles) -> Option<&'a Type> {
     let list = roles.outcome.as_ref().map(|outcome| &outcome.robots).or(roles.robots.as_ref())?;
     let robot = match (arguments.level, list) {
         (Some(Level::Mp), _) => return None,
         (Some(Level::Ecp), Type::Tuple(list)) => list.elems.first()?,
         (Some(Level::Ecp), Type::Array(list)) => &list.elem,
-        // A level that is forgotten shows in the list.
+        // If the level is missing, the form of the list shows it.
         (Some(Level::Ecp) | None, robot) => robot,
     };
     matches!(robot, Type::Path(_)).then_some(robot)

@@ -1,4 +1,7 @@
-//! The annotated item, read only as far as needed: bodies stay tokens, so that the compiler alone judges them.
+//! Reads the annotated item.
+//!
+//! In: its tokens. Out: a function or an `impl` block, parsed only as far as needed: bodies stay tokens, so that only
+//! the compiler checks them.
 
 use proc_macro2::{TokenStream, TokenTree};
 use quote::{ToTokens, TokenStreamExt, quote};
@@ -8,7 +11,7 @@ use syn::{Attribute, Generics, Signature, Token, Type, Visibility, braced, token
 use crate::attribute::{Arguments, Kind};
 use crate::errors::Errors;
 
-/// A function: all but its body.
+/// A function, parsed except for its body.
 pub struct Function {
     pub attributes: Vec<Attribute>,
     pub visibility: Visibility,
@@ -53,7 +56,7 @@ impl ToTokens for Outer<'_> {
     }
 }
 
-/// The `cfg` attributes among `attributes`: what is generated beside an item stands and falls with it.
+/// The `cfg` attributes among `attributes`: they apply to what is generated beside the item as well.
 pub fn cfgs(attributes: &[Attribute]) -> Vec<Attribute> {
     attributes.iter().filter(|attribute| attribute.path().is_ident("cfg")).cloned().collect()
 }
@@ -110,7 +113,7 @@ fn skip_item(input: ParseStream<'_>) -> syn::Result<()> {
     Ok(())
 }
 
-/// What an attribute stands over.
+/// The item over which an attribute stands.
 pub enum Item {
     Function(Function),
     Block(Block),
@@ -139,8 +142,8 @@ impl Parse for Item {
 /// A front end for items of the form `T`: expands one of them, with the mistakes found so far.
 type FrontEnd<T> = fn(&Arguments, &T, Errors, &TokenStream) -> TokenStream;
 
-/// Reads attribute and item and hands them to the front end of the item's form. An item that is neither a function
-/// nor a block is given back with the error.
+/// Reads the attribute and the item and passes them to the front end of the item's form. An item that is neither a
+/// function nor a block is returned with the error.
 pub fn expand(
     kind: Kind,
     attribute: TokenStream,

@@ -1,16 +1,16 @@
 //! The `#[generator]` and `#[condition]` attributes and the `Payload` derive of `mrroc`.
 //!
-//! Users import them from `mrroc`. What flows in is a step function; what flows out is the same function,
-//! untouched, and beside it the implementation of a trait that anyone could write by hand:
+//! Users import them from `mrroc`. In: a step function. Out: the same function, unchanged, and beside it the
+//! implementation of a trait, which could also be written by hand:
 //!
 //! ```text
 //! attribute, item ── the arguments and the signature, read ── roles and mistakes ── the implementation, printed
 //! ```
 //!
-//! A macro sees names, not types. So an argument's role is its type's name (`&State<..>` is `e`), and whatever
-//! has no such name is a mistake. Mistakes are collected and reported at once, each at the token concerned and
-//! with the form to write. After a mistake the item stays and the trait is implemented all the same, without a
-//! meaning, so that the compiler reports nothing else.
+//! A macro sees names, not types. So the role of an argument follows from the name of its type (`&State<..>` is
+//! `e`), and an argument of any other type is a mistake. Mistakes are collected and reported at once, each at the
+//! token concerned and with the form to write. After a mistake the item is kept and the trait is implemented
+//! without a meaning, so that the compiler reports nothing else.
 
 use proc_macro::TokenStream;
 
@@ -29,7 +29,7 @@ mod signature;
 mod tests;
 mod types;
 
-/// Makes a generator of a step function: what a **Move** needs to know of a motion.
+/// Makes a generator of a step function: what a **Move** executes.
 ///
 /// ```
 #[doc = include_str!("example_cell.txt")]
@@ -59,7 +59,7 @@ mod types;
 ///
 /// # Arguments of a step function
 ///
-/// In any order, each at most once; the type's name says which it is.
+/// They stand in any order, each at most once; the name of the type decides which argument it is.
 ///
 /// | type | paper | |
 /// |---|---|---|
@@ -69,9 +69,9 @@ mod types;
 /// | `&Order<Phase>` | `c0` in an ECP | the MP's order |
 /// | `Tick` | a part of `c` | the step's index and its path time |
 ///
-/// Which of them there are *is* the class of section 6 of the paper. In an ECP all eight classes are legal. In
-/// an MP these five are: `f*0(c0)`, `f*1(c0, v)`, `f*2(c0, e)`, `f*3(c0, e, v)` and `f**() = const`; others do
-/// not compile.
+/// The arguments that a function takes *are* its class (section 6 of the paper). In an ECP all eight classes are
+/// legal. In an MP these five are legal: `f*0(c0)`, `f*1(c0, v)`, `f*2(c0, e)`, `f*3(c0, e, v)` and
+/// `f**() = const`; others do not compile.
 ///
 /// # What it returns
 ///
@@ -112,8 +112,8 @@ mod types;
 ///
 /// # Over an `impl` block
 ///
-/// The methods `next_step`, and where there are any `first_step` and `until`, take the same arguments, with
-/// `&mut self` or `&self` as the state. The block stays as it is, with whatever else it holds.
+/// The method `next_step`, and the optional methods `first_step` and `until`, take the same arguments, with
+/// `&mut self` or `&self` as the state. The block itself is not changed and may contain anything else.
 ///
 /// ```
 #[doc = include_str!("example_cell.txt")]
@@ -174,9 +174,10 @@ pub fn condition(attribute: TokenStream, item: TokenStream) -> TokenStream {
 
 /// Makes a payload: what travels between processes as an order, a reading or a sensor's configuration.
 ///
-/// An `enum` without data is an order of loose cooperation, one word, the variant's index. A `struct` is one of
-/// tight cooperation: its fields, each `Wire`, one after another. Both are read back checked. The layout's hash
-/// covers the name, the fields' or variants' names and the fields' types.
+/// An `enum` without data is an order of loose cooperation: one word, the variant's index. A `struct` is an order of
+/// tight cooperation: the words of its fields, each of a type that implements `Wire`, one after another. Both are
+/// checked when they are read back. The layout's hash covers the name of the type, the names of fields or variants,
+/// and the types of fields.
 ///
 /// ```
 /// use mrroc::payload::Wire;

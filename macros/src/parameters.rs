@@ -1,4 +1,7 @@
-//! Generic parameters of a step function: those of its state's type carry over to the implementation.
+//! Generic parameters of a step function.
+//!
+//! In: the parameters, and the type of the state. Out: the parameters that the state's type uses, for the
+//! implementation.
 
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::ToTokens;
@@ -28,8 +31,8 @@ pub fn of_state(signature: &Signature, state: Option<&Type>, errors: &mut Errors
             );
         }
     }
-    // A lifetime that only the reference to the state has does not reach the implementation, and no parameter
-    // that was a mistake does.
+    // The implementation gets neither a lifetime that only the reference to the state has, nor a parameter that was a
+    // mistake.
     let (kept, left): (Vec<_>, Vec<_>) =
         generics.params.into_iter().partition(|parameter| mentions(tokens.clone(), ident(parameter)));
     generics.params = kept.into_iter().collect();

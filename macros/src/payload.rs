@@ -64,7 +64,7 @@ pub fn expand(item: TokenStream) -> TokenStream {
     let body = if is_valid {
         body
     } else {
-        // The mistake is the only one reported: whoever uses the type finds it implemented.
+        // The traits are implemented even after a mistake, so that uses of the type report no further errors.
         quote! {
             const LEN: usize = 0;
             const LAYOUT: u64 = 0;
@@ -95,7 +95,7 @@ pub fn expand(item: TokenStream) -> TokenStream {
     }
 }
 
-/// What the fields' types say, as one constant: a type that is no plain value is reported once.
+/// The properties of the fields' types, in one constant, so that a type that is no plain value is reported once.
 fn fields(krate: &TokenStream, fields: &Fields) -> TokenStream {
     let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
     let of_types = types.iter().map(|ty| quote_spanned!(ty.span()=> #krate::__private1::field::<#ty>()));

@@ -1,7 +1,10 @@
-//! The analysis of a signature: which argument plays which role, and what is returned.
+//! The analysis of a signature.
 //!
-//! A macro sees names, not types: a role is recognised by the last segment of its type's path. Whatever is not
-//! recognised is a mistake, never a guess.
+//! In: the signature of a function, its level, and whether it is a generator or a condition. Out: the roles of its
+//! arguments and the type that it returns; and mistakes.
+//!
+//! A macro sees names, not types: a role is recognised by the last segment of the path of its type. An argument that is
+//! not recognised is a mistake; no role is guessed.
 
 use proc_macro2::Span;
 use syn::{
@@ -14,9 +17,9 @@ use crate::class::{Level, Role, Uses};
 use crate::errors::Errors;
 use crate::types::{arguments, could_be_own, filled, image, last_segment, last_span, plain, text};
 
-/// What a signature says.
+/// The result of the analysis.
 pub struct Roles {
-    /// The roles of the arguments in the order written, each with its place.
+    /// The roles of the arguments in their order, each with its place.
     pub arguments: Vec<(Role, Span)>,
     pub uses: Uses,
     /// The type of the function's own state; `None` for a method, whose state is `Self`.
@@ -32,7 +35,7 @@ pub struct Roles {
 }
 
 impl Roles {
-    /// Where an argument stands.
+    /// The place of an argument.
     pub fn place(&self, role: Role) -> Option<Span> {
         self.arguments.iter().find(|(argument, _)| *argument == role).map(|(_, span)| *span)
     }
@@ -42,7 +45,7 @@ impl Roles {
 pub struct Outcome {
     /// The list of robots.
     pub robots: Type,
-    /// The language, unless it is left out.
+    /// The language; `None` if it is left out.
     pub language: Option<Type>,
     /// The type as written, for messages.
     pub written: Type,
@@ -50,8 +53,8 @@ pub struct Outcome {
     pub ends: bool,
 }
 
-/// The function that a signature is to be: one of a generator or of a condition, at a level, and whether it is
-/// a method.
+/// What a signature is expected to be: a function of a generator or of a condition, its level, and whether it is a
+/// method.
 #[derive(Clone, Copy)]
 pub struct Expected<'a> {
     pub kind: Kind,
@@ -98,7 +101,7 @@ struct Analysis<'a> {
 }
 
 impl Analysis<'_> {
-    /// A step function is an ordinary function.
+    /// Checks that a step function is an ordinary function.
     fn qualifiers(&mut self, signature: &Signature) {
         if let Some(asyncness) = &signature.asyncness {
             self.errors.at(asyncness, "a step function computes and returns within its step: drop `async`");
@@ -137,7 +140,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// One argument: its role by its type.
+    /// Finds the role of one argument by its type.
     fn argument(&mut self, written: &Type) {
         let Some((role, span)) = self.role(plain(written)) else { return };
         if !self.roles.uses.insert(role) {
@@ -153,7 +156,7 @@ impl Analysis<'_> {
         self.roles.arguments.push((role, span));
     }
 
-    /// The role of an argument and the token that says so; nothing after a mistake.
+    /// The role of an argument and the token that decides it; `None` after a mistake.
     fn role(&mut self, ty: &Type) -> Option<(Role, Span)> {
         if let Type::ImplTrait(_) = ty {
             self.errors.at(
@@ -201,7 +204,7 @@ impl Analysis<'_> {
         None
     }
 
-    /// An argument that is none: perhaps a state in the wrong form.
+    /// Reports an argument without a role, which may be a state in the wrong form.
     fn no_argument(&mut self, written: &Type, inner: &Type) {
         let others = match (self.expected.level, self.expected.kind) {
             (Some(Level::Mp), _) => "`&State<(Rnt, Polycrank)>`, `&Reading<(WristForce,)>` and `Tick`",
@@ -226,7 +229,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// Whether `ty` can be a state: a type that a trait can be implemented for here.
+    /// Whether `ty` can be a state: a type for which a trait can be implemented in this crate.
     fn own_state(&mut self, ty: &Type) -> bool {
         let parameter =
             |ident: &Ident| self.expected.generics.type_params().any(|parameter| parameter.ident == *ident);
@@ -299,7 +302,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// A type parameter stands for any list, `L` or `L::Robots`.
+    /// Whether the type is a type parameter, which stands for any list: `L` or `L::Robots`.
     fn starts_with_parameter(&self, path: &TypePath) -> bool {
         let first = path.path.segments.first();
         path.qself.is_some()
@@ -312,7 +315,7 @@ impl Analysis<'_> {
 
     fn list_of_sensors(&mut self, list: &Type) {
         match plain(list) {
-            // `Reading` itself refuses it, and says that the comma is missing.
+            // The type `Reading` itself refuses this list, with a message that the comma is missing.
             Type::Paren(_) => self.errors.leave_to_compiler(),
             Type::Tuple(tuple) if tuple.elems.is_empty() => {
                 self.errors.at(list, "a reading of no sensors says nothing: leave the argument out");
@@ -419,7 +422,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// `&State<(A, B)>` beside `Step<(B, A)>`. Only what is certain by the names alone is said here.
+    /// Reports lists that differ, such as `&State<(A, B)>` and `Step<(B, A)>`, if the names alone make this certain.
     fn lists_agree(&mut self) {
         let (Some(state), Some(outcome)) = (&self.roles.robots, &self.roles.outcome) else { return };
         let (Type::Tuple(seen), Type::Tuple(moved)) = (plain(state), plain(&outcome.robots)) else { return };

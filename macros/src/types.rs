@@ -1,4 +1,4 @@
-//! What the tokens of a type say: its name, its arguments, its text in a message.
+//! Reads the tokens of a type: its name, its arguments, and its text in a message.
 
 use proc_macro2::Span;
 use quote::ToTokens;
@@ -27,7 +27,7 @@ pub fn last_span(ty: &Type) -> Span {
     last_segment(ty).map_or_else(|| ty.span(), |segment| segment.ident.span())
 }
 
-/// The role of a type by its name, all but the state's.
+/// The role of a type by its name; `None` for a state, whose type may have any name.
 pub fn image(ty: &Type) -> Option<(Role, &PathSegment)> {
     let segment = last_segment(ty)?;
     let role = match segment.ident.to_string().as_str() {
@@ -53,7 +53,7 @@ pub fn arguments(ty: &Type) -> Vec<&Type> {
     types.collect()
 }
 
-/// The type as written, or with an example of a list where there is none, for messages.
+/// The type as written, for messages; with an example of a list if it has none.
 pub fn filled(ty: &Type, role: Role) -> String {
     let example = match role {
         Role::Order => "Phase",

@@ -1,4 +1,4 @@
-//! The optional parts that this program was built with: the one place that features decide.
+//! The optional parts that this program was built with: the only place where features are tested.
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -29,13 +29,14 @@ const VIEW: Option<mrroc_processes::View> = None;
 
 static PARTS: Parts = Parts { processes: PROCESSES, ..RECORDING };
 
-/// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
+/// The main function of a task program: `cell` makes a cell from `cell.toml`, and the cell is run with the options of
+/// the command line.
 ///
-/// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
-/// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
-/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
-/// picture watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
-/// no picture is drawn.
+/// With `--processes` the same executable is every process of the cell: each process calls `cell` again and runs its
+/// own part of that cell. So `cell` must make the same cell at every call: it may read files, but it must not open
+/// anything that only one process may have, and must not move anything. Real drives are best opened by the first call
+/// of their driver, in their EDP. The picture watches simulated robots in the plant, which draws it when the run is
+/// over. For a cell without simulated robots no picture is drawn.
 ///
 /// ```no_run
 /// # use mrroc::cell::RunPicture;
@@ -57,8 +58,9 @@ pub fn launch(cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>, picture: 
 /// How a task program with a command line of its own runs its cell, from the arguments after the program's name;
 /// [`launch`] is for all others.
 ///
-/// As processes, the launcher starts the program again for each of them, with the same arguments. So the program reads them
-/// and puts its cell together before it asks who it is, and moves and writes nothing until then.
+/// When the cell runs as processes, the launcher starts the program again for each process, with the same arguments. So
+/// the program must read the arguments and put its cell together before it asks which process it is, and must not move
+/// or write anything before that.
 ///
 /// ```no_run
 /// # fn cell(quick: bool) -> mrroc::cell::Cell { mrroc::cell::Cell::new(std::time::Duration::from_millis(2)) }

@@ -1,8 +1,8 @@
 //! How near the demands of a run came to the limits of each joint.
 //!
 //! In: the demanded position of every joint in every step. Out: the largest velocity, acceleration and jerk, as first,
-//! second and third differences of positions over the step, and the smallest distance from a position limit. Limits are
-//! checked where demands are accepted; here is told how much of them was left.
+//! second and third differences of positions over the step, and the smallest distance from a position limit. This
+//! module only reports how much of the limits was left; they are checked where demands are accepted.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -14,13 +14,13 @@ use mrroc_core::observe::layout::{JointLayout, Layout};
 use mrroc_core::observe::witness::{What, Witness};
 use mrroc_core::robot::MAX_JOINTS;
 
-/// What one joint came to [rad or m, s].
+/// The extreme values of one joint [rad or m, s].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Extremes {
     pub velocity: f64,
     pub acceleration: f64,
     pub jerk: f64,
-    /// Smallest distance from the nearer position limit.
+    /// The smallest distance from the nearer position limit [rad or m].
     pub margin: f64,
 }
 
@@ -59,10 +59,10 @@ fn margin(position: f64, joint: &JointLayout) -> f64 {
     (position - joint.lower).min(joint.upper - position)
 }
 
-/// Watches a run.
+/// Watches the demands of a run.
 pub(crate) struct Approach {
     layout: Layout,
-    /// In the order of the layout; empty until a robot has shown itself.
+    /// The joints of each robot, in the order of the layout; empty until the robot's first image has come.
     courses: RefCell<Vec<Vec<Course>>>,
 }
 
@@ -73,7 +73,7 @@ impl Approach {
         Approach { layout, courses }
     }
 
-    /// What the joints of a robot came to, in the order of the cell's robots.
+    /// The extreme values of the joints of a robot, which is given by its index in the cell.
     pub fn extremes(&self, robot: usize) -> Vec<Extremes> {
         let courses = self.courses.borrow();
         courses
@@ -183,8 +183,8 @@ mod tests {
             let what = What::Image { step: u64::from(step as u32), mode: Mode::Moving };
             approach.see(0, by, &what, &words);
         }
-        // q = 0.1 sin(2 t): v = 0.2 cos, a = 0.4 sin, j = 0.8 cos, but for the start, where v jumps from 0: its second
-        // difference is v / T = 100, its third one v / T² = 50 000.
+        // q = 0.1 sin(2 t): v = 0.2 cos, a = 0.4 sin, j = 0.8 cos, except at the start, where v jumps from 0: there the
+        // second difference is v / T = 100 and the third one v / T² = 50 000.
         let found = approach.extremes(0)[0];
         assert!((found.velocity - 0.2).abs() < 1e-5, "{found:?}");
         assert!((found.acceleration - 100.0).abs() < 1e-2, "{found:?}");

@@ -1,6 +1,7 @@
-//! A dry run: the whole program under the virtual clock, against all limits and guards, before anything has power.
+//! A dry run: runs the whole program under the virtual clock, with all limits and guards, before any robot has power.
 //!
-//! In: an assembled cell. Out: how long it takes and how near it comes to its limits; or the fault that it would meet.
+//! In: an assembled cell. Out: how long the program takes and how near it comes to the limits; or the fault that stops
+//! it.
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -37,10 +38,11 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
     }
 }
 
-/// Lets this program run dry as a process of its own: what its programs do to themselves does not reach the real run.
+/// Runs this program dry in a process of its own, so that whatever its programs change in their own process does not
+/// reach the real run.
 ///
 /// # Errors
-/// The exit status when it did not go well: nothing has moved.
+/// The exit status, if the dry run failed: then no robot has moved.
 pub(super) fn dry_run_first(cell: &Path, quiet: bool) -> Result<(), ExitCode> {
     let started = std::env::current_exe().and_then(|program| {
         let mut command = Command::new(program);

@@ -1,6 +1,7 @@
-//! The command line of a task program: finds `cell.toml`, runs the cell, says how it ended.
+//! The command line of a task program: finds `cell.toml`, runs the cell and reports how the run ended.
 //!
-//! In: what the program makes of a [`CellFile`], and a [`RunPicture`]. Out: a run, that picture, and an exit status.
+//! In: a function that makes a cell from a [`CellFile`], and a [`RunPicture`]. Out: a run, its picture, and an exit
+//! status.
 
 mod approach;
 pub mod cell_file;
@@ -30,13 +31,14 @@ pub use crate::options::Operating;
 pub use crate::parts::{Parts, Processes};
 pub use crate::program::{Launch, Ran};
 
-/// The main function of a task program: runs what `cell` makes of `cell.toml`, under the options of the command line.
+/// The main function of a task program: `cell` makes a cell from `cell.toml`, and the cell is run with the options of
+/// the command line.
 ///
-/// With `--processes` the same executable is every process of the cell: each one calls `cell` again and runs its own part of
-/// what that makes. So `cell` makes the same cell whenever it is called: it may read files, but opens nothing that only one
-/// process may have, and moves nothing. Real drives are best opened by the first call of their driver, in their EDP. The
-/// picture watches simulated robots where they are, in the plant, which draws when the run is over; of a cell without them
-/// no picture is drawn.
+/// With `--processes` the same executable is every process of the cell: each process calls `cell` again and runs its
+/// own part of that cell. So `cell` must make the same cell at every call: it may read files, but it must not open
+/// anything that only one process may have, and must not move anything. Real drives are best opened by the first call
+/// of their driver, in their EDP. The picture watches simulated robots in the plant, which draws it when the run is
+/// over. For a cell without simulated robots no picture is drawn.
 ///
 pub fn launch(
     cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>,

@@ -1,6 +1,6 @@
 //! The options of a task program.
 //!
-//! In: the command line. Out: what it asks for, or what there is to say instead: the help, or what is wrong with it.
+//! In: the command line. Out: the options, or what to print instead: the help, or what is wrong with the command line.
 
 use std::ffi::{OsStr, OsString};
 use std::iter;
@@ -148,12 +148,12 @@ pub enum Operating {
 }
 
 impl Options {
-    /// The file of the picture, unless none is wanted.
+    /// The file of the picture; `None` if no picture is wanted.
     pub(super) fn picture(&self) -> Option<&Path> {
         (!self.no_picture).then_some(&*self.picture)
     }
 
-    /// Whether the cell runs as processes of the operating system, and in whose time.
+    /// By which clock the cell runs as processes of the operating system; `None` if it does not.
     pub(super) fn clock(&self) -> Option<Clock> {
         match (self.processes, self.lock_step) {
             (_, true) => Some(Clock::Virtual),
@@ -167,7 +167,7 @@ impl OperatingWord {
     /// What it asks for; the speed may stand in two words, `50 %`.
     ///
     /// # Errors
-    /// No speed.
+    /// The text is not a speed.
     pub(super) fn read(&self) -> Result<Operating, NoButton> {
         Ok(Operating::Press(match self {
             OperatingWord::Status => return Ok(Operating::Status),
@@ -187,7 +187,7 @@ impl OperatingWord {
 /// Reads the arguments after the program's name.
 ///
 /// # Errors
-/// What there is to say instead: the help, or what is wrong with them.
+/// What to print instead of a run: the help, or what is wrong with the arguments.
 pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, clap::Error> {
     let (part, arguments) = split_part(arguments.into_iter().collect());
     if let Some(word) = arguments.first().filter(|word| is_role(&[], word)) {
@@ -201,7 +201,7 @@ pub(super) fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Opt
     Ok(Options { part, ..options })
 }
 
-/// What to write to a cell that runs already, and the options that are not a program's own, for its help.
+/// For a program's help: the words for a cell that runs already, and the options that are common to all programs.
 pub(super) fn help_beside_own() -> String {
     let command = Word::augment_subcommands(RecordingOption::augment_args(Command::new("")));
     let command = command.disable_help_flag(true).disable_help_subcommand(true).max_term_width(80);
@@ -219,7 +219,7 @@ fn nanoseconds(text: &str) -> Result<u64, &'static str> {
     Ok(1000 * u64::from(micros))
 }
 
-/// Whether a word goes on with what a process is called: `mp`, `ecp NAME`.
+/// Whether a word continues the name of a process: `mp`, `ecp NAME`.
 fn is_role(role: &[OsString], word: &OsStr) -> bool {
     match role {
         [] => ["mp", "plant", "ecp", "edp", "vsp"].iter().any(|role| word == OsStr::new(role)),
@@ -228,7 +228,8 @@ fn is_role(role: &[OsString], word: &OsStr) -> bool {
     }
 }
 
-/// Splits off what a launcher tells a process that it starts: who it is, and in which session.
+/// Splits off the arguments that a launcher gives to a process that it starts: which process it is, and in which
+/// session.
 pub(super) fn split_part(mut arguments: Vec<OsString>) -> (Option<(ProcessId, PathBuf)>, Vec<OsString>) {
     let words = (0..2).take_while(|&n| arguments.get(n).is_some_and(|word| is_role(&arguments[..n], word)));
     let words = words.count();
@@ -240,12 +241,12 @@ pub(super) fn split_part(mut arguments: Vec<OsString>) -> (Option<(ProcessId, Pa
     (Some(part), arguments)
 }
 
-/// What a command line asks for of a recording, whatever the program's own arguments are.
+/// What a command line asks for concerning a recording, apart from the program's own arguments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum AskedRecording {
-    /// The run goes to this file.
+    /// Record the run to this file.
     Record(PathBuf),
-    /// The run of this file is made again.
+    /// Replay the run of this file.
     Replay(PathBuf),
 }
 
@@ -277,7 +278,7 @@ fn read_role(words: &[OsString]) -> Option<ProcessId> {
     Some(ProcessId::new(role, Name::new(name).ok()?))
 }
 
-/// `cell.toml` in this folder or in the nearest one upwards, no farther than the project, which has the Cargo.toml.
+/// `cell.toml` in this folder or in the nearest folder above it, up to the project's folder, which has the Cargo.toml.
 pub(super) fn nearest_cell() -> PathBuf {
     let here = PathBuf::from("cell.toml");
     if here.is_file() {
@@ -310,7 +311,7 @@ mod tests {
         assert!(told.quiet && !told.check);
         let told = options(&["--no-picture", "--check"]);
         assert!(told.picture().is_none() && told.check);
-        // The last one counts.
+        // The last option counts.
         assert_eq!(options(&["--no-picture", "--picture", "c.svg"]).picture(), Some(Path::new("c.svg")));
         assert_eq!(options(&["--picture", "c.svg", "--no-picture"]).picture(), None);
         assert_eq!(options(&["--cell", "a", "--cell", "b"]).cell, Some(PathBuf::from("b")));

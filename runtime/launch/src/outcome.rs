@@ -1,4 +1,4 @@
-//! What a task program says at its end.
+//! What a task program prints at its end.
 //!
 //! In: a report, a fault or a refusal. Out: lines on the terminal, and an exit status.
 
@@ -10,7 +10,7 @@ use mrroc_core::cell::{CellError, RunReport};
 use mrroc_core::console::{complain, say};
 use mrroc_core::fault::Fault;
 
-/// Says which fault stopped the cell, and what to do about it.
+/// Prints which fault stopped the cell and what to do about it.
 pub fn stopped(fault: &Fault) -> ExitCode {
     match fault.help() {
         Some(help) => report(&format!("{fault}\n help: {help}")),
@@ -19,7 +19,7 @@ pub fn stopped(fault: &Fault) -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// Says how long a run took, and where its picture is.
+/// Prints how long a run took and where its picture is.
 pub fn tell(report: &RunReport, picture: Option<&Path>) -> ExitCode {
     let (seconds, steps) = (report.time.as_secs_f64(), report.steps);
     if steps == 0 {
@@ -29,7 +29,7 @@ pub fn tell(report: &RunReport, picture: Option<&Path>) -> ExitCode {
     say(&format!("ran {seconds:.3} s in {steps} steps{picture}\n"))
 }
 
-/// Tells of all that is wrong with a cell.
+/// Prints all that is wrong with a cell.
 pub fn cell_refused(error: &CellError) -> ExitCode {
     match error {
         CellError::Several(errors) => errors.iter().for_each(|one| report(one)),
@@ -38,7 +38,7 @@ pub fn cell_refused(error: &CellError) -> ExitCode {
     ExitCode::from(2)
 }
 
-/// Prints what there is to say instead of a run: the help that was asked for, or what is wrong with the command line.
+/// Prints, instead of a run, the help that was asked for, or what is wrong with the command line.
 pub fn answered(answer: &clap::Error) -> ExitCode {
     let text = answer.to_string();
     if answer.use_stderr() {
@@ -48,10 +48,12 @@ pub fn answered(answer: &clap::Error) -> ExitCode {
     say(&text)
 }
 
+/// Prints an error.
 pub fn report(error: &dyn Display) {
     complain(&format!("error: {error}"));
 }
 
-pub fn note(text: &str) {
+/// Prints a note.
+pub(crate) fn note(text: &str) {
     complain(&format!("note: {text}"));
 }

@@ -1,7 +1,7 @@
 //! The optional parts of a program: crates that record, replay, or run a cell as processes.
 //!
-//! The command line knows them as plain function pointers and traits, so that none of them needs a `cfg` here; the facade
-//! `mrroc` says which ones a program was built with.
+//! In: the parts that a program was built with, from the facade `mrroc`. Out: what the command line calls. The parts
+//! are plain function pointers and traits, so that this crate needs no `cfg` for them.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -14,29 +14,29 @@ use crate::options::Operating;
 use crate::program::{Launch, Ran};
 use mrroc_core::console::refused as refuse;
 
-/// What a program was built with.
+/// The optional parts that a program was built with; `None` for a part that it lacks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Parts {
     /// Records runs: `--record FILE`, `[recording]` of `cell.toml`.
     pub recorder: Option<&'static dyn Recorder>,
-    /// Replays a recording on a cell: `replay FILE`. The last two arguments: `--partial` and `--quiet`.
+    /// Replays a recording on a cell: `replay FILE`. The last two arguments are `--partial` and `--quiet`.
     pub replay: Option<fn(Cell, &Path, bool, bool) -> ExitCode>,
     /// Runs cells as processes of the operating system: `--processes`.
     pub processes: Option<&'static dyn Processes>,
 }
 
-/// Cells as processes of the operating system.
+/// Runs and operates cells as processes of the operating system.
 pub trait Processes: core::fmt::Debug + Sync {
-    /// Says what this machine can do for processes.
+    /// Prints what this machine can do for processes.
     fn examine(&self) -> ExitCode;
 
-    /// Asks the cell of the file at `cell`, which runs already.
+    /// Carries out what an operator wants of the cell of the file at `cell`, which runs already.
     fn operate(&self, cell: &Path, operating: Operating) -> ExitCode;
 
     /// Runs one process of a cell for its launcher.
     ///
     /// # Errors
-    /// In a plant that is watched: the first cause of a stop.
+    /// The first cause of a stop; only in a plant that is watched.
     fn take_part(
         &self,
         cell: Cell,
@@ -48,7 +48,7 @@ pub trait Processes: core::fmt::Debug + Sync {
     /// Runs all processes of a cell.
     ///
     /// # Errors
-    /// [`CellError`]: what was refused, before anything moves; or the first cause of a stop.
+    /// [`CellError`]: what was refused, before any robot moves; or the first cause of a stop.
     fn launch(&self, cell: Cell, how: Launch) -> Result<Ran, CellError>;
 }
 
@@ -91,7 +91,7 @@ impl Parts {
         }
     }
 
-    /// The cell with what can record it.
+    /// Gives the cell the recorder, if there is one.
     pub(crate) fn equip(&self, cell: Cell) -> Cell {
         match self.recorder {
             Some(recorder) => cell.recorded_by(recorder),

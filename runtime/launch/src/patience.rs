@@ -1,6 +1,6 @@
-//! The notes to whoever waits for a run that may have no end.
+//! Notes to a user who waits for a run that may never end.
 //!
-//! In: the steps of a run and the wall clock. Out: a note, ever more seldom.
+//! In: the steps of a run and the wall clock. Out: notes at growing intervals.
 
 #![expect(clippy::disallowed_methods, reason = "it tells a user how long a run has taken")]
 
@@ -9,18 +9,19 @@ use std::time::{Duration, Instant};
 use super::outcome::note;
 use mrroc_core::operator::Operator;
 
-/// Whoever waits for a run that may have no end is told of it, ever more seldom.
+/// Prints notes about a run that may never end, at growing intervals.
 pub struct Patience {
     since: Instant,
     next: Duration,
 }
 
 impl Patience {
+    /// Begins to wait; the first note is due after 10 s.
     pub fn new() -> Patience {
         Patience { since: Instant::now(), next: Duration::from_secs(10) }
     }
 
-    /// A hook that looks at the wall clock now and then.
+    /// The hook for every step, which looks at the wall clock from time to time and prints the notes.
     pub fn notes(mut self) -> impl FnMut(u64, &Operator) {
         move |step, _| {
             if step % 1024 == 0
@@ -31,7 +32,7 @@ impl Patience {
         }
     }
 
-    /// What is said of a run that is in this step after so much time, if anything.
+    /// The note about a run that is in this step after this time, if one is due.
     fn after(&mut self, elapsed: Duration, step: u64) -> Option<String> {
         if elapsed < self.next {
             return None;

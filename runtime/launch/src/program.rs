@@ -1,6 +1,8 @@
-//! How a task program runs its cell: on the memory link, or as processes of the operating system, one of which it may be.
+//! How a task program with a command line of its own runs its cell: on the memory link, or as processes of the
+//! operating system.
 //!
-//! In: the command line, what of it is the program's own, and the cell. Out: a run, or one process's part of it.
+//! In: the command line, and the cell. Out: the program's own arguments; a run, or the part of the run that belongs to
+//! this process.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -17,20 +19,24 @@ use mrroc_core::link::Clock;
 
 /// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
 ///
-/// As processes, the launcher starts the program again for each of them, with the same arguments. So the program reads them
-/// and puts its cell together before it asks who it is, and moves and writes nothing until then.
+/// When the cell runs as processes, the launcher starts the program again for each process, with the same arguments. So
+/// the program must read the arguments and put its cell together before it asks which process it is, and must not move
+/// or write anything before that.
 #[derive(Clone, Debug)]
 pub struct Launch {
-    /// Which process of a cell this one is, and in which session, as its launcher started it.
+    /// Which process of the cell this is, and the folder of its session, if a launcher has started it.
     pub part: Option<(ProcessId, PathBuf)>,
-    /// What the processes are started with.
+    /// The arguments with which the processes are started.
     pub arguments: Vec<OsString>,
-    /// What of a recording the command line asks for.
+    /// What the command line asks for concerning a recording.
     pub(super) recording: Option<AskedRecording>,
+    /// By which clock the cell runs as processes; `None`: on the memory link.
     pub clock: Option<Clock>,
-    /// How long a process looks for messages before it sleeps \[ns\].
+    /// How long a process polls for messages before it sleeps \[ns\].
     pub spin: u64,
+    /// The file of the cell, or another path that identifies it; `None`: the program's own file.
     pub cell: Option<PathBuf>,
+    /// Whether only errors are printed.
     pub quiet: bool,
     /// Whether the program watches robots and keeps something of the run.
     pub watching: bool,
@@ -38,22 +44,23 @@ pub struct Launch {
     pub(super) parts: &'static Parts,
 }
 
-/// What became of a run.
+/// The result of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[must_use]
 pub enum Ran {
-    /// It ran on the memory link, in this process; or as processes, and this is the one that has seen the robots
-    /// ([`Launch::watching`]).
+    /// The cell ran on the memory link, in this process; or it ran as processes, and this is the process that has
+    /// observed the robots ([`Launch::watching`]).
     Here(RunReport),
-    /// It ran as processes, and this is their launcher.
+    /// The cell ran as processes, and this is their launcher.
     Processes(RunReport),
-    /// This was one of the processes, or a replay; it is over, and ends with this status. What there is to say has been said,
-    /// or another process says it.
+    /// This was one of the processes, or a replay; it is over and is to end with this status. Its messages have been
+    /// printed, here or by another process.
     Part(ExitCode),
 }
 
 impl Launch {
-    /// From the arguments after the program's name. On the memory link, unless told otherwise or started by a launcher.
+    /// Reads the arguments after the program's name. The cell will run on the memory link, unless
+    /// [`processes`](Launch::processes) is called or a launcher has started this process.
     #[must_use]
     pub fn new(arguments: impl IntoIterator<Item = OsString>, parts: &'static Parts) -> Launch {
         let (part, arguments) = split_part(arguments.into_iter().collect());
@@ -71,57 +78,59 @@ impl Launch {
         }
     }
 
-    /// The arguments that are the program's own: without `replay FILE` before them, and `--record FILE` among them.
+    /// The program's own arguments, without `replay FILE` at their beginning and `--record FILE` among them.
     #[must_use]
     pub fn arguments(&self) -> &[OsString] {
         &self.arguments
     }
 
-    /// Runs the cell as processes of the operating system, in this time.
+    /// Makes the cell run as processes of the operating system, by this clock.
     #[must_use]
     pub fn processes(mut self, clock: Clock) -> Launch {
         self.clock = Some(clock);
         self
     }
 
-    /// For how long a process looks for messages before it sleeps, no time unless it is said: for machines with more cores
-    /// than the cell has processes.
+    /// Sets how long a process polls for messages before it sleeps; zero by default. For machines with more cores than
+    /// the cell has processes.
     #[must_use]
     pub fn spin(mut self, time: Duration) -> Launch {
         self.spin = time.as_nanos().try_into().unwrap_or(u64::MAX);
         self
     }
 
-    /// The file of the cell, or whatever else tells it from others: it is run by one launcher at a time. The program's own
-    /// file unless it is said.
+    /// Sets the file of the cell, or another path that identifies it: a cell is run by one launcher at a time. By
+    /// default it is the program's own file.
     #[must_use]
     pub fn cell_file(mut self, file: impl Into<PathBuf>) -> Launch {
         self.cell = Some(file.into());
         self
     }
 
-    /// Says nothing but errors.
+    /// Makes the run print errors only.
     #[must_use]
     pub fn quiet(mut self) -> Launch {
         self.quiet = true;
         self
     }
 
-    /// The program watches simulated robots and keeps something of the run, such as a picture. As processes, the plant has
-    /// what observers see ([`Cell::watch`](mrroc_core::Cell::watch), [`RobotSetup::observe`](mrroc_core::RobotSetup::observe)): there
-    /// they are called, in the order of the memory link, and there [`is_here`](Launch::is_here) says that they see
-    /// everything. When the cell has ended, [`run`](Launch::run) returns in the plant as on the memory link, and in the
-    /// launcher, once the plant has ended, [`Ran::Part`] with its status. Where nothing is simulated, or the plant was lost,
-    /// the launcher gets the report. Drives that search for their marks stay in their EDPs and are not seen; what the program
-    /// of a robot would show to observers goes by [`Shown`](mrroc_core::Shown).
+    /// Says that the program watches simulated robots and keeps something of the run, such as a picture. When the cell
+    /// runs as processes, observers ([`Cell::watch`](mrroc_core::cell::Cell::watch),
+    /// [`RobotSetup::observe`](mrroc_core::cell::RobotSetup::observe)) are called in the plant, in the same order as on the
+    /// memory link; there [`is_here`](Launch::is_here) says that they see everything. When the cell has ended,
+    /// [`run`](Launch::run) returns in the plant as on the memory link; in the launcher it returns [`Ran::Part`] with the
+    /// plant's status, once the plant has ended. If nothing is simulated, or the plant was lost, the launcher gets the
+    /// report. Drives that search for their marks stay in their EDPs and are not observed. The program of a robot shows
+    /// data to observers by [`Shown`](mrroc_core::observe::Shown).
     #[must_use]
     pub fn watching(mut self) -> Launch {
         self.watching = true;
         self
     }
 
-    /// Does what the arguments ask of a cell that runs already in another terminal, such as `status` or `stop`, or of the
-    /// machine, `doctor`; `None`: they begin with no such word. The cell is the one of [`cell_file`](Launch::cell_file).
+    /// Carries out the word with which the arguments begin: a request to a cell that runs already in another terminal,
+    /// such as `status` or `stop`, or `doctor`. Returns `None` if they begin with no such word. The cell is that of
+    /// [`cell_file`](Launch::cell_file).
     #[must_use]
     pub fn operate(&self) -> Option<ExitCode> {
         if self.is_part() || !self.arguments.first().is_some_and(|first| is_word(first)) {
@@ -143,22 +152,22 @@ impl Launch {
         Some(file.map_or_else(|error| refused(&error), |file| self.parts.operate(&file, operating)))
     }
 
-    /// What the help of a program with a command line of its own says of the words that [`operate`](Launch::operate) carries
-    /// out, of `replay FILE` and of `--record FILE`: sections to be put below its options.
+    /// The sections of the help on the words that [`operate`](Launch::operate) carries out, on `replay FILE` and on
+    /// `--record FILE`: a program with a command line of its own prints them below its options.
     #[must_use]
     pub fn help() -> String {
         help_beside_own()
     }
 
-    /// Prints what `clap` has to say instead of a program's own options: the help or version that was asked for, exit status
-    /// 0, or what is wrong with the command line, exit status 2.
+    /// Prints the answer that `clap` gives instead of a program's options, and returns the exit status: 0 after the
+    /// help or the version, 2 after an error in the command line.
     #[must_use = "the exit status tells that nothing has moved"]
     pub fn answer(answer: &clap::Error) -> ExitCode {
         answered(answer)
     }
 
-    /// Whether what watches the robots from here sees everything: the cell runs in this process, all of it, and nothing else
-    /// than the program's own work is asked for, or this is the plant of a program that is [`watching`](Launch::watching).
+    /// Whether observers in this process see everything: either the whole cell runs in this process and nothing besides
+    /// the program's own work is asked for, or this is the plant of a program that is [`watching`](Launch::watching).
     #[must_use]
     pub fn is_here(&self) -> bool {
         self.is_watched_plant() || self.part.is_none() && self.clock.is_none() && self.recording.is_none()
@@ -178,8 +187,8 @@ impl Launch {
     /// Runs the cell, or this process's part of it.
     ///
     /// # Errors
-    /// [`CellError`]: what is wrong with the set-up, or why processes cannot run it, before anything moves; or the first
-    /// cause of a stop.
+    /// [`CellError`]: what is wrong with the set-up, or why the cell cannot run as processes, before any robot moves; or the
+    /// first cause of a stop.
     pub fn run(self, cell: Cell) -> Result<Ran, CellError> {
         let mut cell = self.parts.equip(cell);
         if let Some((process, session)) = &self.part {

@@ -1,4 +1,4 @@
-//! A cell with what watches it, from the command line: on the memory link, or as processes.
+//! Runs a cell for the command line, with the observers that draw its picture: on the memory link, or as processes.
 //!
 //! In: an assembled cell, a picture of its run and the options. Out: the run, its picture, and an exit status.
 
@@ -16,13 +16,13 @@ use mrroc_core::cell::{Cell, CellError, RunPicture, RunReport};
 use mrroc_core::console::refused;
 use mrroc_core::fault::Fault;
 
-/// How long a process may compute at a stretch: planning takes seconds, an endless loop for ever.
+/// How long a process may compute without waiting: long enough for planning, which takes seconds.
 const STUCK: Duration = Duration::from_secs(60);
 
-/// Runs the cell to its end, and draws what moved unless told not to.
+/// Runs the cell to its end, and draws what moved, unless no picture is wanted.
 pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Options) -> ExitCode {
     if let Some(file) = options.picture() {
-        // Found out now, not after a long run.
+        // Checked before the run, because a run may be long.
         if let Err(error) = OpenOptions::new().append(true).create(true).open(file) {
             return refused(&unwritable(file, &error));
         }
@@ -38,7 +38,8 @@ pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Option
     }
 }
 
-/// Runs the cell as processes, or the one of them that this is: the plant draws, for it has the simulated robots.
+/// Runs the cell as processes, or the process that this is. The plant draws the picture, because it has the simulated
+/// robots.
 pub(super) fn watched(
     mut cell: Cell,
     mut picture: impl RunPicture,
@@ -60,14 +61,14 @@ pub(super) fn watched(
         parts,
     };
     let draws = launch.is_here();
-    // Found out now, and by the launcher alone.
+    // Checked before the run, and by the launcher only.
     if let Some(file) = options.picture().filter(|_| !launch.is_part())
         && let Err(error) = OpenOptions::new().append(true).create(true).open(file)
     {
         return refused(&unwritable(file, &error));
     }
     if draws {
-        // The program's own observers look on in the EDPs.
+        // The program's own observers are in the EDPs.
         cell = picture.watch(cell.unobserved());
     }
     match launch.run(cell) {
@@ -86,7 +87,7 @@ pub(super) fn watched(
     }
 }
 
-/// Draws what moved, and says how the run ended.
+/// Draws what moved, and prints how the run ended.
 fn conclude(outcome: Result<RunReport, Fault>, mut picture: impl RunPicture, options: &Options) -> ExitCode {
     let drawn =
         options.picture().map_or(Ok(()), |file| picture.save(file).map_err(|error| unwritable(file, &error)));

@@ -1,6 +1,6 @@
 //! What `--check` prints: the cell as a table.
 //!
-//! In: what the cell is made of. Out: text: its processes with their periods, priorities and cores; its robots with the
+//! In: the layout of the cell. Out: text: its processes with their periods, priorities and cores; its robots with the
 //! limits of each joint and how long a stop takes, `T_stop = T_detect + T_brake`; its sensors.
 
 use core::fmt::{self, Display};
@@ -21,7 +21,7 @@ pub(super) struct Table<'a> {
     realtime: Option<&'a Realtime>,
     recording: Option<&'a Recording>,
     dry_run: bool,
-    /// Where the cell runs.
+    /// The link on which the cell runs.
     link: &'static str,
 }
 
@@ -79,7 +79,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// Priority and core of a process.
+    /// The priority and the core of a process, as text.
     fn placed(&self, process: ProcessId) -> (String, String) {
         let Some(realtime) = self.realtime else { return ("-".to_owned(), "-".to_owned()) };
         let names = self.layout.robots.iter().filter_map(|robot| Name::new(&robot.name).ok());

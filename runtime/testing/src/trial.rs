@@ -88,7 +88,7 @@ pub(super) fn attempt(mut cell: Cell, part: Part, lasting: Lasting) -> Result<Tr
         .map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot))))
         .collect();
     let seeing = Rc::clone(&onlookers);
-    let mut cell = cell.watch(move |seen| {
+    let cell = cell.watch(move |seen| {
         // The end of the servo period, converted from seconds back to nanoseconds.
         let end = (seen.time * 1e9).round() as Nanos;
         let of_robot = seeing.iter().find(|onlooker| onlooker.borrow().name == seen.robot);

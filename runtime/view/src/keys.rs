@@ -1,16 +1,16 @@
 //! The keys of the view.
 //!
-//! In: a key, and the speed that is set. Out: what it asks the cell for.
+//! In: a key, and the speed that is set. Out: the request to the cell, if the key means one.
 
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 use mrroc_core::operator::button::Button;
 use mrroc_processes::Request;
 
-/// What the keys are, for the screen.
+/// The list of the keys, for the screen.
 pub(super) const KEYS: &str = "space stop · a abort · s suspend · r resume · + − speed · t take · l let go · k acknowledge · e reset · q quit";
 
-/// What `+` and `-` change the speed by: a tenth.
+/// Number of notches from 0 to full speed: `+` and `-` change the speed by one notch, a tenth.
 const NOTCHES: f64 = 10.0;
 
 /// What a key means.
@@ -25,7 +25,8 @@ pub(super) enum Pressed {
 pub(super) fn meaning(key: KeyEvent, speed: f64) -> Pressed {
     let press = |button| Pressed::Ask(Request::Press(button));
     let notch = |notch: f64| press(Button::Speed(notch.clamp(0.0, NOTCHES) / NOTCHES));
-    // Far less than a notch and far more than the last digit of a speed: 0.3 is the third one.
+    // 1e-9 is far less than a notch and far more than the rounding error of a speed, so that 0.3 counts as the third
+    // notch.
     let (last, next) = ((NOTCHES * speed + 1e-9).floor(), (NOTCHES * speed - 1e-9).ceil());
     match key.code {
         KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Pressed::Quit,

@@ -1,7 +1,8 @@
 //! The operator's live view of a running cell, in a terminal.
 //!
-//! In: pictures of the cell, up to 20 a second, answers to what was pressed, and keys. Out: a screen. [`screen`] draws it and
-//! [`keys`] says what a key asks for; here both meet. The view is a console as any other: the cell does not wait for it.
+//! In: pictures of the cell, up to 20 a second, answers to what was pressed, and keys. Out: a screen, and requests to
+//! the cell. [`screen`] draws the screen and [`keys`] gives the meaning of a key. The view is a console like any other:
+//! the cell does not wait for it.
 
 mod keys;
 mod screen;
@@ -23,7 +24,7 @@ const LOOK: Duration = Duration::from_millis(25);
 /// Shows the cell until the operator quits or the cell ends.
 ///
 /// # Errors
-/// There is no terminal to draw on, or the console server says what it never says.
+/// There is no terminal to draw on, or what came from the console server is neither an answer nor a picture.
 pub fn view(caller: Caller) -> io::Result<()> {
     let Caller { mut asks, hears } = caller;
     asks.ask(&Request::Watch)?;
@@ -35,7 +36,7 @@ pub fn view(caller: Caller) -> io::Result<()> {
     outcome
 }
 
-/// Hears the console_server in a thread of its own, which ends with the connection.
+/// Receives from the console server in a thread of its own, which ends with the connection.
 fn listen(mut hears: Hears) -> io::Result<Receiver<io::Result<Heard>>> {
     let (sender, heard) = channel();
     std::thread::Builder::new().name("hears".to_owned()).spawn(move || {
@@ -61,7 +62,7 @@ fn show(
             match heard.try_recv() {
                 Ok(Ok(Heard::Picture(picture))) => screen.picture = Some(picture),
                 Ok(Ok(Heard::Reply(reply))) => screen.reply = Some(reply),
-                // The last picture stays until the operator has seen it.
+                // The last picture stays on the screen until the operator quits.
                 Ok(Err(error)) => screen.over = Some(error.to_string()),
                 Err(TryRecvError::Empty | TryRecvError::Disconnected) => break,
             }
@@ -77,7 +78,7 @@ fn show(
         let speed = screen.picture.as_ref().map_or(1.0, |picture| picture.speed);
         match meaning(key, speed) {
             Pressed::Quit => return Ok(()),
-            // Nobody hears it any more.
+            // The connection is closed, so that no request can be sent.
             Pressed::Ask(_) if screen.over.is_some() => {}
             Pressed::Ask(request) => {
                 if asks.ask(&request).is_err() {

@@ -15,24 +15,24 @@ use mrroc_core::operator::state::Doing;
 use mrroc_core::robot::MAX_JOINTS;
 use mrroc_processes::{Figures, Picture, Reply, RobotPicture};
 
-/// What there is to see.
+/// What the screen shows.
 #[derive(Debug, Default)]
 pub(super) struct Screen {
     /// The newest picture.
     pub picture: Option<Picture>,
     /// The newest answer.
     pub reply: Option<Reply>,
-    /// Why no more of either comes.
+    /// Why no more pictures and answers come, once the connection is closed.
     pub over: Option<String>,
 }
 
-/// Columns of the processes beside robots, and of these below their frame.
+/// The width of the processes when the robots are beside them [columns].
 const PROCESSES: u16 = 76;
 const ROBOTS: u16 = (LABEL + 9 * MAX_JOINTS + 2) as u16;
-/// Columns of a robot's name.
+/// The width of a robot's name [columns].
 const LABEL: usize = 15;
 
-/// Draws all of it.
+/// Draws the whole screen.
 pub(super) fn draw(frame: &mut Frame<'_>, screen: &Screen) {
     let width = usize::from(frame.area().width).max(1);
     let rows = Layout::vertical([
@@ -107,7 +107,7 @@ fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Pictur
         let [left, right] = Layout::vertical([Constraint::Min(3), Constraint::Length(robots)]).areas(area);
         (left, right)
     };
-    // What finds no room is told of.
+    // What has no room is counted and mentioned.
     let fits = |area: Rect, frame: u16, each: u16| usize::from(area.height.saturating_sub(frame) / each);
     let title = |what: &str, all: usize, fits: usize| {
         if all > fits { format!("{what}: {fits} of {all}, more in a larger window") } else { what.to_owned() }
@@ -140,7 +140,7 @@ fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Pictur
     frame.render_widget(Paragraph::new(lines).block(block), right);
 }
 
-/// What was demanded of a robot's joints, and how far they are from it.
+/// The demanded joint positions of a robot, and how far its joints are from them.
 fn robot(robot: &RobotPicture) -> [Line<'static>; 2] {
     let row =
         |numbers: &mut dyn Iterator<Item = f64>| numbers.map(|q| format!(" {q:8.4}")).collect::<String>();
@@ -153,7 +153,7 @@ fn robot(robot: &RobotPicture) -> [Line<'static>; 2] {
     ]
 }
 
-/// The last fault, and what became of the last key.
+/// The last fault, and the answer to the last key.
 fn messages(screen: &Screen) -> Paragraph<'static> {
     let fault = screen.picture.as_ref().and_then(|picture| picture.fault.clone());
     let fault = match fault {
@@ -236,7 +236,7 @@ mod tests {
         ] {
             assert!(lines.iter().any(|line| line.contains(told)), "{told} in {lines:#?}");
         }
-        // By what they are: a process and its state, a robot's joints and what is missing to them.
+        // The lines of a process and its state, and of a robot's demanded joints and their distances.
         let line = |begins: &str| lines.iter().find(|line| line.contains(begins)).expect(begins);
         let mp: Vec<_> = line("mp ").split_whitespace().take(9).collect();
         assert_eq!(mp[..8], ["│mp", "100", "1200", "3", "2", "61", "480", "runs"], "{lines:#?}");

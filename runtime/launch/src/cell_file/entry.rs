@@ -19,7 +19,7 @@ pub(super) struct At<T> {
     pub span: Range<usize>,
 }
 
-/// A robot of a cell file: what the set-up of its kind is made from.
+/// A robot of a cell file, from which the set-up of its kind is made.
 #[derive(Clone, Debug)]
 pub struct RobotEntry {
     pub(super) source: Rc<Source>,
@@ -44,19 +44,20 @@ impl RobotEntry {
         &self.kind.value
     }
 
-    /// `base`: where the robot's base stands, `X_WB`; the world's origin unless the file says so.
+    /// `base`: the pose of the robot's base in the world, `X_WB` [m, rad]; the world's origin by default.
     #[must_use]
     pub fn base(&self) -> Pose {
         self.base.unwrap_or_else(Pose::identity)
     }
 
-    /// `tool`: `X_FE`; the flange unless the file says so. The robot is given it whatever the set-up does with it.
+    /// `tool`: the pose of the tool on the flange, `X_FE`; the flange by default. The robot gets this tool even if the
+    /// set-up does not use it.
     #[must_use]
     pub fn tool(&self) -> Pose {
         self.tool.unwrap_or_else(Pose::identity)
     }
 
-    /// `homed`: whether the drives know where the robot is when the cell starts; they do unless the file says otherwise.
+    /// `homed`: whether the drives know where the robot is when the cell starts; true by default.
     #[must_use]
     pub fn is_homed(&self) -> bool {
         self.homed.as_ref().is_none_or(|homed| homed.value)
@@ -72,8 +73,8 @@ impl RobotEntry {
     /// `start`: the joint positions at which a simulated robot of this kind starts [rad or m].
     ///
     /// # Errors
-    /// There is none, it has another number of joints, or one of them is outside the robot's position limits. What the
-    /// limits do not say, the kind itself refuses: [`RobotEntry::refuse_start`].
+    /// The file has no `start`, it has another number of joints, or a joint is outside the robot's position limits. A
+    /// kind refuses other impossible positions itself, by [`RobotEntry::refuse_start`].
     pub fn start<R: Robot>(&self, robot: &R) -> Result<R::Joints, CellError> {
         let joints = R::Joints::LEN;
         let Some(start) = &self.start else {
@@ -91,7 +92,7 @@ impl RobotEntry {
         let limits = robot.limits();
         for (i, At { value, span }) in start.value.iter().enumerate() {
             let (lower, upper) = (limits.lower[i], limits.upper[i]);
-            // Limits that leave no room are told of by the cell, which checks them.
+            // Limits whose range is empty are reported by the cell, which checks them.
             if lower < upper && !(lower..=upper).contains(value) {
                 let unit = robot.joint(i).unit(0);
                 let what = format!("`start` of joint {} is {value} {unit}, outside its limits", i + 1);
@@ -102,8 +103,8 @@ impl RobotEntry {
         Ok(R::Joints::from_joints(|i| start.value[i].value))
     }
 
-    /// Refuses the `start` for a reason that no box of joint limits knows, such as motors that several joints share: `what`
-    /// is wrong with it, and in `help` what to write.
+    /// Refuses the `start` for a reason that limits of single joints cannot express, such as motors that several joints
+    /// share: `what` is wrong with it, and `help` says what to write.
     #[must_use]
     pub fn refuse_start(&self, what: String, help: String) -> CellError {
         let span = self.start.as_ref().map_or(&self.name.span, |start| &start.span);

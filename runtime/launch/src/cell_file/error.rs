@@ -16,12 +16,12 @@ pub struct CellFileError {
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Complaint {
-    /// Where in the text, for the order of complaints.
+    /// The place in the text \[bytes\], by which errors are sorted.
     offset: usize,
-    /// File, and line and column where there are any.
+    /// The file, and the line and column if they are known.
     at: String,
     what: String,
-    /// The line with a caret below; empty without one.
+    /// The line with a caret below it; empty if the line is not known.
     excerpt: String,
     help: String,
 }
@@ -52,7 +52,7 @@ impl CellFileError {
         CellFileError { complaints: vec![Complaint { offset: 0, at, what, excerpt: String::new(), help }] }
     }
 
-    /// All complaints as one, if there are any, from the file's top to its end.
+    /// Joins all errors to one, in the order of the file; `Ok` if there are none.
     pub(super) fn all(errors: Vec<CellFileError>) -> Result<(), CellFileError> {
         let mut complaints: Vec<_> = errors.into_iter().flat_map(|error| error.complaints).collect();
         complaints.sort_by_key(|complaint| complaint.offset);
@@ -60,7 +60,7 @@ impl CellFileError {
     }
 }
 
-/// The file's name and text, kept for messages about what is found out later.
+/// The file's name and text, kept for messages about errors that are found later.
 #[derive(Debug)]
 pub(super) struct Source {
     pub file: String,
@@ -68,7 +68,7 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// A complaint about a place in the text, in bytes.
+    /// An error at a place in the text \[bytes\].
     pub fn complain(&self, at: &Range<usize>, what: String, help: String) -> CellFileError {
         let start = self.text.floor_char_boundary(at.start);
         let before = &self.text[..start];
@@ -76,7 +76,7 @@ impl Source {
         let begin = before.rfind('\n').map_or(0, |newline| newline + 1);
         let column = self.text[begin..start].chars().count() + 1;
         let shown = self.text[begin..].lines().next().unwrap_or("");
-        // The caret's line has the same tabs, or it would point elsewhere.
+        // The caret's line repeats the tabs of the line above, so that the caret stands below the right column.
         let blank: String =
             shown.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
         let rest = shown.chars().count().saturating_sub(column - 1);
@@ -88,7 +88,7 @@ impl Source {
         CellFileError { complaints: vec![Complaint { offset: start, at, what, excerpt, help }] }
     }
 
-    /// The file has no entry of this name in a table.
+    /// The error that the file has no entry of this name in a table.
     pub fn missing<'a>(
         &self,
         table: &str,

@@ -7,19 +7,19 @@ use super::entry::RobotEntry;
 
 type Make = Box<dyn Fn(&RobotEntry) -> Result<Box<dyn AnyRobot>, CellError>>;
 
-/// The kinds of robots that a program knows, each with what sets one up: its model and its drives.
+/// The kinds of robots that a program knows, each with the function that makes a set-up: the model and the drives.
 #[derive(Default)]
 pub struct Kinds(Vec<(String, Make)>);
 
 impl Kinds {
-    /// None.
+    /// No kinds.
     #[must_use]
     pub fn new() -> Kinds {
         Kinds::default()
     }
 
-    /// Adds the kind that the file calls `name`, or puts another set-up in its place: the drives of a real robot where a
-    /// simulated one was.
+    /// Adds the kind that the file calls `name`. If the kind exists already, its set-up is replaced, for example to use
+    /// the drives of a real robot in place of simulated ones.
     #[must_use]
     pub fn with<R: Robot>(
         mut self,
@@ -31,7 +31,7 @@ impl Kinds {
             if !entry.is_homed() && setup.is_homed() {
                 return Err(entry.refuse_unhomed());
             }
-            // The file names its robots, whatever a set-up calls them.
+            // The name of a robot comes from the file and not from its set-up.
             setup.rename(entry.name());
             Ok(Box::new(match entry.tool {
                 Some(tool) => setup.tool(tool),

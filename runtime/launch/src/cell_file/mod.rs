@@ -61,7 +61,7 @@ pub use kinds::Kinds;
 use entry::SensorEntry;
 use error::Source;
 
-/// A cell as its file describes it: names, kinds, places and periods; no programs.
+/// A cell as its file describes it: names, kinds, places and periods, without programs.
 #[derive(Clone, Debug)]
 pub struct CellFile {
     source: Rc<Source>,
@@ -75,7 +75,7 @@ pub struct CellFile {
     sensors: Vec<SensorEntry>,
 }
 
-/// The longest file \[bytes\]: a cell of 31 robots has some thousands.
+/// The longest file \[bytes\]; the file of a cell with 31 robots has some thousand bytes.
 const MOST_BYTES: u64 = 1 << 20;
 
 impl CellFile {
@@ -87,7 +87,7 @@ impl CellFile {
         let path = path.as_ref();
         let name = path.display().to_string();
         let mut text = String::new();
-        // A device has no end: one byte too many is enough to refuse it.
+        // A device file may be endless: reading one byte more than allowed is enough to refuse it.
         let read = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
         match read {
             Ok(_) => CellFile::parse(&name, &text),
@@ -106,7 +106,7 @@ impl CellFile {
         reader::read(name, text)
     }
 
-    /// The step of the cell.
+    /// The step of the cell, `Ts`.
     #[must_use]
     pub fn step(&self) -> Duration {
         self.step
@@ -118,10 +118,11 @@ impl CellFile {
         &self.robots
     }
 
-    /// A cell with the robots of the file, each set up by its kind. Programs and sensors are added to it.
+    /// Makes a cell with the robots of the file, each set up by its kind. The program adds its programs and sensors to
+    /// it.
     ///
     /// # Errors
-    /// What the file asks of the kinds and they cannot give, for all robots at once.
+    /// Everything that the file asks for and the kinds cannot provide, for all robots at once.
     pub fn cell(&self, kinds: &Kinds) -> Result<Cell, CellError> {
         let mut cell = Cell::new(self.step)
             .expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name))

@@ -1,11 +1,11 @@
-//! The page of the book about `cell.toml`, beside what the reader knows.
+//! Compares the page of the book about `cell.toml` with the keys that the reader knows.
 
 use super::CellFile;
 use super::reader::{CELL_KEYS, POSE_KEYS, REALTIME_KEYS, RECORDING_KEYS, ROBOT_KEYS, SENSOR_KEYS};
 
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
-/// The keys of each table, in the order of the page, and what the page calls it.
+/// The tables, by the names that the page gives them and in its order, with the keys of each table.
 const TABLES: [(&str, &[&str]); 6] = [
     ("## The cell", &CELL_KEYS),
     ("## A robot", &ROBOT_KEYS),

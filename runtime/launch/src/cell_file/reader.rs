@@ -1,4 +1,7 @@
-//! From text to a [`CellFile`]: every key is known, every value has its type and range, all errors are told at once.
+//! Reads a [`CellFile`].
+//!
+//! In: the text of the file. Out: a [`CellFile`] in which every key is known and every value has its type and range; or
+//! all errors at once.
 
 use core::ops::{Range, RangeInclusive};
 use core::time::Duration;
@@ -29,7 +32,7 @@ pub(super) const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
 pub(super) const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
 pub(super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 pub(super) const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
-/// What to write where a line is no TOML.
+/// What to write in place of a line that is no TOML.
 const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0], tables as [robots.arm]; a bracket or a quote may be \
                     missing in the line above";
 pub(super) const REALTIME_KEYS: [&str; 4] = ["priority", "lock_memory", "cores", "permission"];
@@ -42,7 +45,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let source = Rc::new(Source { file: name.to_owned(), text: text.to_owned() });
     let (document, syntax) = DeTable::parse_recoverable(text);
     let mut reader = Reader { source: Rc::clone(&source), errors: Vec::new() };
-    // What follows from a broken line would only confuse.
+    // Other errors are not reported, because they may only follow from the line that is no TOML.
     let place = |error: &toml::de::Error| error.span().unwrap_or(0..0);
     if let Some(error) = syntax.iter().min_by_key(|error| place(error).start) {
         let at = place(error);
@@ -113,7 +116,7 @@ impl Reader {
         self.errors.push(self.source.complain(at, what, help));
     }
 
-    /// Complains of the keys that are not known.
+    /// Reports the keys that are not known.
     fn known(&mut self, table: &DeTable<'_>, keys: &[&str], owner_has: &str) {
         for key in table.keys() {
             if !keys.contains(&key.get_ref().as_ref()) {
@@ -177,12 +180,12 @@ impl Reader {
         truth.map(|truth| At { value: truth, span: value.span() })
     }
 
-    /// A time in milliseconds, from a tenth of one to a minute.
+    /// Reads a time in milliseconds, from 0.1 ms to a minute.
     fn duration(&mut self, value: &Value<'_>) -> Option<Duration> {
         const RANGE: &str = "a number of milliseconds from 0.1 to 60000";
         let ms = self.number(value, RANGE)?;
         if (0.1..=60e3).contains(&ms.value) {
-            // To the nanosecond, of which the cell's clock has whole ones.
+            // Rounded to whole nanoseconds, in which the cell's clock counts.
             return Some(Duration::from_nanos((ms.value * 1e6).round() as u64));
         }
         self.complain(&ms.span, format!("{} ms", ms.value), format!("write {RANGE}"));
@@ -200,7 +203,7 @@ impl Reader {
         }
     }
 
-    /// What the cell does after a fault; ends unless it is said.
+    /// Reads what the cell does after a fault.
     fn after_fault(&mut self, value: &Value<'_>) -> Option<AfterFault> {
         match self.text(value, "\"end\" or \"await reset\"")? {
             "end" => Some(AfterFault::End),
@@ -213,7 +216,7 @@ impl Reader {
         }
     }
 
-    /// The named tables below a key.
+    /// Reads the named tables below a key.
     fn entries<'t>(&mut self, table: &'t DeTable<'t>, key: &str) -> Vec<Entry<'t>> {
         let Some(value) = table.get(key) else { return Vec::new() };
         let DeValue::Table(named) = value.get_ref() else {
@@ -232,7 +235,7 @@ impl Reader {
                 self.wrong_type(value, &expected);
             }
         }
-        // In the order of the file, where a map has the order of names.
+        // Sorted into the order of the file, because the map is sorted by names.
         entries.sort_by_key(|entry| entry.name.span.start);
         entries
     }
@@ -254,7 +257,7 @@ impl Reader {
         Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, homed, base, tool })
     }
 
-    /// `{ position = [x, y, z], zyz = [a, b, c] }`, each zero unless it is said.
+    /// Reads `{ position = [x, y, z], zyz = [a, b, c] }` [m, rad]; each is zero by default.
     fn pose(&mut self, value: &Value<'_>) -> Option<Pose> {
         const FORM: &str = "{ position = [x, y, z], zyz = [a, b, c] } [m, rad]";
         let DeValue::Table(table) = value.get_ref() else {
@@ -343,7 +346,7 @@ impl Reader {
         Some(recording)
     }
 
-    /// A list of names of what is there.
+    /// Reads a list of names, each of which must be among `there`.
     fn names(&mut self, value: &Value<'_>, of: &str, there: &[String]) -> Option<Vec<String>> {
         let expected = format!("a list of names of {of}, in quotes");
         let DeValue::Array(array) = value.get_ref() else {
@@ -366,7 +369,7 @@ impl Reader {
         names.into_iter().collect()
     }
 
-    /// A whole number of a range.
+    /// Reads a whole number in a range.
     fn whole(&mut self, number: &At<f64>, range: RangeInclusive<usize>, expected: &str) -> Option<usize> {
         let found = range.into_iter().find(|&whole| whole as f64 == number.value);
         if found.is_none() {
