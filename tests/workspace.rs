@@ -1,4 +1,4 @@
-//! What checks what: no crate is left out.
+//! Checks that every crate of the workspace is tested.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! What a programmer writes with the macros: what becomes of it, and what mistakes are answered with.
+//! What the macros make of the code that a programmer writes, and the errors with which they answer mistakes.
 
 mod behaviour;
 #[allow(unreachable_pub, dead_code)]

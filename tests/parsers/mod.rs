@@ -1,6 +1,6 @@
 //! Readers under bad input, row 33 of SAFETY.md: no panic, and no more than 256 MB, whatever they read.
 //!
-//! `MRROC_FUZZ=1000000` runs so many mutated inputs in all; what fails is written to the target folder.
+//! `MRROC_FUZZ=1000000` runs so many mutated inputs in all; inputs that fail are written to the target folder.
 
 mod bombs;
 mod mutation;
@@ -13,7 +13,7 @@ use mrroc_counting_allocator::peak;
 use mutation::{Random, mutate};
 use targets::TARGETS;
 
-/// Most memory that reading may take \[bytes\].
+/// The largest memory that reading may take \[bytes\].
 const MEMORY: usize = 256 << 20;
 
 fn corpus(name: &str) -> Vec<Vec<u8>> {
@@ -24,7 +24,7 @@ fn corpus(name: &str) -> Vec<Vec<u8>> {
     files.iter().map(|file| std::fs::read(file).expect("readable")).collect()
 }
 
-/// Reads one input; where it panics or takes too much, the input is kept and named.
+/// Reads one input; if this panics or takes too much memory, the input is kept and its file is named.
 fn read(name: &str, target: targets::Target, input: &[u8]) {
     let (outcome, most) = peak(|| catch_unwind(|| target(input)));
     if outcome.is_err() || most > MEMORY {

@@ -1,4 +1,4 @@
-//! Bad input out of good one: seeded mutations of a corpus, as fuzzers make them, without a look at what they cover.
+//! Makes bad input from good input: seeded mutations of a corpus, as fuzzers make them, but without measuring coverage.
 
 /// SplitMix64.
 pub struct Random(pub u64);
@@ -12,13 +12,13 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// From 0 to below `end`, at least 1.
+    /// A number from 0 to `end - 1`; `end` is at least 1.
     pub fn below(&mut self, end: usize) -> usize {
         (self.next() % end.max(1) as u64) as usize
     }
 }
 
-/// What readers stumble over.
+/// Texts that are difficult for readers.
 const TOKENS: [&[u8]; 36] = [
     b"0",
     b"-1",

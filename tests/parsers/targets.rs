@@ -1,4 +1,4 @@
-//! What reads what others wrote: each target reads bytes and must refuse or accept them, whatever they are. The fuzz
+//! The readers of external input: each target reads bytes and must refuse or accept them, whatever they are. The fuzz
 //! targets in `tests/fuzz/` are the same functions.
 
 use engraving::drawing::{Limits, read_bytes};
@@ -32,7 +32,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("recording", recording),
 ];
 
-/// What bad input is answered with must say something.
+/// Checks that the answer to bad input is not empty.
 fn told<T, E: std::fmt::Display>(outcome: Result<T, E>) -> Option<T> {
     outcome.map_err(|error| assert!(!error.to_string().is_empty(), "an error without words")).ok()
 }
@@ -103,7 +103,7 @@ fn words<const N: usize>(bytes: &[u8]) -> [u64; N] {
     words
 }
 
-/// Words of a message: what they spell comes out as it went in, to the bit.
+/// Words of a message: a value that is read is written as the same words again, to the bit.
 pub fn wire(bytes: &[u8]) {
     let words = words::<WORDS>(bytes);
     spells::<Demand<Irp6>>(&words);
@@ -113,7 +113,7 @@ pub fn wire(bytes: &[u8]) {
     spells::<Name>(&words);
     spells::<[bool; 4]>(&words);
     spells::<[u16; 3]>(&words);
-    // Too few words are no value, and no panic.
+    // Too few words give no value and cause no panic.
     for len in 0..WORDS {
         let _: Result<Demand<Irp6>, BadWords> = Wire::get(&words[..len]);
         let _: Result<EffectorState, BadWords> = Wire::get(&words[..len]);

@@ -53,12 +53,12 @@ fn fault_01_to_03_robots_of_a_cell_of_which_a_process_is_killed_stand_within_the
     );
 }
 
-/// Row 1: drives whose EDP is gone bridge `L` steps, then brake, and stand.
+/// Row 1: drives whose EDP is gone bridge `L` steps, then brake to a standstill.
 fn assert_drives_brake(launch: &Launch, robot: &str) {
     let (commanded, drives) = (launch.record(robot).len(), launch.drives(robot));
     let Some(last) = drives.last() else { return };
     let braked = drives.iter().position(|period| !period.powered).expect("they brake");
-    // The EDP may be gone before it has written what it commanded last.
+    // The EDP may be gone before it has written its last demand.
     let bridged = braked.saturating_sub(commanded);
     assert!((L..=L + 1).contains(&bridged), "{robot}: {bridged} periods bridged");
     let braking = drives[braked..].iter().take_while(|period| !period.stands()).count();
@@ -129,8 +129,8 @@ impl fmt::Display for Killed {
     }
 }
 
-/// Kills the process of a role after so many microseconds, or as soon as it is there; says which that was, and which there
-/// were. None when the cell is over by then.
+/// Kills the process of a role after so many microseconds, or as soon as the process exists. Returns that process and
+/// all processes; `None` if the cell is over by then.
 fn kill_one(launch: &mut Launch, role: &str, micros: u64) -> (Option<Process>, Vec<Process>) {
     launch.let_run(Duration::from_micros(micros));
     loop {

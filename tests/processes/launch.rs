@@ -1,4 +1,5 @@
-//! A launch of the task program as a test sees it: its processes, what it left behind, what its robots were demanded.
+//! A launch of the task program, for tests: its processes, the files that it leaves behind, and the demands of its
+//! robots.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -10,10 +11,10 @@ use std::time::{Duration, Instant};
 use mrroc_tests::fixture::{ARMS, COUNTS, PROGRAM, RECORDS};
 use rustix::process::{Pid, Signal, kill_process};
 
-/// How long anything may take before it counts as hanging.
+/// The time after which anything counts as hanging.
 const LIVENESS: Duration = Duration::from_secs(120);
 
-/// A test that has a place: one after the other, because their processes would take each other's time.
+/// Lets tests run one after another, because their processes would take processor time from each other.
 static ONE: Mutex<()> = Mutex::new(());
 
 /// A folder of a test: the cell, its sessions, the records of its robots.
@@ -31,7 +32,7 @@ impl Place {
 
     /// For this program and its cell. The folder's name is short, because names of sockets in it have 108 bytes.
     pub fn of(test: u32, program: &'static str, cell: &str) -> Place {
-        // A test that failed has left nothing behind that another one minds.
+        // A test that failed leaves nothing that disturbs another test.
         let only = ONE.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = PathBuf::from(format!("/tmp/mr{}-{test}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder");
@@ -123,7 +124,7 @@ impl Process {
             .map(|(state, parent)| (parent, state))
     }
 
-    /// Whether it runs still.
+    /// Whether it still runs.
     pub fn is_alive(&self) -> bool {
         Process::stat(self.pid).is_some_and(|(_, state)| state != 'Z')
             && role(self.pid).as_ref() == Some(&self.role)
@@ -134,7 +135,7 @@ impl Process {
         self.signal(Signal::KILL);
     }
 
-    /// Sends it a signal, if it is still what it was.
+    /// Sends it a signal, if its number still belongs to the same process.
     pub fn signal(&self, what: Signal) {
         if self.is_alive() {
             signal(self.pid, what);
@@ -169,7 +170,7 @@ impl Launch {
         i32::try_from(self.child.id()).expect("a process's number")
     }
 
-    /// The processes that the launcher has started and that are there.
+    /// The processes that the launcher has started and that still exist.
     pub fn processes(&mut self) -> Vec<Process> {
         self.look();
         let all = fs::read_dir("/proc").expect("processes").flatten();
@@ -182,7 +183,7 @@ impl Launch {
         self.seen.extend(sessions(&self.place.join("mrroc")));
     }
 
-    /// Sleeps, and keeps an eye on its sessions.
+    /// Sleeps, and notes its sessions meanwhile.
     pub fn let_run(&mut self, time: Duration) {
         let until = Instant::now() + time;
         while Instant::now() < until {
@@ -191,7 +192,7 @@ impl Launch {
         }
     }
 
-    /// Tells the launcher something.
+    /// Sends a signal to the launcher.
     pub fn signal(&self, what: Signal) {
         signal(self.pid(), what);
     }
@@ -219,7 +220,7 @@ impl Launch {
         }
     }
 
-    /// What it said on its standard error.
+    /// What it printed on its standard error.
     pub fn said(&self) -> String {
         self.text("stderr")
     }
@@ -229,7 +230,7 @@ impl Launch {
         &self.seen
     }
 
-    /// What a file of its records says; nothing when it is not there.
+    /// The text of a file of its records; empty if the file does not exist.
     pub fn text(&self, file: &str) -> String {
         fs::read_to_string(self.records.join(file)).unwrap_or_default()
     }
@@ -241,12 +242,12 @@ impl Launch {
         text[..whole].lines().map(str::to_owned).collect()
     }
 
-    /// What a robot's drives did, in whichever process they were.
+    /// What a robot's drives did, whichever process they were in.
     pub fn drives(&self, robot: &str) -> Vec<Period> {
         self.record(&format!("{robot}.plant")).iter().map(|line| Period::read(line)).collect()
     }
 
-    /// Asserts that nothing of it is left: no process, no file, no segment.
+    /// Asserts that it has left no process, no file and no segment.
     pub fn assert_nothing_left(&self, processes: &[Process]) {
         wait_for_end(processes);
         for session in &self.seen {
@@ -298,7 +299,7 @@ impl Period {
     }
 }
 
-/// Waits for something that comes if nothing hangs.
+/// Waits for a condition that becomes true unless something hangs.
 pub fn wait_until(mut is_so: impl FnMut() -> bool) {
     let until = Instant::now() + LIVENESS;
     while !is_so() {
@@ -307,7 +308,7 @@ pub fn wait_until(mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// Waits until none of them is there.
+/// Waits until none of the processes exists.
 pub fn wait_for_end(processes: &[Process]) {
     let until = Instant::now() + LIVENESS;
     while processes.iter().any(Process::is_alive) {

@@ -1,7 +1,7 @@
-//! A cell as processes of the operating system: the same demands to the bit, and a clean end whatever is killed.
+//! A cell as processes of the operating system: the same demands to the bit, and no remains whatever is killed.
 //!
-//! The processes are those of the task programs in `tests/cell/`. The tests run one after the other, and in an executable
-//! of their own: in real time they need the processors for themselves.
+//! The processes are those of the task programs in `tests/cell/`. The tests run one after another, in an executable of
+//! their own, because in real time they need all processors.
 
 #![cfg(target_os = "linux")]
 

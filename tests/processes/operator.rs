@@ -1,4 +1,4 @@
-//! The operator of a running cell, at consoles of their own: other processes, in real time.
+//! The operator of a running cell, at consoles that are processes of their own, in real time.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::PermissionsExt;
@@ -13,7 +13,7 @@ use rustix::process::Signal;
 use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
 use crate::runs::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
 
-/// How often a test is tried on a machine that is late for more steps than a cell endures.
+/// How often a test is tried on a machine that is late by more steps than a cell tolerates.
 const ATTEMPTS: usize = 5;
 
 /// Runs a cell that `operate` operates as soon as its robots move, until it is in time; gives it to `judge` at its end.
@@ -25,7 +25,7 @@ fn operate<T>(place: &Place, operate: impl Fn(&mut Launch) -> T, judge: impl Fn(
         }
         let seen = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| operate(&mut launch)));
         if seen.is_err() {
-            // It may wait for an operator who has gone.
+            // The cell may wait for an operator who has gone.
             launch.signal(Signal::INT);
         }
         let status = launch.end().code();
@@ -43,7 +43,7 @@ fn operate<T>(place: &Place, operate: impl Fn(&mut Launch) -> T, judge: impl Fn(
     println!("skipped: this machine was late {ATTEMPTS} times");
 }
 
-/// One request of a console: its exit status, and what it said.
+/// Sends one request from a console; returns its exit status and what it printed.
 fn ask(place: &Place, words: &[&str]) -> (Option<i32>, String) {
     let output = place.program(words).output().expect("a console starts");
     let said = [output.stdout, output.stderr].concat();
@@ -238,7 +238,7 @@ fn fault_05_a_console_that_is_killed_disturbs_no_motion_and_returns_the_token() 
     };
     operate(&place, operator, |launch, status, ()| {
         assert_eq!(status, Some(0), "{}", launch.said());
-        // At full speed, as if nobody had been there.
+        // At full speed, as without an operator.
         assert!(launch.record("left").len() < 2000, "{}", launch.record("left").len());
         assert_ends_where_it_would_have(&place, launch);
     });
@@ -256,7 +256,7 @@ fn fault_36_what_contradicts_the_state_of_the_cell_is_refused_with_it() {
         assert!(console.ask("acknowledge").starts_with("refused: it is suspended: step "));
         assert!(console.ask("resume").starts_with("resumed: step "));
         assert!(console.ask("speed much").starts_with("refused: `much` is no speed"));
-        // Another console: stop is everybody's.
+        // Another console: every console may stop the cell.
         let mut other = Console::new(&place);
         assert!(other.ask("resume").starts_with("refused: the console of process"));
         assert!(other.ask("stop").starts_with("stopping: step "));
@@ -301,7 +301,7 @@ fn fault_36_a_flood_of_requests_reaches_the_cell_once_a_step_and_no_stop_is_lost
             let others =
                 [&b"status\n"[..], b"no such thing\n", b"\xff\n"].map(|r| scope.spawn(move || flood(r)));
             launch.let_run(Duration::from_millis(700));
-            // A flood without an end would wait for itself where the cell has ended.
+            // An endless flood of requests would block itself after the end of the cell.
             let stopped = ask(&place, &["stop"]);
             over.store(true, Ordering::Release);
             carried_out(&["stop"], stopped, "stopping: step ");
@@ -341,7 +341,7 @@ fn fault_38_the_console_of_another_user_is_refused_and_told_of() {
             let mut answer = String::new();
             stream.read_to_string(&mut answer).map(|_| answer)
         };
-        // As it is, nobody else gets to the socket at all ..
+        // With the usual permissions, no other user can reach the socket ..
         let outside = std::thread::scope(|scope| scope.spawn(connect).join().expect("no panic"));
         assert_eq!(outside.map_err(|error| error.kind()), Err(std::io::ErrorKind::PermissionDenied));
         // .. and where folders are open the console server asks the kernel who it is.

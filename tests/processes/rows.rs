@@ -1,4 +1,4 @@
-//! What a launch refuses before anything moves, and what another user of the machine can do to a cell that runs.
+//! What a launch refuses before any robot moves, and what another user of the machine can do to a running cell.
 
 use std::fs::{File, OpenOptions};
 use std::path::Path;
@@ -40,7 +40,7 @@ fn fault_31_a_process_of_another_program_is_refused_before_anything_moves() {
     launch.assert_nothing_left(&[]);
 }
 
-/// Runs the cell after something was done by a shell; how it ended, and what it said.
+/// Runs the cell after commands of a shell; returns how it ended and what it printed.
 fn after(place: &Place, shell: &str) -> (Option<i32>, String) {
     let program = place.program(REAL);
     let mut command = Command::new("unshare");
@@ -69,7 +69,7 @@ fn fault_35_too_few_open_files_are_refused_with_what_to_change() {
         "{said}"
     );
     assert!(said.contains("\n help: ulimit -n "), "{said}");
-    // What it may raise it raises itself.
+    // The launcher itself raises the limits that it may raise.
     let (status, said) = after(&place, "ulimit -S -n 24");
     assert!(status == Some(0) || crate::runs::is_late(&said), "{status:?}: {said}");
 }

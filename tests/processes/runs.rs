@@ -1,4 +1,4 @@
-//! A cell of processes from its launch to its end: what it demands, and what it leaves behind.
+//! A cell of processes from its launch to its end: its demands, and the files that it leaves behind.
 
 use std::time::Duration;
 
@@ -43,7 +43,7 @@ fn processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_the_memory_li
         // 1 s out, 1.5 s back and 1 s of tight motion, in periods of 2 ms.
         assert!(record.len() > 1750, "{}", record.len());
         assert_eq!(record, processes.record(robot), "{robot}");
-        // So did the drives, until their commands stopped.
+        // So did the drives, until their demands stopped.
         let (own, apart) = (memory.drives(robot), processes.drives(robot));
         assert!(own.len() >= record.len() && apart.starts_with(&own), "{robot}");
         assert!(apart.len() - own.len() <= L + 1, "{robot}");
@@ -61,8 +61,8 @@ fn a_cell_of_processes_runs_in_real_time_and_leaves_nothing() {
     launch.assert_nothing_left(&[]);
 }
 
-/// A machine without a real-time scheduler may be late for more than `L` steps: that is a fault of one of few kinds, and
-/// nothing else may be wrong.
+/// A machine without a real-time scheduler may be late by more than `L` steps: this causes a fault of one of a few
+/// kinds, and nothing else may be wrong.
 fn assert_ended_well_or_late(launch: &Launch, status: Option<i32>) {
     let said = launch.said();
     match status {
@@ -83,8 +83,8 @@ pub fn is_late(said: &str) -> bool {
     .any(|kind| said.contains(kind))
 }
 
-/// A robot stands when its EDP goes, and whatever was killed, its drives stand when the plant goes. One whose EDP was killed
-/// is not told anything more, and without the plant there is no robot.
+/// A robot stands when its EDP ends; and its drives stand when the plant ends, whatever was killed. A robot whose EDP
+/// was killed gets no further demands, and without the plant there is no robot.
 pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
     let is_killed = |role: &str| killed.is_some_and(|killed| killed.role == role);
     if is_killed("plant") {
@@ -104,8 +104,9 @@ pub fn assert_robots_stand(launch: &Launch, killed: Option<&Process>) {
     }
 }
 
-/// Whether a robot's demands rest, or its drives are without power: switched off by their EDP, or braked for want of demands.
-/// Where a machine stood still, a robot may have had one period only: it has not been asked to be anywhere else.
+/// Whether a robot's demands do not change, or its drives have no power: they were switched off by their EDP, or their
+/// brakes were applied because demands were missing. If the machine stood still, a robot may have had only one period:
+/// it has not been demanded to move.
 pub fn rests(launch: &Launch, robot: &str) -> bool {
     let record = launch.record(robot);
     periods_at_rest(&record) >= record.len().min(2)
@@ -124,7 +125,7 @@ fn fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_
         let processes = launch.processes();
         let stopped = processes.iter().find(|process| process.role == role).expect("it runs").clone();
         stopped.signal(Signal::STOP);
-        // Far more than the 22 ms after which its robots brake: they are seen to stand, or their EDPs have left them so.
+        // Far more than the 22 ms after which its robots brake: they are seen to stand, or stood when their EDPs ended.
         let edps: Vec<_> = processes.iter().filter(|process| process.role.starts_with("edp")).collect();
         let stands = |robot| periods_at_rest(&launch.record(robot)) >= 200;
         wait_until(|| ROBOTS.into_iter().all(stands) || edps.iter().all(|edp| !edp.is_alive()));
@@ -175,13 +176,13 @@ fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
     assert_eq!(processes.len(), PROCESSES.len(), "{processes:?}");
     crashed.signal(Signal::KILL);
     crashed.end();
-    // Without their launcher all end, and the robots stand.
+    // Without their launcher all processes end, and the robots stand.
     wait_for_end(&processes);
     assert_robots_stand(&crashed, None);
     let left = place.sessions();
     assert_eq!(&left, crashed.had());
     let left_segments: usize = left.iter().map(|session| segments(session).len()).sum();
-    // A hundred more, in all stages of a start, and files of others.
+    // A hundred more, in all stages of a start, and files that belong to others.
     for number in 0_u64..100 {
         let session = place.base().join(format!("0123abcd-{number:012x}"));
         std::fs::create_dir(&session).expect("a folder");

@@ -1,9 +1,9 @@
-//! Two arms and a virtual sensor as processes at 1 kHz, in real time, for as long as it is told: `just soak 600`.
+//! Two arms and a virtual sensor as processes at 1 kHz, in real time, for a given time: `just soak 600`.
 //!
-//! Asserted is what cannot depend on what else the machine does: the memory of no process grows, the true rate of steps
-//! is the one that was asked for, and the end is clean. Skipped steps are counted beside the wake-ups that cyclictest has
-//! late by more than a step in the same time. A machine that stands still for longer than the cell may go on stops it; its
-//! operator, this test, then acknowledges and resets, and stops are counted, too.
+//! The test asserts only what does not depend on the other load of the machine: the memory of the processes does not
+//! grow, the rate of steps is the demanded one, and the cell ends without remains. Skipped steps are counted, and for
+//! comparison the wake-ups that are late by more than a step in cyclictest at the same time. If the machine stands
+//! still for too long, the cell stops; this test then acknowledges and resets as its operator, and counts the stop.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,7 +18,7 @@ use crate::launch::{Launch, Place};
 const STARTING: Duration = Duration::from_secs(5);
 /// How much the memory of a process may grow \[kB\]: pages that are touched once, by chance late.
 const GROWTH: i64 = 256;
-/// How far the true rate may be from the one that was asked for.
+/// How far the measured rate may be from the demanded one.
 const RATE: f64 = 1e-4;
 /// The shortest run whose rate is looked at \[s\]: the least late of a thousand steps is known to some microseconds.
 const RATED: u32 = 10;
@@ -49,7 +49,7 @@ fn a_cell_in_real_time_keeps_its_rate_and_its_memory() {
             None => {}
         }
         let now = memory(&mut launch);
-        // Those that end have given their memory back.
+        // Processes that have ended have returned their memory.
         if now.len() == first.len() {
             last = now;
         }
@@ -79,7 +79,7 @@ fn a_cell_in_real_time_keeps_its_rate_and_its_memory() {
     }
 }
 
-/// Lets a cell that a late machine has stopped go on, or tells why it does not; one that anything else has stopped must not.
+/// Lets a cell go on that a late machine has stopped, or returns why it cannot; after any other stop it must not go on.
 fn reset_if_latched(place: &Place) -> Option<Result<(), String>> {
     let ask = |word| {
         let output = place.program(&[word]).output().expect("a console starts");
@@ -113,7 +113,7 @@ fn memory(launch: &mut Launch) -> BTreeMap<String, i64> {
             let line = status.lines().find_map(|line| line.strip_prefix(key))?;
             line.trim().strip_suffix("kB")?.trim().parse::<i64>().ok()
         };
-        // Pages of files, the code above all, come and go as the system likes.
+        // Pages of files, mostly of code, are loaded and dropped by the system at any time.
         Some(of("RssAnon:")? + of("RssShmem:")?)
     };
     let launcher = used(launch.pid()).map(|used| ("launcher".to_owned(), used));

@@ -1,4 +1,4 @@
-//! The runtime's numbered examples do what they say: each asserts its own outcome.
+//! Runs the runtime's numbered examples, each of which asserts its own outcome.
 
 #[path = "../../runtime/examples/01_move.rs"]
 mod example_01;

@@ -119,7 +119,7 @@ fn a_program_of_an_ecp_that_ignores_the_end_of_its_instruction_is_ended() {
     });
     let fault = fault(cell.run());
     assert_eq!(fault.robot().expect("named").as_str(), "g", "{fault}");
-    // Nothing panicked.
+    // There was no panic.
     assert_eq!(fault.kind(), FaultKind::Program, "{fault}");
     assert!(fault.message().contains("the end of its instruction"), "{fault}");
 }

@@ -1,4 +1,4 @@
-//! Stops near a limit: whatever stops the robots, no joint passes it.
+//! Stops near a limit: no joint passes its limit, whatever stops the robots.
 
 use mrroc::cell::Cell;
 use mrroc::fault::FaultKind;

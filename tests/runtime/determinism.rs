@@ -90,7 +90,7 @@ fn a_robot_that_an_instruction_does_not_name_holds_and_is_not_missed() {
     let cell = Cell::new(MS).robot(left).robot(right).program(|mp| {
         let (mut left, mut right) = (mp.robot::<Gantry>("left")?, mp.robot::<Gantry>("right")?);
         mp.move_robots((&mut left, &mut right), (), Twin(Smooth::to(0.2, 0.4)))?;
-        // Longer than any watchdog's patience.
+        // Longer than the time of any watchdog.
         mp.move_robots((&mut right,), (), One(Smooth::to(0.0, 0.5), 0.0))?;
         assert!((right.demanded().joints[0] - 0.1).abs() < 1e-15);
         let before = (left.demanded().joints[0], right.demanded().joints[0]);

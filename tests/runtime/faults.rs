@@ -1,4 +1,5 @@
-//! Faults: what is refused, who is named, and how the robots come to a standstill. Numbers are SAFETY.md's rows.
+//! Faults: what is refused, which process is named, and how the robots come to a standstill. Numbers are rows of
+//! SAFETY.md.
 
 use mrroc::fault::FaultKind;
 use mrroc::pose::{AngleAxis, Zyz};

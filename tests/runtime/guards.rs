@@ -1,4 +1,4 @@
-//! A guard of the cell: it sees all robots, and what it forbids is a protective stop on the path.
+//! A guard of the cell: it sees all robots, and what it forbids causes a protective stop on the path.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -74,7 +74,7 @@ fn a_guard_looks_at_all_robots_in_the_steps_that_it_asked_for() {
             Ok(())
         })
         .program(|mp| {
-            // The other robot is not named: what is known of it holds.
+            // The other robot is not named in the instruction: its last known state is used.
             let mut left = mp.robot::<Gantry>("left")?;
             mp.move_robots((&mut left,), (), Alone(Smooth::to(0.3, 0.6)))?;
             Ok(())
@@ -118,7 +118,7 @@ fn a_guard_stops_programs_of_ecps_in_a_cell_without_an_mp_program() {
 #[test]
 fn a_guard_that_trips_in_the_last_step_of_a_motion_stops_the_program_all_the_same() {
     let (robot, _) = gantry("g");
-    // Beyond the fence by a hair, at the very end.
+    // Slightly beyond the fence, at the very end.
     let fault = fault(
         Cell::new(MS)
             .robot(robot)

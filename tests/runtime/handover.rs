@@ -1,4 +1,4 @@
-//! Blend: what becomes of moving robots when no Move takes them over, or another one does.
+//! Blend: what moving robots do after a Move, with and without a next Move that takes them over.
 
 use std::rc::Rc;
 

@@ -1,4 +1,4 @@
-//! Robots that do not know where they are: no program begins before all of them do.
+//! Robots that do not know where they are: no program begins before all of them have found their marks.
 
 use std::cell::Cell as Count;
 use std::rc::Rc;

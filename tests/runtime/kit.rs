@@ -87,14 +87,14 @@ pub fn twin(c: &mut Twin, t: Tick) -> Step<(Gantry, Gantry)> {
     }
 }
 
-/// What loose cooperation is about.
+/// The orders of loose cooperation.
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 pub enum Phase {
     Approach,
     Retreat,
 }
 
-/// What tight cooperation is about: x \[m\].
+/// The order of tight cooperation: x \[m\].
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
 pub struct Along {
     pub x: f64,

@@ -1,4 +1,4 @@
-//! Late steps: skipped, never replayed, and within the limits.
+//! Late steps: they are skipped and never executed afterwards, and the demands stay within the limits.
 
 use std::time::Duration;
 

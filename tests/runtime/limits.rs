@@ -1,4 +1,4 @@
-//! Limits: what a cell refuses before it runs, and what holds of stops because of it.
+//! Limits: what a cell refuses before it runs, and the bounds on stops that follow from this.
 
 use std::cell::Cell as Shared;
 use std::rc::Rc;
@@ -15,7 +15,7 @@ use mrroc_tests::{ExactDrive, MS, Q, fault, peaks, traced};
 struct Bench {
     limits: Limits<Q<3>>,
     faded: Limits<Q<3>>,
-    /// From when on the second limits hold.
+    /// When the second limits begin to hold.
     fades: Rc<Shared<bool>>,
     /// Largest x + y \[m\].
     sum: f64,
@@ -175,7 +175,7 @@ struct Diagonal {
     x: f64,
     v: f64,
     speed: f64,
-    /// Then the brakes fade.
+    /// When the braking power falls.
     fades_at: u64,
     fades: Rc<Shared<bool>>,
 }

@@ -1,4 +1,4 @@
-//! The runtime's promises, a file per promise.
+//! Tests of the runtime, one file for each promise.
 
 mod aborting;
 mod bounds;

@@ -1,4 +1,4 @@
-//! Panics anywhere in user code: caught where they happen, named, and the robots stop.
+//! Panics anywhere in user code: they are caught where they happen, the process is named, and the robots stop.
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
@@ -128,7 +128,7 @@ fn broken(_c: &mut Broken) -> Result<bool, Fault> {
     Err(Fault::thrown("on purpose"))
 }
 
-/// Encoders that read NaN from tick `at` on, 0 for the very beginning; keeps what it was told.
+/// Encoders that read NaN from tick `at` on (0: from the beginning); keeps its demands.
 struct Blind {
     drive: ExactDrive<3>,
     ticks: u32,

@@ -1,4 +1,4 @@
-//! After a fault stop: latch, acknowledgement, reset, and programs that start again with the robots where they are.
+//! After a fault stop: latch, acknowledgement, reset, and programs that start again where the robots stand.
 
 use std::cell::{Cell as Shared, RefCell};
 use std::rc::Rc;
@@ -50,7 +50,7 @@ fn mirror_start(
     mirror(c, t)
 }
 
-/// What became of a run with its operator.
+/// The result of a run with its operator.
 struct Seen {
     outcome: Result<RunReport, mrroc::cell::CellError>,
     left: Vec<Q<3>>,
@@ -216,7 +216,7 @@ impl Driver<Gantry> for Trips {
             return Err(DriveFault::exceeded(0, "bus voltage", Excess::new(0.0, 40.0, "V")));
         }
         self.off.set(false);
-        // Somebody leant on it.
+        // The robot was pushed while it had no power.
         self.at += core::mem::take(&mut self.push);
         Ok(())
     }
@@ -267,7 +267,7 @@ fn what_a_fault_stop_has_switched_off_comes_on_again_and_what_cannot_be_switched
     let off = Rc::new(Shared::new(false));
     let drives = Trips { at: 0.0, ticks: 0, trips_at: u32::MAX, fails: 0, push: 0.0, off: Rc::clone(&off) };
     let (robot, _) = traced(RobotSetup::new("g", Gantry::default(), drives));
-    // Lags: it is never quite where it was told to be, as fingers on a body are not.
+    // The drives lag: they never quite reach their demand, as fingers that hold a body.
     let (other, other_trace) = gantry("other");
     let were_off = Rc::new(Shared::new(0));
     let (count, runs) = (Rc::clone(&were_off), Rc::new(Shared::new(0)));
@@ -373,7 +373,7 @@ fn a_guard_that_still_sees_what_it_forbids_lets_no_reset_pass() {
     assert_eq!(fault.kind(), FaultKind::ProtectiveStop, "{fault}");
     let again = Some(FaultKind::ProtectiveStop);
     assert_eq!(*seen.borrow(), [None, again, again, again]);
-    // It stopped once, and has not moved since.
+    // The robot stopped once, and has not moved since.
     let trace = trace.borrow();
     let end = trace[trace.len() - 1];
     let stopped = trace.iter().position(|q| *q == end).expect("it stands");

@@ -1,4 +1,4 @@
-//! What happens at step k, for every k: aborts, suspensions of waits and tails, sensors of a first step.
+//! Events in step k, for every k: aborts, suspensions of waits and braking tails, sensors of a first step.
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;

@@ -1,4 +1,4 @@
-//! Small cells to be swept: each uses another part of the protocol.
+//! Small cells for sweeps, each of which uses another part of the protocol.
 
 use mrroc::prelude::*;
 use mrroc::sensor::VspMode;
@@ -97,7 +97,7 @@ fn both(
     Ok((mp.robot("a")?, mp.robot("b")?))
 }
 
-/// There and back, both together.
+/// Moves both robots together, to the end and back.
 pub fn back_and_forth(mp: &mut Mp) -> Result<(), Fault> {
     let (mut a, mut b) = both(mp)?;
     mp.move_robots((&mut a, &mut b), (), Twin(Smooth::to(0.02, 0.12)))?;
@@ -133,7 +133,7 @@ pub fn interpolated() -> Cell {
     Cell::new(MS).robot(fast).robot(slow)
 }
 
-/// Where a gantry should be, as a sensor says it.
+/// The position that a sensor gives for a gantry.
 pub struct Place;
 
 /// Along x \[m\].

@@ -1,4 +1,4 @@
-//! Drives that fail: blocked, stiff, tripping, with encoders that lie.
+//! Drives that fail: blocked or stiff joints, drives that trip, encoders with wrong values.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -55,7 +55,7 @@ fn fault_27_tools_that_drift_apart_are_no_farther_apart_than_the_free_arm_needs_
                 *seen = seen.max((positions[0] + positions[1]).abs());
             }
         });
-        // Blocked within the tolerance of a motion's end nothing is wrong.
+        // A joint that is blocked within the tolerance of the motion's end causes no fault.
         match cell.run() {
             Err(CellError::Fault(fault)) => {
                 assert_eq!(fault.kind(), FaultKind::FollowingError, "at {at}: {fault}")

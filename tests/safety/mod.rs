@@ -1,4 +1,4 @@
-//! What SAFETY.md promises under faults, one folder for its rows: numbers in the tests' names are the rows'.
+//! Tests of what SAFETY.md promises under faults: the numbers in the tests' names are its rows.
 
 mod cells;
 mod drives;

@@ -50,7 +50,7 @@ fn fault_25_a_sensor_that_fails_in_any_way_moves_nothing_beyond_a_limit() {
             assert!(report.is_clean(), "{mode:?} {report}");
             let row =
                 |name: &str| report.rows().iter().find(|(row, _)| row == name).expect("a row").1.clone();
-            // A sensor that is well survives, and so does one that is wrong by less than anyone could tell.
+            // Runs survive with a sensor that works, and with one whose error is too small to be noticed.
             assert_eq!(row("ok").survived, row("ok").cases, "{report}");
             assert_eq!(row("off").stopped, row("off").cases, "{report}");
         }

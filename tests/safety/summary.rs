@@ -1,4 +1,4 @@
-//! What SAFETY.md promises, and what it was tried with.
+//! A summary of what SAFETY.md promises, with the tests of each promise.
 
 use mrroc::testing::SweepReport;
 

@@ -1,11 +1,11 @@
-//! Sweeps of small cells: every process killed and stalled, every link at fault, at every step.
+//! Sweeps of small cells: every process is killed and stalled, and every link has faults, in every step.
 
 use mrroc::cell::Cell;
 use mrroc::testing::{LinkFault, Press, Sweep, SweepReport};
 
 use crate::safety::cells::{cooperating, interpolated, sensing, transparent};
 
-/// What is done to a cell: its processes, its links, its operator.
+/// Injects faults into a cell's processes and links, and by its operator.
 pub fn everything(cell: fn() -> Cell) -> Sweep<'static> {
     let sweep = Sweep::new(cell).threads(2);
     let sweep = [1, 5, 19, 20, 21, 100].into_iter().fold(sweep.kills(), Sweep::stalls);
@@ -35,14 +35,14 @@ fn clean(report: &SweepReport) {
     assert!(report.is_clean(), "{report}");
 }
 
-/// More cases than so many, none broken, and all of them went on.
+/// Asserts that there are more than so many cases, that no promise was broken, and that all runs went on to their end.
 fn all_go_on(sweep: Sweep<'_>, more_than: u64) {
     let report = sweep.threads(2).run();
     let total = report.total();
     assert!(report.is_clean() && total.cases > more_than && total.survived == total.cases, "{report}");
 }
 
-/// The same, and all of them stopped.
+/// Asserts the same, but that all runs stopped.
 fn all_stop(sweep: Sweep<'_>, more_than: u64) {
     let report = sweep.threads(2).run();
     let total = report.total();
@@ -74,7 +74,7 @@ fn fault_14_what_links_lose_for_up_to_twenty_steps_is_sent_again_and_every_motio
             all_go_on(Sweep::new(cell).links(LinkFault::Drop, steps).every(23), 20);
         }
     }
-    // One that goes where a sensor says is told of a jump once the readings of 19 steps are missing.
+    // A robot that follows a sensor gets a jump as demand once the readings of 19 steps are missing.
     all_go_on(Sweep::new(sensing).links(LinkFault::Drop, 1).every(7), 100);
     clean(&Sweep::new(sensing).links(LinkFault::Drop, 19).every(23).threads(2).run());
 }
@@ -88,7 +88,7 @@ fn fault_14_links_that_lose_everything_for_longer_end_in_an_orderly_stop() {
 
 #[test]
 fn fault_39_a_link_that_was_cut_and_comes_back_moves_nothing() {
-    // It comes back while the robots stop, and when they stand: none that stood begins to move.
+    // The process comes back while the robots stop, and when they stand: no robot that stood begins to move.
     for steps in [30, 60, 150] {
         for cell in [transparent, cooperating, interpolated, sensing] {
             all_stop(Sweep::new(cell).links(LinkFault::Drop, steps).every(37), 10);
@@ -99,7 +99,7 @@ fn fault_39_a_link_that_was_cut_and_comes_back_moves_nothing() {
 #[test]
 fn fault_15_messages_that_come_twice_late_or_again_change_nothing() {
     for cell in [transparent, cooperating, interpolated, sensing] {
-        // Doubled ones and old ones are no messages: every run ends as the undisturbed one does, to 1e-12 m.
+        // Doubled and old messages are ignored: every run ends as the undisturbed one does, to 1e-12 m.
         let sweep = Sweep::new(cell).links(LinkFault::Duplicate, 3).links(LinkFault::Replay, 3);
         all_go_on(sweep.every(11).end_tolerance(1e-12), 100);
         clean(&Sweep::new(cell).links(LinkFault::Reorder, 3).every(11).threads(2).run());

@@ -1,9 +1,10 @@
-//! Row 13: the wall clock jumps, and control does not know.
+//! Row 13: jumps of the wall clock do not affect control.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files that may look at the machine's clock: what a launcher, a console or a recorder's thread waits for is no control.
+/// Files that may read the machine's clock: the waits of a launcher, a console or a recorder's thread are no part of
+/// control.
 const MAY: [&str; 4] =
     ["runtime/processes/", "runtime/launch/src/patience.rs", "runtime/recording/", "runtime/view/"];
 

@@ -1,5 +1,5 @@
-//! What the whole-system tests of `mrroc` share: two small robots, drives that do exactly what they are told
-//! (the tests here are about the runtime; real dynamics are in `mrroc-robots`), and a recorder.
+//! What the whole-system tests of `mrroc` share: two small robots, drives that follow their demands exactly (these
+//! tests are about the runtime; real dynamics are in `mrroc-robots`), and a recorder of demands.
 
 pub mod fixture;
 
@@ -26,7 +26,7 @@ pub struct Gantry {
 }
 
 impl Default for Gantry {
-    /// Limits 1 m either way, 1 m/s, 10 m/s², no jerk limit.
+    /// A gantry with limits of -1 m and 1 m, 1 m/s, 10 m/s², and no jerk limit.
     fn default() -> Self {
         Gantry {
             limits: Limits {
@@ -41,7 +41,7 @@ impl Default for Gantry {
 }
 
 impl Gantry {
-    /// With a velocity limit [m/s].
+    /// The same gantry with this velocity limit [m/s].
     #[must_use]
     pub fn with_velocity(velocity: f64) -> Self {
         let mut gantry = Gantry::default();
@@ -49,7 +49,7 @@ impl Gantry {
         gantry
     }
 
-    /// With a jerk limit [m/s³].
+    /// The same gantry with this jerk limit [m/s³].
     #[must_use]
     pub fn with_jerk(jerk: f64) -> Self {
         let mut gantry = Gantry::default();
@@ -87,7 +87,7 @@ impl Robot for Gantry {
     }
 }
 
-/// One turning joint without end stops nearby.
+/// One rotary joint, whose end stops are far away.
 #[derive(Clone, Debug)]
 pub struct Turntable {
     limits: Limits<Q<1>>,
@@ -127,27 +127,27 @@ impl Robot for Turntable {
     }
 }
 
-/// Drives that are where they were told to be at the end of every servo period: a test double, no simulation.
+/// Drives that reach their demand at the end of every servo period: a test double, not a simulation.
 #[derive(Clone, Debug)]
 pub struct ExactDrive<const N: usize> {
     measured: Measured<Q<N>>,
     period: Duration,
-    /// Trips in this tick.
+    /// The tick in which the drives trip.
     pub trips_at: Option<u64>,
-    /// Stops following at this tick.
+    /// The tick from which the drives no longer follow their demands.
     pub sticks_at: Option<u64>,
     ticks: u64,
 }
 
 impl<const N: usize> ExactDrive<N> {
-    /// At `position`, with a servo period.
+    /// Drives at `position`, with this servo period.
     #[must_use]
     pub fn new(position: Q<N>, period: Duration) -> Self {
         let measured = Measured { position, velocity: Q::zeros() };
         ExactDrive { measured, period, trips_at: None, sticks_at: None, ticks: 0 }
     }
 
-    /// At the origin, 1 ms.
+    /// Drives at the origin, with a servo period of 1 ms.
     #[must_use]
     pub fn at_origin() -> Self {
         Self::new(Q::zeros(), MS)
@@ -176,7 +176,7 @@ impl<R: Robot<Joints = Q<N>>, const N: usize> Driver<R> for ExactDrive<N> {
     }
 }
 
-/// What a robot's drives were told, servo period by servo period.
+/// The demands that a robot's drives got, one for each servo period.
 pub type Trace<const N: usize> = Rc<RefCell<Vec<Q<N>>>>;
 
 /// A gantry at the origin that records its drives' demands.
@@ -213,7 +213,7 @@ pub fn peaks<const N: usize>(trace: &[Q<N>], dt: f64) -> (f64, f64) {
 /// The fault of a run that must have ended with one.
 ///
 /// # Panics
-/// When it did not.
+/// If the run did not end with a fault.
 #[must_use]
 pub fn fault(result: Result<mrroc::cell::RunReport, mrroc::cell::CellError>) -> Fault {
     match result {
