@@ -47,9 +47,11 @@
 //!
 //! A program sees its robots and sensors as typed lists: a motion for `(Rnt, Polycrank)` takes exactly the handles
 //! `(&mut rnt, &mut polycrank)`. Which of the coordinator's order, the robots' states and the sensors' readings a step
-//! function takes is its [`Class`](generator::Class) (section 6 of the paper), and decides what is exchanged in a step.
+//! function takes is its [`Class`](generator::Class) (section 6 of the paper). The class decides what is exchanged in a
+//! step.
 //!
-//! ARCHITECTURE.md shows how a [`Cell`](cell::Cell) of processes runs it; SAFETY.md says what happens when something is wrong.
+//! ARCHITECTURE.md shows how the processes of a [`Cell`](cell::Cell) run a program; SAFETY.md says what happens after a
+//! fault.
 
 #![forbid(unsafe_code)]
 

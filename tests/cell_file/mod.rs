@@ -1,4 +1,4 @@
-//! `cell.toml`: what it makes, and everything that is wrong with it at once, each with its line and what to write.
+//! `cell.toml`: the cell that it makes, and all its errors at once, each with its line and what to write instead.
 
 use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;

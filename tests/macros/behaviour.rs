@@ -1,5 +1,5 @@
 //! What the macros make of step functions: plain functions stay plain, the class follows from the signature,
-//! and the implementation calls what it should, with what it should.
+//! and the implementation calls the right functions with the right arguments.
 #![deny(unused, nonstandard_style, unreachable_pub)]
 #![allow(missing_docs)]
 

@@ -2,8 +2,8 @@
 //!
 //! Every file of `fail/` is a program. Its head says what the mistake is and, where a text can be demanded,
 //! what the error must say (``says: `(Rnt,)` ``); a program with more errors than one says why (`errors: 2, ..`).
-//! One run of `cargo check` judges them all. The snapshots hold the place, the code, and what the macros and the
-//! runtime say; not what the compiler says, nor how it prints it, so that they outlive its versions.
+//! One run of `cargo check` checks them all. The snapshots contain the place, the code, and the texts of the macros and
+//! the runtime. They leave out the compiler's own texts and layout, so that they hold for later versions of it.
 #![allow(missing_docs)]
 
 use std::collections::{BTreeMap, HashSet};

@@ -1,4 +1,4 @@
-//! Input that is made to take memory and time: refused, or read, within 256 MB.
+//! Input that is made to take much memory and time: it is refused or read within 256 MB.
 
 use mrroc_counting_allocator::peak;
 

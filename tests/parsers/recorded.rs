@@ -50,7 +50,7 @@ pub fn cell() -> Cell {
     Cell::new(MS).robot(gantry).sensor(SensorSetup::new("depth", Sounding).of("g"))
 }
 
-/// The corpus has a recording of this cell, whole, and one that was cut off; `MRROC_CORPUS=1` makes them anew.
+/// The corpus has a complete recording of this cell, and one that was cut off; `MRROC_CORPUS=1` makes them anew.
 #[test]
 fn the_corpus_of_recordings_has_one_of_this_cell() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("parsers/corpus/recording");

@@ -1,4 +1,4 @@
-//! A recording in the eyes of another language's MCAP library: PyPI's, which needs a network to be installed once.
+//! Reads a recording by the MCAP library of another language: PyPI's, whose installation needs a network once.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -19,7 +19,7 @@ fn endless(_c: &mut Endless) -> Step<Gantry> {
     }
 }
 
-/// What the other test starts in a process of its own, as it ends its process.
+/// Started by the other test in a process of its own, because it ends its process.
 #[test]
 #[ignore = "never ends by itself"]
 fn loops_for_ever() {

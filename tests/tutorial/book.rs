@@ -1,4 +1,4 @@
-//! The book in `docs/` says what is true: its code, links, paths, commands and edits fit the repository.
+//! Checks the book in `docs/`: its code, links, paths, commands and edits fit the repository.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

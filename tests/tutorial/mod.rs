@@ -1,4 +1,4 @@
-//! The tutorial: what its chapters make of the template's files does what they say, and all that they show is true.
+//! The tutorial: the programs that its chapters make of the template's files do what the chapters say and show.
 
 mod book;
 #[path = "5_driver.rs"]

@@ -17,8 +17,9 @@ use crate::iceoryx::Samples;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::{Nanos, Sample};
 
-/// How often the ring is emptied, and after how many emptyings the figures are sent.
+/// The time between two emptyings of the ring.
 const EMPTYING: Duration = Duration::from_millis(200);
+/// After how many emptyings the figures are sent.
 const TELLING: u32 = 5;
 
 /// The longest time that is resolved \[ns\]: a minute.

@@ -49,8 +49,9 @@ pub(crate) struct Onlooker {
     pub wrong: Option<String>,
 }
 
-/// Tolerances of differences: the share of a limit, and below, the round-off of a position [rad or m].
+/// By how much a difference may exceed a limit, as a share of the limit.
 const SHARE: f64 = 1e-9;
+/// Relative round-off error of a position.
 const ROUND_OFF: f64 = 1e-15;
 
 impl Onlooker {

@@ -30,8 +30,9 @@ pub(super) struct Trial {
     pub endless: bool,
     /// Whether the trial was watched for long enough, but not to its end.
     pub cut: bool,
-    /// The case, if any; below, its copies.
+    /// The case, if any.
     pub case: Option<Case>,
+    /// The copies of the run.
     pub forks: Forks,
     /// When the MP's program was over or the MP was gone \[ns\].
     pub over: Nanos,

@@ -26,10 +26,10 @@ pub(super) struct Screen {
     pub over: Option<String>,
 }
 
-/// The width of the processes when the robots are beside them [columns].
+/// The width of the processes when the robots are beside them \[columns\].
 const PROCESSES: u16 = 76;
 const ROBOTS: u16 = (LABEL + 9 * MAX_JOINTS + 2) as u16;
-/// The width of a robot's name [columns].
+/// The width of a robot's name \[columns\].
 const LABEL: usize = 15;
 
 /// Draws the whole screen.

@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[derive(Clone, Copy, Debug)]
 pub struct Counting;
 
-/// What one thread has counted.
+/// The counts of one thread.
 #[derive(Clone, Copy)]
 struct Counts {
     allocations: usize,

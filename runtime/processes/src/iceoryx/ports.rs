@@ -35,8 +35,9 @@ unsafe impl ZeroCopySend for Packet {
     }
 }
 
-/// The end of a board in shared memory that is written; below, the end that is read.
+/// The end of a board in shared memory that is written.
 pub(super) type Writes = EntryHandleMut<ipc::Service, u64, Packet>;
+/// The end of a board in shared memory that is read.
 pub(super) type Reads = EntryHandle<ipc::Service, u64, Packet>;
 
 /// Wakes the process at the other end.

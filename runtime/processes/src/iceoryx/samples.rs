@@ -18,8 +18,9 @@ const KIND: u32 = 62;
 #[derive(Debug)]
 pub(crate) struct Samples {
     words: Box<[AtomicU64]>,
-    /// Number of samples pushed; below, number of samples popped.
+    /// Number of samples pushed.
     pushed: AtomicU64,
+    /// Number of samples popped.
     popped: AtomicU64,
     dropped: AtomicU64,
 }

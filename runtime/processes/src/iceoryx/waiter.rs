@@ -66,8 +66,9 @@ pub(crate) struct RealTime {
     wakes: Cell<u32>,
     /// What the launcher says. Each message comes with a wake-up.
     heard: Receiver<Heard>,
-    /// When the cell's time began, on the machine's clock \[ns\]; below, how long to poll before sleeping \[ns\].
+    /// When the cell's time began, on the machine's clock \[ns\].
     origin: Nanos,
+    /// How long to poll before sleeping \[ns\].
     spin: Nanos,
     closing: Cell<bool>,
     news: Cell<Option<News>>,
