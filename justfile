@@ -68,6 +68,10 @@ test-processes:
 test-kills KILLS="2000":
     MRROC_KILLS={{KILLS}} cargo test --release -p mrroc-tests --test processes -- --nocapture fault_01_to fault_07
 
+# All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, damaged inputs.
+test-whole:
+    MRROC_WHOLE=1 cargo test -p transfer -p mrroc-tests --test all
+
 # The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
 test-both-links:
     MRROC_WHOLE=1 cargo test --release -p mrroc-tests --test processes -- --nocapture both_links

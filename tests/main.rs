@@ -1,7 +1,7 @@
 //! Whole-system tests, a folder per promise, in one executable: what they share is compiled and linked once.
 //!
-//! Tests that start processes in real time are in `processes/`, an executable of their own, so that no other test takes
-//! processors away from them.
+//! Tests that start processes in real time are in `processes/`, an executable of their own, so that tests that compute take
+//! no processor from them.
 
 mod allocation;
 mod cell_file;
@@ -31,6 +31,12 @@ mod generators {
 }
 #[path = "tutorial/3_tight/orders.rs"]
 mod orders;
+
+/// Of what a test tries, all with `MRROC_WHOLE=1` (`just test-whole`), and otherwise one of so many: a share in cases, so
+/// that it is the same on every machine.
+fn one_of(many: u64) -> u64 {
+    if std::env::var_os("MRROC_WHOLE").is_some() { 1 } else { many }
+}
 
 #[global_allocator]
 static ALLOCATOR: mrroc_counting_allocator::Counting = mrroc_counting_allocator::Counting;

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use mrroc_tests::fixture::{ARMS, COUNTS, PROGRAM, RECORDS};
@@ -14,14 +13,10 @@ use rustix::process::{Pid, Signal, kill_process};
 /// The time after which anything counts as hanging.
 const LIVENESS: Duration = Duration::from_secs(120);
 
-/// Lets tests run one after another, because their processes would take processor time from each other.
-static ONE: Mutex<()> = Mutex::new(());
-
 /// A folder of a test: the cell, its sessions, the records of its robots.
 pub struct Place {
     folder: PathBuf,
     program: &'static str,
-    _only: MutexGuard<'static, ()>,
 }
 
 impl Place {
@@ -32,12 +27,10 @@ impl Place {
 
     /// For this program and its cell. The folder's name is short, because names of sockets in it have 108 bytes.
     pub fn of(test: u32, program: &'static str, cell: &str) -> Place {
-        // A test that failed leaves nothing that disturbs another test.
-        let only = ONE.lock().unwrap_or_else(PoisonError::into_inner);
         let folder = PathBuf::from(format!("/tmp/mr{}-{test}", std::process::id()));
         fs::create_dir_all(&folder).expect("a folder");
         fs::write(folder.join("cell.toml"), cell).expect("a file");
-        Place { folder, program, _only: only }
+        Place { folder, program }
     }
 
     /// The program, in this folder.

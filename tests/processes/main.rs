@@ -1,7 +1,8 @@
 //! A cell as processes of the operating system: the same demands to the bit, and no remains whatever is killed.
 //!
-//! The processes are those of the task programs in `tests/cell/`. The tests run one after another, in an executable of
-//! their own, because in real time they need all processors.
+//! The processes are those of the task programs in `tests/cell/`. In real time they mostly wait, and must not be kept from
+//! processors by tests that compute: they are an executable of their own, in which as many cells run at once as there are
+//! processors.
 
 #![cfg(target_os = "linux")]
 

@@ -3,6 +3,7 @@
 use mrroc::cell::Cell;
 use mrroc::testing::{LinkFault, Press, Sweep, SweepReport};
 
+use crate::one_of;
 use crate::safety::cells::{cooperating, interpolated, sensing, transparent};
 
 /// Injects faults into a cell's processes and links, and by its operator.
@@ -52,7 +53,7 @@ fn all_stop(sweep: Sweep<'_>, more_than: u64) {
 #[test]
 fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
     for cell in [transparent, cooperating, interpolated, sensing] {
-        clean(&everything(cell).every(29).run());
+        clean(&everything(cell).every(29 * one_of(3)).run());
     }
 }
 
@@ -120,7 +121,7 @@ fn fault_16_a_damaged_message_is_a_lost_one() {
 #[test]
 fn a_sender_that_is_out_of_its_mind_gets_nothing_beyond_a_limit_to_the_drives() {
     for cell in [transparent, cooperating, interpolated, sensing] {
-        clean(&Sweep::new(cell).links(LinkFault::Forge, 1).every(3).threads(2).run());
+        clean(&Sweep::new(cell).links(LinkFault::Forge, 1).every(3 * one_of(3)).threads(2).run());
     }
 }
 
@@ -142,8 +143,9 @@ fn copies_of_one_run_come_to_what_runs_of_their_own_come_to() {
             rows.sort_by(|(a, _), (b, _)| a.cmp(b));
             (rows, report)
         };
-        let (alone, report) = sorted(everything(cell).every(61).run());
-        let (copied, copies) = sorted(everything(cell).every(61).forking(u64::MAX).run());
+        let every = 61 * one_of(3);
+        let (alone, report) = sorted(everything(cell).every(every).run());
+        let (copied, copies) = sorted(everything(cell).every(every).forking(u64::MAX).run());
         assert_eq!(alone, copied, "{report}\n{copies}");
         assert!(report.is_clean() && copies.is_clean(), "{report}\n{copies}");
     }

@@ -67,20 +67,29 @@ fn the_same_job_gives_the_same_figures_to_the_bit() {
 
 #[test]
 fn every_sample_drawing_is_engraved_within_the_bounds() {
-    let folder = folder("samples");
     let samples = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("assets/drawings");
-    let mut engraved = 0;
-    for entry in std::fs::read_dir(samples).expect("the samples are there") {
-        let path = entry.expect("the samples can be listed").path();
+    let files = std::fs::read_dir(samples).expect("the samples are there");
+    let mut files: Vec<_> = files.map(|entry| entry.expect("the samples can be listed").path()).collect();
+    files.retain(|path| {
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        if !["svg", "dxf", "gcode"].contains(&ending.as_str()) {
-            continue;
+        ["svg", "dxf", "gcode"].contains(&ending.as_str())
+    });
+    assert!(files.len() >= 5, "{files:?}");
+    // The largest of them take most of the time: two at once.
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for half in ["samples-a", "samples-b"] {
+            let (files, next) = (&files, &next);
+            scope.spawn(move || {
+                let folder = folder(half);
+                while let Some(path) = files.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
+                    let output = engraving(&folder, &[&path.to_string_lossy(), "--fit", "--quiet"]);
+                    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+                    assert!(output.status.success(), "{}: {errors}", path.display());
+                }
+            });
         }
-        let output = engraving(&folder, &[&path.to_string_lossy(), "--fit", "--quiet"]);
-        assert!(output.status.success(), "{}: {}", path.display(), String::from_utf8_lossy(&output.stderr));
-        engraved += 1;
-    }
-    assert!(engraved >= 5, "{engraved}");
+    });
 }
 
 #[test]

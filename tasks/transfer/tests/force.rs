@@ -10,6 +10,8 @@ use transfer::variant::{Bases, Ready, Sensors, Variant};
 use transfer::witness::{Seen, Witness};
 use transfer::{cell, file, plant, sensed};
 
+use crate::one_of;
+
 /// Stiffness of a grasp [N/m].
 const K: f64 = 5e4;
 
@@ -54,7 +56,7 @@ fn wherever_the_operator_suspends_and_resumes_the_stress_stays_low() {
     assert!(without.is_held() && without.internal > 15.0, "{}", without.internal);
     // As in tests/task.rs, but less often.
     const PERIOD: u64 = 1160;
-    for offset in (0..PERIOD).step_by(145) {
+    for offset in (0..PERIOD).step_by(145).step_by(one_of(3)) {
         let seen = variant.watched(&file, |cell, _| {
             cell.on_step(move |step, operator| match (step + PERIOD - offset) % PERIOD {
                 0 => operator.suspend(),

@@ -1,5 +1,6 @@
 //! The task with nothing between the hands: what is demanded of the arms, whatever the operator does.
 
+use crate::one_of;
 use crate::support::{Demands, apart, off_path, task, watched};
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;
@@ -44,9 +45,9 @@ fn wherever_the_operator_suspends_and_resumes_both_arms_stay_on_the_bodys_path()
     let (undisturbed, calm) = task();
     let steps = undisturbed.run().expect("within all limits").steps;
     // Slowing down takes some hundred steps. The first suspension of a run comes ever later, the next follow it, so that
-    // every 29th step of all phases is one in which the operator suspends.
+    // every 29th step of all phases is one in which the operator suspends; here every 145th.
     const PERIOD: u64 = 1160;
-    for offset in (0..PERIOD).step_by(29) {
+    for offset in (0..PERIOD).step_by(29).step_by(one_of(5)) {
         let (cell, demands) = task();
         let report = cell
             .on_step(move |step, operator| match (step + PERIOD - offset) % PERIOD {
@@ -70,7 +71,7 @@ fn wherever_the_operator_suspends_and_resumes_both_arms_stay_on_the_bodys_path()
 fn wherever_the_operator_aborts_both_arms_stop_on_the_bodys_path() {
     let (undisturbed, _) = task();
     let steps = undisturbed.run().expect("within all limits").steps;
-    for at in (10..steps).step_by(97) {
+    for at in (10..steps).step_by(97).step_by(one_of(6)) {
         let (cell, demands) = task();
         let outcome = cell
             .on_step(move |step, operator| {
