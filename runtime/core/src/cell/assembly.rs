@@ -98,7 +98,7 @@ impl Cell {
             let place = Place {
                 name: *name,
                 ecp,
-                step: self.timing.step,
+                period: self.timing.step,
                 delay,
                 pace,
                 nudged,

@@ -150,7 +150,8 @@ impl<R: Robot> RobotSetup<R> {
 pub struct Place {
     pub name: Name,
     pub ecp: usize,
-    pub step: Duration,
+    /// Length of a step.
+    pub period: Duration,
     /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
     pub delay: Option<Duration>,
     pub pace: Pace,
@@ -354,7 +355,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                     robot: setup.robot,
                     drive,
                     tool: setup.tool,
-                    step: place.step,
+                    period: place.period,
                     delay: place.delay,
                     space: setup.space,
                     following_error: setup.following_error,

@@ -21,22 +21,22 @@ use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
 
-/// The time by which what robots of these servo periods do lies behind their demands: the least at which the demands
+/// The time by which drives of robots with these servo periods, in steps of `period`, lie behind their demands: the least at which the demands
 /// that each of them needs have come when its servo period begins. `None` where each takes every demand as it is.
 ///
 /// A demand of step `k` stands for the time `k T`. Ticks begin half a servo period after the steps; by then the demands
 /// of the steps whose half is over, or half a servo period, if that is shorter, are known.
-pub(crate) fn delay(step: Duration, servos: impl Iterator<Item = Duration> + Clone) -> Option<Duration> {
-    if servos.clone().all(|servo| servo == step) {
+pub(crate) fn delay(period: Duration, servos: impl Iterator<Item = Duration> + Clone) -> Option<Duration> {
+    if servos.clone().all(|servo| servo == period) {
         return None;
     }
     let needs = |servo: Duration| {
-        if servo <= step {
+        if servo <= period {
             // The step's last tick ends half a period into the next step; the spline ends half a step before the demand.
-            (step * 3 + servo) / 2
+            (period * 3 + servo) / 2
         } else {
-            let known = (servo.as_nanos() / 2).div_ceil(step.as_nanos().max(1)) as u32 - 1;
-            (servo * 3 + step) / 2 - step * known
+            let known = (servo.as_nanos() / 2).div_ceil(period.as_nanos().max(1)) as u32 - 1;
+            (servo * 3 + period) / 2 - period * known
         }
     };
     servos.map(needs).max()
@@ -48,19 +48,20 @@ pub(crate) struct Interpolation<J> {
     demands: Box<[J]>,
     /// The step that the newest demand is for; before the first one -1.
     newest: i64,
-    /// Length of a step, and the cell's delay; `None`: the newest demand itself is it \[ns\].
-    step: Nanos,
+    /// Length of a step \[ns\].
+    period: Nanos,
+    /// The cell's delay \[ns\]; `None`: the newest demand is the position.
     delay: Option<Nanos>,
 }
 
 impl<J: JointVector> Interpolation<J> {
     /// At rest before the step `first`.
-    pub fn new(position: J, first: u64, step: Duration, delay: Option<Duration>) -> Self {
+    pub fn new(position: J, first: u64, period: Duration, delay: Option<Duration>) -> Self {
         let delay = delay.map(|delay| delay.as_nanos() as Nanos);
-        let step = (step.as_nanos() as Nanos).max(1);
-        let length = 4 + delay.unwrap_or(0) / step;
+        let period = (period.as_nanos() as Nanos).max(1);
+        let length = 4 + delay.unwrap_or(0) / period;
         let demands = (0..length).map(|_| position).collect();
-        Interpolation { demands, newest: first as i64 - 1, step, delay }
+        Interpolation { demands, newest: first as i64 - 1, period, delay }
     }
 
     /// The demand of the step that follows the newest.
@@ -89,7 +90,7 @@ impl<J: JointVector> Interpolation<J> {
     pub fn settling_steps(&self) -> u64 {
         // The spline is at the demand of step `k` half a step after it, and all ticks that begin in the delay after that
         // are on their way there.
-        self.delay.map_or(0, |delay| (2 * delay).saturating_sub(self.step).div_ceil(2 * self.step))
+        self.delay.map_or(0, |delay| (2 * delay).saturating_sub(self.period).div_ceil(2 * self.period))
     }
 
     /// The position for the end of a servo period.
@@ -121,10 +122,10 @@ impl<J: JointVector> Interpolation<J> {
 
     /// The three demands about the time `delay` before `end`, and how far from the middle one it lies \[steps\].
     fn span(&self, end: Nanos, delay: Nanos) -> ([J; 3], f64) {
-        let step = self.step as i64;
-        let back = self.newest * step - end as i64 + delay as i64;
-        let middle = (step + 2 * back).max(0) / (2 * step);
-        let u = (middle * step - back) as f64 / step as f64;
+        let period = self.period as i64;
+        let back = self.newest * period - end as i64 + delay as i64;
+        let middle = (period + 2 * back).max(0) / (2 * period);
+        let u = (middle * period - back) as f64 / period as f64;
         ([*self.demand(middle + 1), *self.demand(middle), *self.demand(middle - 1)], u)
     }
 

@@ -46,7 +46,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub robot: R,
     pub drive: Drive<R>,
     pub tool: Pose,
-    pub step: Duration,
+    /// Length of a step.
+    pub period: Duration,
     /// The cell's delay between demands and drives; `None`: drives take each demand as it is.
     pub delay: Option<Duration>,
     pub space: InterpolationSpace,
@@ -79,7 +80,7 @@ pub(crate) struct Edp<'w, R: Robot> {
 
 impl<'w, R: Robot> Edp<'w, R> {
     pub fn new(config: EdpConfig<R>, host: Host<'w>, port: Box<dyn Server>) -> Self {
-        let period = config.step;
+        let period = config.period;
         let clock = ServoClock::new(host.waiter.now(), period, config.drive.period());
         let timing = Timing { due: clock.due, period, delay: config.delay };
         let servo = Servo::new(config.drive, config.space, config.following_error, &timing);

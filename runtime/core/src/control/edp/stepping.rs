@@ -44,7 +44,7 @@ impl<R: Robot> Edp<'_, R> {
         if self.path.is_off() {
             return;
         }
-        let demanded = self.position_at(now + self.clock.servo());
+        let demanded = self.position_at(now + self.clock.servo_period());
         let X_FE = *self.path.acceptor.tool();
         let fault = match self.servo.tick(now, &demanded, &X_FE, self.host.waiter) {
             Ok(followed) => self.check_following(&followed, FaultKind::FollowingError).err(),
@@ -65,7 +65,8 @@ impl<R: Robot> Edp<'_, R> {
         if !self.servo.is_in_task_space() {
             return joints;
         }
-        let learned = self.servo.learn_difference(end, &joints, self.clock.servo(), &self.path.acceptor);
+        let learned =
+            self.servo.learn_difference(end, &joints, self.clock.servo_period(), &self.path.acceptor);
         if let Err(fault) = learned {
             self.stop_for(fault, self.clock.due.saturating_sub(1));
         }
@@ -78,7 +79,7 @@ impl<R: Robot> Edp<'_, R> {
             return Ok(());
         }
         self.shown.show_servo(&ServoRecord {
-            time: (now + self.clock.servo()) as f64 * 1e-9,
+            time: (now + self.clock.servo_period()) as f64 * 1e-9,
             demanded,
             measured: self.servo.measured,
             tool: *self.path.acceptor.tool(),

@@ -48,7 +48,7 @@ fn config(servo: Duration) -> EdpConfig<Slide> {
         robot: Slide::new(),
         drive: Drive::Here(Box::new(Exact::new(servo))),
         tool: Pose::identity(),
-        step: Duration::from_millis(1),
+        period: Duration::from_millis(1),
         delay: crate::control::interpolation::delay(Duration::from_millis(1), [servo].into_iter()),
         space: InterpolationSpace::Joints,
         following_error: Vector1::new(1.0),

@@ -36,8 +36,10 @@ pub(super) struct Drives<R: Robot> {
     edp: ProcessId,
     driver: Box<dyn Driver<R>>,
     commands: Commands,
-    servo: Nanos,
-    step: Nanos,
+    /// Length of a servo period \[ns\].
+    servo_period: Nanos,
+    /// Length of a step \[ns\].
+    step_period: Nanos,
     /// For how long commands may stay away \[ns\].
     patience: Nanos,
     /// The newest command; `None`: the robot stands where it was switched on, powered.
@@ -71,18 +73,18 @@ impl<R: Robot> Drives<R> {
         edp: ProcessId,
         driver: Box<dyn Driver<R>>,
         commands: Commands,
-        step: Nanos,
+        step_period: Nanos,
         patience: Nanos,
         observers: Vec<Observer<R>>,
     ) -> Self {
         let measured = driver.measured();
-        let servo = driver.period().as_nanos() as Nanos;
+        let servo_period = driver.period().as_nanos() as Nanos;
         Drives {
             edp,
             driver,
             commands,
-            servo: servo.max(1),
-            step: step.max(1),
+            servo_period: servo_period.max(1),
+            step_period: step_period.max(1),
             patience,
             newest: None,
             next: 0,
@@ -157,7 +159,7 @@ impl<R: Robot> Drives<R> {
     fn observe(&mut self) {
         let Some(Command { tool, .. }) = self.newest.filter(|_| !self.observers.is_empty()) else { return };
         // An EDP's period begins half a period after a multiple of it.
-        let end = (self.next + 1) * self.servo + self.servo / 2;
+        let end = (self.next + 1) * self.servo_period + self.servo_period / 2;
         let record =
             ServoRecord { time: end as f64 * 1e-9, demanded: self.at, measured: self.measured, tool };
         let observers = &mut self.observers;
@@ -170,11 +172,11 @@ impl<R: Robot> Drives<R> {
     fn period(&mut self) {
         let Some(newest) = self.newest else { return };
         let silent = self.next.saturating_sub(newest.period);
-        if self.off.is_none() && silent * self.servo >= self.patience {
-            let steps = |time: Nanos| (time / self.step) as f64;
+        if self.off.is_none() && silent * self.servo_period >= self.patience {
+            let steps = |time: Nanos| (time / self.step_period) as f64;
             let fault =
                 Fault::new(FaultKind::Overrun).text("its drives got no demand and applied their brakes");
-            let fault = fault.exceeds(steps(silent * self.servo), steps(self.patience) - 1.0, "step");
+            let fault = fault.exceeds(steps(silent * self.servo_period), steps(self.patience) - 1.0, "step");
             self.off = Some(Off { fault, silent, braking: 0 });
         }
         if let Some(off) = &mut self.off {
@@ -259,7 +261,7 @@ impl<R: Robot> Part for Drives<R> {
     }
 
     fn advance(&mut self, now: Nanos) {
-        let over = now / self.servo;
+        let over = now / self.servo_period;
         if self.newest.is_none() {
             self.next = over;
             return;
@@ -280,7 +282,7 @@ impl<R: Robot> Part for Drives<R> {
             (Commands::Asked(_), None) => false,
             (Commands::Asked(_), Some(_)) => self.off.is_none() || !self.rests(),
         };
-        waits.then(|| (self.next + 1) * self.servo)
+        waits.then(|| (self.next + 1) * self.servo_period)
     }
 
     fn blindfold(&mut self) {
@@ -297,7 +299,7 @@ impl<R: Robot> Part for Drives<R> {
     fn rest(&self) -> Option<Rest> {
         // One that stood already has nothing to tell.
         let off = self.off.as_ref().filter(|off| off.silent > 0 && off.braking > 0)?;
-        let steps = |periods: u64| (periods * self.servo).div_ceil(self.step);
+        let steps = |periods: u64| (periods * self.servo_period).div_ceil(self.step_period);
         Some(Rest { edp: self.edp, braked_after: steps(off.silent), stood_after: steps(off.braking) })
     }
 }

@@ -73,7 +73,8 @@ trait Part {
 pub struct Site {
     simulation: Simulation,
     place: Option<usize>,
-    step: Duration,
+    /// Length of a step.
+    period: Duration,
     /// Whether observers look at the drives here, and not in their EDPs.
     watched: bool,
     parts: Vec<Box<dyn Part>>,
@@ -82,11 +83,11 @@ pub struct Site {
 impl Site {
     /// The plant of a cell with this step; with a place of its own if the link has one for it and anything is simulated;
     /// `watched`: observers look at it.
-    pub fn new(link: &mut dyn Link, step: Duration, anything: bool, watched: bool) -> Site {
+    pub fn new(link: &mut dyn Link, period: Duration, anything: bool, watched: bool) -> Site {
         let simulation = link.simulation();
         let apart = anything && simulation != Simulation::InEdps;
         let place = apart.then(|| link.place(ProcessId::PLANT));
-        Site { simulation, place, step, watched, parts: Vec::new() }
+        Site { simulation, place, period, watched, parts: Vec::new() }
     }
 
     /// Takes the drives of the EDP `process` at `edp`, if they are simulated and the plant has a place; returns what the
@@ -101,7 +102,7 @@ impl Site {
     ) -> Drive<R> {
         let is_simulated = driver.simulation().is_some();
         let Some(plant) = self.place.filter(|_| is_simulated) else { return Drive::Here(driver) };
-        let Patience { most: patience, again: step } = Patience::of_step(self.step);
+        let Patience { most: patience, again: period } = Patience::of_step(self.period);
         let (end, commands) = match self.simulation {
             Simulation::InEdps | Simulation::Asked => {
                 let (client, server) = link.port(edp, plant);
@@ -116,7 +117,7 @@ impl Site {
         };
         let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, end, patience)));
         let observers = if self.watched { core::mem::take(observers) } else { Vec::new() };
-        self.parts.push(Box::new(Drives::new(process, driver, commands, step, patience, observers)));
+        self.parts.push(Box::new(Drives::new(process, driver, commands, period, patience, observers)));
         drive
     }
 
@@ -133,7 +134,7 @@ impl Site {
         };
         let (port, server) = link.port(vsp, plant);
         self.parts.push(Box::new(Sensor::new(aggregator, server)));
-        RawSensors::Plant(PlantSensor { port, plant, patience: Patience::of_step(self.step) })
+        RawSensors::Plant(PlantSensor { port, plant, patience: Patience::of_step(self.period) })
     }
 
     /// A board that the process at `writer` writes and the plant reads, if that has a place.
