@@ -2,7 +2,7 @@
 //! says: drop `async`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -1,7 +1,7 @@
 //! The coordinator's program is asynchronous.
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Lift;
 

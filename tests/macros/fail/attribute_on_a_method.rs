@@ -2,7 +2,7 @@
 //! says: put the attribute over the `impl` block
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

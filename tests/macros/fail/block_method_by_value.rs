@@ -2,7 +2,7 @@
 //! says: `&mut self`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

@@ -2,7 +2,7 @@
 //! says: `fn first_step(&mut self, ..)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

@@ -2,7 +2,7 @@
 //! says: `&Order<Phase>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

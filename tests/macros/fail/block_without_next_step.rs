@@ -2,7 +2,7 @@
 //! says: `fn next_step(&mut self, t: Tick) -> Step<R>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

@@ -2,7 +2,7 @@
 //! says: the list asks for
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Lift;
 

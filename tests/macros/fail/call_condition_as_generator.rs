@@ -2,7 +2,7 @@
 //! says: is no generator
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Dwell;
 

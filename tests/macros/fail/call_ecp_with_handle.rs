@@ -1,7 +1,7 @@
 //! A generator of an ECP is passed to the MP with its list of one.
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

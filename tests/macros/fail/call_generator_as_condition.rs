@@ -2,7 +2,7 @@
 //! says: is no condition
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Lift;
 

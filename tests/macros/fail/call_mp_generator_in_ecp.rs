@@ -2,7 +2,7 @@
 //! says: Generator>::Robots == Rnt
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Default)]
 struct Carry;

@@ -2,7 +2,7 @@
 //! says: one without as `name {}`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[generator(ecp)]
 fn transmit(order: &Order<Displacement>) -> Always<Rnt> {

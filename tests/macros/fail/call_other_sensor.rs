@@ -2,7 +2,7 @@
 //! says: `(&mut force,)` for `(WristForce,)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Press;
 

@@ -2,7 +2,7 @@
 //! says: `mp.robot::<Rnt>("rnt")?`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Lift;
 

@@ -2,7 +2,7 @@
 //! says: mutable more than once
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Both;
 

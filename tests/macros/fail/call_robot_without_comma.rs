@@ -2,7 +2,7 @@
 //! says: `(&mut rnt,)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Lift;
 

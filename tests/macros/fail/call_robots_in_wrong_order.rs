@@ -2,7 +2,7 @@
 //! says: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Default)]
 struct Carry;

@@ -2,7 +2,7 @@
 //! says: one `&mut` handle for each robot
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Default)]
 struct Carry;

@@ -3,7 +3,7 @@
 //! says: takes 3 arguments
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Lift;
 

@@ -2,7 +2,7 @@
 //! says: a comma separates arguments: `#[generator(ecp, key = value)]`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

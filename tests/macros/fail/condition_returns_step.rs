@@ -2,7 +2,7 @@
 //! says: `#[generator(mp)]`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: no argument of `#[condition(..)]`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

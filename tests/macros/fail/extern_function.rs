@@ -2,7 +2,7 @@
 //! says: drop the `extern`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

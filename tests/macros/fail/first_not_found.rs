@@ -2,7 +2,7 @@
 //! says: cannot find value `gasp`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

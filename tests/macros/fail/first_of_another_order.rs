@@ -2,7 +2,7 @@
 //! says: order = Phase
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

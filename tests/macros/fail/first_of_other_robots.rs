@@ -2,7 +2,7 @@
 //! says: in this order, and returns
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

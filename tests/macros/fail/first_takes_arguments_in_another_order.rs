@@ -2,7 +2,7 @@
 //! says: in this order
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

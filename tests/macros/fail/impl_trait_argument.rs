@@ -2,7 +2,7 @@
 //! says: `fn line<R: Robot>(c: &mut Line<R>, ..)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

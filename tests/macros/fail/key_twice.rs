@@ -2,7 +2,7 @@
 //! says: leave one of them out
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: `first = function`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: `#[generator(ecp)]`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

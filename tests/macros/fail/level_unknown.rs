@@ -2,7 +2,7 @@
 //! says: write `mp` or `ecp`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

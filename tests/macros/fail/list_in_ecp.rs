@@ -2,7 +2,7 @@
 //! says: without parentheses: `Rnt`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: `(WristForce,)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -3,7 +3,7 @@
 //! errors: 2, since the compiler repeats it where the body makes a step of the list
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: `(Rnt,)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

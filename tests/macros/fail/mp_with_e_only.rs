@@ -2,7 +2,7 @@
 //! says: the five forms of an MP
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[generator(mp)]
 fn follow(e: &State<(Rnt, Polycrank)>) -> Always<(Rnt, Polycrank)> {

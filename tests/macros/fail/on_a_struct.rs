@@ -2,7 +2,7 @@
 //! says: stands over a step function
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[generator(mp)]
 struct Carry;

@@ -2,7 +2,7 @@
 //! says: `impl Carry { .. }`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: #[derive(Clone, Copy, mrroc::payload::Payload)]
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

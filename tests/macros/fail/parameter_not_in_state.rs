@@ -2,7 +2,7 @@
 //! says: `PhantomData<R>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

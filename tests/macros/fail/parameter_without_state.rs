@@ -2,7 +2,7 @@
 //! says: `c: &mut Hold<R>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[generator(ecp)]
 fn hold<R: Robot>() -> Always<R> {

@@ -2,7 +2,7 @@
 //! says: name at least one variant
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Clone, Copy, Payload)]
 enum Plan {}

@@ -2,7 +2,7 @@
 //! says: into a `struct` of their own
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Clone, Copy, Payload)]
 enum Plan {

@@ -2,7 +2,7 @@
 //! says: plain are numbers
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Clone, Copy, Payload)]
 struct Plan {

@@ -2,7 +2,7 @@
 //! says: `Plan: Copy`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Payload)]
 struct Plan {

@@ -2,7 +2,7 @@
 //! says: at most 56 words
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Clone, Copy, Payload)]
 struct Plan {

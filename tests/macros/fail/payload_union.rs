@@ -2,7 +2,7 @@
 //! says: write a `struct` or an `enum`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Clone, Copy, Payload)]
 union Plan {

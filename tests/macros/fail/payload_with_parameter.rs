@@ -2,7 +2,7 @@
 //! says: without parameters
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[derive(Clone, Copy, Payload)]
 struct Many<T> {

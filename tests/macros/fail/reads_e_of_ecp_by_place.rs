@@ -1,7 +1,7 @@
 //! An ECP reads the state of its robot as if it were a list.
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

@@ -2,7 +2,7 @@
 //! says: demanded
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: expected `Step<Rnt>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

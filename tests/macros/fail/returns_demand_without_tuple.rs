@@ -2,7 +2,7 @@
 //! says: (Demand<Rnt>,)
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Lift;
 

@@ -2,7 +2,7 @@
 //! says: `-> Step<(Rnt, Polycrank)>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: `Result<Step<(Rnt, Polycrank)>, Fault>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: mistakes::Polycrank
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: remove this semicolon
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Line;
 

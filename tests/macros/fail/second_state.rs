@@ -2,7 +2,7 @@
 //! says: one type holds all
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -3,7 +3,7 @@
 //! errors: 2, since the compiler itself refuses a method outside of a block before it looks further
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: take `&Reading<..>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: a tuple of kinds of sensors
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Press;
 

@@ -5,7 +5,7 @@
 //! says: nobody orders an MP
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

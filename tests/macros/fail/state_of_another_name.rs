@@ -3,7 +3,7 @@
 //! says: Carry
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

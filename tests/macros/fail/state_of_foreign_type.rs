@@ -2,7 +2,7 @@
 //! says: `struct Carry { .. }`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[generator(mp)]
 fn count(_: &mut f64) -> Step<(Rnt, Polycrank)> {

@@ -2,7 +2,7 @@
 //! says: `<L>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

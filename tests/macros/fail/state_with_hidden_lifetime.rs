@@ -2,7 +2,7 @@
 //! says: `<'_>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry<'a>(&'a f64);
 

@@ -2,7 +2,7 @@
 //! says: `Always<(Rnt, Polycrank)>`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 #[generator(mp)]
 fn nudge() -> Step<(Rnt, Polycrank)> {

@@ -2,7 +2,7 @@
 //! says: `t: Tick`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

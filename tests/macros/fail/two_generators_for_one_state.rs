@@ -2,7 +2,7 @@
 //! says: conflicting implementations
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

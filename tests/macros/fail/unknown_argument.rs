@@ -2,7 +2,7 @@
 //! says: keep it in the state
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

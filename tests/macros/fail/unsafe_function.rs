@@ -2,7 +2,7 @@
 //! says: drop `unsafe`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

@@ -2,7 +2,7 @@
 //! says: `sensors = (WristForce,)`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 

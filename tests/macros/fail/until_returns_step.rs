@@ -2,7 +2,7 @@
 //! says: returns `bool`
 
 use mistakes::*;
-use mrroc::*;
+use mrroc::prelude::*;
 
 struct Carry;
 
