@@ -1,18 +1,15 @@
 //! The README's program, and those of the book's page about programs, compile, run and are what is shown.
 
-#[path = "../tutorial/support.rs"]
-mod support;
-
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
 use std::time::Duration;
 
+use crate::tutorial::support::{ONE, TWO, extent, file, watched};
 use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::Translation3;
-use support::{ONE, TWO, extent, file, watched};
 
 // ANCHOR: program
 /// Both tools rise by 0.1 m and come down again, in four seconds.

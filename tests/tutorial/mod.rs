@@ -14,4 +14,4 @@ mod pair;
 mod point_to_point;
 #[path = "2_sensor.rs"]
 mod sensor;
-mod support;
+pub mod support;

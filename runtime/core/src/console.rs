@@ -1,4 +1,4 @@
-//! What a task program says on its standard output and error: [`launch`](crate::launch)'s, and a program's own.
+//! What a task program says on its standard output and error: `launch`'s, and a program's own.
 
 use core::fmt::Display;
 use std::io::{self, ErrorKind, Write};

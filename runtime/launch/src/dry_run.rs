@@ -19,7 +19,7 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
     let witness: Rc<Approach> = Rc::clone(&approach);
     cell = cell.unrecorded().witnessed_by(witness);
     if !quiet {
-        cell = cell.also_on_step(Patience::new().notes());
+        cell = cell.also_on_step(Patience::begin().notes());
     }
     match cell.run() {
         Ok(_) if quiet => ExitCode::SUCCESS,

@@ -28,7 +28,7 @@ use crate::running::{run, watched};
 use crate::table::Table;
 
 pub use crate::options::Operating;
-pub use crate::parts::{Parts, Processes};
+pub use crate::parts::{Parts, Processes, Replays};
 pub use crate::program::{Launch, Ran};
 
 /// The main function of a task program: `cell` makes a cell from `cell.toml`, and the cell is run with the options of

@@ -14,13 +14,16 @@ use crate::options::Operating;
 use crate::program::{Launch, Ran};
 use mrroc_core::console::refused as refuse;
 
+/// Replays the recording of a file on a cell: whether as far as it goes (`--partial`), and whether without a word (`--quiet`).
+pub type Replays = fn(cell: Cell, file: &Path, partial: bool, quiet: bool) -> ExitCode;
+
 /// The optional parts that a program was built with; `None` for a part that it lacks.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Parts {
     /// Records runs: `--record FILE`, `[recording]` of `cell.toml`.
     pub recorder: Option<&'static dyn Recorder>,
     /// Replays a recording on a cell: `replay FILE`. The last two arguments are `--partial` and `--quiet`.
-    pub replay: Option<fn(Cell, &Path, bool, bool) -> ExitCode>,
+    pub replay: Option<Replays>,
     /// Runs cells as processes of the operating system: `--processes`.
     pub processes: Option<&'static dyn Processes>,
 }

@@ -17,7 +17,7 @@ pub struct Patience {
 
 impl Patience {
     /// Begins to wait; the first note is due after 10 s.
-    pub fn new() -> Patience {
+    pub fn begin() -> Patience {
         Patience { since: Instant::now(), next: Duration::from_secs(10) }
     }
 
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn a_run_without_an_end_is_told_of_ever_more_seldom() {
-        let mut patience = Patience::new();
+        let mut patience = Patience::begin();
         let told: Vec<_> = (0..100)
             .filter(|&second| patience.after(Duration::from_secs(second), second * 500).is_some())
             .collect();

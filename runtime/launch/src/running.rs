@@ -29,7 +29,7 @@ pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Option
         cell = picture.watch(cell);
     }
     if !options.quiet {
-        cell = cell.also_on_step(Patience::new().notes());
+        cell = cell.also_on_step(Patience::begin().notes());
     }
     match cell.end_when_stuck(STUCK).run() {
         Ok(report) => conclude(Ok(report), picture, options),

@@ -3,12 +3,12 @@
 //! In: a cell and a command line. Out: the run of all its processes, supervised by the launcher, or of the one process
 //! that this is.
 //!
-//! The [`launcher`] starts a [`session`] and its [`process_set`]. Each process is a [`member`], which puts the whole
-//! cell together and runs its own part; [`control`] holds the frames between the launcher and its processes. The
-//! operator's consoles connect to the [`console_server`]. Each process shows what it does in its [`entry`] of the state
-//! [`board`].
-//! [`scheduling`] asks the machine for priorities, cores and locked memory, [`capacity`] checks that there is enough shared
-//! memory and open files, and [`doctor`] says what the machine can do.
+//! The `launcher` starts a `session` and its `process_set`. Each process is a `member`, which puts the whole
+//! cell together and runs its own part; `control` holds the frames between the launcher and its processes. The
+//! operator's consoles connect to the `console_server`. Each process shows what it does in its `entry` of the state
+//! `board`.
+//! `scheduling` asks the machine for priorities, cores and locked memory, `capacity` checks that there is enough shared
+//! memory and open files, and `doctor` says what the machine can do.
 
 #![cfg(target_os = "linux")]
 #![allow(

@@ -74,7 +74,7 @@ fn take_part(
         cell = cell.watched_in_plant();
     }
     if !how.quiet {
-        cell = cell.also_on_step(Patience::new().notes());
+        cell = cell.also_on_step(Patience::begin().notes());
     }
     let record =
         recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));

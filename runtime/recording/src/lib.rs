@@ -15,10 +15,10 @@
 //! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
 //!
 //! The file's metadata `mrroc` says what the cell is made of; `mrroc.end` says how many messages there are and how many
-//! records were dropped. A step copies what it shows into a ring ([`ring`]). A thread makes messages of these records
-//! ([`channels`], [`json`]) and writes them to the file ([`file`]), or sends them to the launcher's thread when the
+//! records were dropped. A step copies what it shows into a ring (`ring`). A thread makes messages of these records
+//! (`channels`, `json`) and writes them to the file ([`file`]), or sends them to the launcher's thread when the
 //! cell runs as processes (`relay`). When the ring is full, a step in real time drops the record and counts it. Under
-//! the virtual clock, which stands still meanwhile, the step waits as long as the thread makes progress. [`reader`]
+//! the virtual clock, which stands still meanwhile, the step waits as long as the thread makes progress. `reader`
 //! reads a file back.
 //!
 //! JSON cannot express numbers that are not finite: they are written as the texts "NaN", "Infinity" and "-Infinity", as

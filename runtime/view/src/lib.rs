@@ -1,7 +1,7 @@
 //! The operator's live view of a running cell, in a terminal.
 //!
 //! In: pictures of the cell, up to 20 a second, answers to what was pressed, and keys. Out: a screen, and requests to
-//! the cell. [`screen`] draws the screen and [`keys`] gives the meaning of a key. The view is a console like any other:
+//! the cell. `screen` draws the screen and `keys` gives the meaning of a key. The view is a console like any other:
 //! the cell does not wait for it.
 
 mod keys;

@@ -2,8 +2,8 @@
 //!
 //! In: set-ups. Out: a run, or everything that is wrong with them before anything moves.
 //!
-//! Here are the functions that a user calls. A cell keeps what they are told in four parts: [`parts`] for robots and sensors, [`timing`],
-//! [`coordination`] for the MP and its operator, [`watching`] for those who look on; [`running`] runs the cell.
+//! Here are the functions that a user calls. A cell keeps what they are told in four parts: `parts` for robots and sensors, `timing`,
+//! `coordination` for the MP and its operator, `watching` for those who look on; `running` runs the cell.
 
 mod assembly;
 mod coordination;

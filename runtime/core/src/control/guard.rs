@@ -9,7 +9,7 @@ use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::sensor::EffectorState;
 
-/// The states of one robot, as a [guard](crate::Cell::guard) sees them: those that its EDP reported last.
+/// The states of one robot, as a [guard](crate::cell::Cell::guard) sees them: those that its EDP reported last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RobotView {
     /// The robot's name.

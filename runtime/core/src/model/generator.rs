@@ -20,7 +20,7 @@ use crate::model::step::{Always, Step, Tick};
 pub trait Generator: Sized {
     /// The robots that it moves: a tuple or an array in an MP, one robot in an ECP.
     type Robots: Robots<Self::Language>;
-    /// What it tells them: [`Motion`](crate::Motion), a demand for each, or an order's payload.
+    /// What it tells them: [`Motion`](crate::generator::Motion), a demand for each, or an order's payload.
     type Language: 'static;
     /// The virtual sensors that it reads.
     type Sensors: SensorList;
@@ -63,7 +63,7 @@ pub trait Generator: Sized {
     note = "a condition with state is passed as its state value, one without as `name {{}}`; write `#[condition(mp)]` or `#[condition(ecp)]` over its function"
 )]
 pub trait Condition: Sized {
-    /// The robots that it looks at; [`AnyRobots`](crate::AnyRobots) for none.
+    /// The robots that it looks at; [`AnyRobots`](crate::generator::AnyRobots) for none.
     type Robots: RobotList;
     /// The virtual sensors that it reads.
     type Sensors: SensorList;

@@ -133,7 +133,7 @@ impl<R: Robot> Wire for RobotImage<R> {
 
 /// The virtual sensor of a kind: what it reads and how it is configured.
 ///
-/// A unit type names the kind; [`VirtualSensor`](crate::VirtualSensor) computes its readings.
+/// A unit type names the kind; [`VirtualSensor`](crate::sensor::VirtualSensor) computes its readings.
 pub trait Sensor: 'static {
     /// The kind's name, for messages.
     const KIND: &'static str;

@@ -10,7 +10,7 @@ pub const MAX_JOINTS: usize = 8;
 
 /// A vector with one entry per joint of a robot: positions [rad or m], velocities, accelerations ..
 ///
-/// Implemented for `nalgebra::SVector<f64, N>`; a robot names its own as [`Robot::Joints`](crate::Robot::Joints).
+/// Implemented for `nalgebra::SVector<f64, N>`; a robot names its own as [`Robot::Joints`](crate::robot::Robot::Joints).
 pub trait JointVector:
     Copy
     + Debug

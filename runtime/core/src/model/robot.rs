@@ -6,7 +6,7 @@ use crate::model::pose::Pose;
 
 /// A kind of robot: a value holds the geometry (nominal or calibrated, where its base stands) and the limits.
 ///
-/// One robot is one file: implement this trait, and [`Driver`](crate::Driver) for what moves it.
+/// One robot is one file: implement this trait, and [`Driver`](crate::robot::Driver) for what moves it.
 pub trait Robot: Clone + 'static {
     /// The kind's name, for messages: `"irp6"`.
     const KIND: &'static str;

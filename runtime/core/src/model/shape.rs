@@ -2,7 +2,7 @@
 //!
 //! In: a type, through [`Wire::SHAPE`](crate::Wire::SHAPE). Out: the tree of its fields, one leaf for each word.
 
-/// How the words of a [`Wire`](crate::Wire) type are made up.
+/// How the words of a [`Wire`](crate::payload::Wire) type are made up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// One word: the bits of an `f64`.

@@ -11,7 +11,7 @@ use crate::link::message::{Kind, Message};
 use crate::model::wire::Wire;
 
 /// A value that a program of an ECP sets and observers read; all copies are the same. A robot's set-up names it:
-/// [`RobotSetup::shows`](crate::RobotSetup::shows).
+/// [`RobotSetup::shows`](crate::cell::RobotSetup::shows).
 ///
 /// ```
 /// let stroke = mrroc::observe::Shown::new(0_u32);

@@ -11,7 +11,7 @@ use crate::safety::latch::{Event, Latch, LatchRefusal, Latching};
 /// Speed and Suspend scale the path time of every step with a bounded change of rate, so that the robots slow
 /// down on their paths; Abort stops on the path too and then ends the instruction with a fault; Stop ends the cell so.
 ///
-/// After a fault stop the cell is latched. One that [awaits a reset](crate::AfterFault) starts its programs again when
+/// After a fault stop the cell is latched. One that [awaits a reset](crate::cell::AfterFault) starts its programs again when
 /// its operator has acknowledged the fault and then pressed the reset:
 ///
 /// ```

@@ -111,7 +111,7 @@ impl Picture {
     /// Takes one line between the first and the last line of a picture.
     ///
     /// # Errors
-    /// [`BadPicture`]: the line has no valid form, or there are more processes or robots than a cell can have.
+    /// `BadPicture`: the line has no valid form, or there are more processes or robots than a cell can have.
     pub fn take(&mut self, line: &str) -> Result<(), BadPicture> {
         let mut words = line.split_ascii_whitespace();
         let taken = match words.next() {
