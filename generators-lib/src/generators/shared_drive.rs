@@ -40,10 +40,8 @@ where
     pub fn from(X_WD: Pose, path: P, loops: L::Each<KinematicLoop<D, E>>, limits: ToolLimits) -> Self {
         let starts = L::array(|_| Pose::identity());
         let approaches = L::array(|_| None);
-        let engaged = false;
-        let age = 0.0;
         let of = PhantomData;
-        SharedDrive { drive: X_WD, path, loops, limits, starts, approaches, engaged, age, of }
+        SharedDrive { drive: X_WD, path, loops, limits, starts, approaches, engaged: false, age: 0.0, of }
     }
 
     #[allow(non_snake_case)]
@@ -54,13 +52,9 @@ where
             let mut under_way = false;
             let X_WE = L::array(|i| {
                 let approach = self.approaches.as_mut()[i].as_mut();
-                match approach.and_then(|(line, cursor)| Some(line.pose(cursor.advance(t.dt)?.s))) {
-                    Some(X_WE) => {
-                        under_way = true;
-                        X_WE
-                    }
-                    None => loops[i].tool(&self.drive, 0.0),
-                }
+                let X_WE = approach.and_then(|(line, cursor)| Some(line.pose(cursor.advance(t.dt)?.s)));
+                under_way |= X_WE.is_some();
+                X_WE.unwrap_or_else(|| loops[i].tool(&self.drive, 0.0))
             });
             if under_way {
                 let placed = |i| Placed { X_WEs: X_WEs.as_ref()[i], X_WE: X_WE.as_ref()[i] };
