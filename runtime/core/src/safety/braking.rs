@@ -1,9 +1,11 @@
 //! The braking law: how a robot comes to a standstill from the state demanded last.
 //!
 //! Without a jerk limit all joints decelerate in one common time, so that the robot stays on the straight line
-//! of its joint velocities; with one, each joint stops as fast as its acceleration and jerk allow.
+//! of its joint velocities; with one, each joint stops as fast as its acceleration and jerk allow. A jerk limit holds from
+//! step to step, so that braking is a law of steps too: were it a curve in time, its first step would take half of the
+//! acceleration away at once, or hardly any of it, and the joint would go on past its velocity limit.
 
-use crate::model::joints::{JointVector, MAX_JOINTS};
+use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
 
 /// How fast arms may slow down on their screw, so that no robot of an instruction exceeds its limits.
@@ -36,132 +38,161 @@ impl BrakingLaw {
 /// joints.
 pub(crate) const SHARE: f64 = 0.8;
 
-/// One joint's way to zero velocity: acceleration ramps to `peak`, holds, ramps to zero.
-#[derive(Clone, Copy, Debug, Default)]
-struct JointBrake {
-    v0: f64,
-    a0: f64,
-    /// Signed peak acceleration.
-    peak: f64,
-    jerk: f64,
-    /// Durations of the three phases \[s\].
-    ramp_in: f64,
-    hold: f64,
-    ramp_out: f64,
-}
-
-impl JointBrake {
-    /// With a jerk limit: time-optimal from velocity `v` and acceleration `a`.
-    fn with_jerk(v: f64, a: f64, limit: f64, jerk: f64) -> JointBrake {
-        // Where the velocity ends when the acceleration alone goes to zero tells which way to push.
-        let drift = v + a * a.abs() / (2.0 * jerk);
-        if drift == 0.0 {
-            let ramp_out = a.abs() / jerk;
-            return JointBrake { v0: v, a0: a, peak: a, jerk, ramp_in: 0.0, hold: 0.0, ramp_out };
-        }
-        let sign = -drift.signum();
-        let unlimited = (0.5 * a * a - sign * v * jerk).max(0.0).sqrt();
-        let peak = unlimited.min(limit);
-        let hold = if unlimited > limit {
-            ((-sign * v - (2.0 * limit * limit - a * a) / (2.0 * jerk)) / limit).max(0.0)
-        } else {
-            0.0
-        };
-        JointBrake {
-            v0: v,
-            a0: a,
-            peak: sign * peak,
-            jerk,
-            ramp_in: (sign * peak - a).abs() / jerk,
-            hold,
-            ramp_out: peak / jerk,
-        }
-    }
-
-    /// Without a jerk limit: constant deceleration to zero in `duration`.
-    fn without_jerk(v: f64, duration: f64) -> JointBrake {
-        let peak = if duration > 0.0 { -v / duration } else { 0.0 };
-        JointBrake { v0: v, a0: peak, peak, jerk: 0.0, ramp_in: 0.0, hold: duration, ramp_out: 0.0 }
-    }
-
-    fn duration(&self) -> f64 {
-        self.ramp_in + self.hold + self.ramp_out
-    }
-
-    /// Displacement since the start and velocity at time `t` \[s\].
-    fn at(&self, t: f64) -> (f64, f64) {
-        let mut s = 0.0;
-        let mut v = self.v0;
-        let mut left = t.max(0.0);
-        // Duration, acceleration at its beginning, jerk.
-        let phases = [
-            (self.ramp_in, self.a0, (self.peak - self.a0).signum() * self.jerk),
-            (self.hold, self.peak, 0.0),
-            (self.ramp_out, self.peak, -self.peak.signum() * self.jerk),
-        ];
-        for (duration, a, jerk) in phases {
-            let d = left.min(duration);
-            s += d * (v + d * (0.5 * a + d * jerk / 6.0));
-            v += d * (a + 0.5 * d * jerk);
-            left -= d;
-        }
-        if t >= self.duration() { (s, 0.0) } else { (s, v) }
-    }
-}
-
 /// A robot's way to a standstill.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Braking<J> {
+pub(crate) enum Braking<J> {
+    /// Without a jerk limit.
+    Even(EvenBraking<J>),
+    /// With one, in steps.
+    Jerk(JerkBraking<J>),
+}
+
+/// All joints decelerate evenly and stand at the same time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EvenBraking<J> {
     start: J,
-    joints: [JointBrake; MAX_JOINTS],
+    velocity: J,
+    acceleration: J,
     elapsed: f64,
     duration: f64,
+}
+
+/// Each joint stops by itself: where it was demanded last, with the mean velocity of that step and the acceleration that
+/// led to it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JerkBraking<J> {
+    position: J,
+    velocity: J,
+    acceleration: J,
+    limit: J,
+    jerk: J,
+    stands: bool,
 }
 
 impl<J: JointVector> Braking<J> {
     /// From position, velocity and acceleration of the demand.
     pub fn new(position: J, velocity: J, acceleration: J, limits: &Limits<J>) -> Braking<J> {
-        let mut joints = [JointBrake::default(); MAX_JOINTS];
         match limits.jerk {
-            Some(jerk) => {
-                for i in 0..J::LEN {
-                    joints[i] =
-                        JointBrake::with_jerk(velocity[i], acceleration[i], limits.acceleration[i], jerk[i]);
-                }
-            }
+            Some(jerk) => Braking::Jerk(JerkBraking {
+                position,
+                velocity,
+                acceleration,
+                limit: limits.acceleration,
+                jerk,
+                stands: velocity == J::zeros() && acceleration == J::zeros(),
+            }),
             None => {
-                let time =
+                let duration =
                     (0..J::LEN).map(|i| velocity[i].abs() / limits.acceleration[i]).fold(0.0, f64::max);
-                for i in 0..J::LEN {
-                    joints[i] = JointBrake::without_jerk(velocity[i], time);
-                }
+                let acceleration =
+                    if duration > 0.0 { J::from_joints(|i| -velocity[i] / duration) } else { J::zeros() };
+                Braking::Even(EvenBraking { start: position, velocity, acceleration, elapsed: 0.0, duration })
             }
         }
-        let duration = joints.iter().map(JointBrake::duration).fold(0.0, f64::max);
-        Braking { start: position, joints, elapsed: 0.0, duration }
     }
 
-    /// Position and velocity after another `dt` \[s\].
+    /// Position and velocity after another step of `dt` \[s\].
     pub fn advance(&mut self, dt: f64) -> (J, J) {
-        self.elapsed += dt;
-        let position = J::from_joints(|i| self.start[i] + self.joints[i].at(self.elapsed).0);
-        let velocity = J::from_joints(|i| self.joints[i].at(self.elapsed).1);
-        (position, velocity)
+        match self {
+            Braking::Even(braking) => braking.advance(dt),
+            Braking::Jerk(braking) => braking.advance(dt),
+        }
     }
 
-    /// Whether the robot stands.
+    /// Whether the robot stands: it may stay where it is in its next step.
     pub fn is_over(&self) -> bool {
-        self.elapsed >= self.duration
+        match self {
+            Braking::Even(braking) => braking.elapsed >= braking.duration,
+            Braking::Jerk(braking) => braking.stands,
+        }
     }
 }
 
+impl<J: JointVector> EvenBraking<J> {
+    fn advance(&mut self, dt: f64) -> (J, J) {
+        self.elapsed += dt;
+        let t = self.elapsed.min(self.duration);
+        let way = J::from_joints(|i| t * (self.velocity[i] + t * (0.5 * self.acceleration[i])));
+        let stands = self.elapsed >= self.duration;
+        let velocity = if stands { J::zeros() } else { self.velocity + self.acceleration * t };
+        (self.start + way, velocity)
+    }
+}
+
+impl<J: JointVector> JerkBraking<J> {
+    fn advance(&mut self, dt: f64) -> (J, J) {
+        self.stands = true;
+        for i in 0..J::LEN {
+            let (limit, jerk) = (self.limit[i], self.jerk[i]);
+            let a = braking_acceleration(self.velocity[i], self.acceleration[i], limit, jerk, dt);
+            let v = self.velocity[i] + a * dt;
+            self.acceleration[i] = a;
+            // The step that takes the last of it away leaves round-off.
+            self.velocity[i] = if v.abs() <= 1e-9 * limit * dt { 0.0 } else { v };
+            self.stands &= self.velocity[i] == 0.0 && a.abs() <= jerk * dt * (1.0 + 1e-9);
+        }
+        self.position = self.position + self.velocity * dt;
+        (self.position, self.velocity)
+    }
+}
+
+/// What becomes of a joint whose acceleration is let go of, by the jerk limit in every step. Nothing within that limit
+/// changes its velocity by less.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Release {
+    /// By how much its velocity changes [rad/s or m/s].
+    pub gain: f64,
+    /// The time that this takes \[s\].
+    pub time: f64,
+}
+
+impl Release {
+    /// From the acceleration `a` of the last step of `dt` \[s\]: in `n` steps, `n = |a| / j T` rounded down, of which the `m`-th
+    /// still has the acceleration `|a| - m j T`.
+    pub fn new(a: f64, jerk: f64, dt: f64) -> Release {
+        let change = jerk * dt;
+        let n = (a.abs() / change).floor();
+        let gain = dt * n * (a.abs() - 0.5 * change * (n + 1.0));
+        Release { gain: gain.copysign(a), time: n * dt }
+    }
+}
+
+/// The acceleration of the next step on the fastest way to a standstill from velocity `v` and acceleration `a` of the
+/// last step: the hardest braking from which the joint can still let go without turning back.
+///
+/// With `n` steps of letting go by `d = j T` after it, a deceleration `α`, `n d <= α < (n + 1) d`, takes away
+/// `T Σ (α - m d)`, `m = 0 ..= n`; that is `v` for `α = v / (n + 1) T + n d / 2`.
+fn braking_acceleration(v: f64, a: f64, limit: f64, jerk: f64, dt: f64) -> f64 {
+    let change = jerk * dt;
+    let speed = v.abs();
+    let n = (0.5 * ((1.0 + 8.0 * speed / (change * dt)).sqrt() - 1.0)).floor();
+    let hardest = (speed / (dt * (n + 1.0)) + 0.5 * n * change).min(limit);
+    let wanted = if v > 0.0 { -hardest } else { hardest };
+    wanted.clamp(a - change, a + change)
+}
+
 /// Distance that a joint with a jerk limit needs to stop [rad or m], in the direction of `v`, its mean velocity
-/// in the last step of `duration` \[s\], and from its acceleration `a`.
+/// in the last step of `duration` \[s\], and from its acceleration `a`: that of the fastest curve in time, which braking
+/// in steps never exceeds.
 pub(crate) fn stopping_distance(v: f64, a: f64, limit: f64, jerk: f64, duration: f64) -> f64 {
     // Only an acceleration that still drives the joint on makes it longer.
-    let a = if a * v > 0.0 { a } else { 0.0 };
-    let brake = JointBrake::with_jerk(v + 0.5 * a * duration, a, limit, jerk);
-    brake.at(brake.duration()).0.abs()
+    let a = if a * v > 0.0 { a.abs() } else { 0.0 };
+    let v = v.abs() + 0.5 * a * duration;
+    // To -p and back to 0: p² = a²/2 + j v, or the limit, held until what is left goes with it.
+    let unlimited = (0.5 * a * a + v * jerk).sqrt();
+    let peak = unlimited.min(limit);
+    let hold = if unlimited > limit {
+        ((v - (2.0 * limit * limit - a * a) / (2.0 * jerk)) / limit).max(0.0)
+    } else {
+        0.0
+    };
+    let mut way = 0.0;
+    let mut speed = v;
+    for (time, a, jerk) in [((a + peak) / jerk, a, -jerk), (hold, -peak, 0.0), (peak / jerk, -peak, jerk)] {
+        way += time * (speed + time * (0.5 * a + time * jerk / 6.0));
+        speed += time * (a + 0.5 * time * jerk);
+    }
+    way
 }
 
 #[cfg(test)]
@@ -195,78 +226,89 @@ mod tests {
         assert!((position[0] - 0.2).abs() < 1e-12);
     }
 
+    /// Brakes a joint from `v` and `a` within 10 m/s² and `jerk` in steps of `dt`: the velocities and accelerations.
+    fn braked(v: f64, a: f64, jerk: f64, dt: f64) -> Vec<(f64, f64)> {
+        let limits = Limits { jerk: Some(SVector::repeat(jerk)), ..limits(None) };
+        let (velocity, acceleration) = (SVector::from([v, 0.0]), SVector::from([a, 0.0]));
+        let mut braking = Braking::new(SVector::zeros(), velocity, acceleration, &limits);
+        let mut states: Vec<(f64, f64)> = Vec::new();
+        while !braking.is_over() {
+            let before = states.last().map_or(v, |state| state.0);
+            let velocity = braking.advance(dt).1[0];
+            states.push((velocity, (velocity - before) / dt));
+            assert!(states.len() < 100_000, "no end from ({v}, {a})");
+        }
+        states
+    }
+
     #[test]
     fn with_a_jerk_limit_the_worst_stop_takes_v_over_a_plus_two_and_a_half_a_over_j() {
-        // safety.md: accelerating at +a when the stop arrives, 2.62/10 + 2.5 * 10/5000 = 0.267 s for an FR3.
-        // The velocity limit is reached while the acceleration is being taken away, so 2.62 = v + a^2 / 2j.
-        let brake = JointBrake::with_jerk(2.62, 10.0, 10.0, 5000.0);
-        assert!(
-            (brake.duration() - (2.62 / 10.0 + 2.5 * 10.0 / 5000.0)).abs() < 1e-12,
-            "{}",
-            brake.duration()
-        );
+        // safety.md: accelerating at +a when the stop arrives, 2.62/10 + 2.5 * 10/5000 = 0.267 s for an FR3. The velocity
+        // limit is reached while the acceleration is taken away: 2.62 = v + a²/2j - a T/2 in steps of T.
+        // Steps: +5, 0, -5, -10 mm/s, 260 times -10, -5.
+        let steps = braked(2.62 - 0.01 + 0.005, 10.0, 5000.0, 1e-3).len();
+        assert_eq!(steps, 265);
     }
 
     #[test]
-    fn a_braking_joint_keeps_acceleration_and_jerk_and_ends_at_rest() {
+    fn a_braking_joint_keeps_acceleration_and_jerk_and_goes_no_faster_than_it_must() {
         for (v, a) in
-            [(2.0, 0.0), (2.0, 10.0), (2.0, -10.0), (0.02, 9.0), (-1.0, 3.0), (0.05, -9.9), (0.0, 5.0)]
+            [(2.0_f64, 0.0), (2.0, 10.0), (2.0, -10.0), (0.02, 9.0), (-1.0, 3.0), (0.05, -9.9), (0.0, 5.0)]
         {
-            let brake = JointBrake::with_jerk(v, a, 10.0, 400.0);
-            let dt = 1e-4;
-            let mut v_last = v;
-            let mut a_last = a;
-            let steps = (brake.duration() / dt).ceil() as i32;
-            for k in 1..=steps {
-                let (_, v_now) = brake.at(f64::from(k) * dt);
-                let a_now = (v_now - v_last) / dt;
-                assert!(a_now.abs() <= 10.0 + 1e-6, "acceleration {a_now} from ({v}, {a})");
-                if k > 1 {
-                    assert!(
-                        (a_now - a_last).abs() / dt <= 400.0 * (1.0 + 1e-6),
-                        "jerk from ({v}, {a}) at {k}"
-                    );
+            for (dt, jerk) in [(1e-3, 400.0), (2e-3, 5000.0), (1e-2, 100.0), (2e-2, 100.0), (2e-2, 1e4)] {
+                let fastest = v.abs().max((v + Release::new(a, jerk, dt).gain).abs());
+                let mut before = a;
+                for (v, a) in braked(v, a, jerk, dt) {
+                    assert!(a.abs() <= 10.0 * (1.0 + 1e-9), "acceleration {a}");
+                    assert!((a - before).abs() <= jerk * dt * (1.0 + 1e-6), "jerk from {before} to {a}");
+                    assert!(v.abs() <= fastest + 1e-12, "{v} instead of {fastest}");
+                    before = a;
                 }
-                v_last = v_now;
-                a_last = a_now;
-            }
-            let before_end = brake.at(brake.duration() - 1e-9).1;
-            assert!(before_end.abs() < 1e-6, "ends with {before_end} from ({v}, {a})");
-        }
-    }
-
-    #[test]
-    fn a_joint_that_stops_before_it_brakes_with_all_it_has_takes_the_time_of_a_triangle() {
-        // From a to -p and to 0 by j, with p² = a²/2 + j v: (2 p + a) / j. The last one has just begun to brake too hard.
-        for (v, a) in [(0.4, 0.0), (0.4, 2.0), (0.12, -4.0), (0.09, -4.0)] {
-            for sign in [1.0, -1.0] {
-                let brake = JointBrake::with_jerk(sign * v, sign * a, 10.0, 100.0);
-                let peak = f64::sqrt(0.5 * a * a + 100.0 * v);
-                assert!((brake.duration() - (2.0 * peak + a) / 100.0).abs() < 1e-12, "({v}, {a})");
-                // The mean of the velocities: each ramp's displacement is v t + a t²/2 + j t³/6.
-                let (t, u) = ((peak + a) / 100.0, v + (a * a - peak * peak) / 200.0);
-                let s = v * t + 0.5 * a * t * t - 100.0 * t * t * t / 6.0;
-                let w = peak / 100.0;
-                let s = s + u * w - 0.5 * peak * w * w + 100.0 * w * w * w / 6.0;
-                let (way, end) = brake.at(brake.duration());
-                assert!((way - sign * s).abs() < 1e-12 && end == 0.0, "({v}, {a}): {way}, {s}");
-                // Halfway through the first ramp.
-                let (way, speed) = brake.at(0.5 * t);
-                let h = 0.5 * t;
-                assert!((speed - sign * (v + a * h - 50.0 * h * h)).abs() < 1e-12, "({v}, {a})");
-                assert!((way - sign * (v * h + 0.5 * a * h * h - 100.0 * h * h * h / 6.0)).abs() < 1e-12);
+                // It may stay where it is.
+                assert!(before.abs() <= jerk * dt * (1.0 + 1e-6));
             }
         }
     }
 
+    proptest::proptest! {
+        #[test]
+        fn braking_takes_no_longer_and_goes_no_farther_than_its_bounds(
+            v in -3.0..3.0_f64, a in -10.0..10.0_f64, small in 0..4_i32, decades in 0.0..4.0_f64,
+            dt in proptest::sample::select(vec![1e-3, 2e-3, 4e-3, 1e-2, 2e-2]),
+        ) {
+            let jerk = 10.0 * 10.0_f64.powf(decades);
+            let v = v * 0.1_f64.powi(small);
+            let release = Release::new(a, jerk, dt);
+            let kept = v + release.gain;
+            let states = braked(v, a, jerk, dt);
+            // The step in which it is over may have just begun.
+            let longest = v.abs() / 10.0 + 2.5 * 10.0 / jerk + dt;
+            proptest::prop_assert!(states.len() as f64 * dt <= longest + 1e-9, "{} steps", states.len());
+            let ahead = |sign: f64| {
+                let at_once = if sign * v > 0.0 { stopping_distance(v, a, 10.0, jerk, dt) } else { 0.0 };
+                let later = kept.abs() * release.time + stopping_distance(kept, 0.0, 10.0, jerk, dt);
+                at_once.max(if sign * kept > 0.0 { later } else { 0.0 })
+            };
+            let (up, down) = (ahead(1.0), ahead(-1.0));
+            let mut position = 0.0;
+            for (velocity, _) in states {
+                position += velocity * dt;
+                proptest::prop_assert!(-down - 1e-12 <= position && position <= up + 1e-12);
+            }
+        }
+    }
+
     #[test]
-    fn a_joint_whose_acceleration_is_just_right_lets_it_go() {
-        // v = a²/2j: a/j long, a³/6j² far.
+    fn letting_go_of_an_acceleration_is_the_sum_of_what_is_left_of_it() {
+        // 4 m/s² by 1 m/s² a step of 1 ms: 3, 2, 1, 0 mm/s more.
         for sign in [1.0, -1.0] {
-            let brake = JointBrake::with_jerk(sign * 0.5, sign * -10.0, 10.0, 100.0);
-            assert!((brake.duration() - 0.1).abs() < 1e-12);
-            assert!((brake.at(0.2).0 - sign * 1000.0 / 60_000.0).abs() < 1e-12);
+            let release = Release::new(sign * 4.0, 1000.0, 1e-3);
+            assert!((release.gain - sign * 6e-3).abs() < 1e-15);
+            assert!((release.time - 4e-3).abs() < 1e-15);
         }
+        // Less than a step's change is gone in the next one.
+        let release = Release::new(0.9, 1000.0, 1e-3);
+        assert_eq!((release.gain, release.time), (0.0, 0.0));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::joints::JointVector;
 use crate::model::robot::{CoupledLimit, Limits, Robot};
-use crate::safety::braking::stopping_distance;
+use crate::safety::braking::{Release, stopping_distance};
 
 use super::state::JointState;
 use super::{RELATIVE, ROUND_OFF};
@@ -141,26 +141,38 @@ impl<R: Robot> Checks<R> {
             }
             let jerk_limit = limits.jerk.map(|jerk| jerk[i]);
             let limit = limits.acceleration[i];
-            // The velocity once its demands have been lost: an acceleration fades, or the path's is held. It may be the
-            // other way round than the velocity now, as where a joint is just about to turn.
-            let kept = jerk_limit.map_or(held[i], |jerk| v[i] + a[i] * a[i].abs() / (2.0 * jerk));
-            let lost = v[i].abs().max(kept.abs());
-            let braking = match jerk_limit {
-                Some(jerk) => {
-                    let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
-                    from(v[i], a[i]).max(from(kept, 0.0))
-                }
-                None => 0.5 * lost * stop_time,
-            };
-            let distance = braking + lost * self.reaction;
+            // Once its demands are lost: an acceleration fades, or the path's velocity is held.
+            let release = jerk_limit.map(|jerk| Release::new(a[i], jerk, duration));
+            let kept = release.map_or(held[i], |release| v[i] + release.gain);
+            if release.is_some() && kept.abs() > slack(speed_limit, 4.0 * round_off * per_second) {
+                let fault =
+                    excess(FaultKind::DemandedVelocity, kept.abs(), speed_limit, self.robot.joint(i).unit(1));
+                return Err(fault.text("by the time that its acceleration is taken away"));
+            }
+            // The velocity may be the other way round then, as where a joint is just about to turn.
+            let [down, up] = [-1.0, 1.0].map(|sign| {
+                let fastest = (sign * v[i]).max(sign * kept).max(0.0);
+                let (braking, fading) = match (jerk_limit, release) {
+                    (Some(jerk), Some(release)) => {
+                        let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
+                        let at_once = if sign * v[i] > 0.0 { from(v[i], a[i]) } else { 0.0 };
+                        let later = if sign * kept > 0.0 { from(kept, 0.0) } else { 0.0 };
+                        // An acceleration in this direction may take longer to fade than a lost peer to be noticed.
+                        (at_once.max(later), if sign * a[i] > 0.0 { release.time } else { 0.0 })
+                    }
+                    _ => (0.5 * fastest * stop_time, 0.0),
+                };
+                braking + fastest * self.reaction.max(fading)
+            });
             let lower = limits.lower[i] - round_off;
             let upper = limits.upper[i] + round_off;
-            stop.position[i] = q[i] + distance.copysign(if kept.abs() > v[i].abs() { kept } else { v[i] });
-            if lost > 0.0 {
-                stop.time = stop.time.max(distance / lost);
+            let faster = if kept.abs() > v[i].abs() { kept } else { v[i] };
+            stop.position[i] = q[i] + if faster > 0.0 { up } else { -down };
+            if faster != 0.0 {
+                stop.time = stop.time.max(up.max(down) / faster.abs());
             }
-            let highest = if v[i].max(kept) > 0.0 { q[i] + distance } else { q[i] };
-            let lowest = if v[i].min(kept) < 0.0 { q[i] - distance } else { q[i] };
+            let highest = q[i] + up;
+            let lowest = q[i] - down;
             let out_of_range =
                 |reach, limit| excess(FaultKind::DemandOutOfRange, reach, limit, self.robot.joint(i).unit(0));
             if highest > upper {

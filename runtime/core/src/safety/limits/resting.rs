@@ -67,10 +67,7 @@ impl<R: Robot> Acceptor<R> {
     pub fn braking(&self) -> Braking<R::Joints> {
         let limits = self.checks.robot.limits();
         let state = &self.state;
-        // The velocity is the mean of the last step; where jerk counts, so does what it has become since.
-        let since = if limits.jerk.is_some() { 0.5 * self.pace.period } else { 0.0 };
-        let velocity = state.velocity + state.acceleration * since;
-        Braking::new(state.position, velocity, state.acceleration, limits)
+        Braking::new(state.position, state.velocity, state.acceleration, limits)
     }
 
     /// The next state on that way.

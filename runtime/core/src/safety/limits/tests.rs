@@ -201,16 +201,27 @@ fn to_hold_is_the_end_of_a_deceleration_and_no_change_of_it() {
 }
 
 #[test]
-fn a_robot_brakes_from_the_velocity_that_it_has_at_the_end_of_its_last_step() {
-    // At -10 m/s² already: on with it down to a²/2j, then let go: (v² - v1²) / 2a + a³/6j².
+fn a_robot_with_a_jerk_limit_brakes_on_from_the_acceleration_that_it_has() {
+    // At -10 m/s² already: on with it until what is left goes with it, 9 + 8 + .. + 1 = 45 mm/s: from 0.5 m/s in 46 steps
+    // of 10 mm/s less each, and 9 in which 5 mm/s more are shared.
     let mut acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
-    (acceptor.state.velocity, acceptor.state.acceleration, acceptor.pace.period) =
-        (Two::new(0.5, 0.0), Two::new(-10.0, 0.0), T);
-    let (v, v1) = (0.5 - 0.5 * 10.0 * T, 0.05);
-    let distance = (v * v - v1 * v1) / 20.0 + 1000.0 / 6e6;
-    near(acceptor.braking().advance(10.0).0[0], distance);
-    // Without a jerk limit from the velocity itself: 10 m/s² from the next step on.
-    let mut acceptor = self::acceptor(Turntable::new());
+    (acceptor.state.velocity, acceptor.state.acceleration) = (Two::new(0.5, 0.0), Two::new(-10.0, 0.0));
+    let mut braking = acceptor.braking();
+    acceptor.brake(&mut braking, T);
+    near(acceptor.state.velocity[0], 0.49);
+    near(acceptor.state.acceleration[0], -10.0);
+    let mut steps = 1;
+    while !braking.is_over() {
+        acceptor.brake(&mut braking, T);
+        steps += 1;
+    }
+    assert_eq!((steps, acceptor.state.velocity[0]), (55, 0.0));
+}
+
+#[test]
+fn a_robot_without_a_jerk_limit_brakes_from_its_velocity_at_once() {
+    // 10 m/s² from the next step on.
+    let mut acceptor = acceptor(Turntable::new());
     (acceptor.state.velocity, acceptor.state.acceleration, acceptor.pace.period) =
         (Two::new(1.0, 0.0), Two::new(10.0, 0.0), T);
     let mut braking = acceptor.braking();

@@ -129,21 +129,68 @@ fn fault_20_a_joint_stops_before_its_limit_when_its_demands_are_lost() {
 
 #[test]
 fn fault_20_a_joint_with_a_jerk_limit_stops_before_its_limit_when_its_demands_are_lost() {
-    // 0.1 m/s at 4 m/s² is 0.1 + 4²/2000 = 0.108 m/s when the acceleration has faded by 1000 m/s³.
+    // 0.1 m/s at 4 m/s² is 0.106 m/s when the acceleration has faded by 1000 m/s³: by 3, 2, 1 and 0 mm/s in the next steps.
     let mut acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
     let mut stop = |v: f64, a: f64| {
         acceptor.state.acceleration = Two::new(a, 0.0);
         acceptor.check(&ZERO, &Two::new(v, 0.0), &ZERO, &Two::new(a, 0.0), T).expect("in range")
     };
-    for (v, a, lost) in [(0.1, 4.0, 0.108), (-0.1, -4.0, 0.108), (0.1, -4.0, 0.1), (0.1, 0.0, 0.1)] {
+    for (v, a, lost) in [(0.1, 4.0, 0.106), (-0.1, -4.0, 0.106), (0.1, -4.0, 0.1), (0.1, 0.0, 0.1)] {
         let distance = stopping_distance(v, a, 10.0, 1000.0, T) + lost * REACTION;
         near(stop(v, a).position[0], distance.copysign(v));
         near(stop(v, a).time, distance / lost);
     }
     // It reaches 10 m/s² only if v > a²/j = 0.1 m/s: at 0.05 m/s it takes 2 sqrt(v/j), v sqrt(v/j) far.
     near(stop(0.05, 0.0).position[0], 0.05 * (0.05_f64 / 1000.0).sqrt() + 0.05 * REACTION);
-    // -2 mm/s at 4 m/s² turn into 4²/2000 - 2e-3 = 6 mm/s the other way.
-    near(stop(-0.002, 4.0).position[0], 0.006 * (0.006_f64 / 1000.0).sqrt() + 0.006 * REACTION);
+    // -2 mm/s at 4 m/s² turn into 4 mm/s the other way.
+    near(stop(-0.002, 4.0).position[0], 0.004 * (0.004_f64 / 1000.0).sqrt() + 0.004 * REACTION);
+}
+
+#[test]
+fn fault_20_a_joint_that_turns_round_goes_on_until_its_acceleration_has_gone() {
+    // At rest with -50 m/s², which is let go of by 1000 m/s³ in 50 steps: it comes to 49 + 48 + .. + 1 m/s² T.
+    let robot = Turntable::with(|limits| {
+        limits.jerk = Some(Two::repeat(1000.0));
+        (limits.acceleration, limits.velocity) = (Two::repeat(50.0), Two::repeat(2.0));
+    });
+    let mut acceptor = acceptor(robot);
+    let a = Two::new(-50.0, 0.0);
+    acceptor.state.acceleration = a;
+    let kept = 49.0 * 50.0 / 2.0 * T;
+    let distance = stopping_distance(kept, 0.0, 50.0, 1000.0, T) + kept * 50.0 * T;
+    let stop = acceptor.check(&Two::new(0.9, 0.0), &ZERO, &ZERO, &a, T).expect("in range");
+    near(stop.position[0], 0.9 - distance);
+    // And so it does, when it brakes.
+    let room = distance - 1.0;
+    acceptor.check(&Two::new(room, 0.0), &ZERO, &ZERO, &a, T).expect("as far as the limit");
+    acceptor.state.position = Two::new(room, 0.0);
+    let mut braking = acceptor.braking();
+    let mut lowest = room;
+    while !braking.is_over() {
+        acceptor.brake(&mut braking, T);
+        lowest = lowest.min(acceptor.state.position[0]);
+    }
+    assert!((-1.0..room - 0.05).contains(&lowest), "{lowest} from {room}");
+    let refused = acceptor.check(&Two::new(room - 1e-6, 0.0), &ZERO, &ZERO, &a, T);
+    assert_eq!(refused.map(|_| ()).map_err(|fault| fault.kind()), Err(FaultKind::DemandOutOfRange));
+}
+
+#[test]
+fn fault_21_a_velocity_that_no_jerk_within_the_limit_can_keep_below_its_limit_is_refused() {
+    // Letting 8 m/s² go by 1000 m/s³ adds 7 + 6 + .. + 1 = 28 mm/s in steps of 1 ms: 0.972 m/s may have them, no more.
+    let mut acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
+    for sign in [1.0, -1.0] {
+        let mut at = |v: f64, a: f64| {
+            let (v, a) = (Two::new(sign * v, 0.0), Two::new(sign * a, 0.0));
+            acceptor.state.acceleration = a;
+            acceptor.check(&ZERO, &v, &ZERO, &a, T).map(|_| ()).map_err(|fault| fault.to_string())
+        };
+        assert_eq!(at(0.972, 8.0), Ok(()));
+        let refused = at(0.973, 8.0).expect_err("1.001 m/s");
+        assert!(refused.contains("by the time that its acceleration is taken away"), "{refused}");
+        assert_eq!(at(0.973, -8.0), Ok(()));
+        assert_eq!(at(1.0, 0.9), Ok(()));
+    }
 }
 
 #[test]
