@@ -4,13 +4,13 @@
 use crate::link::message::{Header, Kind, Message, OrderKind, RequestKind};
 use crate::model::wire::{BadWords, WORDS};
 use crate::safety::braking::BrakingLaw;
-use crate::safety::rate::RateHeadroom;
+use crate::safety::rate::{FullRate, RateHeadroom};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
-pub const LAYOUT: u64 = 3;
+pub const LAYOUT: u64 = 4;
 
 /// Words of a message's head.
-const HEAD: usize = 14;
+const HEAD: usize = 16;
 
 /// Words of a message, head and body.
 pub const ENVELOPE_WORDS: usize = HEAD + WORDS;
@@ -83,7 +83,7 @@ impl Envelope {
         let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom, law } =
             message.header;
         let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
-        let RateHeadroom { rise, fall, bend } = headroom;
+        let RateHeadroom { rise, fall, bend, full } = headroom;
         let head = [
             kind,
             u64::from(flags),
@@ -96,6 +96,8 @@ impl Envelope {
             rise.to_bits(),
             fall.to_bits(),
             bend.to_bits(),
+            full.rise.to_bits(),
+            full.bend.to_bits(),
             u64::from(epoch),
             law.fall.to_bits(),
             law.bend.to_bits(),
@@ -160,6 +162,8 @@ impl Envelope {
             rise,
             fall,
             bend,
+            full_rise,
+            full_bend,
             epoch,
             law_fall,
             law_bend,
@@ -184,6 +188,7 @@ impl Envelope {
                 rise: f64::from_bits(rise),
                 fall: f64::from_bits(fall),
                 bend: f64::from_bits(bend),
+                full: FullRate { rise: f64::from_bits(full_rise), bend: f64::from_bits(full_bend) },
             },
             law: BrakingLaw { fall: f64::from_bits(law_fall), bend: f64::from_bits(law_bend) },
         };
@@ -232,7 +237,8 @@ mod tests {
 
     fn message(kind: Kind) -> Message {
         let mut message = Message::new(kind);
-        let headroom = RateHeadroom { rise: 1.5, fall: -0.0, bend: f64::INFINITY };
+        let full = FullRate { rise: 0.25, bend: 1e-300 };
+        let headroom = RateHeadroom { rise: 1.5, fall: -0.0, bend: f64::INFINITY, full };
         message.header = Header {
             kind,
             flags: 0x8000_0001,
@@ -295,7 +301,7 @@ mod tests {
     fn a_damaged_head_is_no_message() {
         // Kind, flags, instruction, length, epoch: the words that not every number spells.
         for (word, value) in
-            [(0, 17), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX), (11, 1 << 32)]
+            [(0, 17), (0, u64::MAX), (1, 1 << 32), (3, 1 << 32), (4, 57), (4, u64::MAX), (13, 1 << 32)]
         {
             let mut envelope = Envelope::seal(&message(Kind::Reply), SEAL, 1);
             envelope.head[word] = value;

@@ -7,6 +7,7 @@
 
 use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
+use crate::safety::ramp::steepest;
 
 /// How fast arms may slow down on their screw, so that no robot of an instruction exceeds its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,6 +145,8 @@ pub(crate) struct Release {
     pub gain: f64,
     /// The time that this takes \[s\].
     pub time: f64,
+    /// What is left of the acceleration then: less than a step takes away [rad/s² or m/s²].
+    pub left: f64,
 }
 
 impl Release {
@@ -153,20 +156,15 @@ impl Release {
         let change = jerk * dt;
         let n = (a.abs() / change).floor();
         let gain = dt * n * (a.abs() - 0.5 * change * (n + 1.0));
-        Release { gain: gain.copysign(a), time: n * dt }
+        Release { gain: gain.copysign(a), time: n * dt, left: (a.abs() - n * change).copysign(a) }
     }
 }
 
 /// The acceleration of the next step on the fastest way to a standstill from velocity `v` and acceleration `a` of the
 /// last step: the hardest braking from which the joint can still let go without turning back.
-///
-/// With `n` steps of letting go by `d = j T` after it, a deceleration `α`, `n d <= α < (n + 1) d`, takes away
-/// `T Σ (α - m d)`, `m = 0 ..= n`; that is `v` for `α = v / (n + 1) T + n d / 2`.
 fn braking_acceleration(v: f64, a: f64, limit: f64, jerk: f64, dt: f64) -> f64 {
     let change = jerk * dt;
-    let speed = v.abs();
-    let n = (0.5 * ((1.0 + 8.0 * speed / (change * dt)).sqrt() - 1.0)).floor();
-    let hardest = (speed / (dt * (n + 1.0)) + 0.5 * n * change).min(limit);
+    let hardest = steepest(v.abs() / dt, change).min(limit);
     let wanted = if v > 0.0 { -hardest } else { hardest };
     wanted.clamp(a - change, a + change)
 }
@@ -286,7 +284,7 @@ mod tests {
             proptest::prop_assert!(states.len() as f64 * dt <= longest + 1e-9, "{} steps", states.len());
             let ahead = |sign: f64| {
                 let at_once = if sign * v > 0.0 { stopping_distance(v, a, 10.0, jerk, dt) } else { 0.0 };
-                let later = kept.abs() * release.time + stopping_distance(kept, 0.0, 10.0, jerk, dt);
+                let later = kept.abs() * release.time + stopping_distance(kept, release.left, 10.0, jerk, dt);
                 at_once.max(if sign * kept > 0.0 { later } else { 0.0 })
             };
             let (up, down) = (ahead(1.0), ahead(-1.0));
@@ -308,7 +306,7 @@ mod tests {
         }
         // Less than a step's change is gone in the next one.
         let release = Release::new(0.9, 1000.0, 1e-3);
-        assert_eq!((release.gain, release.time), (0.0, 0.0));
+        assert_eq!((release.gain, release.time, release.left), (0.0, 0.0, 0.9));
     }
 
     #[test]

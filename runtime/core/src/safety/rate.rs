@@ -4,6 +4,8 @@
 //! reported as its headroom; the path time of a step travels in every order, so all robots slow down in the
 //! same step.
 
+use crate::safety::ramp::steepest;
+
 /// How fast the rate may change without breaking a limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateHeadroom {
@@ -13,12 +15,40 @@ pub struct RateHeadroom {
     pub fall: f64,
     /// Largest change of rise and fall \[1/s²\]; infinite where jerk has no limit.
     pub bend: f64,
+    /// What a rate that rises comes to.
+    pub full: FullRate,
+}
+
+/// How a rate that rises must come to 1, where a path leaves least: below it the square of the rise may be more by twice
+/// the bend for what is left. A rise that keeps this needs nowhere to become slower by more than the bend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FullRate {
+    /// Largest rise there \[1/s\].
+    pub rise: f64,
+    /// Largest change of the rise on the way there \[1/s²\]; infinite where jerk has no limit.
+    pub bend: f64,
+}
+
+impl FullRate {
+    const UNLIMITED: FullRate = FullRate { rise: f64::INFINITY, bend: f64::INFINITY };
+
+    /// The largest rise at this rate \[1/s\].
+    fn rise_at(self, rate: f64) -> f64 {
+        if self.bend.is_infinite() {
+            return f64::INFINITY;
+        }
+        (self.rise * self.rise + 2.0 * self.bend * (1.0 - rate)).sqrt()
+    }
 }
 
 impl RateHeadroom {
     /// The headroom of a robot that stands: nothing limits the rate.
-    pub const UNLIMITED: RateHeadroom =
-        RateHeadroom { rise: f64::INFINITY, fall: f64::INFINITY, bend: f64::INFINITY };
+    pub const UNLIMITED: RateHeadroom = RateHeadroom {
+        rise: f64::INFINITY,
+        fall: f64::INFINITY,
+        bend: f64::INFINITY,
+        full: FullRate::UNLIMITED,
+    };
 
     /// The headroom of two robots together: the smaller of each value.
     #[must_use]
@@ -27,6 +57,10 @@ impl RateHeadroom {
             rise: self.rise.min(other.rise),
             fall: self.fall.min(other.fall),
             bend: self.bend.min(other.bend),
+            full: FullRate {
+                rise: self.full.rise.min(other.full.rise),
+                bend: self.full.bend.min(other.full.bend),
+            },
         }
     }
 }
@@ -66,21 +100,21 @@ impl Feed {
             return self.rate;
         }
         let wanted = wanted.clamp(0.0, 1.0);
-        let RateHeadroom { rise, fall, bend } = self.headroom;
+        let RateHeadroom { rise, fall, bend, full } = self.headroom;
         let left = wanted - self.rate;
-        let largest = if left < 0.0 { -self.change.min(fall) } else { self.change.min(rise) };
-        let slope = landing(left.abs(), bend, duration).min(largest.abs()).copysign(left);
+        // A rate that falls may bend by more, the lower it is; one that rises, by less.
+        let largest = if left < 0.0 {
+            self.change.min(fall).min(steepest(-left / duration, bend * duration))
+        } else {
+            let landing = steepest(left / duration, full.bend * duration);
+            self.change.min(rise).min(full.rise_at(raised(self.rate, duration))).min(landing)
+        };
         let low = self.slope - bend * duration;
         let high = self.slope + bend * duration;
-        let last = core::mem::replace(&mut self.slope, slope.clamp(low, high));
+        self.slope = largest.copysign(left).clamp(low, high);
         let next = self.rate + self.slope * duration;
-        // Within a step of the end, and slow enough to end there: exactly at it.
-        let lands = (next - wanted) * left >= 0.0 || (wanted - next).abs() <= f64::EPSILON;
-        let arrives = lands && (last.abs() <= 2.0 * bend * duration || bend.is_infinite());
+        let arrives = (next - wanted).abs() <= 4.0 * f64::EPSILON;
         self.rate = if arrives { wanted } else { next.clamp(0.0, 1.0) };
-        if self.rate == wanted {
-            self.slope = 0.0;
-        }
         self.headroom = RateHeadroom::UNLIMITED;
         self.rate
     }
@@ -100,11 +134,7 @@ impl Feed {
     }
 }
 
-/// The largest slope from which the rate can come to rest after `left`, one step of it included: the root of
-/// `slope T + slope² / 2 bend = left`.
-fn landing(left: f64, bend: f64, duration: f64) -> f64 {
-    if bend.is_infinite() || left <= bend * duration * duration {
-        return left / duration;
-    }
-    bend * ((duration * duration + 2.0 * left / bend).sqrt() - duration)
+/// The highest that a rate can be at the end of a step of `duration` \[s\].
+pub(crate) fn raised(rate: f64, duration: f64) -> f64 {
+    (rate + DEFAULT_CHANGE * duration).min(1.0)
 }

@@ -108,7 +108,7 @@ impl ScrewBraking {
     /// The displacement of the next step of `duration` \[s\]; `None` at the standstill.
     pub fn advance(&mut self, duration: f64) -> Option<Pose> {
         let BrakingLaw { fall, bend } = self.law;
-        self.feed.limit(RateHeadroom { rise: 0.0, fall, bend });
+        self.feed.limit(RateHeadroom { rise: 0.0, fall, bend, ..RateHeadroom::UNLIMITED });
         let part = self.feed.advance(0.0, duration);
         (part > 0.0).then(|| self.screw.part(part))
     }

@@ -156,7 +156,7 @@ impl<R: Robot> Checks<R> {
                     (Some(jerk), Some(release)) => {
                         let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
                         let at_once = if sign * v[i] > 0.0 { from(v[i], a[i]) } else { 0.0 };
-                        let later = if sign * kept > 0.0 { from(kept, 0.0) } else { 0.0 };
+                        let later = if sign * kept > 0.0 { from(kept, release.left) } else { 0.0 };
                         // An acceleration in this direction may take longer to fade than a lost peer to be noticed.
                         (at_once.max(later), if sign * a[i] > 0.0 { release.time } else { 0.0 })
                     }

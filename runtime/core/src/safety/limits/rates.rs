@@ -7,7 +7,7 @@ use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
 use crate::safety::braking::{self, BrakingLaw};
 
-use crate::safety::rate::{DEFAULT_CHANGE, RateHeadroom};
+use crate::safety::rate::{Feed, FullRate, RateHeadroom, raised};
 
 use super::state::JointState;
 
@@ -57,38 +57,86 @@ impl<J: JointVector> Pace<J> {
         }
     }
 
-    /// How fast the rate may change now: what the acceleration limits leave beside a path that uses
-    /// [`PATH_SHARE`] of them.
+    /// How fast the rate may change now.
     ///
-    /// A path that has been gentle may brake hard in its next step, so what was seen of it proves nothing.
-    /// From rate 1 at velocity v a standstill takes 2.05 v / a, as dr/dt = -(0.98 - 0.9 r²) a / v. Where demands come in
-    /// every n-th step only, catching up after bridging takes n² times the path's acceleration: a plan and the change of
-    /// its rate have the n²-th part of the limit together.
+    /// Without a jerk limit that follows the path's own speed: a slow path may change its rate fast. With one it is that of
+    /// a path at the velocity limits, because a rate that changes must not meet a bound that becomes narrower meanwhile.
     pub fn headroom(&self, limits: &Limits<J>) -> RateHeadroom {
+        let speed = |i: usize| match limits.jerk {
+            Some(_) => self.path_speed[i].max(limits.velocity[i]),
+            None => self.path_speed[i],
+        };
+        Headroom { limits, rate: self.rate, period: self.period, bridged: self.bridged }.at_speed(speed)
+    }
+}
+
+/// What the limits leave for changes of the rate, beside a path that uses [`PATH_SHARE`] of them.
+///
+/// A path that has been gentle may brake hard in its next step, so what was seen of its acceleration proves nothing.
+struct Headroom<'a, J> {
+    limits: &'a Limits<J>,
+    /// Path time over real time, 0 to 1.
+    rate: f64,
+    /// Length of a step \[s\].
+    period: f64,
+    /// Steps before it that had no demand of their own.
+    bridged: f64,
+}
+
+impl<J: JointVector> Headroom<'_, J> {
+    /// Beside a path that has, at rate 1, this speed in each joint [rad/s or m/s].
+    ///
+    /// The path's acceleration at a changing rate is `r² q'' + r' q'`, its jerk `r³ q''' + 3 r r' q'' + r'' q'`. Of what the
+    /// path's own part leaves of a jerk limit, a half is for each of the others. Where demands come in every n-th step only,
+    /// catching up after bridging takes n² times the path's acceleration: a plan and the change of its rate have the n²-th
+    /// part of the limit together.
+    fn at_speed(&self, speed: impl Fn(usize) -> f64) -> RateHeadroom {
         // By how much the rate itself may be higher at the end of a step in which it rises.
-        let raised = (self.rate + DEFAULT_CHANGE * self.period).min(1.0);
+        let raised = raised(self.rate, self.period);
         let mut headroom = RateHeadroom::UNLIMITED;
         for i in 0..J::LEN {
-            let limit = limits.acceleration[i];
+            let limit = self.limits.acceleration[i];
             // Within the step the path's speed may grow by the limit.
-            let along = self.path_speed[i] + limit * self.period;
+            let along = speed(i) + limit * self.period;
             let part = limit / (1.0 + self.bridged).powi(2);
             let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * part / along;
-            let mut rise = left(raised);
-            let mut fall = left(self.rate);
-            let mut bend = f64::INFINITY;
-            if let Some(jerk) = limits.jerk {
-                // The path's jerk at a changing rate: r³ q''' + 3 r r' q'' + r'' q'. Half of the rest is for each.
-                let rest = 0.5 * (USABLE_SHARE - PATH_SHARE) * jerk[i];
-                let change = rest / (3.0 * PATH_SHARE * limit);
-                rise = rise.min(change);
-                fall = fall.min(change);
-                bend = rest / along;
-            }
-            headroom = headroom.and(RateHeadroom { rise, fall, bend });
+            let Some(jerk) = self.limits.jerk.map(|jerk| jerk[i]) else {
+                let rise = left(raised);
+                let fall = left(self.rate);
+                headroom = headroom.and(RateHeadroom { rise, fall, ..RateHeadroom::UNLIMITED });
+                continue;
+            };
+            let rest = |rate: f64| 0.5 * (USABLE_SHARE - PATH_SHARE * rate.powi(3)) * jerk;
+            let change = |rate: f64| left(rate).min(rest(rate) / (3.0 * PATH_SHARE * limit * rate));
+            // Below rate 1 the squares of both parts of `change` grow by twice these at least, as they are convex there.
+            let unused = USABLE_SHARE - PATH_SHARE;
+            let of_left = 2.0 * PATH_SHARE * unused * (part / along).powi(2);
+            let of_jerk = unused
+                * (USABLE_SHARE + 2.0 * PATH_SHARE)
+                * (0.5 * jerk / (3.0 * PATH_SHARE * limit)).powi(2);
+            headroom = headroom.and(RateHeadroom {
+                rise: change(raised),
+                fall: change(self.rate),
+                bend: rest(raised) / along,
+                full: FullRate { rise: change(1.0), bend: (rest(1.0) / along).min(of_left).min(of_jerk) },
+            });
         }
         headroom
     }
+}
+
+/// The longest time in which the rate of a path within the shares above comes from 1 to 0, in steps of `period` \[s\], when
+/// it changes by at most `change` \[1/s\]: that of a path at all velocity limits.
+pub(crate) fn path_stop_time<J: JointVector>(limits: &Limits<J>, period: f64, change: f64) -> f64 {
+    let mut feed = Feed::new(change);
+    let mut steps = 0_u32;
+    while feed.rate() > 0.0 {
+        let headroom = Headroom { limits, rate: feed.rate(), period, bridged: 0.0 };
+        feed.limit(headroom.at_speed(|i| limits.velocity[i]));
+        feed.advance(0.0, period);
+        steps += 1;
+    }
+    f64::from(steps) * period
 }
 
 /// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the
