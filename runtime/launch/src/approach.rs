@@ -169,6 +169,8 @@ mod tests {
         let layout = Layout {
             step,
             stop_time: Duration::from_millis(600),
+            path_stop: Duration::from_millis(300),
+            protective_stop: Duration::from_millis(300),
             detection: 0.022,
             mp_program: true,
             robots: vec![slide("arm", step), slide("other", step)],

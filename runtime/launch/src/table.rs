@@ -35,6 +35,13 @@ impl Table<'_> {
         let Layout { step, stop_time, detection, .. } = &self.layout;
         let (step, stop, detection) = (ms(*step), ms(*stop_time), detection * 1e3);
         writeln!(f, "step {step}, stops within {stop}, a lost peer is noticed after {detection:.0} ms")?;
+        let (path, protective) = (self.layout.path_stop, self.layout.protective_stop);
+        writeln!(
+            f,
+            "suspend and abort keep the path and take up to {}; a protective stop leaves it after {}",
+            ms(path),
+            ms(protective)
+        )?;
         writeln!(f, "link: {}{}", self.link, if self.dry_run { ", after a dry run" } else { "" })?;
         match self.realtime {
             None => writeln!(f, "real time: nothing is asked of the machine")?,

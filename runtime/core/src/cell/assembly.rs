@@ -53,6 +53,7 @@ impl Cell {
         let mut plant = Site::new(link, self.timing.step, anything, self.watching.watched_in_plant);
 
         let stop_steps = self.stop_steps();
+        let path_stop = self.path_stop_steps();
         let witnesses = Witnesses::to(self.watching.witnesses);
         let mut mp_sensing = Sensing { ports: Vec::new(), patience, witnesses: witnesses.of(ProcessId::MP) };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
@@ -110,7 +111,8 @@ impl Cell {
         plant.spawn(link, Rc::clone(&rests))?;
 
         let close = link.closer();
-        let timing = MpTiming { period: self.timing.step, grace, rate_change: self.timing.rate_change };
+        let rate_change = self.timing.rate_change;
+        let timing = MpTiming { period: self.timing.step, grace, rate_change, path_stop };
         let mut program = self.coordination.program;
         let after_fault = self.coordination.after_fault;
         let script = self.watching.recorded.map(|recorded| Rc::clone(&recorded.script));

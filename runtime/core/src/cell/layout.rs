@@ -15,6 +15,8 @@ impl Cell {
         Layout {
             step: self.timing.step,
             stop_time: self.timing.stop_time,
+            path_stop: self.path_stop_time(),
+            protective_stop: self.timing.step * u32::try_from(self.path_stop_steps()).unwrap_or(u32::MAX),
             detection: detection_time(self.timing.step),
             mp_program: self.coordination.program.is_some(),
             robots: self.parts.robots.iter().map(|robot| robot.layout()).collect(),

@@ -37,6 +37,8 @@ use crate::observe::recording::{Recorder, Recording};
 use crate::observe::servo::Observation;
 use crate::observe::witness::Witness;
 use crate::operator::Operator;
+use crate::safety::rate::{RateHeadroom, path_stop_time};
+use crate::safety::stopping::path_stop_steps;
 
 use coordination::Coordination;
 use parts::Parts;
@@ -219,6 +221,25 @@ impl Cell {
         let servos = self.parts.robots.iter().map(|robot| robot.servo_period());
         let delay = self.timing.delay(servos).unwrap_or_default();
         self.parts.robots.iter().map(|robot| robot.stop_steps(self.timing.step, delay)).max().unwrap_or(0)
+    }
+
+    /// The longest time that a stop on the path takes: a suspension, an abort. Robots at their velocity limits on paths that
+    /// use nine tenths of their acceleration and jerk limits.
+    pub fn path_stop_time(&self) -> Duration {
+        let step = self.timing.step;
+        let headroom = |rate: f64| {
+            let robots = self.parts.robots.iter().map(|robot| robot.least_headroom(rate, step));
+            robots.fold(RateHeadroom::UNLIMITED, RateHeadroom::and)
+        };
+        Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), headroom))
+    }
+
+    /// Steps after which a protective stop leaves the path.
+    fn path_stop_steps(&self) -> u64 {
+        let servos = self.parts.robots.iter().map(|robot| robot.servo_period());
+        let delay = self.timing.delay(servos).unwrap_or_default();
+        let braking = self.parts.robots.iter().map(|robot| robot.braking_time()).fold(0.0, f64::max);
+        path_stop_steps(self.timing.stop_time, braking, self.timing.step, delay)
     }
 
     /// Steps in which the rate falls from the planned one to a standstill.

@@ -33,7 +33,9 @@ use crate::observe::servo::Observation;
 use crate::observe::servo::{Observer, ServoRecord};
 use crate::observe::shown::{AnyShown, Shown};
 use crate::safety::latch::Gate;
-use crate::safety::stopping::stop_steps;
+use crate::safety::limits::rates::least_headroom;
+use crate::safety::rate::RateHeadroom;
+use crate::safety::stopping::{braking_time, stop_steps};
 
 use crate::model::wire::Wire;
 use crate::observe::witness::{What, Witnesses};
@@ -190,6 +192,10 @@ pub trait AnyRobot {
     fn is_simulated(&mut self) -> bool;
     /// What forbids that its EDP interpolates where it is told to.
     fn check_space(&self, name: Name) -> Option<CellError>;
+    /// The longest time that it brakes for \[s\].
+    fn braking_time(&self) -> f64;
+    /// The least that it leaves at this rate for changes of the rate, in steps of this length.
+    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom;
     /// What is wrong with its limits, in a cell of this step that allows a stop to take `stop_time`.
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     /// Steps within which it must stand after a stop began, in a cell whose drives are `delay` behind their demands.
@@ -306,6 +312,15 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             step,
             stop_time,
         )
+    }
+
+    fn braking_time(&self) -> f64 {
+        let limits = self.robot.limits();
+        (0..R::Joints::LEN).map(|i| braking_time(limits, i)).fold(0.0, f64::max)
+    }
+
+    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom {
+        least_headroom(self.robot.limits(), rate, step.as_secs_f64())
     }
 
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64 {

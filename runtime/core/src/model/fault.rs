@@ -126,6 +126,9 @@ impl FaultKind {
 /// The message of an operator's protective stop.
 pub const BY_OPERATOR: &str = "by the operator";
 
+/// What is added to the message of a protective stop that is too long on the path.
+const OFF_PATH: &str = "; off the path, on which it takes too long";
+
 /// A short text that travels with a fault: what the program or a panic said, cut at 120 bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct Text {
@@ -135,13 +138,19 @@ struct Text {
 
 impl Text {
     fn new(text: &str) -> Text {
-        let mut len = text.len().min(120);
+        let text = Text::cut(text, 120);
+        let mut bytes = [0; 120];
+        bytes[..text.len()].copy_from_slice(text.as_bytes());
+        Text { bytes, len: text.len() as u8 }
+    }
+
+    /// As much of a text as has so many bytes.
+    fn cut(text: &str, bytes: usize) -> &str {
+        let mut len = text.len().min(bytes);
         while !text.is_char_boundary(len) {
             len -= 1;
         }
-        let mut bytes = [0; 120];
-        bytes[..len].copy_from_slice(&text.as_bytes()[..len]);
-        Text { bytes, len: len as u8 }
+        &text[..len]
     }
 
     fn as_str(&self) -> &str {
@@ -306,6 +315,15 @@ impl Fault {
     pub fn text(mut self, text: &str) -> Fault {
         self.0.text = Text::new(text);
         self
+    }
+
+    /// Says that the robots left their paths to stand in time.
+    pub fn off_path(self) -> Fault {
+        let message = self.message();
+        let cut = Text::cut(message, 120 - OFF_PATH.len());
+        let text =
+            format!("{cut}{}", if cut.is_empty() { OFF_PATH.trim_start_matches("; ") } else { OFF_PATH });
+        self.text(&text)
     }
 
     /// Says that the first demand of a motion met it.

@@ -13,6 +13,10 @@ pub struct Layout {
     pub step: Duration,
     /// The longest stop that it allows.
     pub stop_time: Duration,
+    /// The longest time that a suspension or an abort takes on the path.
+    pub path_stop: Duration,
+    /// How long a protective stop stays on the path.
+    pub protective_stop: Duration,
     /// The longest time between the cause of a stop and the start of braking \[s\].
     pub detection: f64,
     /// Whether the MP has a program of its own.

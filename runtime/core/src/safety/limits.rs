@@ -36,7 +36,7 @@ mod missing;
 mod motion;
 mod path;
 mod poses;
-mod rates;
+pub(crate) mod rates;
 mod rejoining;
 mod resting;
 mod state;

@@ -134,6 +134,20 @@ impl Feed {
     }
 }
 
+/// The time in which a rate comes from 1 to 0 in steps of `period` \[s\], when it changes by at most `change` \[1/s\] and within
+/// this headroom at each rate.
+pub(crate) fn path_stop_time(change: f64, period: f64, headroom: impl Fn(f64) -> RateHeadroom) -> f64 {
+    let mut feed = Feed::new(change);
+    let mut steps = 0_u32;
+    // What has a finite headroom comes to 0; limits that are wrong are found elsewhere.
+    while feed.rate() > 0.0 && steps < 1_000_000 {
+        feed.limit(headroom(feed.rate()));
+        feed.advance(0.0, period);
+        steps += 1;
+    }
+    f64::from(steps) * period
+}
+
 /// The highest that a rate can be at the end of a step of `duration` \[s\].
 pub(crate) fn raised(rate: f64, duration: f64) -> f64 {
     (rate + DEFAULT_CHANGE * duration).min(1.0)

@@ -46,6 +46,14 @@ pub(crate) fn stop_steps<J: JointVector>(limits: &Limits<J>, step: Duration, del
     (seconds / step.as_secs_f64()).ceil() as u64
 }
 
+/// Steps that a protective stop may take on the path, where a stop may take `stop_time` in all: what is left is for the
+/// order that ends it, and for a stop as above without its detection. `braking` \[s\] is that of the slowest robot.
+pub(crate) fn path_stop_steps(stop_time: Duration, braking: f64, step: Duration, delay: Duration) -> u64 {
+    let after = braking / SHARE + delay.max(2 * step).as_secs_f64() + 2.0 * step.as_secs_f64();
+    // `as` saturates: what is below 0 is 0.
+    ((stop_time.as_secs_f64() - after) / step.as_secs_f64()).floor() as u64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,6 +89,14 @@ mod tests {
         // 1.0 / 10 s of braking, on a screw 1.0 / 8 s; 21 ms, 8 ms.
         let steps = stop_steps(&limits(1.0, 10.0, None), Duration::from_millis(1), Duration::from_millis(8));
         assert!((154..=155).contains(&steps), "{steps}");
+    }
+
+    #[test]
+    fn a_protective_stop_has_what_a_fault_stop_leaves_of_the_time() {
+        // 600 ms less 1.0 / 10 s of braking, on a screw 1.0 / 8 s, 8 ms and two steps.
+        let millis = Duration::from_millis;
+        assert_eq!(path_stop_steps(millis(600), 0.1, millis(2), millis(8)), (600 - 125 - 8 - 4) / 2);
+        assert_eq!(path_stop_steps(millis(100), 0.1, millis(2), millis(8)), 0);
     }
 
     #[test]

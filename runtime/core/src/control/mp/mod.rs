@@ -52,6 +52,8 @@ pub struct Mp<'w> {
     operating: Operating,
     stops: Stops,
     witnesses: Witnesses,
+    /// Steps after which a protective stop does not go on on the path.
+    path_stop: u64,
     /// A replay's steps.
     script: Option<Rc<Script>>,
 }
@@ -65,6 +67,8 @@ pub(crate) struct MpTiming {
     pub grace: Nanos,
     /// By how much the rate may change in a second.
     pub rate_change: f64,
+    /// Steps after which a protective stop does not go on on the path.
+    pub path_stop: u64,
 }
 
 impl<'w> Mp<'w> {
@@ -84,6 +88,7 @@ impl<'w> Mp<'w> {
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
             operating: Operating::new(operator, hook),
             stops: Stops::default(),
+            path_stop: timing.path_stop,
             script: None,
         }
     }
@@ -230,6 +235,17 @@ impl<'w> Mp<'w> {
     /// Whether the open instruction is to end at standstill on its path: the operator aborts it, or a guard does.
     fn is_ending(&self) -> bool {
         self.stops.protective.is_some() || self.operating.operator.is_aborting()
+    }
+
+    /// Whether an instruction that is to end on its path stands there.
+    ///
+    /// # Errors
+    /// The cause of a protective stop that takes longer than the cell allows: the robots are then to stop as for a fault.
+    fn is_at_rest_on_path(&self) -> Result<bool, Fault> {
+        if !self.is_ending() || self.clock.is_standing() {
+            return Ok(self.is_ending());
+        }
+        self.stops.overdue(self.clock.step(), self.path_stop).map_or(Ok(false), Err)
     }
 
     /// What such an instruction ends with.

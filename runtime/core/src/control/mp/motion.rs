@@ -101,7 +101,7 @@ impl Mp<'_> {
             if step == 0 && !handed_over {
                 self.clock.count_from_here();
             }
-            if self.is_ending() && self.clock.is_standing() {
+            if self.is_at_rest_on_path()? {
                 return self.abort(indices);
             }
             let t = self.clock.tick(step);
@@ -204,7 +204,7 @@ impl Mp<'_> {
         self.start(indices, |_| payload)?;
         loop {
             self.begin_step()?;
-            if self.is_ending() && self.clock.is_standing() {
+            if self.is_at_rest_on_path()? {
                 return self.abort(indices);
             }
             for &index in indices {

@@ -45,6 +45,13 @@ impl Stops {
         fault.in_process(ProcessId::MP).at_step(step)
     }
 
+    /// The protective stop that was to end on the path within so many steps, and has not in step `step`.
+    pub fn overdue(&self, step: u64, most: u64) -> Option<Fault> {
+        let protective = self.protective.as_ref()?;
+        let began = protective.step().unwrap_or(step);
+        (step > began + most).then(|| protective.clone().off_path())
+    }
+
     /// Whether the guard is to look at the robots in this step.
     pub fn guard_is_due(&self, step: u64) -> bool {
         self.protective.is_none() && self.guard.as_ref().is_some_and(|guard| guard.is_due(step))

@@ -33,7 +33,8 @@ fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
         patience: Patience { most: STEP, again: STEP },
         witnesses: Witnesses::to(Vec::new()),
     };
-    let timing = MpTiming { period: Duration::from_nanos(STEP), grace: STEP / 2, rate_change: 5.0 };
+    let timing =
+        MpTiming { period: Duration::from_nanos(STEP), grace: STEP / 2, rate_change: 5.0, path_stop: 100 };
     let mut mp = Mp::new(timed.host(), Vec::new(), sensing, Operator::new(), None, &timing);
     for begun in 0..steps {
         if let Err(fault) = mp.begin_step() {

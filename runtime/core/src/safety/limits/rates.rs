@@ -7,7 +7,7 @@ use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
 use crate::safety::braking::{self, BrakingLaw};
 
-use crate::safety::rate::{Feed, FullRate, RateHeadroom, raised};
+use crate::safety::rate::{FullRate, RateHeadroom, raised};
 
 use super::state::JointState;
 
@@ -125,18 +125,10 @@ impl<J: JointVector> Headroom<'_, J> {
     }
 }
 
-/// The longest time in which the rate of a path within the shares above comes from 1 to 0, in steps of `period` \[s\], when
-/// it changes by at most `change` \[1/s\]: that of a path at all velocity limits.
-pub(crate) fn path_stop_time<J: JointVector>(limits: &Limits<J>, period: f64, change: f64) -> f64 {
-    let mut feed = Feed::new(change);
-    let mut steps = 0_u32;
-    while feed.rate() > 0.0 {
-        let headroom = Headroom { limits, rate: feed.rate(), period, bridged: 0.0 };
-        feed.limit(headroom.at_speed(|i| limits.velocity[i]));
-        feed.advance(0.0, period);
-        steps += 1;
-    }
-    f64::from(steps) * period
+/// The least that a robot at this rate leaves for changes of the rate, in steps of `period` \[s\]: beside a path at all
+/// velocity limits.
+pub(crate) fn least_headroom<J: JointVector>(limits: &Limits<J>, rate: f64, period: f64) -> RateHeadroom {
+    Headroom { limits, rate, period, bridged: 0.0 }.at_speed(|i| limits.velocity[i])
 }
 
 /// How fast a robot in this state may slow down on its screw, in steps of `period` \[s\]: within [`braking::SHARE`] of the

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::safety::braking::BrakingLaw;
-use crate::safety::limits::rates as pace;
-use crate::safety::rate::{DEFAULT_CHANGE, Feed};
+use crate::safety::limits::rates::least_headroom;
+use crate::safety::rate::{DEFAULT_CHANGE, Feed, path_stop_time};
 
 /// At 0.3 m/s and -0.2 rad/s.
 fn moving(robot: Turntable) -> Acceptor<Turntable> {
@@ -61,7 +61,7 @@ fn a_stop_on_the_path_takes_the_time_that_the_limits_leave() {
         Turntable::with(|l| (l.velocity, l.acceleration) = (Two::repeat(1.0), Two::repeat(2.0))).limits;
     let (p, u) = (0.9_f64.sqrt(), 0.98_f64.sqrt());
     let integral = (p / u).atanh() / (p * u);
-    let time = pace::path_stop_time(&limits, T, DEFAULT_CHANGE);
+    let time = path_stop_time(DEFAULT_CHANGE, T, |rate| least_headroom(&limits, rate, T));
     assert!((time - 1.002 / 2.0 * integral).abs() < 3e-3, "{time}, {integral}");
     // With one, by quadrature in time of the same bounds and those of the jerk, r'' among them: see
     // `tests/benches/peers/path_stop.py`.
@@ -71,7 +71,7 @@ fn a_stop_on_the_path_takes_the_time_that_the_limits_leave() {
             acceleration: Two::repeat(a),
             ..Turntable::with_jerk(jerk, jerk).limits
         };
-        let time = pace::path_stop_time(&limits, T, DEFAULT_CHANGE);
+        let time = path_stop_time(DEFAULT_CHANGE, T, |rate| least_headroom(&limits, rate, T));
         assert!((time - seconds).abs() < 5e-3, "{time}, {seconds}");
     }
 }
