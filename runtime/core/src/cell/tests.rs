@@ -1,3 +1,4 @@
 //! Whole cells, put on links that their tests watch or disturb.
 
+mod arm_refused;
 mod arms_without_mp;

@@ -77,6 +77,15 @@ pub(crate) struct Acceptor<R: Robot> {
     pace: Pace<R::Joints>,
 }
 
+/// What an acceptor knew before it accepted a demand.
+#[derive(Clone, Copy)]
+pub(crate) struct Before<J> {
+    state: JointState<J>,
+    track: Track<J>,
+    motion: Motion<J>,
+    pace: Pace<J>,
+}
+
 /// What a demand asks for.
 struct Target<J> {
     /// The tool that it names, or the one in force, `X_FE`.
@@ -154,6 +163,19 @@ impl<R: Robot> Acceptor<R> {
     /// The displacement of the last step in the world.
     pub fn screw(&self, duration: f64) -> Screw {
         self.track.screw(&self.checks.robot, duration)
+    }
+
+    /// What it knows now.
+    pub const fn before(&self) -> Before<R::Joints> {
+        Before { state: self.state, track: self.track, motion: self.motion, pace: self.pace }
+    }
+
+    /// Takes back the demand that was accepted since then: no drive has been told of it.
+    pub fn take_back(&mut self, before: Before<R::Joints>) {
+        self.state = before.state;
+        self.track = before.track;
+        self.motion = before.motion;
+        self.pace = before.pace;
     }
 
     /// A new motion begins: displacements count from here.

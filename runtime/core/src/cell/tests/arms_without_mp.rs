@@ -21,20 +21,20 @@ use crate::model::step::{Step, Tick};
 use crate::model::time::Nanos;
 use crate::observe::servo::ServoRecord;
 
-type Six = SVector<f64, 6>;
+pub(super) type Six = SVector<f64, 6>;
 
 const STEP: Duration = Duration::from_millis(1);
 const NANOS: Nanos = 1_000_000;
 
 /// Three slides and a wrist, on a base, with the flange 0.4 m from the wrist: its joints' ways are curved when it turns.
 #[derive(Clone)]
-struct Arm {
+pub(super) struct Arm {
     base: Pose,
     limits: Limits<Six>,
 }
 
 impl Arm {
-    fn on(base: Pose, acceleration: Six) -> Arm {
+    pub(super) fn on(base: Pose, acceleration: Six) -> Arm {
         let (upper, velocity) = (slides_and_turns(9.0, 1.4), slides_and_turns(1.0, 2.0));
         Arm { base, limits: Limits { lower: -upper, upper, velocity, acceleration, jerk: None } }
     }
@@ -66,16 +66,16 @@ impl Robot for Arm {
     }
 }
 
-fn slides_and_turns(slides: f64, turns: f64) -> Six {
+pub(super) fn slides_and_turns(slides: f64, turns: f64) -> Six {
     Six::from_fn(|i, _| if i < 3 { slides } else { turns })
 }
 
-/// Drives that are where they are told to be.
-struct Exact(Six);
+/// Drives that are where they are told to be, once in this period.
+pub(super) struct Exact(pub Six, pub Duration);
 
 impl Driver<Arm> for Exact {
     fn period(&self) -> Duration {
-        STEP
+        self.1
     }
     fn measured(&self) -> Measured<Six> {
         Measured { position: self.0, velocity: Six::zeros() }
@@ -99,12 +99,17 @@ fn carry(c: &mut Carry, t: Tick) -> Step<(Arm, Arm)> {
         return Step::Done;
     }
     c.t = (c.t + t.dt).min(DURATION);
-    let u = c.t / DURATION;
-    let s = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
-    // A turn of 0.6 rad about an axis that passes beside both, and a lift of 0.1 m.
-    let axis = Pose::translation(0.2, 0.5, 0.0);
-    let X = axis * Pose::new(Vector3::z() * 0.1 * s, Vector3::new(0.1, 0.2, 0.5) * s) * axis.inverse();
+    let X = displacement(c.t);
     Step::Next((Demand::pose(X * c.from[0]), Demand::pose(X * c.from[1])))
+}
+
+/// By how much the body is displaced at this time \[s\]: a turn of 0.6 rad about an axis that passes beside both arms, and a
+/// lift of 0.1 m.
+pub(super) fn displacement(time: f64) -> Pose {
+    let u = time / DURATION;
+    let s = u * u * u * (10.0 - u * (15.0 - 6.0 * u));
+    let axis = Pose::translation(0.2, 0.5, 0.0);
+    axis * Pose::new(Vector3::z() * 0.1 * s, Vector3::new(0.1, 0.2, 0.5) * s) * axis.inverse()
 }
 
 fn grasp(c: &mut Carry, e: &State<(Arm, Arm)>, t: Tick) -> Step<(Arm, Arm)> {
@@ -112,7 +117,7 @@ fn grasp(c: &mut Carry, e: &State<(Arm, Arm)>, t: Tick) -> Step<(Arm, Arm)> {
     carry(c, t)
 }
 
-const DURATION: f64 = 0.5;
+pub(super) const DURATION: f64 = 0.5;
 
 fn program(mp: &mut Mp) -> Result<(), Fault> {
     let (mut left, mut right) = (mp.robot::<Arm>("left")?, mp.robot::<Arm>("right")?);
@@ -203,7 +208,7 @@ fn run_within(acceleration: Six, upset: Upset) -> [Vec<Pose>; 2] {
         let (arm, trace) = (Arm::on(base, acceleration), Rc::clone(trace));
         let (start, model) = (Six::new(0.1, 0.2, 0.3, 0.1, -0.2, 0.3), arm.clone());
         let keep = move |record: &ServoRecord<Arm>| trace.borrow_mut().push(model.forward(&record.demanded));
-        cell = cell.robot(RobotSetup::new(name, arm, Exact(start)).observe(keep));
+        cell = cell.robot(RobotSetup::new(name, arm, Exact(start, STEP)).observe(keep));
     }
     let names = cell.check().expect("nothing is wrong with it");
     let mut link = Upsetting(Scheduler::new(), upset);
@@ -213,7 +218,7 @@ fn run_within(acceleration: Six, upset: Upset) -> [Vec<Pose>; 2] {
 }
 
 /// Distance \[m\] or angle \[rad\] between poses, the larger one.
-fn apart(a: &Pose, b: &Pose) -> f64 {
+pub(super) fn apart(a: &Pose, b: &Pose) -> f64 {
     let by = a.inv_mul(b);
     by.translation.vector.norm().max(2.0 * by.rotation.imag().norm())
 }

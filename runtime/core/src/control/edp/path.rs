@@ -13,7 +13,7 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::safety::braking::{Braking, BrakingLaw};
-use crate::safety::limits::{AcceptedDemand, Acceptor};
+use crate::safety::limits::{AcceptedDemand, Acceptor, Before};
 use crate::safety::screw::{Screw, ScrewBraking};
 use crate::safety::stopping::{TOGETHER_BUDGET, detection_time, missed_step_budget};
 
@@ -32,12 +32,22 @@ pub(super) enum Mode<J> {
     Off,
 }
 
+/// What was known before a demand was accepted for the step that is about to begin.
+struct Undone<J> {
+    acceptor: Before<J>,
+    /// Demands that were missing, of a robot that moved.
+    missed: Option<u32>,
+    together: Option<BrakingLaw>,
+}
+
 /// The demands of a robot.
 pub(super) struct DemandedPath<R: Robot> {
     pub acceptor: Acceptor<R>,
     pub mode: Mode<R::Joints>,
     /// Accepted for the step that is about to begin.
     pub next: Option<AcceptedDemand<R>>,
+    /// How to take that back, of a robot that moves together with others.
+    undone: Option<Undone<R::Joints>>,
     /// How the robot brakes with those that it moves together with.
     together: Option<BrakingLaw>,
     /// The screw on which it does; known once a demand is missing.
@@ -55,6 +65,7 @@ impl<R: Robot> DemandedPath<R> {
             acceptor: Acceptor::new(robot, tool, position, detection_time(period)),
             mode: Mode::Holding,
             next: None,
+            undone: None,
             together: None,
             screw: None,
             first_tool: tool,
@@ -87,6 +98,11 @@ impl<R: Robot> DemandedPath<R> {
     /// The first limit that it breaks; nothing is changed then.
     pub fn accept(&mut self, demand: &Demand<R>, request: &Message) -> Result<(), Fault> {
         let header = &request.header;
+        let missed = match self.mode {
+            Mode::Moving { missed } => Some(missed),
+            Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => None,
+        };
+        let undone = Undone { acceptor: self.acceptor.before(), missed, together: self.together };
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let period = self.period.as_secs_f64();
         let dt = header.dt / header.duration * period;
@@ -99,8 +115,20 @@ impl<R: Robot> DemandedPath<R> {
         let first = request.is(flag::FIRST) && !self.is_moving();
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         self.move_together(demand, request);
+        self.undone = self.together.map(|_| undone);
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
+    }
+
+    /// A stop comes before the step that a demand was accepted for, of a robot that moves together with others: one of them
+    /// may have no demand for that step, so it goes for none. All brake from the step before, on the screw that led to it.
+    fn take_back(&mut self) {
+        let Some(undone) = self.undone.take().filter(|_| self.next.is_some()) else { return };
+        self.next = None;
+        self.acceptor.take_back(undone.acceptor);
+        self.together = undone.together;
+        self.screw = None;
+        self.mode = undone.missed.map_or(Mode::Holding, |missed| Mode::Moving { missed });
     }
 
     /// Notes a demand that is too late for its step; step `due` is the next one. A motion that it begins has begun all the
@@ -159,8 +187,9 @@ impl<R: Robot> DemandedPath<R> {
 
     /// The demand of the step that begins: the one that came, or what replaces it.
     pub fn next_demand(&mut self) -> AcceptedDemand<R> {
-        // A demand accepted before a stop is still the state that the stop begins at.
+        // A demand accepted before a stop is still the state that the stop begins at, unless that took it back.
         if let Some(next) = self.next.take() {
+            self.undone = None;
             return next;
         }
         let period = self.period.as_secs_f64();
@@ -218,13 +247,14 @@ impl<R: Robot> DemandedPath<R> {
             Mode::Moving { .. } if self.acceptor.can_hold(self.period.as_secs_f64()) => {
                 self.mode = Mode::Holding;
             }
-            Mode::Moving { .. } => self.brake(),
+            Mode::Moving { .. } => self.mode = self.way_to_rest(),
             Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => {}
         }
     }
 
     /// A robot that moves, or is not where its path ends, comes to a standstill.
     pub fn brake(&mut self) {
+        self.take_back();
         match self.mode {
             Mode::Moving { .. } => self.mode = self.way_to_rest(),
             Mode::Holding if !self.acceptor.is_at_its_end() => self.mode = self.way_to_rest(),

@@ -143,6 +143,9 @@ impl Mp<'_> {
         // One step for the order to arrive, one for the answer.
         let limit = self.robots.stop_steps() + 2;
         let began = self.clock.step();
+        // In the step of the fault itself, where that is not over: no robot has begun to move for it yet, and none goes on
+        // alone.
+        self.keep_unless_late();
         loop {
             if self.begin_step().is_err() {
                 return;

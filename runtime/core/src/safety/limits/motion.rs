@@ -6,6 +6,7 @@ use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 
 /// The motion that is under way, or the last one.
+#[derive(Clone, Copy)]
 pub(super) struct Motion<J> {
     /// The tool in force, `X_FE`.
     pub tool: Pose,

@@ -19,6 +19,7 @@ const PATH_SHARE: f64 = 0.9;
 const USABLE_SHARE: f64 = 0.98;
 
 /// How fast the path is gone along.
+#[derive(Clone, Copy)]
 pub(super) struct Pace<J> {
     /// Path time over real time of the step accepted last, 0 to 1.
     pub rate: f64,
