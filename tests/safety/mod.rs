@@ -3,6 +3,7 @@
 mod cells;
 mod drives;
 mod endless;
+mod operators;
 mod sensors;
 mod summary;
 mod sweeps;

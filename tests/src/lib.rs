@@ -49,6 +49,12 @@ impl Gantry {
         gantry
     }
 
+    /// A gantry with these limits.
+    #[must_use]
+    pub fn with_limits(limits: Limits<Q<3>>) -> Self {
+        Gantry { limits }
+    }
+
     /// The same gantry with this jerk limit [m/s³].
     #[must_use]
     pub fn with_jerk(jerk: f64) -> Self {

@@ -136,7 +136,7 @@ pub mod pose {
 /// Faults: what went wrong, in which process, and what it means.
 pub mod fault {
     pub use crate::model::excess::Excess;
-    pub use crate::model::fault::{Fault, FaultClass, FaultKind, FaultWords, ProcessId, Role};
+    pub use crate::model::fault::{BY_OPERATOR, Fault, FaultClass, FaultKind, FaultWords, ProcessId, Role};
     pub use crate::model::name::{BadName, MAX_NAME, Name};
 }
 

@@ -2,7 +2,10 @@
 //! mismatch of the two crates fails at the first use and not in a subtle way.
 
 use crate::model::image::Sensor;
-use crate::model::list::{RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList, SensorsOf};
+use crate::model::list::{
+    Owner, RobotHandle, RobotList, Robots, RobotsOf, SensorHandle, SensorList, SensorsOf,
+};
+use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::wire::{BadWords, WORDS, Wire};
@@ -108,6 +111,9 @@ macro_rules! goes_with {
             fn indices(&self) -> [usize; 0] {
                 []
             }
+            fn stranger(&self, _: Owner) -> Option<Name> {
+                None
+            }
             fn images(&self) {}
             fn refresh(&mut self, _: usize, _: &[u64]) -> Result<(), BadWords> {
                 Err(BadWords)
@@ -131,6 +137,9 @@ macro_rules! goes_with_sensors {
             type Indices = [usize; 0];
             fn indices(&self) -> [usize; 0] {
                 []
+            }
+            fn stranger(&self, _: Owner) -> Option<Name> {
+                None
             }
             fn configuration(&self, _: usize, _: &mut [u64]) -> PayloadType {
                 PayloadType::of::<()>()

@@ -59,6 +59,8 @@
 //!
 //! [`Sweep::forking`] injects faults into copies of one run, which makes it possible to cover every step of a long program.
 //!
+//! A [`RandomOperator`] runs a cell under operators who press what comes to hand, and judges every servo period.
+//!
 //! A failure names its [`Case`] with the seed; [`Sweep::repeat`] runs that case again.
 
 mod case;
@@ -67,6 +69,7 @@ mod drive;
 mod forks;
 mod link;
 mod onlooker;
+mod operator;
 mod random;
 #[doc(hidden)]
 pub mod readers;
@@ -79,6 +82,7 @@ mod verdict;
 
 pub use case::{Case, Channel, Injected, LinkFault, Press};
 pub use drive::{DriveTrouble, FaultyDrive};
+pub use operator::{OperatorReport, RandomOperator};
 pub use report::{Failure, SweepReport, Tally};
 pub use sensor::{FaultySensor, SensorFault};
 pub use sweep::Sweep;

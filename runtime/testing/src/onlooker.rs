@@ -5,6 +5,9 @@
 //! differences of the positions that the drives got, divided by the time that passed. Servo periods that a late EDP
 //! left out have no demands (SAFETY.md, row 11).
 
+use core::time::Duration;
+use std::collections::VecDeque;
+
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, RobotLayout};
 
@@ -15,6 +18,9 @@ pub(crate) struct Bounds {
     pub upper: Vec<f64>,
     pub velocity: Vec<f64>,
     pub acceleration: Vec<f64>,
+    /// Of third differences over this time \[ns\]; empty where jerk is not judged.
+    pub jerk: Vec<f64>,
+    pub over: Nanos,
     pub servo: Nanos,
 }
 
@@ -27,8 +33,19 @@ impl Bounds {
             upper: joints(|joint| joint.upper),
             velocity: joints(|joint| joint.velocity),
             acceleration: joints(|joint| joint.acceleration),
+            jerk: Vec::new(),
+            over: 0,
             servo: robot.servo.as_nanos() as Nanos,
         }
+    }
+
+    /// The same with the jerk limits of the robot, in a cell of this step. A jerk limit holds from step to step: where there
+    /// are several servo periods in one, the acceleration changes at its beginning.
+    pub fn with_jerk(mut self, robot: &RobotLayout, step: Duration) -> Bounds {
+        let jerk: Option<Vec<f64>> = robot.joints.iter().map(|joint| joint.jerk).collect();
+        self.jerk = jerk.unwrap_or_default();
+        self.over = (step.as_nanos() as Nanos).max(self.servo);
+        self
     }
 }
 
@@ -43,6 +60,8 @@ pub(crate) struct Onlooker {
     /// The end of the last servo period \[ns\], and the time from the one before it \[s\].
     told: Nanos,
     lasted: f64,
+    /// The positions of the servo periods before, the newest last, for third differences.
+    before: VecDeque<Vec<f64>>,
     /// The intervals of motion: when the robot began to move, and when it stood again \[ns\].
     pub episodes: Vec<(Nanos, Nanos)>,
     /// The first demand that was wrong, as text.
@@ -67,6 +86,7 @@ impl Onlooker {
             ticks: 0,
             told: 0,
             lasted,
+            before: VecDeque::new(),
             episodes,
             wrong: None,
         }
@@ -115,6 +135,7 @@ impl Onlooker {
             }
             (self.last[i], self.velocity[i]) = (q, velocity);
         }
+        self.judge_jerk(end, demanded, dt);
         self.ticks += 1;
         let began = self.told.max(end.saturating_sub((dt * 1e9).round() as Nanos));
         (self.told, self.lasted) = (end, dt);
@@ -124,6 +145,44 @@ impl Onlooker {
                 Some(_) | None => self.episodes.push((began, end)),
             }
         }
+    }
+
+    /// Compares third differences with the jerk limits. After a period that was left out they begin anew.
+    fn judge_jerk(&mut self, end: Nanos, demanded: &[f64], dt: f64) {
+        let bounds = &self.bounds;
+        if bounds.jerk.is_empty() {
+            return;
+        }
+        let apart = bounds.over.div_ceil(bounds.servo.max(1)) as usize;
+        if dt > bounds.servo as f64 * 1.5e-9 {
+            self.before.clear();
+        }
+        self.before.push_back(demanded.to_vec());
+        if self.before.len() > 3 * apart + 1 {
+            self.before.pop_front();
+        }
+        if self.before.len() <= 3 * apart || self.wrong.is_some() {
+            return;
+        }
+        let over = bounds.over as f64 * 1e-9;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| &self.before[k * apart]);
+        for i in 0..demanded.len() {
+            let jerk = (d[i] - 3.0 * c[i] + 3.0 * b[i] - a[i]) / over.powi(3);
+            let round_off = 8.0 * ROUND_OFF * (1.0 + d[i].abs()) / over.powi(3);
+            let limit = bounds.jerk[i];
+            if jerk.abs() > limit * (1.0 + 1e-6) + round_off {
+                let (name, joint, time) = (&self.name, i + 1, end as f64 * 1e-9);
+                self.wrong = Some(format!(
+                    "{name} joint {joint} at {time:.4} s: jerk beyond its limit: {jerk}, {limit}"
+                ));
+                return;
+            }
+        }
+    }
+
+    /// Servo periods that were seen.
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
     }
 
     /// The servo period \[ns\].
@@ -147,6 +206,8 @@ mod tests {
             upper: vec![1.0],
             velocity: vec![1.0],
             acceleration: vec![10.0],
+            jerk: vec![2e3],
+            over: 1_000_000,
             servo: 1_000_000,
         };
         Onlooker::new("g", bounds)
@@ -168,13 +229,20 @@ mod tests {
             // 1.1 m/s; 11 m/s².
             (&[0.0, 0.0, 1.1e-3], "velocity"),
             (&[0.0, 0.0, 0.0, 1.1e-5], "acceleration"),
+            // 2.1 m/s² after none, in 1 ms.
+            (&[0.0, 0.0, 0.0, 0.0, 2.1e-6], "jerk"),
         ] {
             let wrong = seen(demands).wrong.expect(says);
             assert!(wrong.contains(says), "{wrong}");
         }
-        // 10 m/s², which is exactly the limit.
-        let u = |i: i32| 5e-6 * f64::from(i * i);
-        let demands: Vec<_> = [0.0].into_iter().chain((0..50).map(u)).collect();
+        // 10 m/s², which is exactly the limit, and 2000 m/s³ on the way to it.
+        let (mut q, mut v) = (0.0, 0.0);
+        let mut demands = vec![0.0; 4];
+        for step in 1..50 {
+            v += (2e-3 * f64::from(step)).min(10e-3);
+            q += v * 1e-3;
+            demands.push(q);
+        }
         assert_eq!(seen(&demands).wrong, None);
     }
 

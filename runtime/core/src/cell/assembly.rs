@@ -14,6 +14,7 @@ use crate::control::sensing::Sensing;
 use crate::link::Link;
 use crate::link::patience::Patience;
 use crate::model::fault::{Fault, ProcessId, Role};
+use crate::model::list::Owner;
 use crate::model::name::Name;
 use crate::model::time::Nanos;
 use crate::observe::witness::{What, Witnesses};
@@ -55,12 +56,17 @@ impl Cell {
         let stop_steps = self.stop_steps();
         let path_stop = self.path_stop_steps();
         let witnesses = Witnesses::to(self.watching.witnesses);
-        let mut mp_sensing = Sensing { ports: Vec::new(), patience, witnesses: witnesses.of(ProcessId::MP) };
+        let mut mp_sensing = Sensing {
+            owner: Owner::unique(),
+            ports: Vec::new(),
+            patience,
+            witnesses: witnesses.of(ProcessId::MP),
+        };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
         let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
         let of_ecp = |name: &Name| {
             let witnesses = witnesses.of(ProcessId::new(Role::Ecp, *name));
-            Sensing { ports: Vec::new(), patience: shorter, witnesses }
+            Sensing { owner: Owner::unique(), ports: Vec::new(), patience: shorter, witnesses }
         };
         let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.

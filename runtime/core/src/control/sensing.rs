@@ -12,7 +12,7 @@ use crate::link::{Client, Waiter};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::{Sensor, SensorImage};
 use crate::model::list::Reading;
-use crate::model::list::{SensorHandle, SensorList, SensorsOf};
+use crate::model::list::{Owner, SensorHandle, SensorList, SensorsOf};
 use crate::model::name::Name;
 use crate::model::sensor::{CONFIGURATION_WORDS, MAX_AGE};
 use crate::model::shape::Shape;
@@ -188,6 +188,8 @@ impl SensorPort {
 
 /// All virtual sensors of a process.
 pub struct Sensing {
+    /// Whose handles are taken.
+    pub(crate) owner: Owner,
     pub(crate) ports: Vec<SensorPort>,
     /// Of readings, and of other answers.
     pub patience: Patience,
@@ -220,7 +222,21 @@ impl Sensing {
         if core::mem::replace(&mut port.taken, true) {
             return Err(config(&format!("sensor `{name}` has a handle already: pass that one on")));
         }
-        Ok(SensorHandle { index, name: port.name, configuration, image: SensorImage::unknown() })
+        Ok(SensorHandle {
+            owner: self.owner,
+            index,
+            name: port.name,
+            configuration,
+            image: SensorImage::unknown(),
+        })
+    }
+
+    /// Refuses handles that another process gave.
+    ///
+    /// # Errors
+    /// `Config` for the first one.
+    pub fn check<V: SensorList>(&self, sensors: &impl SensorsOf<V>) -> Result<(), Fault> {
+        Owner::refuse("sensor", sensors.stranger(self.owner))
     }
 
     /// Programs start again: each sensor has its handle to give.

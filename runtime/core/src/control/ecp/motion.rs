@@ -60,6 +60,7 @@ impl<R: Robot> Ecp<'_, R> {
     where
         G: Generator<Robots = R, Language = Motion>,
     {
+        self.sensing.check(&sensors).map_err(|fault| fault.in_process(self.process))?;
         let mut v = Reading::new(sensors.images());
         let end = self.generate(&sensors, &mut generator, &mut v, ending);
         sensors.store(&v);

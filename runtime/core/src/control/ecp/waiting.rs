@@ -69,6 +69,7 @@ impl<R: Robot> Ecp<'_, R> {
         C::Robots: LooksAt<R>,
     {
         let uses = const { C::CLASS.next };
+        self.sensing.check(&sensors).map_err(|fault| fault.in_process(self.process))?;
         self.check_ready()?;
         self.check_payload::<C::Order>(uses.order)?;
         self.settle()?;

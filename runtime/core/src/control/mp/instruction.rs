@@ -155,7 +155,8 @@ impl Mp<'_> {
             if answered.is_err_and(|error| error.is_orderly()) {
                 return;
             }
-            let standing = self.robots.all_say(&all, flag::STANDSTILL);
+            // In its first step a robot may still be on its way to the demand before.
+            let standing = self.clock.step() > began && self.robots.all_say(&all, flag::STANDSTILL);
             // A robot that does not stand when it must is left to its EDP: nobody waits for it for ever.
             if standing || self.clock.step() > began + limit {
                 return;

@@ -25,12 +25,14 @@ use std::rc::Rc;
 use crate::control::guard::Guard;
 use crate::control::replay::Script;
 use crate::control::sensing::Sensing;
+use crate::link::message::{OrderKind, flag};
 use crate::link::{Host, News};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
-use crate::model::image::Sensor;
-use crate::model::list::{RobotHandle, SensorHandle};
+use crate::model::image::{RobotImage, Sensor};
+use crate::model::list::{Owner, RobotHandle, RobotList, RobotsOf, SensorHandle, SensorList, SensorsOf};
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
+use crate::model::wire::Wire;
 use crate::observe::witness::Witnesses;
 use crate::operator::Operator;
 use crate::operator::button::CellState;
@@ -98,12 +100,46 @@ impl<'w> Mp<'w> {
         self.stops.guard = guard.map(|guard| guard.over(self.robots.iter().map(|robot| robot.name)));
     }
 
-    /// The handle of a robot. Each robot has one: pass it on.
+    /// The handle of a robot, with its state. Each robot has one: pass it on.
     ///
     /// # Errors
-    /// `Config` when the cell has no robot of that name and kind, or when its handle is taken.
+    /// `Config` when the cell has no robot of that name and kind, or when its handle is taken. The [`Fault`] for which the
+    /// robot does not tell its state.
     pub fn robot<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
-        self.robots.handle(name)
+        let mut handle = self.robots.handle(name)?;
+        let index = handle.index;
+        // A latched cell is asked for nothing: its next instruction says why.
+        if self.stops.latched.is_none() {
+            self.ask(index).map_err(|fault| self.conclude(fault))?;
+        }
+        self.robots.each_image(&[index], |_, words| {
+            handle.image = RobotImage::get(words)?;
+            Ok(())
+        })?;
+        Ok(handle)
+    }
+
+    /// Asks a robot for its state. Nothing moves, and no step is taken for it: programs begin as they would without.
+    fn ask(&mut self, index: usize) -> Result<(), Fault> {
+        let is_spent = self.clock.is_spent();
+        self.exchange(&[index], OrderKind::Query, flag::WANT_STATE)?;
+        if !is_spent {
+            self.keep_unless_late();
+        }
+        Ok(())
+    }
+
+    /// Refuses handles of another cell.
+    ///
+    /// # Errors
+    /// `Config` for the first one.
+    fn check_handles<L: RobotList, V: SensorList>(
+        &self,
+        robots: &impl RobotsOf<L>,
+        sensors: &impl SensorsOf<V>,
+    ) -> Result<(), Fault> {
+        let robots = Owner::refuse("robot", robots.stranger(self.robots.owner));
+        robots.and_then(|()| self.sensing.check(sensors)).map_err(|fault| fault.in_process(ProcessId::MP))
     }
 
     /// The handle of a virtual sensor of the MP, in its default configuration.

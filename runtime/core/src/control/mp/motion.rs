@@ -52,6 +52,7 @@ impl Mp<'_> {
         mut generator: G,
         ending: u32,
     ) -> Result<G, Fault> {
+        self.check_handles(&robots, &sensors)?;
         let indices = robots.indices();
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());

@@ -12,7 +12,7 @@ use crate::link::message::{Header, Message, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::RobotImage;
 use crate::model::list::State;
-use crate::model::list::{PayloadType, RobotHandle, RobotList};
+use crate::model::list::{Owner, PayloadType, RobotHandle, RobotList};
 use crate::model::name::Name;
 use crate::model::robot::Robot;
 use crate::model::sensor::EffectorState;
@@ -105,6 +105,8 @@ impl RobotPort {
 
 /// All robots of a cell.
 pub(super) struct RobotPorts {
+    /// Whose handles are taken.
+    pub owner: Owner,
     ports: Vec<RobotPort>,
     /// How fast all robots of the last exchange may slow down together.
     pub law: BrakingLaw,
@@ -130,7 +132,7 @@ impl IndexMut<usize> for RobotPorts {
 
 impl RobotPorts {
     pub fn new(ports: Vec<RobotPort>) -> Self {
-        RobotPorts { ports, law: BrakingLaw::UNLIMITED, ordinal: 0, epoch: 0 }
+        RobotPorts { owner: Owner::unique(), ports, law: BrakingLaw::UNLIMITED, ordinal: 0, epoch: 0 }
     }
 
     pub fn len(&self) -> usize {
@@ -169,7 +171,8 @@ impl RobotPorts {
         if core::mem::replace(&mut port.taken, true) {
             return Err(config(&format!("robot `{name}` has a handle already: pass that one on")));
         }
-        Ok(RobotHandle { index, name: port.name, image: RobotImage::unknown() })
+        let name = port.name;
+        Ok(RobotHandle { owner: self.owner, index, name, image: RobotImage::unknown() })
     }
 
     /// The robots' programs start again: each robot has its handle to give, and has told nothing.

@@ -29,6 +29,7 @@ fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     let time = Time::default();
     let timed = Timed::new(Host::of(&time));
     let sensing = Sensing {
+        owner: crate::model::list::Owner::unique(),
         ports: Vec::new(),
         patience: Patience { most: STEP, again: STEP },
         witnesses: Witnesses::to(Vec::new()),

@@ -47,6 +47,7 @@ impl Mp<'_> {
         mut condition: C,
         limit: Option<u64>,
     ) -> Result<C, Fault> {
+        self.check_handles(&robots, &sensors)?;
         let indices = robots.indices();
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());

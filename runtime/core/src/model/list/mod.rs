@@ -12,5 +12,5 @@ mod tuples;
 pub use images::{Reading, State};
 #[doc(hidden)]
 pub use robots::PayloadType;
-pub use robots::{AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf};
+pub use robots::{AnyRobots, Language, Motion, Owner, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf};
 pub use sensors::{SensorHandle, SensorList, SensorsEach, SensorsOf};

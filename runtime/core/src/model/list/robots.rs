@@ -2,8 +2,10 @@
 
 use core::fmt;
 use core::ops::Deref;
+use core::sync::atomic::{AtomicU64, Ordering};
 
 use crate::model::demand::Demand;
+use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotImage;
 use crate::model::name::Name;
 use crate::model::payload::Payload;
@@ -240,10 +242,41 @@ impl RobotList for AnyRobots {
     }
 }
 
+/// Whose handle it is: that of one MP, or of one program's sensors.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Owner(u64);
+
+impl Owner {
+    /// One that is no other's.
+    pub(crate) fn unique() -> Owner {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Owner(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+
+    /// The name of a thing whose handle is another's.
+    pub(crate) fn not_its_own(self, owner: Owner, name: Name) -> Option<Name> {
+        (self != owner).then_some(name)
+    }
+
+    /// Refuses a handle, if there is one, that is another's.
+    ///
+    /// # Errors
+    /// `Config`, before anything moves.
+    pub(crate) fn refuse(what: &str, stranger: Option<Name>) -> Result<(), Fault> {
+        let Some(name) = stranger else { return Ok(()) };
+        let text =
+            format!("the handle of {what} `{name}` is of another cell or program: ask this one for its own");
+        Err(Fault::new(FaultKind::Config).text(&text))
+    }
+}
+
 /// The MP's handle of a robot: what a program passes to Move and Wait, and the robot's image between them.
 ///
-/// Dereferences to the [`RobotImage`] of the end of the last Move or Wait that named the robot.
+/// Dereferences to the [`RobotImage`] of the end of the last Move or Wait that named the robot; before the first one, to the
+/// robot's state when the handle was asked for.
 pub struct RobotHandle<R: Robot> {
+    pub(crate) owner: Owner,
     pub(crate) index: usize,
     pub(crate) name: Name,
     pub(crate) image: RobotImage<R>,
@@ -286,6 +319,10 @@ pub trait RobotsOf<L: RobotList> {
     #[doc(hidden)]
     fn indices(&self) -> Self::Indices;
 
+    /// The first robot of which this is another MP's handle.
+    #[doc(hidden)]
+    fn stranger(&self, owner: Owner) -> Option<Name>;
+
     /// The images between instructions.
     #[doc(hidden)]
     fn images(&self) -> L::Images;
@@ -301,6 +338,10 @@ impl<R: Robot, const N: usize> RobotsOf<[R; N]> for [&mut RobotHandle<R>; N] {
 
     fn indices(&self) -> [usize; N] {
         core::array::from_fn(|i| self[i].index)
+    }
+
+    fn stranger(&self, owner: Owner) -> Option<Name> {
+        self.iter().find_map(|handle| owner.not_its_own(handle.owner, handle.name))
     }
 
     fn images(&self) -> [RobotImage<R>; N] {
@@ -321,6 +362,10 @@ impl<R: Robot, const N: usize> RobotsOf<AnyRobots> for [&mut RobotHandle<R>; N] 
         core::array::from_fn(|i| self[i].index)
     }
 
+    fn stranger(&self, owner: Owner) -> Option<Name> {
+        self.iter().find_map(|handle| owner.not_its_own(handle.owner, handle.name))
+    }
+
     fn images(&self) {}
 
     fn refresh(&mut self, i: usize, words: &[u64]) -> Result<(), BadWords> {
@@ -335,6 +380,10 @@ impl RobotsOf<AnyRobots> for () {
 
     fn indices(&self) -> [usize; 0] {
         []
+    }
+
+    fn stranger(&self, _: Owner) -> Option<Name> {
+        None
     }
 
     fn images(&self) {}

@@ -7,7 +7,7 @@ use crate::model::image::{Sensor, SensorImage};
 use crate::model::name::Name;
 use crate::model::wire::{BadWords, Wire};
 
-use super::robots::PayloadType;
+use super::robots::{Owner, PayloadType};
 
 /// A list of virtual sensors as a step function names it: `()`, `(WristForce,)`, `(Camera, WristForce)`.
 #[diagnostic::on_unimplemented(
@@ -51,6 +51,7 @@ pub trait SensorsEach<T: Copy>: SensorList {
 ///
 /// Dereferences to the [`SensorImage`] of the end of the last Move or Wait that named the sensor.
 pub struct SensorHandle<S: Sensor> {
+    pub(crate) owner: Owner,
     pub(crate) index: usize,
     pub(crate) name: Name,
     pub(crate) configuration: S::Configuration,
@@ -99,6 +100,10 @@ pub trait SensorsOf<L: SensorList> {
     #[doc(hidden)]
     fn indices(&self) -> Self::Indices;
 
+    /// The first sensor of which this is another process's handle.
+    #[doc(hidden)]
+    fn stranger(&self, owner: Owner) -> Option<Name>;
+
     /// Writes the configuration of sensor `i`; returns its type.
     #[doc(hidden)]
     fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType;
@@ -132,6 +137,10 @@ impl SensorsOf<()> for () {
         []
     }
 
+    fn stranger(&self, _: Owner) -> Option<Name> {
+        None
+    }
+
     fn configuration(&self, _: usize, _: &mut [u64]) -> PayloadType {
         PayloadType::of::<()>()
     }
@@ -162,6 +171,10 @@ impl<S: Sensor, const N: usize> SensorsOf<[S; N]> for [&mut SensorHandle<S>; N] 
 
     fn indices(&self) -> [usize; N] {
         self.each_ref().map(|sensor| sensor.index)
+    }
+
+    fn stranger(&self, owner: Owner) -> Option<Name> {
+        self.iter().find_map(|handle| owner.not_its_own(handle.owner, handle.name))
     }
 
     fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType {
@@ -228,6 +241,10 @@ macro_rules! tuple_lists {
 
             fn indices(&self) -> [usize; $len] {
                 [$(self.$i.index),+]
+            }
+
+            fn stranger(&self, owner: Owner) -> Option<Name> {
+                None$(.or_else(|| owner.not_its_own(self.$i.owner, self.$i.name)))+
             }
 
             fn configuration(&self, i: usize, words: &mut [u64]) -> PayloadType {

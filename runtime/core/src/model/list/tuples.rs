@@ -1,12 +1,13 @@
 //! Lists of robots of mixed kinds: tuples.
 
 use crate::model::image::RobotImage;
+use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::wire::{BadWords, Wire};
 
 use super::robots::{
-    AnyRobots, Language, PayloadType, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, poses,
+    AnyRobots, Language, Owner, PayloadType, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, poses,
 };
 
 macro_rules! tuple_lists {
@@ -76,6 +77,10 @@ macro_rules! tuple_lists {
                 [$(self.$i.index),+]
             }
 
+            fn stranger(&self, owner: Owner) -> Option<Name> {
+                None$(.or_else(|| owner.not_its_own(self.$i.owner, self.$i.name)))+
+            }
+
             fn images(&self) -> ($(RobotImage<$R>,)+) {
                 ($(self.$i.image,)+)
             }
@@ -95,6 +100,10 @@ macro_rules! tuple_lists {
 
             fn indices(&self) -> [usize; $len] {
                 [$(self.$i.index),+]
+            }
+
+            fn stranger(&self, owner: Owner) -> Option<Name> {
+                None$(.or_else(|| owner.not_its_own(self.$i.owner, self.$i.name)))+
             }
 
             fn images(&self) {}

@@ -164,8 +164,9 @@ impl<R: Robot> Checks<R> {
                 };
                 braking + fastest * self.reaction.max(fading)
             });
-            let lower = limits.lower[i] - round_off;
-            let upper = limits.upper[i] + round_off;
+            // One that a reset has found outside of its range may stay where it is, and come back.
+            let lower = limits.lower[i].min(step.from.position[i]) - round_off;
+            let upper = limits.upper[i].max(step.from.position[i]) + round_off;
             let faster = if kept.abs() > v[i].abs() { kept } else { v[i] };
             stop.position[i] = q[i] + if faster > 0.0 { up } else { -down };
             if faster != 0.0 {

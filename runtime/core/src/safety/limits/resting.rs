@@ -8,7 +8,7 @@ use crate::model::robot::Robot;
 use crate::safety::braking::Braking;
 
 use super::path::{Path, Track};
-use super::{AcceptedDemand, Acceptor};
+use super::{AcceptedDemand, Acceptor, RELATIVE};
 
 impl<R: Robot> Acceptor<R> {
     /// Whether the demand stands still.
@@ -38,7 +38,13 @@ impl<R: Robot> Acceptor<R> {
     fn can_stand(&self, duration: f64) -> bool {
         let zeros = R::Joints::zeros();
         let acceleration = self.state.acceleration_to(&zeros, duration);
-        self.check(&self.state.position, &zeros, &zeros, &acceleration, duration).is_ok()
+        // In the step after it the acceleration is gone, too.
+        let jerk = self.checks.robot.limits().jerk;
+        let is_let_go = |jerk: R::Joints| {
+            (0..R::Joints::LEN).all(|i| acceleration[i].abs() <= jerk[i] * duration * (1.0 + RELATIVE))
+        };
+        jerk.is_none_or(is_let_go)
+            && self.check(&self.state.position, &zeros, &zeros, &acceleration, duration).is_ok()
     }
 
     /// Whether the robot is where its path ends, if that goes no farther.

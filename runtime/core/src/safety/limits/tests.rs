@@ -195,6 +195,10 @@ fn to_hold_is_the_end_of_a_deceleration_and_no_change_of_it() {
     let mut acceptor = acceptor(Turntable::with_jerk(2500.0, 2500.0));
     (acceptor.state.velocity, acceptor.state.acceleration) = (Two::new(2e-3, 0.0), Two::new(-4.0, 0.0));
     assert!(acceptor.can_hold(T));
+    // From -7 m/s² to -5 m/s² it could as well, but then it would have 5 m/s² to let go in one step.
+    (acceptor.state.velocity, acceptor.state.acceleration) = (Two::new(5e-3, 0.0), Two::new(-7.0, 0.0));
+    assert!(!acceptor.can_hold(T));
+    (acceptor.state.velocity, acceptor.state.acceleration) = (Two::new(2e-3, 0.0), Two::new(-4.0, 0.0));
     // From 4 m/s² it would be 6000 m/s³.
     acceptor.state.acceleration[0] = 4.0;
     assert!(!acceptor.can_hold(T));

@@ -115,6 +115,31 @@ fn fault_20_a_position_is_taken_up_to_the_limit_and_round_off() {
 }
 
 #[test]
+fn fault_85_a_joint_that_stands_outside_of_its_range_may_come_back_and_nothing_else() {
+    for sign in [1.0, -1.0] {
+        let outside = Two::new(sign * (1.0 + 67e-6), 0.0);
+        let mut acceptor = Acceptor::new(Turntable::new(), Pose::identity(), outside, REACTION);
+        acceptor.begin();
+        let at = |q: f64| joints(sign * q, 0.0);
+        let refused = acceptor.accept(&at(1.0 + 68e-6), T, T).map(|_| ()).map_err(|fault| fault.kind());
+        assert_eq!(refused, Err(FaultKind::DemandOutOfRange));
+        acceptor.accept(&at(1.0 + 67e-6), T, T).expect("where it is");
+        // At 9 m/s² inwards: inside after the fourth step.
+        let mut q = 1.0 + 67e-6;
+        for step in 1..=10 {
+            q -= 9e-6 * f64::from(step);
+            acceptor.accept(&at(q), T, T).unwrap_or_else(|fault| panic!("step {step}: {fault}"));
+        }
+        assert!(q < 1.0);
+        // From there its range is what it is for any other.
+        let mut acceptor = Acceptor::new(Turntable::new(), Pose::identity(), Two::new(sign, 0.0), REACTION);
+        acceptor.begin();
+        let refused = acceptor.accept(&at(1.0 + 1e-6), T, T).map(|_| ()).map_err(|fault| fault.kind());
+        assert_eq!(refused, Err(FaultKind::DemandOutOfRange));
+    }
+}
+
+#[test]
 fn fault_20_a_joint_stops_before_its_limit_when_its_demands_are_lost() {
     // 0.6 m/s of 10 m/s² is longest: all brake in 60 ms, after 21 ms. From the velocity that is held then.
     let acceptor = acceptor(Turntable::new());

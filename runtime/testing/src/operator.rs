@@ -1,0 +1,350 @@
+//! Random operators: many runs of a cell whose operator presses what comes to hand, each judged in every servo period.
+//!
+//! In: a cell for each seed. Out: what its drives should not have got, stops that took longer than the cell says, and
+//! stops that nobody asked for.
+
+use core::fmt;
+use core::time::Duration;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::onlooker::{Bounds, Onlooker};
+use super::random::Random;
+use mrroc_core::cell::{AfterFault, Cell, CellError};
+use mrroc_core::fault::{BY_OPERATOR, Fault, FaultKind};
+use mrroc_core::link::Nanos;
+use mrroc_core::operator::{Latch, Operator};
+
+/// Runs a cell again and again under a random operator, who suspends and resumes it, changes its speed, aborts, stops it and
+/// resets it in random steps.
+///
+/// In every run, all demands of all drives are judged: finite, within the limits of position, velocity, acceleration and
+/// jerk, and so continuous. Every protective stop, suspension and abort must be over in the time that the cell says
+/// ([`Cell::stop_limit`], [`Cell::path_stop_time`]). A fault that stops the cell by itself is a false stop if nothing is
+/// wrong with its programs; it is counted. The same seed gives the same run.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc::fault::FaultKind;
+/// use mrroc::testing::RandomOperator;
+/// use mrroc_robots::{Irp6, SimulatedIrp6, Six};
+///
+/// const START: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
+///
+/// /// Turns the column to and fro by 0.1 rad, once in a second.
+/// struct Sway { t: f64 }
+///
+/// #[generator(mp)]
+/// fn sway(c: &mut Sway, t: Tick) -> Step<(Irp6,)> {
+///     c.t += t.dt;
+///     let mut q = Six::from(START);
+///     // (1 - cos u)² / 4 begins without acceleration.
+///     let u = core::f64::consts::TAU * c.t;
+///     q[0] += 0.025 * (1.0 - u.cos()).powi(2);
+///     Step::Next((Demand::joints(q),))
+/// }
+///
+/// let report = RandomOperator::new(|_seed| {
+///     let arm = SimulatedIrp6::new(Irp6::nominal(), &Six::from(START));
+///     Cell::new(std::time::Duration::from_millis(2))
+///         .robot(RobotSetup::new("irp6", Irp6::nominal(), arm))
+///         .program(|mp| {
+///             let mut irp6 = mp.robot::<Irp6>("irp6")?;
+///             // Ended by an abort: where it is, the robot waits for the operator's stop.
+///             match mp.move_robots((&mut irp6,), (), Sway { t: 0.0 }) {
+///                 Err(fault) if fault.kind() == FaultKind::Aborted => Ok(()),
+///                 ended => ended.map(drop),
+///             }
+///         })
+/// })
+/// .runs(3)
+/// .steps(400)
+/// .run();
+/// assert!(report.is_clean() && report.false_stops().is_empty(), "{report}");
+/// ```
+pub struct RandomOperator<B> {
+    cell: B,
+    runs: u64,
+    seed: u64,
+    steps: u64,
+}
+
+impl<B: FnMut(u64) -> Cell> RandomOperator<B> {
+    /// For the cell that `cell` makes of a run's seed.
+    #[must_use]
+    pub const fn new(cell: B) -> Self {
+        RandomOperator { cell, runs: 100, seed: 1, steps: 2000 }
+    }
+
+    /// The number of runs; 100 if nothing is said.
+    #[must_use]
+    pub const fn runs(mut self, runs: u64) -> Self {
+        self.runs = runs;
+        self
+    }
+
+    /// The seed of the first run, from which those of the others are counted; 1 if nothing is said.
+    #[must_use]
+    pub const fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// The step in which the operator ends a run that has not ended before; 2000 if nothing is said.
+    #[must_use]
+    pub const fn steps(mut self, steps: u64) -> Self {
+        self.steps = steps;
+        self
+    }
+
+    /// Runs all.
+    pub fn run(mut self) -> OperatorReport {
+        let mut report = OperatorReport::default();
+        for seed in self.seed..self.seed.saturating_add(self.runs) {
+            report.runs += 1;
+            run(seed, (self.cell)(seed), self.steps, &mut report);
+        }
+        report
+    }
+}
+
+/// What random operators have found. Its display is a few lines.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OperatorReport {
+    runs: u64,
+    periods: u64,
+    presses: u64,
+    stops: u64,
+    /// The stop, the suspension and the abort that used the largest share of their bounds \[steps\].
+    worst: [(u64, u64); 3],
+    false_stops: Vec<String>,
+    failures: Vec<String>,
+}
+
+impl OperatorReport {
+    /// Whether no drive got what it should not, and no stop took longer than it may.
+    #[must_use]
+    pub fn is_clean(&self) -> bool {
+        self.failures.is_empty()
+    }
+
+    /// The stops that nobody asked for, with their seeds.
+    #[must_use]
+    pub fn false_stops(&self) -> &[String] {
+        &self.false_stops
+    }
+
+    /// What was wrong, with the seeds.
+    #[must_use]
+    pub fn failures(&self) -> &[String] {
+        &self.failures
+    }
+
+    /// The servo periods that were judged.
+    #[must_use]
+    pub const fn periods(&self) -> u64 {
+        self.periods
+    }
+}
+
+impl fmt::Display for OperatorReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let OperatorReport { runs, periods, presses, stops, worst, false_stops, failures } = self;
+        writeln!(f, "{runs} runs, {periods} servo periods, {presses} presses, {stops} stops")?;
+        for ((steps, bound), what) in worst.iter().zip(Pressed::NAMES) {
+            writeln!(f, "longest {what}: {steps} steps, bound {bound}")?;
+        }
+        writeln!(f, "false stops: {}", false_stops.len())?;
+        false_stops.iter().take(10).try_for_each(|text| writeln!(f, "  {text}"))?;
+        writeln!(f, "failures: {}", failures.len())?;
+        failures.iter().take(10).try_for_each(|text| writeln!(f, "  {text}"))
+    }
+}
+
+/// What was pressed and is to bring the robots to a standstill.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pressed {
+    Stop,
+    Suspend,
+    Abort,
+}
+
+impl Pressed {
+    const NAMES: [&str; 3] = ["stop", "suspension", "abort"];
+}
+
+/// One operator.
+struct Pressing {
+    random: Random,
+    last_step: u64,
+    /// What was pressed in which step, and is not over: a stop, a suspension, an abort.
+    pending: [Option<u64>; 3],
+    /// Their bounds \[steps\].
+    bounds: [u64; 3],
+    presses: u64,
+    worst: [(u64, u64); 3],
+    late: Option<String>,
+}
+
+impl Pressing {
+    fn press(&mut self, step: u64, operator: &Operator) {
+        if step == self.last_step {
+            operator.give_up();
+            operator.protective_stop();
+            return;
+        }
+        if operator.latch() != Latch::Clear {
+            if self.random.below(10) == 0 {
+                // Both may be refused: too early, or something persists.
+                let _ = operator.acknowledge();
+                let _ = operator.reset();
+            }
+            return;
+        }
+        if self.random.below(50) != 0 {
+            return;
+        }
+        self.presses += 1;
+        match self.random.below(12) {
+            0..=2 => {
+                operator.suspend();
+                self.pending[Pressed::Suspend as usize].get_or_insert(step);
+            }
+            3..=6 => {
+                operator.resume();
+                self.pending[Pressed::Suspend as usize] = None;
+            }
+            7..=9 => {
+                let _ =
+                    operator.set_speed(0.1 + 0.9 * self.random.below(1 << 20) as f64 / f64::from(1 << 20));
+            }
+            10 => {
+                operator.abort();
+                if operator.is_aborting() {
+                    self.pending[Pressed::Abort as usize].get_or_insert(step);
+                }
+            }
+            _ => {
+                operator.protective_stop();
+                self.pending[Pressed::Stop as usize].get_or_insert(step);
+            }
+        }
+    }
+
+    /// Judges what is under way; `moved` is the last step in which a robot moved.
+    fn judge(&mut self, step: u64, operator: &Operator, moved: u64) {
+        let latched = operator.latch() != Latch::Clear;
+        for pressed in [Pressed::Stop, Pressed::Suspend, Pressed::Abort] {
+            let place = pressed as usize;
+            let Some(began) = self.pending[place] else { continue };
+            let is_over = match pressed {
+                Pressed::Stop => latched,
+                Pressed::Suspend => latched || step > began + self.bounds[place],
+                Pressed::Abort => latched || !operator.is_aborting(),
+            };
+            let bound = self.bounds[place];
+            // While it lasts the robots move, and after it they do not.
+            let steps = if pressed == Pressed::Suspend { moved.saturating_sub(began) } else { step - began };
+            if steps > bound && self.late.is_none() {
+                let name = Pressed::NAMES[place];
+                self.late = Some(format!("{name} of step {began} is not over after {bound} steps"));
+            }
+            if steps * self.worst[place].1.max(1) > self.worst[place].0 * bound && steps <= bound {
+                self.worst[place] = (steps, bound);
+            }
+            if is_over || steps > bound {
+                self.pending[place] = None;
+            }
+        }
+    }
+}
+
+fn run(seed: u64, mut cell: Cell, last_step: u64, report: &mut OperatorReport) {
+    let failed =
+        |report: &mut OperatorReport, what: &str| report.failures.push(format!("seed {seed}: {what}"));
+    if let Err(error) = cell.check() {
+        return failed(report, &error.to_string());
+    }
+    let step = cell.step_length();
+    let nanos = step.as_nanos() as Nanos;
+    let layout = cell.layout();
+    let slowest = layout.robots.iter().map(|robot| robot.servo).max().unwrap_or_default();
+    // What drives lag behind their demands, and two steps for the order and its answer.
+    let more = steps(2 * step + 2 * slowest, step) + 2;
+    let on_path = steps(cell.path_stop_time(), step) + more;
+    let stop = steps(cell.stop_limit(), step).max(cell.stop_steps()) + more;
+    let onlookers: Rc<[RefCell<Onlooker>]> = layout
+        .robots
+        .iter()
+        .map(|robot| RefCell::new(Onlooker::new(&robot.name, Bounds::of(robot).with_jerk(robot, step))))
+        .collect();
+    let seeing = Rc::clone(&onlookers);
+    let pressing = Rc::new(RefCell::new(Pressing {
+        random: Random::new(seed),
+        last_step,
+        pending: [None; 3],
+        bounds: [stop, on_path, on_path],
+        presses: 0,
+        worst: [(0, 1); 3],
+        late: None,
+    }));
+    let pressed = Rc::clone(&pressing);
+    let stood = Rc::clone(&onlookers);
+    let causes: Rc<RefCell<Vec<Fault>>> = Rc::default();
+    let latching = Rc::clone(&causes);
+    let mut was_latched = false;
+    let outcome = cell
+        .watch(move |seen| {
+            let end = (seen.time * 1e9).round() as Nanos;
+            let of_robot = seeing.iter().find(|onlooker| onlooker.borrow().name == seen.robot);
+            of_robot.into_iter().for_each(|onlooker| onlooker.borrow_mut().see(end, seen.demanded));
+        })
+        .also_on_step(move |step, operator| {
+            let moved = stood.iter().map(|onlooker| onlooker.borrow().stood()).max().unwrap_or(0);
+            let mut pressing = pressed.borrow_mut();
+            pressing.judge(step, operator, moved.div_ceil(nanos));
+            let is_latched = operator.latch() != Latch::Clear;
+            if is_latched && !was_latched {
+                latching.borrow_mut().extend(operator.fault());
+            }
+            was_latched = is_latched;
+            pressing.press(step, operator);
+        })
+        .after_fault(AfterFault::AwaitReset)
+        .run();
+    let pressing = pressing.borrow();
+    report.presses += pressing.presses;
+    for (worst, own) in report.worst.iter_mut().zip(pressing.worst) {
+        if own.0 * worst.1.max(1) > worst.0 * own.1 {
+            *worst = own;
+        }
+    }
+    for onlooker in onlookers.iter() {
+        let onlooker = onlooker.borrow();
+        report.periods += onlooker.ticks();
+        if let Some(wrong) = &onlooker.wrong {
+            failed(report, wrong);
+        }
+    }
+    if let Some(late) = &pressing.late {
+        failed(report, late);
+    }
+    let mut causes = causes.borrow().clone();
+    match outcome {
+        Ok(_) => {}
+        Err(CellError::Fault(fault)) => causes.push(fault),
+        Err(error) => failed(report, &error.to_string()),
+    }
+    report.stops += causes.len() as u64;
+    causes.retain(|fault| {
+        !(fault.kind() == FaultKind::ProtectiveStop && fault.message().starts_with(BY_OPERATOR))
+    });
+    // What ends the run has been told when it was latched.
+    causes.dedup();
+    report.false_stops.extend(causes.iter().map(|fault| format!("seed {seed}: {fault}")));
+}
+
+/// Steps of this length in a time, rounded up.
+fn steps(time: Duration, step: Duration) -> u64 {
+    u64::try_from(time.as_nanos().div_ceil(step.as_nanos().max(1))).unwrap_or(u64::MAX)
+}
