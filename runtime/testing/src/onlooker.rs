@@ -168,7 +168,8 @@ impl Onlooker {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| &self.before[k * apart]);
         for i in 0..demanded.len() {
             let jerk = (d[i] - 3.0 * c[i] + 3.0 * b[i] - a[i]) / over.powi(3);
-            let round_off = 8.0 * ROUND_OFF * (1.0 + d[i].abs()) / over.powi(3);
+            // As demands are checked: within the round-off of a difference of positions.
+            let round_off = 8.0 * 1e-12 * d[i].abs().max(1.0) / over.powi(3);
             let limit = bounds.jerk[i];
             if jerk.abs() > limit * (1.0 + 1e-6) + round_off {
                 let (name, joint, time) = (&self.name, i + 1, end as f64 * 1e-9);

@@ -292,7 +292,7 @@ fn run(seed: u64, mut cell: Cell, last_step: u64, report: &mut OperatorReport) {
     let stood = Rc::clone(&onlookers);
     let causes: Rc<RefCell<Vec<Fault>>> = Rc::default();
     let latching = Rc::clone(&causes);
-    let mut was_latched = false;
+    let mut was_told = false;
     let outcome = cell
         .watch(move |seen| {
             let end = (seen.time * 1e9).round() as Nanos;
@@ -303,11 +303,13 @@ fn run(seed: u64, mut cell: Cell, last_step: u64, report: &mut OperatorReport) {
             let moved = stood.iter().map(|onlooker| onlooker.borrow().stood()).max().unwrap_or(0);
             let mut pressing = pressed.borrow_mut();
             pressing.judge(step, operator, moved.div_ceil(nanos));
-            let is_latched = operator.latch() != Latch::Clear;
-            if is_latched && !was_latched {
-                latching.borrow_mut().extend(operator.fault());
+            // It is told once the robots stand.
+            let cause = operator.fault();
+            let is_told = cause.is_some();
+            if !was_told {
+                latching.borrow_mut().extend(cause);
             }
-            was_latched = is_latched;
+            was_told = is_told;
             pressing.press(step, operator);
         })
         .after_fault(AfterFault::AwaitReset)

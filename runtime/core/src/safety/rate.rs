@@ -134,18 +134,28 @@ impl Feed {
     }
 }
 
-/// The time in which a rate comes from 1 to 0 in steps of `period` \[s\], when it changes by at most `change` \[1/s\] and within
-/// this headroom at each rate.
+/// The longest time in which a rate comes to 0 in steps of `period` \[s\], when it changes by at most `change` \[1/s\] and within
+/// this headroom at each rate: from 1, or from where it still rises.
 pub(crate) fn path_stop_time(change: f64, period: f64, headroom: impl Fn(f64) -> RateHeadroom) -> f64 {
-    let mut feed = Feed::new(change);
-    let mut steps = 0_u32;
-    // What has a finite headroom comes to 0; limits that are wrong are found elsewhere.
-    while feed.rate() > 0.0 && steps < 1_000_000 {
-        feed.limit(headroom(feed.rate()));
-        feed.advance(0.0, period);
-        steps += 1;
-    }
-    f64::from(steps) * period
+    // From below three quarters less is left than a rise that is turned round takes.
+    const RATES: u32 = 16;
+    let rises = headroom(1.0).bend.is_finite();
+    let steps = (0..=if rises { RATES } else { 0 }).map(|part| {
+        let rate = 1.0 - 0.25 * (f64::from(part) / f64::from(RATES)).powi(2);
+        let RateHeadroom { rise, full, .. } = headroom(rate);
+        let landing = steepest((1.0 - rate) / period, full.bend * period);
+        let slope = if rises { change.min(rise).min(full.rise_at(rate)).min(landing) } else { 0.0 };
+        let mut feed = Feed { rate, slope, ..Feed::new(change) };
+        let mut steps = 0_u32;
+        // What has a finite headroom comes to 0; limits that are wrong are found elsewhere.
+        while (feed.rate > 0.0 || feed.slope > 0.0) && steps < 100_000 {
+            feed.limit(headroom(feed.rate));
+            feed.advance(0.0, period);
+            steps += 1;
+        }
+        steps
+    });
+    f64::from(steps.max().unwrap_or(0)) * period
 }
 
 /// The highest that a rate can be at the end of a step of `duration` \[s\].

@@ -47,9 +47,12 @@ impl<R: Robot> Acceptor<R> {
             && self.check(&self.state.position, &zeros, &zeros, &acceleration, duration).is_ok()
     }
 
-    /// Whether the robot is where its path ends, if that goes no farther.
+    /// Whether the robot is where its path ends, if that goes no farther, and a motion may begin there: with a jerk limit, only
+    /// once there is no acceleration left that would add to that motion's own.
     pub fn is_at_its_end(&self) -> bool {
-        self.end_of_path().is_none()
+        let zeros = R::Joints::zeros();
+        let has_let_go = self.state.velocity == zeros && self.state.acceleration == zeros;
+        self.end_of_path().is_none() && (has_let_go || self.checks.robot.limits().jerk.is_none())
     }
 
     /// Stay: the state demanded last is demanded again. The path's speed is kept: a robot whose ECP transmits orders is
