@@ -3,13 +3,14 @@
 use core::fmt;
 use core::str::FromStr;
 
+use mrroc::console::quoted;
 use thiserror::Error;
 
 use super::{MAX_COORDINATES, Reference, Space, Taught, TaughtPose};
 
 /// Why a file of taught poses cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("line {line}: {reason}")]
+#[error("line {line}: {}", quoted(reason, 200))]
 pub struct BadFile {
     /// The line, from 1; the last one where something is missing.
     pub line: usize,

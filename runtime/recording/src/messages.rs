@@ -12,6 +12,7 @@ use serde_json::Value;
 use super::file::REAL_TIME;
 use super::json::{as_number, words};
 use super::reader::{CutOff, Wrong};
+use mrroc_core::console::quoted;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
@@ -48,7 +49,7 @@ impl Messages {
         if text("step_ns") != layout.step.as_nanos().to_string() {
             let what = format!(
                 "was recorded with a step of {} ns, the cell's is {}",
-                text("step_ns"),
+                quoted(text("step_ns"), 30),
                 layout.step.as_nanos()
             );
             return Err(Wrong::new(what, OTHER_CELL));
@@ -64,7 +65,7 @@ impl Messages {
                 let what = format!(
                     "has robot `{}` of the kind {} with {joints} joints, the cell's is of the kind {} with {}",
                     robot.name,
-                    kind.unwrap_or("unknown"),
+                    quoted(kind.unwrap_or("unknown"), 60),
                     robot.kind,
                     robot.joints.len()
                 );
@@ -111,7 +112,8 @@ impl Messages {
             _ => Some(()),
         };
         taken.ok_or_else(|| {
-            let text = String::from_utf8_lossy(&data[..data.len().min(80)]).into_owned();
+            let text = quoted(&String::from_utf8_lossy(data), 80);
+            let topic = quoted(topic, 60);
             Wrong::foreign(format!("has a message in {topic} at {time} ns that does not fit: {text}"))
         })
     }

@@ -13,6 +13,7 @@ use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::file::{END, PROFILE, VERSION};
+use mrroc_core::console::quoted;
 use super::messages::Messages;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::replay::RecordedRun;
@@ -189,7 +190,7 @@ fn u32_of(rest: &mut &[u8]) -> Option<u32> {
 fn damaged(error: McapError) -> Wrong {
     match error {
         McapError::BadMagic => Wrong::foreign("is no MCAP file"),
-        error => Wrong::new(format!("is damaged: {error}"), DAMAGED),
+        error => Wrong::new(format!("is damaged: {}", quoted(&error.to_string(), 200)), DAMAGED),
     }
 }
 
@@ -226,13 +227,15 @@ impl Taker<'_> {
 
     fn take(&mut self, record: Record<'_>) -> Result<(), Wrong> {
         match record {
-            Record::Header(header) if header.profile != PROFILE => {
-                Err(Wrong::foreign(format!("is no recording of a cell: its profile is `{}`", header.profile)))
-            }
+            Record::Header(header) if header.profile != PROFILE => Err(Wrong::foreign(format!(
+                "is no recording of a cell: its profile is `{}`",
+                quoted(&header.profile, 60)
+            ))),
             Record::Metadata(metadata) if metadata.name == PROFILE => {
                 let version = metadata.metadata.get("version").map(String::as_str);
                 if version != Some(VERSION) {
-                    let what = format!("is a recording of version {}", version.unwrap_or("unknown"));
+                    let what =
+                        format!("is a recording of version {}", quoted(version.unwrap_or("unknown"), 60));
                     return Err(Wrong::new(what, "replay it with the version of mrroc that recorded it"));
                 }
                 self.messages = Some(Messages::of(&metadata, self.layout)?);

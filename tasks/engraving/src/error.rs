@@ -2,6 +2,11 @@
 
 use std::fmt;
 
+use mrroc::console::{excerpt, quoted};
+
+/// The longest sentence of a message \[characters\], which only a quotation can make so long.
+const LONGEST: usize = 300;
+
 /// A place in a file, with the part of the line around it where that helps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
@@ -31,13 +36,13 @@ impl Place {
     /// A line of a file.
     #[must_use]
     pub fn line(file: &str, line: usize, text: &str) -> Self {
-        Self { excerpt: Some(excerpt(line, 0, text)), ..Self::bare_line(file, line) }
+        Self { excerpt: Some(excerpt(line, text, 0, 1).into()), ..Self::bare_line(file, line) }
     }
 
     /// A column of a line of a file, both from 1.
     #[must_use]
     pub fn column(file: &str, line: usize, column: usize, text: &str) -> Self {
-        let excerpt = Some(excerpt(line, column, text));
+        let excerpt = Some(excerpt(line, text, column, 1).into());
         Self { column: u32::try_from(column).ok(), excerpt, ..Self::bare_line(file, line) }
     }
 
@@ -46,22 +51,6 @@ impl Place {
     pub fn caret(&self) -> &str {
         self.excerpt.as_deref().unwrap_or("")
     }
-}
-
-/// The text around the column, and the caret; without a column (0) the text alone.
-fn excerpt(line: usize, column: usize, text: &str) -> Box<str> {
-    const WIDTH: usize = 76;
-    let skip = column.saturating_sub(WIDTH / 2);
-    // Control characters would disturb the terminal.
-    let plain = |c: char| if c.is_control() { ' ' } else { c };
-    let shown: String = text.chars().skip(skip).take(WIDTH).map(plain).collect();
-    let gutter = line.to_string();
-    let mut out = format!("\n {gutter} | {shown}");
-    if column > 0 {
-        let blank = " ".repeat(gutter.len());
-        out.push_str(&format!("\n {blank} | {}^", " ".repeat((column - 1).saturating_sub(skip))));
-    }
-    out.into()
 }
 
 impl fmt::Display for Place {
@@ -131,7 +120,7 @@ pub enum DrawingError {
         help: &'static str,
     },
     /// The text breaks the rules of its format.
-    #[error("{at}: {what}{}\n help: {help}", at.caret())]
+    #[error("{at}: {}{}\n help: {help}", quoted(what, LONGEST), at.caret())]
     Malformed {
         /// Where.
         at: Place,
@@ -149,7 +138,7 @@ pub enum DrawingError {
         inside: String,
     },
     /// Well-formed, but nothing that can be engraved truly.
-    #[error("{at}: {what}{}\n help: {help}", at.caret())]
+    #[error("{at}: {}{}\n help: {help}", quoted(what, LONGEST), at.caret())]
     Unsupported {
         /// Where.
         at: Place,
@@ -159,7 +148,7 @@ pub enum DrawingError {
         help: String,
     },
     /// A number that no drawing holds.
-    #[error("{at}: {what} is {value}, not a number that a drawing can hold{}\n help: every coordinate must be finite and below 10 000 000 mm", at.caret())]
+    #[error("{at}: {} is {value}, not a number that a drawing can hold{}\n help: every coordinate must be finite and below 10 000 000 mm", quoted(what, LONGEST), at.caret())]
     OutOfRange {
         /// Where.
         at: Place,
@@ -207,7 +196,7 @@ pub enum DrawingError {
         limit: usize,
     },
     /// Nothing to engrave.
-    #[error("{file}: nothing to engrave: {found}\n help: {help}")]
+    #[error("{file}: nothing to engrave: {}\n help: {help}", quoted(found, LONGEST))]
     Empty {
         /// The path.
         file: String,

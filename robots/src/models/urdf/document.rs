@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 
+use mrroc::console::quoted;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::error::UrdfError;
@@ -31,12 +32,12 @@ pub(super) fn parsed(text: &str) -> Result<Document<'_>, UrdfError> {
     let document = Document::parse_with_options(text, options).map_err(|why| refused(text, &why))?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
-        let found = root.tag_name().name().to_owned();
+        let found = shown(root.tag_name().name());
         return Err(UrdfError::NotRobot { line: line(root), found });
     }
     let foreign = |node: &Node<'_, '_>| node.tag_name().namespace().is_some_and(|uri| uri.contains("xacro"));
     if let Some(node) = root.descendants().find(foreign) {
-        let what = format!("<xacro:{}>", node.tag_name().name());
+        let what = format!("<xacro:{}>", shown(node.tag_name().name()));
         return Err(UrdfError::Xacro { line: line(node), what });
     }
     Ok(document)
@@ -205,12 +206,7 @@ impl<'a, 'i> Element<'a, 'i> {
 
 /// The beginning of a text, for a message.
 pub(super) fn shown(text: &str) -> String {
-    const LENGTH: usize = 60;
-    let mut plain: String = text.chars().take(LENGTH).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if text.chars().nth(LENGTH).is_some() {
-        plain.push_str("..");
-    }
-    plain
+    quoted(text, 60)
 }
 
 /// The links and joints of a robot by their names, each of which stands once.

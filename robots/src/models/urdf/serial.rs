@@ -8,7 +8,7 @@ use mrroc::robot::{JointKind, Limits, NoInverse};
 use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
-use super::document::{LONGEST, Tree, parsed};
+use super::document::{LONGEST, Tree, parsed, shown};
 use super::drives::Drives;
 use super::error::UrdfError;
 use super::motion::Linkage;
@@ -137,7 +137,7 @@ fn check<const N: usize>(
     stated: impl Fn(&Mover) -> Option<f64>,
 ) -> Result<(), UrdfError> {
     for (mover, value) in movers.iter().zip(given.iter().copied()) {
-        let joint = || mover.name.clone();
+        let joint = || shown(&mover.name);
         if !value.is_finite() || value <= 0.0 {
             return Err(UrdfError::BadCallerLimit { joint: joint(), what, value });
         }
@@ -214,7 +214,7 @@ impl<const N: usize> Serial<N> {
             let (lowest, highest) = mover.range;
             let within = lowest <= lower && lower < upper && upper <= highest;
             if !within {
-                let joint = mover.name.clone();
+                let joint = shown(&mover.name);
                 return Err(UrdfError::CallerRange { joint, lower, upper, lowest, highest });
             }
         }

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::console::quoted;
 use crate::model::driver::DriveFault;
 use crate::model::excess::Excess;
 use crate::model::name::Name;
@@ -441,7 +442,8 @@ impl fmt::Display for Fault {
             f.write_str(", in the first step of a motion")?;
         }
         if report.text.len > 0 {
-            write!(f, ": {}", report.text.as_str())?;
+            // A fault may come from a recording, and a text of a program from a file.
+            write!(f, ": {}", quoted(report.text.as_str(), report.text.bytes.len()))?;
         }
         if let Some(Excess { actual, limit, unit }) = report.excess {
             let digits = if unit == "step" { 0 } else { 6 };

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::console::quoted;
 use crate::model::wire::{BadWords, Wire};
 
 /// The longest name of a robot or a sensor \[bytes\].
@@ -16,7 +17,7 @@ pub struct Name {
 
 /// A text that is no [`Name`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no name: write 1 to 24 of the characters a-z A-Z 0-9 _ -")]
+#[error("`{}` is no name: write 1 to 24 of the characters a-z A-Z 0-9 _ -", quoted(.0, 60))]
 pub struct BadName(pub String);
 
 impl Name {

@@ -3,8 +3,12 @@
 use core::fmt;
 use core::ops::Range;
 use mrroc_core::cell::CellError;
+use mrroc_core::console::{excerpt, quoted};
 use mrroc_core::suggestion::nearest;
 use std::io::ErrorKind;
+
+/// The longest sentence of a message \[characters\], which only a quotation can make so long.
+const LONGEST: usize = 400;
 
 /// Everything that is wrong with a cell file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -28,7 +32,9 @@ struct Complaint {
 
 impl fmt::Display for Complaint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}{}\n help: {}", self.at, self.what, self.excerpt, self.help)
+        // Both quote what stands in the file.
+        let [what, help] = [&self.what, &self.help].map(|text| quoted(text, LONGEST));
+        write!(f, "{}: {what}{}\n help: {help}", self.at, self.excerpt)
     }
 }
 
@@ -75,15 +81,9 @@ impl Source {
         let line = before.matches('\n').count() + 1;
         let begin = before.rfind('\n').map_or(0, |newline| newline + 1);
         let column = self.text[begin..start].chars().count() + 1;
-        let shown = self.text[begin..].lines().next().unwrap_or("");
-        // The caret's line repeats the tabs of the line above, so that the caret stands below the right column.
-        let blank: String =
-            shown.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-        let rest = shown.chars().count().saturating_sub(column - 1);
-        let width = self.text.get(at.clone()).map_or(1, |text| text.chars().count()).clamp(1, rest.max(1));
-        let number = line.to_string();
-        let gutter = " ".repeat(number.len());
-        let excerpt = format!("\n {number} | {shown}\n {gutter} | {blank}{}", "^".repeat(width));
+        let whole = self.text[begin..].lines().next().unwrap_or("");
+        let width = self.text.get(at.clone()).map_or(1, |text| text.chars().count());
+        let excerpt = excerpt(line, whole, column, width);
         let at = format!("{}:{line}:{column}", self.file);
         CellFileError { complaints: vec![Complaint { offset: start, at, what, excerpt, help }] }
     }

@@ -3,6 +3,7 @@
 use super::tags::{Tag, Tags};
 use crate::drawing::{Affine, Vec2};
 use crate::error::{DrawingError, Place};
+use mrroc::console::quoted;
 
 /// An entity as it stands in the file.
 #[derive(Clone, Debug)]
@@ -147,7 +148,7 @@ pub fn number(tag: &Tag<'_>, file: &str) -> Result<f64, DrawingError> {
         Ok(value) => Err(DrawingError::OutOfRange { at: at(), what: format!("group {}", tag.code), value }),
         Err(_) => Err(DrawingError::Malformed {
             at: at(),
-            what: format!("group {} is {:?}, no number", tag.code, tag.value),
+            what: format!("group {} is \"{}\", no number", tag.code, quoted(tag.value, 60)),
             help: "the file is damaged; export it again".to_owned(),
         }),
     }

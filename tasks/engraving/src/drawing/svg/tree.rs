@@ -4,6 +4,7 @@ use super::visibility::{Visibility, inherited, is_switched_off};
 use super::{outline, path_data, units};
 use crate::drawing::{Affine, Budget, Piece, Vec2};
 use crate::error::{DrawingError, Place};
+use mrroc::console::quoted;
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
 use std::str::FromStr;
@@ -172,7 +173,7 @@ impl<'a> Walk<'a> {
             if let Some(bad) = chain.iter().find(|piece| !piece.is_sane()) {
                 let p = bad.start();
                 let value = if p.x.abs() < 1e7 { p.y } else { p.x };
-                let what = format!("a coordinate of <{}>", node.tag_name().name());
+                let what = format!("a coordinate of <{}>", quoted(node.tag_name().name(), 60));
                 return Err(DrawingError::OutOfRange { at: self.place(node), what, value });
             }
             self.outlines.push(chain);
@@ -208,7 +209,7 @@ impl<'a> Walk<'a> {
         let Some(target) = target else {
             return Err(DrawingError::Malformed {
                 at: self.place(node),
-                what: format!("<use> of {href:?}, which is not in the file"),
+                what: format!("<use> of \"{}\", which is not in the file", quoted(href, 60)),
                 help: "open it in the drawing program, unlink the clones and save it again".to_owned(),
             });
         };
@@ -316,7 +317,7 @@ impl<'a> Walk<'a> {
         }
         DrawingError::Malformed {
             at: Self::place_at(self.file, self.text, self.document, byte),
-            what: format!("<{}> has a bad {name}: {why}", node.tag_name().name()),
+            what: format!("<{}> has a bad {name}: {why}", quoted(node.tag_name().name(), 60)),
             help: "open it in the drawing program and save it again".to_owned(),
         }
     }
