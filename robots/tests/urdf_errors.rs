@@ -111,6 +111,16 @@ fn entities_long_tags_and_huge_files_are_refused_quickly() {
 }
 
 #[test]
+fn fault_76_namespaces_of_a_urdf_that_are_nested_without_measure_are_refused() {
+    // Some seconds of comparisons for the XML reader, if it saw them.
+    let nested: String = (0..4000).map(|i| format!("<a xmlns:n{i}=\"u\">")).collect();
+    assert_eq!(
+        of(&format!("<robot>\n{nested}")),
+        "line 2: more than 32 declarations of namespaces within one another: remove what a URDF has no need of"
+    );
+}
+
+#[test]
 fn sixty_thousand_links_are_read_in_time_that_grows_with_them() {
     let mut text = String::from("<robot>\n<link name=\"l0\"/>\n");
     for i in 1..60_000 {

@@ -40,6 +40,22 @@ fn fault_33_bombs_take_no_more_than_256_megabytes() {
     reads("svg", "a million lines", &format!("{SVG}{}</svg>", "<path d=\"M0 0h1\"/>".repeat(million)));
     reads("svg", "an attribute without an end", &format!("{SVG}<path d=\"{}", "0".repeat(60 * million)));
 
+    // As much of both as is allowed, as often as there is room.
+    let attributes = |n: usize| (0..n).map(|i| format!(" a{i}=\"\"")).collect::<String>();
+    let namespaces = |n: usize| (0..n).map(|i| format!(" xmlns:n{i}=\"u\"")).collect::<String>();
+    reads("svg", "many attributes", &format!("{SVG}<g{}/></svg>", attributes(60_000)));
+    let element = format!("<g{}/>", attributes(128));
+    reads("svg", "a few attributes of many", &format!("{SVG}{}</svg>", element.repeat(million / 128 - 1)));
+    reads(
+        "svg",
+        "more attributes in all",
+        &format!("{SVG}{}</svg>", element.repeat(30 * million / element.len())),
+    );
+    let within: String = (0..240).map(|i| format!("<g{}>", namespaces(50 + i % 2))).collect();
+    reads("svg", "namespaces in namespaces", &format!("{SVG}{within}{}</svg>", "</g>".repeat(240)));
+    let seeing = format!("<g{}>{}</g>", namespaces(29), "<g xmlns:m=\"u\"/>".repeat(million));
+    reads("svg", "a million that see namespaces", &format!("{SVG}{seeing}</svg>"));
+
     reads("dxf", "one long line", &"1".repeat(60 * million));
     let line = "0\nLINE\n10\n0\n20\n0\n11\n1\n21\n1\n";
     let section = "0\nSECTION\n2\nENTITIES\n";
@@ -73,6 +89,9 @@ fn fault_33_bombs_take_no_more_than_256_megabytes() {
         "a million links",
         &format!("<robot name=\"a\">{}</robot>", "<link name=\"a\"/>".repeat(million)),
     );
+
+    let within: String = (0..20_000).map(|i| format!("<a xmlns:n{i}=\"u\">")).collect();
+    reads("urdf", "namespaces in namespaces", &format!("<robot name=\"a\">{within}</robot>"));
 
     reads("cell", "nested arrays", &format!("a = {}", nested("[", "]", 100_000)));
     reads("cell", "nested tables", &format!("[{}a]", "a.".repeat(100_000)));

@@ -12,7 +12,7 @@
 //!
 //! A robot is a file, or a folder where it is one of a family or has more to say: `irp6/`, `rnt.rs`, `polycrank.rs`,
 //! `gripper.rs`, `conveyor.rs`; `urdf/` reads any serial chain, and `opw.rs` solves ortho-parallel arms in closed form.
-//! They share `base.rs` (where a robot stands), `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
+//! They share `base.rs` (where a robot stands), `xml.rs` (what is read of XML), `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
 //! `singular.rs` and `sines.rs`.
 
 mod base;
@@ -29,6 +29,7 @@ mod sines;
 mod singular;
 mod urdf;
 mod vectors;
+pub mod xml;
 
 pub use conveyor::Conveyor;
 pub(crate) use drives::GRAVITY;

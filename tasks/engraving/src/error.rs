@@ -195,6 +195,18 @@ pub enum DrawingError {
         /// The limit.
         limit: usize,
     },
+    /// More of something than any drawing program writes.
+    #[error(
+        "{at}: more than {limit} {what}\n help: open it in the drawing program and save it again as plain SVG"
+    )]
+    TooMany {
+        /// Where.
+        at: Place,
+        /// Of what.
+        what: &'static str,
+        /// The limit.
+        limit: usize,
+    },
     /// Nothing to engrave.
     #[error("{file}: nothing to engrave: {}\n help: {help}", quoted(found, LONGEST))]
     Empty {

@@ -9,6 +9,7 @@ use mrroc::console::quoted;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use super::error::UrdfError;
+use crate::models::xml::check_xml;
 
 /// Longest text that is read \[bytes\].
 pub(super) const LONGEST: usize = 8 << 20;
@@ -28,6 +29,8 @@ pub(super) fn parsed(text: &str) -> Result<Document<'_>, UrdfError> {
         return Err(UrdfError::TooLarge { limit: LONGEST });
     }
     check_tags(text)?;
+    // Elements may be nested as deep as they like: neither the reader nor the robot goes down level by level.
+    check_xml(text, usize::MAX)?;
     let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options).map_err(|why| refused(text, &why))?;
     let root = document.root_element();
@@ -73,7 +76,8 @@ fn refused(text: &str, why: &roxmltree::Error) -> UrdfError {
         }
         other => {
             let message = other.to_string();
-            let what = message.split(" at ").next().unwrap_or(&message).to_owned();
+            // It quotes names of the file.
+            let what = quoted(message.split(" at ").next().unwrap_or(&message), 120);
             UrdfError::Xml { line, column, what }
         }
     }

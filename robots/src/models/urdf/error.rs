@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::models::xml::TooMuchXml;
+
 /// A URDF that gives no robot. One variant is one cause; `line` counts from 1.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -29,6 +31,9 @@ pub enum UrdfError {
         /// Longest tag that is read \[bytes\].
         limit: usize,
     },
+    /// An element has more attributes than any URDF element, or sees more namespaces.
+    #[error("{0}: remove what a URDF has no need of")]
+    TooMuch(#[from] TooMuchXml),
     /// The text is not XML.
     #[error("line {line}, column {column}: not well-formed XML: {what}")]
     Xml {

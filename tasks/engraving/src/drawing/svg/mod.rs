@@ -12,6 +12,10 @@ mod visibility;
 
 use super::{Budget, Drawing, Import, Stroke};
 use crate::error::{DrawingError, Place};
+use mrroc::console::quoted;
+use mrroc_robots::models::xml::{
+    MOST_ATTRIBUTES, MOST_ATTRIBUTES_IN_ALL, MOST_NAMESPACES, TooMuchXml, check_xml,
+};
 use tree::Walk;
 
 /// Reads an SVG document.
@@ -19,7 +23,7 @@ use tree::Walk;
 /// # Errors
 /// [`DrawingError`] at the element or attribute that cannot be engraved.
 pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, DrawingError> {
-    shallow(file, text, budget)?;
+    modest(file, text, budget)?;
     let options = roxmltree::ParsingOptions { nodes_limit: 1_000_000, ..Default::default() };
     let document =
         roxmltree::Document::parse_with_options(text, options).map_err(|e| xml_error(file, text, &e))?;
@@ -27,7 +31,7 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     if root.tag_name().name() != "svg" {
         return Err(DrawingError::Malformed {
             at: Place::line(file, 1, text.lines().next().unwrap_or("")),
-            what: format!("the root element is <{}>, not <svg>", root.tag_name().name()),
+            what: format!("the root element is <{}>, not <svg>", quoted(root.tag_name().name(), 60)),
             help: "give an SVG drawing".to_owned(),
         });
     }
@@ -51,34 +55,21 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     Ok(Import { drawing: Drawing { strokes }, warnings })
 }
 
-/// Refuses nesting that only a machine writes, before the XML reader, which calls itself for each level, sees it.
-fn shallow(file: &str, text: &str, budget: &Budget) -> Result<(), DrawingError> {
+/// Refuses what only a machine writes, before the XML reader, to which it would be work for minutes, sees it.
+fn modest(file: &str, text: &str, budget: &Budget) -> Result<(), DrawingError> {
     let limit = budget.limits().depth * 4;
-    let bytes = text.as_bytes();
-    let mut depth = 0usize;
-    let mut i = 0;
-    while let Some(step) = bytes[i..].iter().position(|b| *b == b'<') {
-        i += step + 1;
-        match bytes.get(i) {
-            Some(b'/') => depth = depth.saturating_sub(1),
-            Some(b'!' | b'?') | None => {}
-            Some(_) => {
-                let end = bytes[i..].iter().position(|b| *b == b'>').unwrap_or(0);
-                if end == 0 || bytes[i + end - 1] != b'/' {
-                    depth += 1;
-                }
-                if depth > limit {
-                    let at = Place::bare_line(file, line_of(text, i));
-                    return Err(DrawingError::TooDeep { at, what: "elements", limit });
-                }
+    check_xml(text, limit).map_err(|error| {
+        let at = Place::bare_line(file, error.line());
+        let (what, limit) = match error {
+            TooMuchXml::Depth { .. } => return DrawingError::TooDeep { at, what: "elements", limit },
+            TooMuchXml::Attributes { .. } => ("attributes of an element", MOST_ATTRIBUTES),
+            TooMuchXml::AttributesInAll { .. } => ("attributes in all", MOST_ATTRIBUTES_IN_ALL),
+            TooMuchXml::Namespaces { .. } => {
+                ("declarations of namespaces within one another", MOST_NAMESPACES)
             }
-        }
-    }
-    Ok(())
-}
-
-fn line_of(text: &str, byte: usize) -> usize {
-    text.as_bytes()[..byte].iter().filter(|b| **b == b'\n').count() + 1
+        };
+        DrawingError::TooMany { at, what, limit }
+    })
 }
 
 fn xml_error(file: &str, text: &str, error: &roxmltree::Error) -> DrawingError {

@@ -105,6 +105,22 @@ fn very_deep_nesting_is_refused() {
 }
 
 #[test]
+fn fault_76_attributes_and_namespaces_without_measure_are_refused() {
+    let attributes: String = (0..60_000).map(|i| format!(" a{i}=''")).collect();
+    let message = refusal(&format!("<svg>\n<g{attributes}><path d='M0 0h1'/></g></svg>"));
+    assert!(message.starts_with("a.svg:2: more than 128 attributes of an element\n help: "), "{message}");
+    // Within the depth that is allowed: in two of the levels, most of what there may be of attributes.
+    let declared = |from: usize| (from..from + 100).map(|i| format!(" xmlns:n{i}='u'")).collect::<String>();
+    let message = refusal(&format!("<svg{}>\n<g{}><path d='M0 0h1'/></g></svg>", declared(0), declared(100)));
+    let told = "a.svg:1: more than 32 declarations of namespaces within one another\n help: ";
+    assert!(message.starts_with(told), "{message}");
+    // What drawing programs write is read: a dozen namespaces, and again in what was copied from elsewhere.
+    let declared = |n: usize| (0..n).map(|i| format!(" xmlns:n{i}='u{i}'")).collect::<String>();
+    let copied = format!("<g{} n1:a='b'><path d='M0 0h1'/></g>", declared(12));
+    assert!((drawn(&copied.repeat(100)).length() - 100.0).abs() < 1e-9);
+}
+
+#[test]
 fn a_path_of_too_many_pieces_is_refused_and_never_cut_short() {
     for step in [" L1 1", " M0 0 L1 1"] {
         let data = step.repeat(250_001);
