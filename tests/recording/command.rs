@@ -69,3 +69,60 @@ fn a_full_disk_is_told_once() {
     assert_eq!(told.matches("the run goes on unrecorded").count(), 1, "{told}");
     assert!(told.contains("records are lost"), "{told}");
 }
+
+#[test]
+fn fault_70_nothing_that_a_run_reads_is_overwritten_under_any_of_its_names() {
+    let kept = folder("command-kept", "");
+    let whole = kept.join("cell.toml").display().to_string();
+    let before = fs::read(&whole).expect("a file");
+    fs::hard_link(&whole, kept.join("hard.mcap")).expect("a link");
+    std::os::unix::fs::symlink("cell.toml", kept.join("soft.svg")).expect("a link");
+    for name in ["cell.toml", "./cell.toml", &whole, "hard.mcap", "soft.svg"] {
+        for option in ["--record", "--picture"] {
+            for more in [&[][..], &["--check"], &["--virtual"], &["--processes"]] {
+                let told = said(&run(&kept, &[&[option, name], more].concat()), 2);
+                assert!(told.contains("which this run reads: it is not overwritten\n help: "), "{told}");
+                assert_eq!(fs::read(&whole).expect("a file"), before, "{option} {name} {more:?}");
+            }
+        }
+    }
+    let told = said(&run(&kept, &["--record", "a.svg", "--picture", "./a.svg"]), 2);
+    assert!(told.contains("two results are to be written there"), "{told}");
+    // The cell file itself asks for it.
+    let asked = folder("command-kept-asked", "[recording]\nfile = \"cell.toml\"\n");
+    let before = fs::read(asked.join("cell.toml")).expect("a file");
+    assert!(said(&run(&asked, &[]), 2).contains("which this run reads"));
+    assert_eq!(fs::read(asked.join("cell.toml")).expect("a file"), before);
+}
+
+#[test]
+fn fault_71_of_the_files_that_are_there_only_recordings_are_written_anew() {
+    let folder = folder("command-anew", "");
+    fs::write(folder.join("notes.txt"), "not to be lost").expect("a file");
+    for more in [&[][..], &["--virtual"]] {
+        let told = said(&run(&folder, &[&["--record", "notes.txt"], more].concat()), 2);
+        assert!(
+            told.contains("notes.txt: cannot be written: it is there already and no recording"),
+            "{told}"
+        );
+        assert_eq!(fs::read(folder.join("notes.txt")).expect("a file"), b"not to be lost");
+    }
+    let file = folder.join("a.mcap");
+    fs::write(&file, "").expect("a file");
+    said(&run(&folder, &["--record", "a.mcap"]), 0);
+    let whole = fs::read(&file).expect("a recording");
+    // A whole one, and what is left of one that was cut off.
+    for length in [whole.len(), whole.len() / 2, 5] {
+        fs::write(&file, &whole[..length]).expect("a file");
+        said(&run(&folder, &["--record", "a.mcap"]), 0);
+        assert!(said(&run(&folder, &["replay", "a.mcap"]), 0).ends_with(" steps: identical\n"));
+    }
+}
+
+#[test]
+fn fault_79_what_a_cell_file_says_reaches_the_terminal_without_control_characters() {
+    let folder = folder("command-plain", &format!("\"\\u001b[31m{}\" = 1\n", "long".repeat(10_000)));
+    let told = said(&run(&folder, &[]), 2);
+    assert!(told.contains("unknown key ` [31mlong") && told.len() < 2000, "{told}");
+    assert!(told.chars().all(|c| c == '\n' || !c.is_control()), "{told:?}");
+}

@@ -206,7 +206,9 @@ fn write(mut arguments: impl Iterator<Item = String>) -> Result<String, String> 
         (Some("--out"), Some(out), None) => out,
         _ => return Err(usage()),
     };
-    std::fs::write(&out, picture(&kind)?).map_err(|why| format!("cannot write {out}: {why}"))?;
+    let picture = picture(&kind)?;
+    mrroc_launch::files::check_outputs([std::path::Path::new(&out)]).map_err(|why| why.to_string())?;
+    std::fs::write(&out, picture).map_err(|why| format!("cannot write {out}: {why}"))?;
     Ok(out)
 }
 

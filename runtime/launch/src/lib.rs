@@ -6,6 +6,7 @@
 mod approach;
 pub mod cell_file;
 mod dry_run;
+pub mod files;
 mod options;
 pub mod outcome;
 mod parts;
@@ -14,14 +15,17 @@ mod program;
 mod running;
 mod table;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
+use mrroc_core::observe::Recording;
 
 use crate::cell_file::CellFile;
 use crate::dry_run::{dry_run, dry_run_first};
+use crate::files::check_outputs;
 use crate::options::{Word, nearest_cell, parse};
 use crate::outcome::{answered, cell_refused};
 use crate::running::{run, watched};
@@ -69,6 +73,10 @@ pub fn launch(
         cell = cell.record_to(file);
     }
     let clock = options.clock();
+    let is_run = options.part.is_none() && options.word.is_none() && !options.dry_run;
+    if is_run && let Err(error) = check_outputs(options.picture().into_iter().chain(recorded(&cell))) {
+        return refused(&error);
+    }
     if options.check {
         let link = match clock {
             None => "memory, under the virtual clock",
@@ -93,4 +101,9 @@ pub fn launch(
         return status;
     }
     watched(cell, picture, path, options, parts)
+}
+
+/// The file to which a cell is to be recorded.
+fn recorded(cell: &Cell) -> Option<&Path> {
+    cell.recording().map(Recording::file)
 }

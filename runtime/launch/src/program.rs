@@ -9,13 +9,16 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use super::files::check_outputs;
 use super::options::{AskedRecording, Word, help_beside_own, is_word, parse, split_part, split_recording};
 use super::outcome::answered;
 use super::parts::Parts;
+use super::recorded;
 use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::refused;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
+use mrroc_core::observe::NotRecorded;
 
 /// How a task program with a command line of its own runs its cell; [`launch`](crate) is for all others.
 ///
@@ -203,6 +206,7 @@ impl Launch {
             Some(AskedRecording::Record(file)) => cell = cell.record_to(file),
             None => {}
         }
+        check_outputs(recorded(&cell)).map_err(|error| NotRecorded::Overwrites(error.to_string()))?;
         match self.clock {
             None => cell.run().map(Ran::Here),
             Some(_) => self.parts.launch(cell, self),

@@ -5,12 +5,12 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
-use mcap::{McapError, WriteOptions, Writer};
+use mcap::{MAGIC, McapError, WriteOptions, Writer};
 use serde_json::{Value, json};
 
 use super::channels::Outlet;
@@ -43,10 +43,24 @@ fn io_error(error: McapError) -> io::Error {
     }
 }
 
-/// Checks that a file can be written, as far as this can be known without waiting for the reader of a pipe.
+/// Checks that a file can be written, as far as this can be known without waiting for the reader of a pipe. Of the files
+/// that are there already, only recordings are written anew, and those that are empty.
 pub(super) fn can_be_written(path: &Path) -> io::Result<()> {
     let is_special = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
-    if is_special { Ok(()) } else { OpenOptions::new().append(true).create(true).open(path).map(drop) }
+    if is_special {
+        return Ok(());
+    }
+    let file = OpenOptions::new().read(true).append(true).create(true).open(path)?;
+    let mut begins = Vec::new();
+    file.take(MAGIC.len() as u64).read_to_end(&mut begins)?;
+    // A recording that was cut off has the beginning of the mark at least.
+    if MAGIC.starts_with(&begins) {
+        return Ok(());
+    }
+    Err(io::Error::new(
+        io::ErrorKind::AlreadyExists,
+        "it is there already and no recording: only those are written anew",
+    ))
 }
 
 impl McapFile {

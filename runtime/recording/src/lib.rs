@@ -44,7 +44,8 @@ pub use reader::{CutOff, NotReplayable};
 pub use recorder::Mcap;
 pub use replaying::{Replay, ReplayError, replay_command};
 
-/// Records everything to the MCAP file at `file`, which is created or overwritten: an argument for
+/// Records everything to the MCAP file at `file`, which is created; a recording that is there is overwritten, any other file
+/// is refused. An argument for
 /// [`Cell::record`](mrroc_core::cell::Cell::record).
 pub fn to(file: impl Into<PathBuf>) -> Recording {
     Recording::to(file).by(&Mcap)

@@ -4,7 +4,6 @@
 //! any contents: it is read piece by piece, and no piece is larger than [`LARGEST`].
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -13,10 +12,11 @@ use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::file::{END, PROFILE, VERSION};
-use mrroc_core::console::quoted;
 use super::messages::Messages;
+use mrroc_core::console::quoted;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::replay::RecordedRun;
+use mrroc_launch::files;
 
 /// The largest record or chunk that is read \[bytes\]; the chunks of a recording have a quarter of a megabyte.
 const LARGEST: usize = 1 << 20;
@@ -68,7 +68,7 @@ const DAMAGED: &str =
 /// # Errors
 /// [`NotReplayable`]: the file is no recording, is of another cell, or is not complete.
 pub(crate) fn read(file: &Path, layout: &Layout, cut_off: CutOff) -> Result<RecordedRun, NotReplayable> {
-    let recorded = File::open(file).map_err(unreadable).and_then(|from| read_from(from, layout, cut_off));
+    let recorded = files::open(file).map_err(unreadable).and_then(|from| read_from(from, layout, cut_off));
     recorded.map_err(|wrong| wrong.of(file))
 }
 

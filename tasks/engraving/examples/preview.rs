@@ -82,6 +82,8 @@ fn preview(options: &Options) -> Result<(), Box<dyn Error>> {
     map.finish();
     let carved = carving.elapsed();
     let report = deviation.report();
+    let results = ["plate.png", "paths.svg"].map(|name| options.out.join(name));
+    mrroc::launch::files::check_outputs(results.iter().map(|path| &**path))?;
     std::fs::create_dir_all(&options.out)?;
     let parts = trace.parts();
     let caption = format!("{:.0} mm engraved {:.2} mm deep", drawing.length(), options.depth);

@@ -21,10 +21,13 @@ use engraving::run::{Outcome, Settings, Watch, cell, check_reach};
 use engraving::sampling::Sampling;
 use engraving::summary::{JointPeaks, PathDeviation, PlateHeight, Summary};
 use engraving::{NAMEPLATE, error::DrawingError};
-use mrroc::console::{complain, refused, say};
+use mrroc::console::{complain, quoted, refused, say};
+use mrroc::launch::files::check_outputs;
 use mrroc::launch::{Launch, Ran};
 use mrroc::prelude::*;
 
+/// What a run writes into its folder: the picture of the plate, that of the paths, and what was measured.
+const RESULTS: [&str; 3] = ["plate.png", "paths.svg", "summary.json"];
 /// The demanded path may lie this far from the drawing \[mm\].
 const DEMANDED_BOUND: f64 = 0.01;
 /// The executed path may lie this far from the drawing \[mm\], at worst and as RMS.
@@ -53,6 +56,12 @@ fn main() -> ExitCode {
         Ok(plan) => plan,
         Err(error) => return refused(&*error),
     };
+    let results = RESULTS.map(|name| options.out.join(name));
+    if !launch.is_part()
+        && let Err(error) = check_outputs(results.iter().map(|path| &**path))
+    {
+        return refused(&error);
+    }
     let launch = if options.talk == Talk::Quiet { launch.quiet() } else { launch };
     // Found out now, not after minutes of engraving.
     let draws = launch.is_here() || options.processes.is_some();
@@ -69,9 +78,9 @@ fn main() -> ExitCode {
         Ok(Carried::Out(summary)) => {
             let said = match options.talk {
                 Talk::Normal => say(&format!(
-                    "{}  see {1}/plate.png, {1}/paths.svg, {1}/summary.json\n",
+                    "{}  see {}\n",
                     summary.table(),
-                    options.out.display()
+                    RESULTS.map(|name| format!("{}/{name}", options.out.display())).join(", ")
                 )),
                 Talk::Quiet => ExitCode::SUCCESS,
             };
@@ -131,7 +140,7 @@ impl Plan {
         let (source, import) = read(&options.source)?;
         if talk == Talk::Normal {
             for warning in &import.warnings {
-                complain(&format!("warning: {warning}"));
+                complain(&format!("warning: {}", quoted(warning, 300)));
             }
         }
         let mut placement = place(&import.drawing, &options.plate, options.sizing)?;
@@ -174,7 +183,7 @@ impl Plan {
         }
         let summary = self.summary(options, &outcome, wall_s);
         self.draw(options, outcome, &summary)?;
-        let path = options.out.join("summary.json");
+        let path = options.out.join(RESULTS[2]);
         summary.write_json(&path).map_err(|error| unwritable(&path, &error))?;
         Ok(Carried::Out(Box::new(summary)))
     }
@@ -219,7 +228,7 @@ impl Plan {
             self.source, summary.cut_length_mm, options.depth, summary.simulated_s
         );
         let picture = render(&outcome.execution.surface, &options.plate, Material::Brass, &caption);
-        let path = options.out.join("plate.png");
+        let path = options.out.join(RESULTS[0]);
         picture.write_png(&path).map_err(|error| unwritable(&path, &error))?;
         let paths = PathsSvg {
             plate: &options.plate,
@@ -228,7 +237,7 @@ impl Plan {
             deviation: &outcome.execution.executed.report(),
             title: &self.source,
         };
-        let path = options.out.join("paths.svg");
+        let path = options.out.join(RESULTS[1]);
         paths.write(&path).map_err(|error| unwritable(&path, &error))
     }
 }

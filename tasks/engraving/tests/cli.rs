@@ -158,3 +158,24 @@ fn an_option_that_does_not_exist_gets_a_suggestion() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("--depth"));
 }
+
+#[test]
+fn fault_70_a_drawing_is_not_overwritten_by_its_own_results() {
+    let folder = folder("own");
+    let out = folder.join("engraving");
+    std::fs::create_dir_all(&out).expect("the folder can be written");
+    let drawing = "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm' viewBox='0 0 9 9'><path d='M0 0L9 9'/></svg>";
+    std::fs::write(out.join("paths.svg"), drawing).expect("the folder can be written");
+    for more in [&[][..], &["--virtual"]] {
+        let output = engraving(&folder, &[&["engraving/paths.svg", "--quiet"], more].concat());
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{errors}");
+        assert!(errors.contains("which this run reads: it is not overwritten"), "{errors}");
+        assert_eq!(std::fs::read_to_string(out.join("paths.svg")).expect("it is there"), drawing);
+    }
+    // A recording is refused in the same way.
+    let output =
+        engraving(&folder, &["engraving/paths.svg", "--out", "other", "--record", "engraving/paths.svg"]);
+    assert_eq!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(std::fs::read_to_string(out.join("paths.svg")).expect("it is there"), drawing);
+}

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use mrroc::cell::{RunPicture, RunReport};
 use mrroc::cell_file::CellFileError;
 use mrroc::console::{complain, refused, say};
+use mrroc::launch::files::check_outputs;
 use mrroc::launch::{Launch, Ran};
 use mrroc::prelude::*;
 use mrroc_pictures::Film;
@@ -29,6 +30,12 @@ fn main() -> ExitCode {
         Some(path) => CellFile::read(path),
         None => transfer::file(),
     };
+    let results = ["arms.svg", "stress.svg"].map(|name| options.out.join(name));
+    if !launch.is_part()
+        && let Err(error) = check_outputs(results.iter().map(|path| &**path))
+    {
+        return refused(&error);
+    }
     // As processes, for a recording, or as one recorded.
     if options.processes.is_some() || !launch.is_here() {
         return run_drawn(launch, &options, file);

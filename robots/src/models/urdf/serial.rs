@@ -5,6 +5,7 @@ use std::path::Path;
 
 use mrroc::prelude::*;
 use mrroc::robot::{JointKind, Limits, NoInverse};
+use mrroc_launch::files;
 use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
@@ -171,7 +172,7 @@ impl<const N: usize> Serial<N> {
         let path = path.as_ref();
         let failed = |why| UrdfError::File { path: path.to_owned(), why };
         let mut text = String::new();
-        let file = std::fs::File::open(path).map_err(failed)?;
+        let file = files::open(path).map_err(failed)?;
         file.take(LONGEST as u64 + 1).read_to_string(&mut text).map_err(failed)?;
         Self::from_urdf(&text, base, tip)
     }

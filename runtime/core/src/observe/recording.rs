@@ -22,6 +22,9 @@ pub enum NotRecorded {
         /// What the system says.
         error: String,
     },
+    /// The file is one that the run reads.
+    #[error("{0}")]
+    Overwrites(String),
     /// Of a robot or a sensor that is not there.
     #[error("the recording asks for {0} `{1}`, which the cell does not have\n help: the cell has: {2}")]
     NotThere(&'static str, String, String),
@@ -80,7 +83,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Everything, to a file, which is made or written anew.
+    /// Everything, to a file, which is made; a recording that is there is written anew, and any other file refused.
     pub fn to(file: impl Into<PathBuf>) -> Recording {
         Recording { file: file.into(), robots: None, sensors: None, recorder: None }
     }

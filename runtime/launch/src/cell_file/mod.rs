@@ -30,7 +30,8 @@
 //! permission = "required"   # or "best effort": run without what is not permitted; required unless it is said
 //!
 //! [recording]        # every step goes to a file; nothing is recorded unless the table is there, or by --record FILE
-//! file = "run.mcap"  # written anew by each run, in the folder in which the program runs
+//! file = "run.mcap"  # a recording that is there is written anew, any other file is refused; in the folder in which the
+//!                    # program runs
 //! robots = ["arm"]   # of these robots; of all unless it is said. Only a recording of everything can be replayed
 //! sensors = ["touch"]   # of these sensors; of all unless it is said
 //! ```
@@ -43,7 +44,6 @@ mod page;
 mod reader;
 
 use core::time::Duration;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
@@ -58,6 +58,7 @@ pub use entry::RobotEntry;
 pub use error::CellFileError;
 pub use kinds::Kinds;
 
+use crate::files;
 use entry::SensorEntry;
 use error::Source;
 
@@ -88,7 +89,7 @@ impl CellFile {
         let name = path.display().to_string();
         let mut text = String::new();
         // A device file may be endless: reading one byte more than allowed is enough to refuse it.
-        let read = File::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
+        let read = files::open(path).and_then(|file| file.take(MOST_BYTES + 1).read_to_string(&mut text));
         match read {
             Ok(_) => CellFile::parse(&name, &text),
             Err(error) => Err(CellFileError::unreadable(&name, &error)),

@@ -7,6 +7,8 @@
 
 use super::{Affine, Drawing, Import, Stroke, Vec2, smooth_pieces};
 use crate::error::{DrawingError, Place};
+use mrroc::launch::files;
+use std::io::Read;
 
 /// The fonts that are shipped: name, JHF text.
 const SHIPPED: &[(&str, &str)] = &[
@@ -30,6 +32,9 @@ const CORNER: f64 = 50.0 * std::f64::consts::PI / 180.0;
 
 /// The most vertices of a glyph: Hershey's own have fewer than 200.
 const LONGEST_GLYPH: usize = 2000;
+
+/// The longest file \[bytes\]: the largest of Hershey's has 70 thousand.
+const LONGEST_FILE: u64 = 4 << 20;
 
 /// A glyph: edges and polylines in font units, y up from the baseline.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -64,8 +69,15 @@ impl Font {
             let shipped = Self::shipped().collect::<Vec<_>>().join(", ");
             return Err(DrawingError::UnknownFont { name: name.to_owned(), shipped });
         }
-        match std::fs::read_to_string(name) {
-            Ok(text) => Self::parse(name, &text),
+        let mut text = String::new();
+        let read = files::open(name).and_then(|file| file.take(LONGEST_FILE + 1).read_to_string(&mut text));
+        match read {
+            Ok(bytes) if bytes as u64 > LONGEST_FILE => Err(DrawingError::FileTooLong {
+                file: name.to_owned(),
+                bytes: bytes as u64,
+                limit: LONGEST_FILE,
+            }),
+            Ok(_) => Self::parse(name, &text),
             Err(source) => Err(DrawingError::Unreadable { file: name.to_owned(), source }),
         }
     }

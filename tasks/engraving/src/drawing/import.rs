@@ -2,6 +2,7 @@
 
 use super::{Budget, Drawing, Limits, dxf, gcode, svg};
 use crate::error::{DrawingError, Place};
+use mrroc::launch::files;
 use std::io::Read;
 use std::path::Path;
 
@@ -56,7 +57,7 @@ impl Format {
 pub fn read_file(path: &Path, limits: Limits) -> Result<Import, DrawingError> {
     let file = path.display().to_string();
     let unreadable = |source| DrawingError::Unreadable { file: file.clone(), source };
-    let mut handle = std::fs::File::open(path).map_err(unreadable)?;
+    let mut handle = files::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
     // A pipe or device has no length: read one byte past the limit and no more.
     (&mut handle).take(limits.file_bytes + 1).read_to_end(&mut bytes).map_err(unreadable)?;
