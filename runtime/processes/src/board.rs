@@ -4,7 +4,7 @@
 //! launcher. Writing takes a few stores and never waits: a sequence number that is odd while the numbers change tells a
 //! reader to read again (a sequence lock). A reader that finds them changing each time it tries gets nothing.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io;
 use std::os::fd::AsFd;
 use std::os::unix::fs::OpenOptionsExt;
@@ -83,9 +83,9 @@ impl StateBoard {
     /// # Errors
     /// The board does not exist, or has another size.
     pub fn open(session: u64, count: usize) -> io::Result<StateBoard> {
-        let path = path(session);
-        let file = OpenOptions::new().read(true).write(true).open(&path)?;
-        if fs::metadata(&path)?.len() != bytes(count) as u64 {
+        let mut options = OpenOptions::new();
+        let file = options.read(true).write(true).custom_flags(libc::O_NOFOLLOW).open(path(session))?;
+        if file.metadata()?.len() != bytes(count) as u64 {
             return Err(io::Error::new(io::ErrorKind::InvalidData, "a state board of another cell"));
         }
         StateBoard::map(&file, count)
@@ -156,7 +156,7 @@ mod tests {
 
     impl Drop for Board {
         fn drop(&mut self) {
-            let _ = fs::remove_file(path(self.1));
+            let _ = std::fs::remove_file(path(self.1));
         }
     }
 

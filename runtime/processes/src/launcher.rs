@@ -21,8 +21,8 @@ use super::console_server::ConsoleServer;
 use super::control::Frame;
 use super::figures::table;
 use super::process_set::{Member, NoStart, Over, Plan, ProcessSet};
-use super::session::{CellLock, Session, SessionError};
-use crate::iceoryx::{Clock, Fabric, monotonic};
+use super::session::{CellLock, Private, Session, SessionError, prefix};
+use crate::iceoryx::{Clock, Fabric, LinkError, make_management, monotonic};
 use mrroc_core::cell::Rest;
 use mrroc_core::cell::{Cell, CellError, RunReport, first_cause};
 use mrroc_core::fault::{Fault, ProcessId, Role};
@@ -60,6 +60,9 @@ pub(crate) enum LaunchError {
     /// The state board of the session could not be made.
     #[error("no shared memory for the cell's state: {0}\n help: make capacity in /dev/shm")]
     Board(std::io::Error),
+    /// Shared memory could not be made.
+    #[error(transparent)]
+    Link(#[from] LinkError),
     /// The socket for the operator's consoles could not be made.
     #[error("the operator's socket cannot be made: {0}")]
     ConsoleServer(std::io::Error),
@@ -93,6 +96,8 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let mut epoch = 1;
     loop {
         let session = lock.session()?;
+        let board = make_shared(plan.clock, &session, fabric.places().len())
+            .map_err(|error| session.check_names().err().map_or(error, Into::into))?;
         let relay = match (&recording, recorder) {
             (None, _) => None,
             (Some(_), None) => return Err(CellError::from(NotRecorded::NoFeature).into()),
@@ -101,7 +106,6 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 Some(listening.map_err(CellError::from)?)
             }
         };
-        let board = make_board(plan.clock, &session, fabric.places().len())?;
         match ProcessSet::start(fabric.places(), fabric.fingerprint(), &session, epoch, plan) {
             Ok(process_set) => {
                 let run = match board {
@@ -135,14 +139,17 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                 return Ok(Launched::Ran(RunReport { steps, time }));
             }
             Err(NoStart::Died(..)) if epoch < ATTEMPTS && !signals.came() => epoch += 1,
-            Err(error) => return Err(error.into()),
+            // Files that others have put under the cell's names explain any other error.
+            Err(error) => return Err(session.check_names().err().map_or_else(|| error.into(), Into::into)),
         }
     }
 }
 
-/// Makes the state board on which the processes of a cell in real time show what they do; `None` under the virtual
-/// clock, where consoles cannot watch the cell.
-fn make_board(clock: Clock, session: &Session, places: usize) -> Result<Option<StateBoard>, LaunchError> {
+/// Makes what all processes share. In real time, this is also the state board on which they show what they do; `None`
+/// under the virtual clock, where consoles cannot watch the cell.
+fn make_shared(clock: Clock, session: &Session, places: usize) -> Result<Option<StateBoard>, LaunchError> {
+    let _private = Private::begin();
+    make_management(session.folder(), &prefix(session.number()))?;
     match clock {
         Clock::Real => StateBoard::create(session.number(), places).map(Some).map_err(LaunchError::Board),
         Clock::Virtual => Ok(None),

@@ -19,7 +19,7 @@ use super::control::{Control, Frame};
 use super::entry;
 use super::figures::Gauge;
 use super::scheduling::{Lacks, ask, give_back_priority};
-use super::session::{Membership, prefix};
+use super::session::{Membership, Private, prefix};
 use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, WakeFutex};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
@@ -161,7 +161,9 @@ fn take_part(
     let Some(body) = fabric.take_body() else {
         return Err(Ended::Refuses("the cell has no such process".to_owned()));
     };
+    let private = Private::begin();
     fabric.create(folder, &prefix(seal.session), seal).map_err(Ended::of)?;
+    drop(private);
     say(control, &Frame::Created { fingerprint: fabric.fingerprint() })?;
     let Ok(Frame::Connect) = control.receive() else { return Err(Ended::Closed) };
     if clock == Clock::Real {

@@ -221,7 +221,6 @@ impl ProcessSet {
                 return Err(NoStart::OtherCell(member.id));
             }
         }
-        session.keep_others_out();
         self.tell(&Frame::Connect);
         let mut lacking = Lacks::default();
         for member in &self.0 {

@@ -11,9 +11,12 @@
 use std::fs::{self, DirBuilder, DirEntry, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, Read, Seek, Write};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+
+use rustix::fs::Mode;
+use rustix::process::umask;
 
 /// The folder of the segments of shared memory.
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
@@ -41,6 +44,12 @@ pub(crate) enum SessionError {
     /// The folder of sessions could be changed by other users.
     #[error("{0} must be a folder of yours that nobody else may enter\n help: chmod 700 it, or remove it")]
     NotPrivate(PathBuf),
+    /// A file in shared memory has a name of the session and is another user's, or no ordinary file.
+    #[error(
+        "{0} was made by user {1} under a name of this cell, which therefore cannot start\n help: start again: each launch takes \
+         new names. If it happens again, somebody does this on purpose: see who is user {1}, and what runs as this user"
+    )]
+    Foreign(PathBuf, u32),
     /// The path of the session's folder is too long for sockets.
     #[error(
         "the path {0} is too long for sockets: at most 28 bytes\n help: set XDG_RUNTIME_DIR to a shorter one"
@@ -146,6 +155,23 @@ impl Drop for CellLock {
     }
 }
 
+/// As long as it lives, all that this process makes is its user's alone, whatever mode is asked for: umask 077.
+#[derive(Debug)]
+pub(super) struct Private(Mode);
+
+impl Private {
+    /// Begins.
+    pub fn begin() -> Private {
+        Private(umask(Mode::RWXG | Mode::RWXO))
+    }
+}
+
+impl Drop for Private {
+    fn drop(&mut self) {
+        umask(self.0);
+    }
+}
+
 /// The files of one launch.
 #[derive(Debug)]
 pub(super) struct Session {
@@ -156,7 +182,8 @@ pub(super) struct Session {
 
 impl Session {
     fn make(base: &Path, cell: u32) -> Result<Session, SessionError> {
-        // The seeds of hash tables come from the system's random numbers, so they serve as a random session number.
+        let _private = Private::begin();
+        // Nobody can know the number before: the seeds of hash tables come from the system's random numbers, so they serve as a random session number.
         let number = RandomState::new().build_hasher().finish() >> (u64::BITS - NUMBER_BITS);
         let folder = base.join(format!("{cell:08x}-{number:012x}"));
         if folder.as_os_str().len() > MAX_ROOT {
@@ -178,13 +205,20 @@ impl Session {
         self.number
     }
 
-    /// Lets only the session's user read and write its shared memory: iceoryx2 makes it readable and writable for all
-    /// users.
-    pub fn keep_others_out(&self) {
+    /// Looks for files with names of the session's shared memory that its processes have not made: why a launch failed.
+    ///
+    /// # Errors
+    /// [`SessionError::Foreign`]: one of them.
+    pub fn check_names(&self) -> Result<(), SessionError> {
+        let user = rustix::process::geteuid().as_raw();
         for segment in segments(self.number) {
-            // Changing the mode fails only if the segment is gone by now.
-            drop(fs::set_permissions(segment, PermissionsExt::from_mode(0o600)));
+            // What is gone by now was the session's own.
+            let Ok(about) = fs::symlink_metadata(&segment) else { continue };
+            if !about.is_file() || about.uid() != user {
+                return Err(SessionError::Foreign(segment, about.uid()));
+            }
         }
+        Ok(())
     }
 }
 
@@ -293,6 +327,26 @@ fn open(path: &Path) -> io::Result<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fault_72_a_foreign_file_among_the_names_of_a_session_is_told_and_removed_but_not_followed() {
+        let base = std::env::temp_dir().join(format!("mrroc-s{}", std::process::id()));
+        fs::create_dir_all(&base).expect("a folder");
+        let victim = base.join("victim");
+        fs::write(&victim, "text").expect("a file");
+        let mode = |path: &Path| path.metadata().expect("there").mode() & 0o7777;
+        let before = mode(&victim);
+        let session = Session::make(&base, 1).expect("a session");
+        assert_eq!(mode(session.folder()), 0o700);
+        session.check_names().expect("nothing is there yet");
+        let link = Path::new(SHARED_MEMORY).join(format!("{}0", prefix(session.number())));
+        std::os::unix::fs::symlink(&victim, &link).expect("a link");
+        let told = session.check_names().expect_err("a link").to_string();
+        assert!(told.contains(" was made by user ") && told.contains("\n help: start again"), "{told}");
+        drop(session);
+        assert!(link.symlink_metadata().is_err() && mode(&victim) == before);
+        fs::remove_dir_all(base).expect("removed");
+    }
 
     #[test]
     fn only_names_of_sessions_are_read_as_such() {

@@ -34,7 +34,7 @@ pub(crate) struct LinkError {
 }
 
 impl LinkError {
-    fn of<E: Display>(what: impl Display) -> impl FnOnce(E) -> LinkError {
+    pub(super) fn of<E: Display>(what: impl Display) -> impl FnOnce(E) -> LinkError {
         move |error| LinkError { what: what.to_string(), why: error.to_string() }
     }
 }
@@ -118,19 +118,7 @@ impl Fabric {
     /// # Errors
     /// [`LinkError`]: what could not be made or opened, and why.
     pub fn create(&mut self, root: &Path, prefix: &str, seal: Seal) -> Result<(), LinkError> {
-        set_log_level(LogLevel::Fatal);
-        let mut config = Config::default();
-        let text = root.to_string_lossy();
-        let path = iceoryx2::prelude::Path::new(text.as_bytes()).map_err(LinkError::of("its folder"))?;
-        config.global.set_root_path(&path);
-        config.global.prefix = FileName::new(prefix.as_bytes()).map_err(LinkError::of("its prefix"))?;
-        let name = NodeName::new(&self.me.to_string()).map_err(LinkError::of("its node's name"))?;
-        let node = NodeBuilder::new()
-            .name(&name)
-            .config(&config)
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<ipc::Service>()
-            .map_err(LinkError::of("its node"))?;
+        let node = node(root, prefix, &self.me.to_string())?;
         let me = self.places.iter().position(|&place| place == self.me);
         if let (Clock::Real, Some(me)) = (self.clock, me) {
             // The futex is made first, so that it exists before another process can wake this one.
@@ -199,6 +187,20 @@ impl Fabric {
     pub fn wake_futex(&self) -> Option<WakeFutex> {
         self.wake_futex.as_ref().map(|(wake_futex, _)| *wake_futex)
     }
+}
+
+/// Makes a node of this name, whose files are in the folder `root` and whose shared memory has this prefix.
+pub(super) fn node(root: &Path, prefix: &str, name: &str) -> Result<Node<ipc::Service>, LinkError> {
+    set_log_level(LogLevel::Fatal);
+    let mut config = Config::default();
+    let text = root.to_string_lossy();
+    let path = iceoryx2::prelude::Path::new(text.as_bytes()).map_err(LinkError::of("its folder"))?;
+    config.global.set_root_path(&path);
+    config.global.prefix = FileName::new(prefix.as_bytes()).map_err(LinkError::of("its prefix"))?;
+    let name = NodeName::new(name).map_err(LinkError::of("its node's name"))?;
+    let node = NodeBuilder::new().name(&name).config(&config);
+    let node = node.signal_handling_mode(SignalHandlingMode::Disabled).create::<ipc::Service>();
+    node.map_err(LinkError::of("its node"))
 }
 
 /// Makes a board that this process writes.

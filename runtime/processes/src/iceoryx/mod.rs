@@ -6,6 +6,7 @@
 //! process wait: in real time, or in lock-step under the launcher's virtual clock.
 
 mod fabric;
+mod management;
 mod ports;
 mod samples;
 #[cfg(test)]
@@ -13,7 +14,8 @@ mod tests;
 mod waiter;
 mod wake_futex;
 
-pub(crate) use fabric::Fabric;
+pub(crate) use fabric::{Fabric, LinkError};
+pub(crate) use management::make_management;
 pub(crate) use mrroc_core::link::Clock;
 pub(crate) use mrroc_core::link::envelope::Seal;
 pub(crate) use samples::Samples;

@@ -48,7 +48,8 @@ impl WakeFutex {
 
     /// Opens the wake-up futex that another process has made.
     pub fn open(prefix: &str, place: usize) -> io::Result<WakeFutex> {
-        let file = OpenOptions::new().read(true).write(true).open(path(prefix, place))?;
+        let mut options = OpenOptions::new();
+        let file = options.read(true).write(true).custom_flags(libc::O_NOFOLLOW).open(path(prefix, place))?;
         if file.metadata()?.len() != SIZE as u64 {
             return Err(io::Error::other("it is no wake-up futex"));
         }
