@@ -8,11 +8,14 @@ use mrroc_generators::via::ViaJoints;
 /// Leads the joints from where they are along straight legs through all points, to rest at the last one.
 ///
 /// A point is passed at a distance of at most its deviation, per joint; the smaller it is, the slower is the corner.
+///
+/// [`through`](JointVia::through) plans in its first step, which is to be over before the next one: some ten points for each
+/// millisecond. In real time, plan through more of them before the Move, while the robots hold: [`along`](JointVia::along).
 pub struct JointVia<R: Robot> {
-    points: Vec<R::Joints>,
-    limits: JointLimits<R::Joints>,
-    deviation: R::Joints,
-    motion: Option<(ViaJoints<R::Joints>, f64)>,
+    /// What is planned in the first step.
+    asked: Option<(Vec<R::Joints>, JointLimits<R::Joints>, R::Joints)>,
+    motion: Option<ViaJoints<R::Joints>>,
+    time: f64,
 }
 
 impl<R: Robot> JointVia<R> {
@@ -20,29 +23,37 @@ impl<R: Robot> JointVia<R> {
     /// blends. Leave a tenth of the robot's limits to the operator's feed rate.
     #[must_use]
     pub fn through(points: Vec<R::Joints>, deviation: R::Joints, limits: JointLimits<R::Joints>) -> Self {
-        JointVia { points, limits, deviation, motion: None }
+        JointVia { asked: Some((points, limits, deviation)), motion: None, time: 0.0 }
+    }
+
+    /// Along a motion that is planned already, whose first point is where the robot is demanded to be.
+    #[must_use]
+    pub fn along(motion: ViaJoints<R::Joints>) -> Self {
+        JointVia { asked: None, motion: Some(motion), time: 0.0 }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
-        let Some((motion, time)) = &mut self.motion else { return Step::Done };
-        if *time >= motion.duration() {
+        let Some(motion) = &self.motion else { return Step::Done };
+        if self.time >= motion.duration() {
             return Step::Done;
         }
-        *time += t.dt;
+        self.time += t.dt;
         // The sum of n increments may miss n * dt by rounding; that must not cost a step.
-        if motion.duration() - *time <= 1e-9 * t.dt {
-            *time = motion.duration();
+        if motion.duration() - self.time <= 1e-9 * t.dt {
+            self.time = motion.duration();
         }
-        Step::Next(Demand::joints(motion.at(*time)))
+        Step::Next(Demand::joints(motion.at(self.time)))
     }
 }
 
 #[generator(ecp)]
 impl<R: Robot> JointVia<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
-        self.points.insert(0, e.demanded().joints);
-        let motion = ViaJoints::new(&self.points, &self.limits, &self.deviation);
-        self.motion = Some((motion.map_err(|error| Fault::thrown(&error.to_string()))?, 0.0));
+        if let Some((mut points, limits, deviation)) = self.asked.take() {
+            points.insert(0, e.demanded().joints);
+            let motion = ViaJoints::new(&points, &limits, &deviation);
+            self.motion = Some(motion.map_err(|error| Fault::thrown(&error.to_string()))?);
+        }
         Ok(self.advance(t))
     }
 
@@ -84,6 +95,12 @@ mod tests {
             let j = (q[3] - q[2] * 3.0 + q[1] * 3.0 - q[0]) / 1e-9;
             assert!(v.amax() < 0.5 + 1e-9 && a.amax() < 2.0 + 1e-6 && j.amax() < 20.0 + 1e-3, "{v} {a} {j}");
         }
+        let mut planned = JointVia::<Irp6>::along(
+            ViaJoints::new(&[&[start][..], &points].concat(), &limits, &Six::repeat(0.01)).expect("a motion"),
+        );
+        let step = planned.first_step(&State::new(RobotImage::new(state, state)), tick).expect("a motion");
+        let Step::Next(demand) = step else { panic!("it moves") };
+        assert_eq!(demand.as_joints(), Some(trace[3]), "the same motion, planned before");
         for point in &points {
             let nearest = trace.iter().map(|q| (q - point).amax()).fold(f64::INFINITY, f64::min);
             assert!(nearest < 0.01 + 1e-3, "{nearest}");

@@ -23,8 +23,8 @@ pub(super) struct Group {
 
 /// Share of the limit of angular acceleration that the rotation vector's second derivative may take.
 const TURNING: f64 = 0.9;
-/// How often a corner is slowed down; by 0.8 each time, 1e-190 of its speed remains.
-const TRIES: usize = 2000;
+/// Share of its largest speed below which a corner is slowed down no more, by 0.8 each time.
+const SLOWEST: f64 = 1e-190;
 /// Steps of a bisection: to the last digit.
 const STEPS: usize = 60;
 
@@ -46,6 +46,17 @@ struct Problem<'a> {
 
 /// The rates of `ways` that are not zero.
 pub(super) fn plan(ways: &[Way], groups: &[Group]) -> Result<Times, ViaError> {
+    let mut problem = Problem::new(ways, groups)?;
+    problem.slow_down()?;
+    let legs: Vec<_> = (0..ways.len()).map_while(|k| problem.leg(k)).collect();
+    if legs.len() < ways.len() {
+        return Err(ViaError::Precision);
+    }
+    problem.times(legs.into_iter())
+}
+
+/// Refuses limits and deviations that are out of range.
+fn check(groups: &[Group]) -> Result<(), ViaError> {
     for Group { limits: JerkLimits { velocity, acceleration, jerk }, deviation, .. } in groups {
         let all = [
             ("velocity", velocity),
@@ -59,30 +70,7 @@ pub(super) fn plan(ways: &[Way], groups: &[Group]) -> Result<Times, ViaError> {
             }
         }
     }
-    if ways.is_empty() {
-        return Err(ViaError::Coincident);
-    }
-    let rate = |way: &Way| {
-        groups.iter().map(|group| group.limits.velocity / group.norm(way)).fold(f64::INFINITY, f64::min)
-    };
-    let most: Vec<f64> = ways.iter().map(rate).collect();
-    if !most.iter().all(|rate| *rate > 0.0 && rate.is_finite()) {
-        return Err(ViaError::Precision);
-    }
-    let mut problem = Problem { ways, groups, most, shares: vec![1.0; ways.len() + 1] };
-    for corner in 1..ways.len() {
-        problem.shares[corner] = largest(1.0, |share| problem.passes(corner, share));
-    }
-    for _ in 0..TRIES {
-        let legs: Vec<_> = (0..ways.len()).map(|k| problem.leg(k)).collect();
-        let Some(tight) = legs.iter().position(Option::is_none) else {
-            return problem.times(legs.into_iter().flatten());
-        };
-        for corner in [tight, tight + 1] {
-            problem.shares[corner] *= 0.8;
-        }
-    }
-    Err(ViaError::Precision)
+    Ok(())
 }
 
 /// The largest number in `0..=most` that is `good`, where all below it are.
@@ -109,7 +97,27 @@ impl Group {
     }
 }
 
-impl Problem<'_> {
+impl<'a> Problem<'a> {
+    /// Each corner as fast as it may be passed by itself.
+    fn new(ways: &'a [Way], groups: &'a [Group]) -> Result<Problem<'a>, ViaError> {
+        check(groups)?;
+        if ways.is_empty() {
+            return Err(ViaError::Coincident);
+        }
+        let rate = |way: &Way| {
+            groups.iter().map(|group| group.limits.velocity / group.norm(way)).fold(f64::INFINITY, f64::min)
+        };
+        let most: Vec<f64> = ways.iter().map(rate).collect();
+        if !most.iter().all(|rate| *rate > 0.0 && rate.is_finite()) {
+            return Err(ViaError::Precision);
+        }
+        let mut problem = Problem { ways, groups, most, shares: vec![1.0; ways.len() + 1] };
+        for corner in 1..ways.len() {
+            problem.shares[corner] = largest(1.0, |share| problem.passes(corner, share));
+        }
+        Ok(problem)
+    }
+
     fn rate(&self, corner: usize, leg: usize) -> f64 {
         self.shares[corner] * self.most[leg]
     }
@@ -152,11 +160,37 @@ impl Problem<'_> {
         }
     }
 
-    /// Leg `k` at the largest rate that leaves room for its blends, if there is any not below those of its corners.
-    fn leg(&self, k: usize) -> Option<Leg> {
+    /// Slows down the corners of each leg until it has room for their blends.
+    fn slow_down(&mut self) -> Result<(), ViaError> {
+        let mut k = 0;
+        while k < self.ways.len() {
+            let least = self.least(k);
+            if least == 0.0 || self.leg_at(k, least).is_some() {
+                k += 1;
+                continue;
+            }
+            for corner in [k, k + 1] {
+                self.shares[corner] *= 0.8;
+            }
+            if self.shares[k] < SLOWEST || self.shares[k + 1] < SLOWEST {
+                return Err(ViaError::Precision);
+            }
+            // Of the legs that had room, only the one before knows of these corners.
+            k = k.saturating_sub(1);
+        }
+        Ok(())
+    }
+
+    /// The rate of leg `k` below which it is not to fall between its corners \[1/s\].
+    fn least(&self, k: usize) -> f64 {
         let last = self.ways.len() - 1;
         let low = |corner| if corner == 0 || corner > last { 0.0 } else { self.rate(corner, k) };
-        let least = low(k).max(low(k + 1));
+        low(k).max(low(k + 1))
+    }
+
+    /// Leg `k` at the largest rate that leaves room for its blends, if there is any not below those of its corners.
+    fn leg(&self, k: usize) -> Option<Leg> {
+        let least = self.least(k);
         let fits = |rate: f64| self.leg_at(k, rate);
         if least > 0.0 {
             fits(least)?;
@@ -206,5 +240,71 @@ impl Problem<'_> {
         knots.push(Knot { time, place: (self.ways.len(), 0.0), before, after: (before.0, 0.0), blend });
         let times = Times { knots };
         if times.duration().is_finite() { Ok(times) } else { Err(ViaError::Precision) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from 0 to 1: a linear congruential generator, Knuth's MMIX.
+    fn random(state: &mut u64) -> f64 {
+        *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Legs whose lengths are three orders of magnitude apart, so that many have no room for their corners' blends.
+    fn zigzag(count: usize, seed: u64) -> Vec<Way> {
+        let mut state = seed;
+        let mut leg = || {
+            let length = 10_f64.powf(-3.0 * random(&mut state));
+            core::array::from_fn(
+                |axis| if axis < 3 { length * (2.0 * random(&mut state) - 1.0) } else { 0.0 },
+            )
+        };
+        (0..count).map(|_| leg()).collect()
+    }
+
+    fn groups(jerk: f64) -> Vec<Group> {
+        let limits = JerkLimits { velocity: 1.0, acceleration: 2.0, jerk };
+        let group = |axis| Group { axes: axis..axis + 1, limits, deviation: 0.02, turns: axis == 2 };
+        (0..3).map(group).collect()
+    }
+
+    /// All legs anew whenever corners are slowed down, from the first leg that has no room; and how often that was.
+    fn dense(ways: &[Way], groups: &[Group]) -> Result<(Times, usize), ViaError> {
+        let mut problem = Problem::new(ways, groups)?;
+        for tries in 0..2000 {
+            let legs: Vec<_> = (0..ways.len()).map(|k| problem.leg(k)).collect();
+            let Some(tight) = legs.iter().position(Option::is_none) else {
+                return Ok((problem.times(legs.into_iter().flatten())?, tries));
+            };
+            for corner in [tight, tight + 1] {
+                problem.shares[corner] *= 0.8;
+            }
+        }
+        Err(ViaError::Precision)
+    }
+
+    #[test]
+    fn a_plan_is_the_one_of_all_legs_anew_to_the_bit() {
+        let mut slowed = 0;
+        for seed in 0..40 {
+            let ways = zigzag(2 + seed as usize, seed);
+            for jerk in [10.0, f64::INFINITY] {
+                let (times, tries) = dense(&ways, &groups(jerk)).expect("a motion");
+                assert_eq!(plan(&ways, &groups(jerk)), Ok(times), "seed {seed}, jerk {jerk}");
+                slowed += tries;
+            }
+        }
+        assert!(slowed > 200, "corners were slowed down {slowed} times only");
+    }
+
+    #[test]
+    fn fault_75_twenty_thousand_legs_take_time_that_grows_with_their_number() {
+        // By all legs anew these were billions of legs, and were refused after some thousand corners.
+        let ways = zigzag(20_000, 1);
+        let times = plan(&ways, &groups(10.0)).expect("a motion");
+        assert!(times.knots.len() > ways.len() && times.duration().is_finite());
     }
 }
