@@ -14,7 +14,7 @@ use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, OTHER, RECORDS};
+use mrroc_tests::fixture::{COMPUTES, OTHER, PLANS, RECORDS};
 
 use crate::Nothing;
 use crate::calls::Calls;
@@ -273,6 +273,9 @@ struct GoTo {
 impl GoTo {
     fn first_step(&mut self, e: &State<Irp6>, t: Tick) -> Step<Irp6> {
         self.from = e.demanded().joints;
+        if std::env::var_os(PLANS).is_some() {
+            std::thread::sleep(Duration::from_millis(500));
+        }
         self.next_step(t)
     }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use mrroc_tests::fixture::{COMPUTES, STEPS};
+use mrroc_tests::fixture::{COMPUTES, PLANS, STEPS};
 use rustix::process::Signal;
 
 use crate::launch::{
@@ -241,6 +241,17 @@ fn an_interrupt_aborts_and_ends_the_cell() {
     assert_robots_stand(&launch, None);
     assert!(launch.record("left").last().map(|line| demanded(line).to_owned()).is_some());
     launch.assert_nothing_left(&processes);
+}
+
+#[test]
+fn fault_74_a_first_step_that_plans_for_too_long_is_told_to_plan_before_the_move() {
+    let place = Place::new(37);
+    let mut launch = place.start_for(PLANS, "plans", REAL);
+    let status = launch.end().code();
+    let said = launch.said();
+    assert!(status == Some(1) && said.contains("the process at the other end is gone"), "{status:?}: {said}");
+    let told = "plan what takes longer before the Move, while the robots hold";
+    assert!(said.contains("\n help: a process has ended, or ") && said.contains(told), "{said}");
 }
 
 #[test]

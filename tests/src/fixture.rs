@@ -20,6 +20,8 @@ pub const COUNTS: &str = "MRROC_TEST_COUNTS";
 pub const OTHER: &str = "MRROC_TEST_OTHER";
 /// The variable that makes the MP's program compute for ever.
 pub const COMPUTES: &str = "MRROC_TEST_COMPUTES";
+/// The variable that makes the first step of a motion of each arm take half a second.
+pub const PLANS: &str = "MRROC_TEST_PLANS";
 /// The variable with the path time \[s\] from which the swing differs from the recorded one.
 pub const CHANGE: &str = "MRROC_TEST_CHANGE";
 /// How long the arms of [`SOAK`] move \[s\].

@@ -107,6 +107,12 @@ impl Fault {
                      `aggregate` take less time",
                 );
             }
+            K::PeerLost => {
+                return Some(
+                    "a process has ended, or has stood still or computed for longer than 20 ms, in which it answers nobody: let \
+                     every step return at once, also the first one; plan what takes longer before the Move, while the robots hold",
+                );
+            }
             K::SensorStale | K::SensorFailed => {
                 return Some(
                     "look at the virtual sensor: `aggregate` must answer, and in time for the motions that read it",
@@ -129,7 +135,6 @@ impl Fault {
             | K::Program
             | K::Aborted
             | K::InstructionEnded
-            | K::PeerLost
             | K::StoppedByCell
             | K::CellClosed
             | K::Message => return None,
