@@ -4,6 +4,8 @@ mod cells;
 mod drives;
 mod endless;
 mod operators;
+#[cfg(target_os = "linux")]
+mod overflow;
 mod sensors;
 mod summary;
 mod sweeps;

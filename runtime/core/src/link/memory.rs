@@ -12,6 +12,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
+use super::overflow::{self, Guard};
 use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
 use crate::link::message::Message;
 use crate::model::fault::ProcessId;
@@ -19,7 +20,7 @@ use crate::model::fault::ProcessId;
 /// The most processes that one cell can have on this link.
 pub const MAX_PROCESSES: usize = 64;
 
-/// Stack of a process \[bytes\]; pages are used only when touched, and a guard page ends the stack.
+/// Stack of a process \[bytes\]; pages are used only when touched, and a guard page ends the stack ([`overflow`]).
 const STACK: usize = 1 << 20;
 
 const NEVER: Nanos = Nanos::MAX;
@@ -56,7 +57,7 @@ type Process = Coroutine<(), (), (), DefaultStack>;
 /// All processes of a cell.
 pub struct Scheduler {
     shared: Rc<Shared>,
-    processes: Vec<(String, Option<Process>)>,
+    processes: Vec<(String, Option<(Process, Guard)>)>,
     pulse: Option<Arc<Pulse>>,
 }
 
@@ -113,6 +114,7 @@ impl Scheduler {
     /// # Errors
     /// [`Stuck`] when none can run and none waits for a time.
     pub fn run(mut self) -> Result<Nanos, Stuck> {
+        overflow::listen();
         let outcome = self.run_until_closing();
         self.shared.closing.set(true);
         // Every wait now returns at once: bodies run to their end, whatever they were waiting for.
@@ -148,12 +150,12 @@ impl Scheduler {
 
     /// Resumes a process; whether it is still alive.
     fn resume(&mut self, place: usize) -> bool {
-        let Some(process) = &mut self.processes[place].1 else { return false };
+        let Some((process, guard)) = &mut self.processes[place].1 else { return false };
         if let Some(pulse) = &self.pulse {
             pulse.place.store(place, Ordering::Relaxed);
             pulse.resumed.fetch_add(1, Ordering::Relaxed);
         }
-        match process.resume(()) {
+        match guard.during(|| process.resume(())) {
             CoroutineResult::Yield(()) => true,
             CoroutineResult::Return(()) => {
                 self.processes[place].1 = None;
@@ -207,11 +209,12 @@ impl Link for Scheduler {
         let name = &self.processes[place].0;
         let stack =
             DefaultStack::new(STACK).map_err(|error| Stuck::Stack(name.clone(), error.to_string()))?;
+        let guard = Guard::of(name, &stack, STACK);
         let shared = Rc::clone(&self.shared);
         let process = Coroutine::with_stack(stack, move |yielder: &Yielder<(), ()>, ()| {
             body(Host::of(&MemoryWaiter { shared, place, yielder }));
         });
-        self.processes[place].1 = Some(process);
+        self.processes[place].1 = Some((process, guard));
         self.shared.wake(place);
         Ok(())
     }

@@ -8,6 +8,7 @@ pub mod envelope;
 pub mod memory;
 pub mod message;
 pub mod numbering;
+mod overflow;
 pub mod patience;
 pub mod watchdog;
 
