@@ -1,13 +1,14 @@
 //! What a launch refuses before any robot moves, and what another user of the machine can do to a running cell.
 
 use std::fs::{File, OpenOptions};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use mrroc_tests::fixture::OTHER;
 
-use crate::launch::{Place, segments};
+use crate::launch::{Launch, Place, segments};
 use crate::runs::{MEMORY, PROCESSES, REAL, ROBOTS, VIRTUAL};
 
 #[test]
@@ -87,6 +88,98 @@ fn fault_35_shared_memory_that_is_full_is_refused_with_what_to_change() {
     );
     assert!(said.contains("\n help: "), "{said}");
     assert!(place.sessions().is_empty());
+}
+
+#[test]
+fn fault_78_a_launch_without_room_for_its_files_or_processes_says_what_to_do() {
+    if !may_mount() {
+        return println!("skipped: only root can have a disk of its own");
+    }
+    let place = Place::new(38);
+    let (status, said) =
+        after(&place, "mkdir -m 700 mrroc && mount -t tmpfs -o nr_inodes=2,mode=700 tmpfs mrroc");
+    assert_eq!(status, Some(2), "{said}");
+    assert!(
+        said.contains("mrroc") && said.contains("\n help: there is no room left, or no inode: "),
+        "{said}"
+    );
+    // Root may have as many processes as it likes, so another user does without.
+    let place = Place::new(39);
+    let few = "chown -R 1234 . && set -- prlimit --nproc=3 setpriv --reuid 1234 --clear-groups \"$@\"";
+    let (status, said) = after(&place, few);
+    if status == Some(126) || status == Some(127) {
+        return println!("no other user may start the program: {said}");
+    }
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("\n help: there is no room for another process or thread: "), "{said}");
+    assert!(place.sessions().is_empty());
+}
+
+/// The number of the session that a launch has begun.
+fn number_of_session(place: &Place, launch: &mut Launch) -> Option<String> {
+    loop {
+        if let Some(session) = place.sessions().into_iter().next() {
+            return Some(session.split_once('-').expect("a session's name").1.to_owned());
+        }
+        if launch.end_if_over().is_some() {
+            return None;
+        }
+        std::thread::yield_now();
+    }
+}
+
+#[test]
+fn fault_72_a_link_in_shared_memory_makes_the_launcher_change_no_file() {
+    let place = Place::new(35);
+    let victim = place.base().with_file_name("victim");
+    std::fs::write(&victim, "text").expect("a file");
+    std::fs::set_permissions(&victim, PermissionsExt::from_mode(0o644)).expect("a mode");
+    for mode in [VIRTUAL, REAL] {
+        let mut launch = place.start("linked", mode);
+        let number = number_of_session(&place, &mut launch).expect("a session");
+        let link = Path::new("/dev/shm").join(format!("mrroc_{number}_zzz"));
+        // Long before the processes are connected, which takes them some hundredths of a second.
+        std::os::unix::fs::symlink(&victim, &link).expect("a link");
+        let status = launch.end();
+        assert!(status.success() || crate::runs::is_late(&launch.said()), "{}", launch.said());
+        assert_eq!(victim.metadata().expect("it is there").permissions().mode() & 0o7777, 0o644);
+        assert!(link.symlink_metadata().is_err(), "the link itself is removed with the session");
+    }
+}
+
+#[test]
+fn fault_73_a_launch_refused_for_a_name_that_another_user_took_says_so() {
+    if !rustix::process::geteuid().is_root() {
+        return println!("skipped: only root can be another user");
+    }
+    let place = Place::new(36);
+    // The processes may be faster than this test now and then.
+    for attempt in 1..=20 {
+        let mut launch = place.start("taken", REAL);
+        let Some(number) = number_of_session(&place, &mut launch) else { continue };
+        let names: Vec<_> =
+            (0..PROCESSES.len()).map(|i| format!("/dev/shm/mrroc_{number}_wake{i}")).collect();
+        let takes = || {
+            let user = rustix::process::Uid::from_raw(1234);
+            rustix::thread::set_thread_res_uid(user, user, user).expect("another user");
+            names.iter().filter(|name| File::create_new(name).is_ok()).count()
+        };
+        let taken = std::thread::scope(|scope| scope.spawn(takes).join().expect("no panic"));
+        let status = launch.end();
+        let said = launch.said();
+        names.iter().for_each(|name| drop(std::fs::remove_file(name)));
+        if taken == 0 {
+            continue;
+        }
+        assert_eq!(status.code(), Some(2), "{said}");
+        assert!(said.contains(&format!("error: /dev/shm/mrroc_{number}_wake")), "{said}");
+        assert!(
+            said.contains(" was made by user 1234 ") && said.contains("\n help: start again: "),
+            "{said}"
+        );
+        return println!("{taken} names taken at attempt {attempt}");
+    }
+    panic!("no name could be taken before the processes had them all");
 }
 
 #[test]

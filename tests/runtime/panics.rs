@@ -185,3 +185,51 @@ fn fault_18_encoders_that_read_no_number_stop_the_robot_and_never_reach_its_driv
         }
     }
 }
+
+/// A gantry whose kinematics panic where `x` is at least this \[m\].
+#[derive(Clone)]
+struct Unfinished(Gantry, f64);
+
+impl Robot for Unfinished {
+    const KIND: &'static str = "unfinished";
+    type Joints = Q<3>;
+    fn limits(&self) -> &mrroc::robot::Limits<Q<3>> {
+        self.0.limits()
+    }
+    fn forward(&self, q: &Q<3>) -> Pose {
+        assert!(q[0] < self.1, "on purpose");
+        self.0.forward(q)
+    }
+    #[allow(non_snake_case)]
+    fn inverse(&self, X_WF: &Pose, near: &Q<3>) -> Result<Q<3>, mrroc::robot::NoInverse> {
+        self.0.inverse(X_WF, near)
+    }
+}
+
+fn unfinished(name: &str, x: f64) -> RobotSetup<Unfinished> {
+    RobotSetup::new(name, Unfinished(Gantry::default(), x), ExactDrive::at_origin())
+        .program(|ecp| ecp.wait_until((), Touchy(10)).map(drop))
+}
+
+#[test]
+fn fault_78_kinematics_that_panic_while_the_cell_is_checked_are_refused_with_the_robots_name() {
+    let cell = || Cell::new(MS).robot(unfinished("left", -1.0)).robot(unfinished("right", -1.0));
+    let refused = cell().run().expect_err("nothing runs").to_string();
+    for robot in ["left", "right"] {
+        let told =
+            format!("robot `{robot}`: its code panicked while the cell was checked: on purpose\n help: ");
+        assert!(refused.contains(&told), "{refused}");
+    }
+    assert!(cell().check().is_err(), "a check refuses it as well");
+}
+
+#[test]
+fn fault_78_kinematics_that_panic_where_the_robot_stands_are_a_fault_of_its_process() {
+    // The check asks for the middle of the limits, 0, and the robot stands at 0.5 m.
+    let at = Q::<3>::new(0.5, 0.0, 0.0);
+    let robot = RobotSetup::new("left", Unfinished(Gantry::default(), 0.4), ExactDrive::new(at, MS))
+        .program(|ecp| ecp.wait_until((), Touchy(10)).map(drop));
+    let fault = fault(Cell::new(MS).robot(robot).run());
+    assert_eq!(fault.kind(), FaultKind::Panicked, "{fault}");
+    assert!(fault.process().is_some() && fault.message().contains("on purpose"), "{fault}");
+}

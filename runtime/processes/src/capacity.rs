@@ -48,6 +48,22 @@ pub(crate) enum NoRoom {
     Unknown(io::Error),
 }
 
+/// What to do about an error of the system when it means that the machine has no more of something; empty for any other.
+pub(super) fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::StorageFull => {
+            "\n help: there is no room left, or no inode: make room (df, df -i), or set XDG_RUNTIME_DIR to a folder elsewhere"
+        }
+        io::ErrorKind::QuotaExceeded => {
+            "\n help: you may not store more there: remove what you do not need, or set XDG_RUNTIME_DIR to a folder elsewhere"
+        }
+        io::ErrorKind::WouldBlock | io::ErrorKind::OutOfMemory => {
+            "\n help: there is no room for another process or thread: end some, or allow this user more: ulimit -u"
+        }
+        _ => "",
+    }
+}
+
 /// Free shared memory \[bytes\].
 pub(super) fn free_shared_memory() -> io::Result<u64> {
     let shm = statvfs(Path::new(SHARED_MEMORY))?;

@@ -64,10 +64,10 @@ pub(crate) enum LaunchError {
     #[error(transparent)]
     Link(#[from] LinkError),
     /// The socket for the operator's consoles could not be made.
-    #[error("the operator's socket cannot be made: {0}")]
+    #[error("the operator's socket cannot be made: {0}{help}", help = capacity::remedy(.0))]
     ConsoleServer(std::io::Error),
     /// The handlers of signals could not be registered.
-    #[error("signals cannot be heard: {0}")]
+    #[error("signals cannot be heard: {0}{help}", help = capacity::remedy(.0))]
     Signals(#[from] std::io::Error),
 }
 

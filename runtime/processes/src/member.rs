@@ -140,6 +140,10 @@ impl Ended {
     fn of(error: impl core::fmt::Display) -> Ended {
         Ended::Refuses(error.to_string())
     }
+
+    fn for_want_of_a_thread(error: io::Error) -> Ended {
+        Ended::Refuses(format!("a thread cannot be started: {error}{}", super::capacity::remedy(&error)))
+    }
 }
 
 fn take_part(
@@ -172,7 +176,7 @@ fn take_part(
     fabric.connect(seal).map_err(Ended::of)?;
     // The gauge's thread starts before this thread asks for its priority: a new thread would inherit it.
     let gauge = match clock {
-        Clock::Real => Some(Gauge::start(control, step).map_err(Ended::of)?),
+        Clock::Real => Some(Gauge::start(control, step).map_err(Ended::for_want_of_a_thread)?),
         Clock::Virtual => None,
     };
     let lacks = match (clock, realtime) {
@@ -186,7 +190,8 @@ fn take_part(
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
     let (time, receiver) = match (gauge, fabric.wake_futex()) {
         (Some(gauge), Some(wake_futex)) => {
-            let (heard, receiver) = listen(control, wake_futex, has_robot(me)).map_err(Ended::of)?;
+            let (heard, receiver) =
+                listen(control, wake_futex, has_robot(me)).map_err(Ended::for_want_of_a_thread)?;
             let waiter =
                 RealTime::new(wake_futex, heard, (origin, spin), gauge.samples()).showing(entry.of(me));
             body(waiter.host());

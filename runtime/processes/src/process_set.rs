@@ -69,7 +69,7 @@ pub(crate) enum NoStart {
     )]
     NotPermitted(ProcessId, Lacks),
     /// The process could not be started.
-    #[error("{0} cannot be started: {1}")]
+    #[error("{0} cannot be started: {1}{help}", help = super::capacity::remedy(.1))]
     Spawn(ProcessId, io::Error),
 }
 

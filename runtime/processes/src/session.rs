@@ -56,7 +56,7 @@ pub(crate) enum SessionError {
     )]
     TooLong(PathBuf),
     /// Reading or writing failed.
-    #[error("{0}: {1}")]
+    #[error("{0}: {1}{help}", help = super::capacity::remedy(.1))]
     Io(PathBuf, io::Error),
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::{fs, iter};
 
+use tempfile::NamedTempFile;
 use toml::{Table, Value};
 
 use crate::catalogue::{CATALOGUE, Entry};
@@ -151,13 +152,15 @@ impl Copy {
         let modules_path = self.project.join(MODULES);
         let text = self.formatted(&renamed(self.entry, &self.name, &self.type_name));
         let (modules, lines) = declared(&self.modules, &self.name, &self.type_name);
-        fs::File::create_new(&path)
-            .and_then(|mut file| file.write_all(text.as_bytes()))
-            .map_err(|error| unwritable(&path, &error))?;
-        if let Err(error) = fs::write(&modules_path, modules) {
+        let mut file = fs::File::create_new(&path).map_err(|error| unwritable(&path, &error))?;
+        let written = file.write_all(text.as_bytes()).map_err(|error| unwritable(&path, &error));
+        let replaced = written.and_then(|()| {
+            replace(&modules_path, &modules).map_err(|error| unwritable(&modules_path, &error))
+        });
+        if let Err(error) = replaced {
             // Reported is what went wrong first.
             let _ = fs::remove_file(&path);
-            return Err(unwritable(&modules_path, &error));
+            return Err(error);
         }
         let re_exported = lines.len() > 1;
         let lines = lines.join(" ");
@@ -233,7 +236,18 @@ fn read(path: &Path) -> Result<String, Error> {
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Error {
-    Error::failed(format!("{}: cannot be written: {error}", path.display()), "see who may write there")
+    Error::of_system(format!("{}: cannot be written", path.display()), error, "see who may write there")
+}
+
+/// Gives a file of the user's another text: the whole of it is on the disk before the old one goes.
+fn replace(path: &Path, text: &str) -> io::Result<()> {
+    // The file itself, if this is a link to it.
+    let path = path.canonicalize()?;
+    let permissions = fs::metadata(&path)?.permissions();
+    let mut beside = NamedTempFile::new_in(path.parent().unwrap_or(Path::new(".")))?;
+    beside.write_all(text.as_bytes())?;
+    fs::set_permissions(beside.path(), permissions)?;
+    beside.persist(&path).map(drop).map_err(|failed| failed.error)
 }
 
 /// The crates of mrroc that a project depends on.

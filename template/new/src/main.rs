@@ -18,8 +18,8 @@ fn main() -> ExitCode {
         return match generate(arguments.by_ref().skip(1)) {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {
-                let _ = writeln!(io::stdout(), "{error}");
-                ExitCode::FAILURE
+                let _ = writeln!(io::stdout(), "{}", error.text);
+                ExitCode::from(error.status)
             }
         };
     }

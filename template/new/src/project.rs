@@ -13,7 +13,7 @@ use cargo_generate::{GenerateArgs, TemplatePath, Vcs};
 use toml::Table;
 
 use crate::choices::Chosen;
-use crate::error::Error;
+use crate::error::{Error, FULL};
 use crate::template::FILES;
 use crate::{name, shell};
 
@@ -27,8 +27,8 @@ pub const GENERATION: &str = "--as-cargo-generate";
 /// written. Nothing is left behind.
 pub fn make(name: &str, into: &Path, chosen: &Chosen) -> Result<PathBuf, Error> {
     let project = place(name, into)?;
-    let parts = tempfile::tempdir().map_err(|error| unwritable(&env::temp_dir(), &error))?;
-    unpack(parts.path(), chosen).map_err(|error| unwritable(parts.path(), &error))?;
+    let parts = tempfile::tempdir().map_err(|error| no_room(&env::temp_dir(), &error))?;
+    unpack(parts.path(), chosen).map_err(|error| no_room(parts.path(), &error))?;
     let workshop = tempfile::Builder::new().prefix(".mrroc-new-").tempdir_in(into);
     let workshop = workshop.map_err(|error| unwritable(into, &error))?;
     generate_apart(name, parts.path(), workshop.path())?;
@@ -55,8 +55,14 @@ pub fn place(name: &str, into: &Path) -> Result<PathBuf, Error> {
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Error {
-    let what = format!("{}: cannot be written: {error}", path.display());
-    Error::failed(what, "give a folder that can be written by `--into FOLDER`")
+    let what = format!("{}: cannot be written", path.display());
+    Error::of_system(what, error, "give a folder that can be written by `--into FOLDER`")
+}
+
+/// The error of a folder for temporary files.
+fn no_room(path: &Path, error: &io::Error) -> Error {
+    let what = format!("{}: cannot be written", path.display());
+    Error::of_system(what, error, "set TMPDIR to a folder that can be written")
 }
 
 const TEMPLATE: &str = "template";
@@ -85,7 +91,11 @@ fn generate_apart(name: &str, parts: &Path, workshop: &Path) -> Result<(), Error
             "this is a fault of the template: report it, please",
         )
     };
-    let myself = env::current_exe().map_err(|error| fault(error.to_string()))?;
+    let again = |error: io::Error| {
+        let help = "see whether the program is still where it was started";
+        Error::of_system("mrroc-new cannot be started a second time", &error, help)
+    };
+    let myself = env::current_exe().map_err(again)?;
     let mut command = Command::new(myself);
     command.arg(GENERATION).arg(name).arg(parts).arg(workshop).stdin(Stdio::null());
     for (variable, _) in env::vars_os() {
@@ -98,21 +108,48 @@ fn generate_apart(name: &str, parts: &Path, workshop: &Path) -> Result<(), Error
         // It looks no farther, and fails when it finds no name at all, as in a container without $USER.
         command.env("CARGO_NAME", env::var("USER").unwrap_or_else(|_| "nobody".to_owned()));
     }
-    let output = command.env_remove("CLICOLOR_FORCE").output().map_err(|error| fault(error.to_string()))?;
-    if output.status.success() {
-        return Ok(());
+    let output = command.env_remove("CLICOLOR_FORCE").output().map_err(again)?;
+    match output.status.code() {
+        Some(0) => return Ok(()),
+        Some(code) if code == i32::from(NO_ROOM) => {
+            return Err(Error::failed(
+                format!("{}: there is no room for the project", workshop.display()),
+                FULL,
+            ));
+        }
+        _ => {}
     }
     let said = if output.stdout.is_empty() { output.stderr } else { output.stdout };
     Err(fault(String::from_utf8_lossy(&said).trim().to_owned()))
 }
 
+/// Exit status of the process that is started with [`GENERATION`] when the disk is full.
+const NO_ROOM: u8 = 3;
+
+/// Why cargo-generate made no project.
+#[derive(Debug)]
+pub struct NotGenerated {
+    /// What it says.
+    pub text: String,
+    /// The exit status that tells the other process.
+    pub status: u8,
+}
+
+impl From<String> for NotGenerated {
+    fn from(text: String) -> Self {
+        NotGenerated { text, status: 1 }
+    }
+}
+
 /// Runs cargo-generate: what the process does that is started with [`GENERATION`].
 ///
 /// # Errors
-/// What cargo-generate says.
-pub fn generate(arguments: impl IntoIterator<Item = OsString>) -> Result<(), String> {
+/// [`NotGenerated`]: what cargo-generate says.
+pub fn generate(arguments: impl IntoIterator<Item = OsString>) -> Result<(), NotGenerated> {
     let arguments: Vec<_> = arguments.into_iter().collect();
-    let [name, parts, workshop] = arguments.as_slice() else { return Err("three arguments".to_owned()) };
+    let [name, parts, workshop] = arguments.as_slice() else {
+        return Err("three arguments".to_owned().into());
+    };
     let text =
         |path: PathBuf| path.into_os_string().into_string().map_err(|path| format!("{path:?} is no text"));
     let parts = Path::new(parts);
@@ -132,5 +169,9 @@ pub fn generate(arguments: impl IntoIterator<Item = OsString>) -> Result<(), Str
         no_workspace: true,
         ..GenerateArgs::default()
     };
-    cargo_generate::generate(arguments).map(drop).map_err(|error| format!("{error:#}"))
+    cargo_generate::generate(arguments).map(drop).map_err(|error| {
+        let causes = error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>());
+        let is_full = causes.map(io::Error::kind).any(|kind| kind == io::ErrorKind::StorageFull);
+        NotGenerated { text: format!("{error:#}"), status: if is_full { NO_ROOM } else { 1 } }
+    })
 }

@@ -124,6 +124,12 @@ pub enum CellError {
         /// The time allowed \[s\].
         limit: f64,
     },
+    /// Code of a robot or of its driver panicked while the set-up was checked.
+    #[error(
+        "robot `{0}`: its code panicked while the cell was checked: {1}\n help: the line that panicked is printed above; `limits`, `joint`, \
+         `forward` and `inverse` answer for all positions within the limits, `inverse` with an `Err` where there is no answer"
+    )]
+    Panicked(Name, String),
     /// More than one thing is wrong with the set-up.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Several(Vec<CellError>),

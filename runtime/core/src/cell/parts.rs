@@ -4,7 +4,9 @@
 
 use core::time::Duration;
 
+use crate::console::quoted;
 use crate::control::ecp::Ecp;
+use crate::control::guarded::guarded;
 use crate::link::memory::MAX_PROCESSES;
 use crate::model::fault::Fault;
 use crate::model::name::Name;
@@ -69,16 +71,11 @@ impl Parts {
             if names.contains(&name) {
                 errors.push(CellError::Twice(name));
             }
-            let step = timing.step;
-            let servo = robot.servo_period();
-            let divides = |a: Duration, b: Duration| b.as_nanos().is_multiple_of(a.as_nanos());
-            if servo.is_zero() {
-                errors.push(CellError::NoServo(name));
-            } else if !divides(servo, step) && !divides(step, servo) {
-                errors.push(CellError::Period { robot: name, servo, step });
+            // The model and the driver are the user's code.
+            match guarded(|| check_robot(&**robot, name, timing)) {
+                Ok(found) => errors.extend(found),
+                Err(panic) => errors.push(CellError::Panicked(name, quoted(panic.message(), 120))),
             }
-            errors.extend(robot.check_space(name));
-            errors.extend(robot.check_limits(name, step, timing.stop_time));
             names.push(name);
         }
         names
@@ -107,4 +104,20 @@ impl Parts {
     pub fn has_program(&self) -> bool {
         self.robots.iter().any(|robot| robot.has_program())
     }
+}
+
+/// What is wrong with the set-up of one robot.
+fn check_robot(robot: &dyn AnyRobot, name: Name, timing: &Timing) -> Vec<CellError> {
+    let mut errors = Vec::new();
+    let step = timing.step;
+    let servo = robot.servo_period();
+    let divides = |a: Duration, b: Duration| b.as_nanos().is_multiple_of(a.as_nanos());
+    if servo.is_zero() {
+        errors.push(CellError::NoServo(name));
+    } else if !divides(servo, step) && !divides(step, servo) {
+        errors.push(CellError::Period { robot: name, servo, step });
+    }
+    errors.extend(robot.check_space(name));
+    errors.extend(robot.check_limits(name, step, timing.stop_time));
+    errors
 }

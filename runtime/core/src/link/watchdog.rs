@@ -37,7 +37,14 @@ impl Watchdog {
                 }
             }
         };
-        Watchdog { leash: Some(leash), thread: Some(std::thread::spawn(watch)) }
+        // Without it the cell runs as well as with it.
+        let unwatched = |error| {
+            complain(&format!(
+                "warning: no thread for a watchdog: who computes for ever is not named: {error}"
+            ));
+        };
+        let thread = std::thread::Builder::new().spawn(watch).map_err(unwatched).ok();
+        Watchdog { leash: Some(leash), thread }
     }
 }
 
