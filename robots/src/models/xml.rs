@@ -7,7 +7,8 @@
 /// Most attributes of one element. Drawing programs and URDF write some ten.
 pub const MOST_ATTRIBUTES: usize = 128;
 
-/// Most attributes of all elements together: each takes some hundred bytes of memory.
+/// Most attributes of all elements together, of which each takes some hundred bytes of memory. An element that declares a
+/// namespace counts those that it can see as well: the reader lists them for it.
 pub const MOST_ATTRIBUTES_IN_ALL: usize = 1_000_000;
 
 /// Most declarations of namespaces that one element can see: its own, and those of the elements round it.
@@ -23,7 +24,7 @@ pub enum TooMuchXml {
         line: usize,
     },
     /// All elements together have too many attributes.
-    #[error("line {line}: more than {MOST_ATTRIBUTES_IN_ALL} attributes in all")]
+    #[error("line {line}: more than {MOST_ATTRIBUTES_IN_ALL} attributes and namespaces in all")]
     AttributesInAll {
         /// Line of the element that has one too many.
         line: usize,
@@ -88,7 +89,7 @@ pub fn check_xml(text: &str, depth: usize) -> Result<(), TooMuchXml> {
             if tag.attributes > MOST_ATTRIBUTES {
                 return Err(TooMuchXml::Attributes { line: line(here) });
             }
-            attributes += tag.attributes;
+            attributes += tag.attributes + if tag.namespaces > 0 { sees } else { 0 };
             if attributes > MOST_ATTRIBUTES_IN_ALL {
                 return Err(TooMuchXml::AttributesInAll { line: line(here) });
             }

@@ -63,7 +63,9 @@ fn modest(file: &str, text: &str, budget: &Budget) -> Result<(), DrawingError> {
         let (what, limit) = match error {
             TooMuchXml::Depth { .. } => return DrawingError::TooDeep { at, what: "elements", limit },
             TooMuchXml::Attributes { .. } => ("attributes of an element", MOST_ATTRIBUTES),
-            TooMuchXml::AttributesInAll { .. } => ("attributes in all", MOST_ATTRIBUTES_IN_ALL),
+            TooMuchXml::AttributesInAll { .. } => {
+                ("attributes and namespaces in all", MOST_ATTRIBUTES_IN_ALL)
+            }
             TooMuchXml::Namespaces { .. } => {
                 ("declarations of namespaces within one another", MOST_NAMESPACES)
             }
