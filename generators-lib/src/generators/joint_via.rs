@@ -12,10 +12,18 @@ use mrroc_generators::via::ViaJoints;
 /// [`through`](JointVia::through) plans in its first step, which is to be over before the next one: some ten points for each
 /// millisecond. In real time, plan through more of them before the Move, while the robots hold: [`along`](JointVia::along).
 pub struct JointVia<R: Robot> {
-    /// What is planned in the first step.
-    asked: Option<(Vec<R::Joints>, JointLimits<R::Joints>, R::Joints)>,
-    motion: Option<ViaJoints<R::Joints>>,
+    plan: Plan<R::Joints>,
     time: f64,
+}
+
+enum Plan<J> {
+    /// To be planned in the first step.
+    Asked {
+        points: Vec<J>,
+        limits: JointLimits<J>,
+        deviation: J,
+    },
+    Ready(ViaJoints<J>),
 }
 
 impl<R: Robot> JointVia<R> {
@@ -23,17 +31,17 @@ impl<R: Robot> JointVia<R> {
     /// blends. Leave a tenth of the robot's limits to the operator's feed rate.
     #[must_use]
     pub fn through(points: Vec<R::Joints>, deviation: R::Joints, limits: JointLimits<R::Joints>) -> Self {
-        JointVia { asked: Some((points, limits, deviation)), motion: None, time: 0.0 }
+        JointVia { plan: Plan::Asked { points, limits, deviation }, time: 0.0 }
     }
 
     /// Along a motion that is planned already, whose first point is where the robot is demanded to be.
     #[must_use]
     pub fn along(motion: ViaJoints<R::Joints>) -> Self {
-        JointVia { asked: None, motion: Some(motion), time: 0.0 }
+        JointVia { plan: Plan::Ready(motion), time: 0.0 }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
-        let Some(motion) = &self.motion else { return Step::Done };
+        let Plan::Ready(motion) = &self.plan else { return Step::Done };
         if self.time >= motion.duration() {
             return Step::Done;
         }
@@ -49,10 +57,10 @@ impl<R: Robot> JointVia<R> {
 #[generator(ecp)]
 impl<R: Robot> JointVia<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
-        if let Some((mut points, limits, deviation)) = self.asked.take() {
+        if let Plan::Asked { points, limits, deviation } = &mut self.plan {
             points.insert(0, e.demanded().joints);
-            let motion = ViaJoints::new(&points, &limits, &deviation);
-            self.motion = Some(motion.map_err(|error| Fault::thrown(&error.to_string()))?);
+            let motion = ViaJoints::new(points, limits, deviation);
+            self.plan = Plan::Ready(motion.map_err(|error| Fault::thrown(&error.to_string()))?);
         }
         Ok(self.advance(t))
     }
