@@ -53,7 +53,7 @@ fn fault_33_bombs_take_no_more_than_256_megabytes() {
     );
     let within: String = (0..240).map(|i| format!("<g{}>", namespaces(50 + i % 2))).collect();
     reads("svg", "namespaces in namespaces", &format!("{SVG}{within}{}</svg>", "</g>".repeat(240)));
-    let seeing = format!("<g{}>{}</g>", namespaces(29), "<g xmlns:m=\"u\"/>".repeat(million / 32));
+    let seeing = format!("<g{}>{}</g>", namespaces(29), "<g xmlns:m=\"u\"/>".repeat(million / 34));
     reads("svg", "some that see namespaces", &format!("{SVG}{seeing}</svg>"));
     let seeing = format!("<g{}>{}</g>", namespaces(29), "<g xmlns:m=\"u\"/>".repeat(900_000));
     reads("svg", "many that see namespaces", &format!("{SVG}{seeing}</svg>"));
