@@ -87,6 +87,8 @@ fn say(text: &str) -> ExitCode {
 }
 
 fn complain(line: &str) {
+    // Files of the project are quoted, which may hold anything.
+    let line: String = line.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect();
     // Without a standard error the exit status alone must tell.
     let _ = writeln!(io::stderr(), "{line}");
 }

@@ -11,6 +11,7 @@ use core::ops::Range;
 use corosensei::stack::Stack;
 
 /// The guard page of a process's stack, and what is said when the process touches it.
+#[cfg_attr(not(target_os = "linux"), expect(dead_code, reason = "no handler reads it"))]
 pub(super) struct Guard {
     page: Range<usize>,
     /// Made beforehand: a handler of a signal must not allocate.
