@@ -14,7 +14,7 @@ use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, OTHER, RECORDS};
+use mrroc_tests::fixture::{COMPUTES, OTHER, PATIENCE, RECORDS};
 
 use crate::Nothing;
 use crate::calls::Calls;
@@ -50,6 +50,11 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
             cell.robot(RobotSetup::new("third", arm, drives))
         }
         _ => cell,
+    };
+    let patience = std::env::var(PATIENCE).ok().and_then(|seconds| seconds.parse().ok());
+    let cell = match patience {
+        Some(seconds) => cell.end_when_stuck(Duration::from_secs(seconds)),
+        None => cell,
     };
     if Calls::are_counted() {
         let mut steps = Calls::of("mp");

@@ -13,3 +13,4 @@ mod operator;
 mod rows;
 mod runs;
 mod soak;
+mod supervision;

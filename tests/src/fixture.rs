@@ -20,6 +20,8 @@ pub const COUNTS: &str = "MRROC_TEST_COUNTS";
 pub const OTHER: &str = "MRROC_TEST_OTHER";
 /// The variable that makes the MP's program compute for ever.
 pub const COMPUTES: &str = "MRROC_TEST_COMPUTES";
+/// The variable with the time \[s\] for which a process of [`ARMS`] may compute at a stretch.
+pub const PATIENCE: &str = "MRROC_TEST_PATIENCE";
 /// The variable with the path time \[s\] from which the swing differs from the recorded one.
 pub const CHANGE: &str = "MRROC_TEST_CHANGE";
 /// How long the arms of [`SOAK`] move \[s\].

@@ -6,8 +6,11 @@
 //! that a process has died.
 
 use std::io::{self, ErrorKind, Read, Write};
+use std::net::Shutdown;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
+
+use rustix::net::{SendFlags, send};
 
 use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
@@ -221,13 +224,20 @@ impl Control {
 
     /// Sends a frame.
     pub(super) fn send(&self, frame: &Frame) -> io::Result<()> {
-        let mut words = [0; WORDS];
-        frame.put(&mut words);
-        let mut bytes = [0; 8 * WORDS];
-        for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
-            chunk.copy_from_slice(&word.to_le_bytes());
-        }
-        (&self.0).write_all(&bytes)
+        (&self.0).write_all(&bytes(frame))
+    }
+
+    /// Sends a frame, unless the other side has left so many unread that it would have to be waited for.
+    pub(super) fn send_now(&self, frame: &Frame) -> io::Result<()> {
+        // The socket takes a frame as a whole, because it is shorter than a page.
+        send(&self.0, &bytes(frame), SendFlags::DONTWAIT | SendFlags::NOSIGNAL)?;
+        Ok(())
+    }
+
+    /// Sends nothing more: the other side sees the end of the stream.
+    pub(super) fn hang_up(&self) {
+        // It fails if the other side has hung up already.
+        drop(self.0.shutdown(Shutdown::Write));
     }
 
     /// Waits for a frame.
@@ -257,6 +267,17 @@ impl Control {
     pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
     }
+}
+
+/// A frame as it is sent.
+fn bytes(frame: &Frame) -> [u8; 8 * WORDS] {
+    let mut words = [0; WORDS];
+    frame.put(&mut words);
+    let mut bytes = [0; 8 * WORDS];
+    for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
+        chunk.copy_from_slice(&word.to_le_bytes());
+    }
+    bytes
 }
 
 #[cfg(test)]

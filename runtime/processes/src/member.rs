@@ -18,9 +18,10 @@ use super::board::StateBoard;
 use super::control::{Control, Frame};
 use super::entry;
 use super::figures::Gauge;
+use super::heartbeat::Silence;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, prefix};
-use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, WakeFutex};
+use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, Supervised, WakeFutex};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
 use mrroc_core::link::{Host, Nanos, News, Waiter};
@@ -185,8 +186,9 @@ fn take_part(
     let (time, receiver) = match (gauge, fabric.wake_futex()) {
         (Some(gauge), Some(wake_futex)) => {
             let (heard, receiver) = listen(control, wake_futex, has_robot(me)).map_err(Ended::of)?;
-            let waiter =
-                RealTime::new(wake_futex, heard, (origin, spin), gauge.samples()).showing(entry.of(me));
+            let waiter = RealTime::new(wake_futex, heard, (origin, spin), gauge.samples())
+                .showing(entry.of(me))
+                .supervised_by(entry.supervised(me));
             body(waiter.host());
             gauge.end();
             (waiter.now(), Some(receiver))
@@ -244,6 +246,16 @@ impl Entry {
             }
         };
         (me == ProcessId::MP).then(|| -> Show { Box::new(show) })
+    }
+
+    /// What tells an MP whether its launcher supervises the cell; `None` in any other process.
+    fn supervised(&self, me: ProcessId) -> Option<Supervised> {
+        let (entry, silence) = (Rc::clone(&self.0), Silence::default());
+        let supervised = move |now| {
+            let board = entry.get().map(|(board, _)| board);
+            board.is_none_or(|board| !silence.look(board.heartbeat().read(), now))
+        };
+        (me == ProcessId::MP).then(|| -> Supervised { Box::new(supervised) })
     }
 }
 

@@ -125,8 +125,7 @@ impl CellLock {
         for entry in fs::read_dir(&self.base).map_err(at(&self.base))?.flatten() {
             let folder = entry.path();
             let Some((cell, number)) = entry.file_name().to_str().and_then(read_name) else { continue };
-            let lock = File::open(folder.join("lock"));
-            if lock.is_ok_and(|lock| lock.try_lock().is_err()) {
+            if is_used(&folder) {
                 if cell == self.cell {
                     alive = Some(folder);
                 }
@@ -231,10 +230,19 @@ pub(super) fn sessions_of(cell: &Path) -> Result<Vec<PathBuf>, SessionError> {
         let name = entry.file_name().to_str().and_then(read_name);
         name.is_some_and(|(cell, _)| cell == number)
     });
-    // The lock of a crashed session is free.
-    let is_held =
-        |folder: &PathBuf| File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err());
-    Ok(ours.map(|entry| entry.path()).filter(is_held).collect())
+    Ok(ours.map(|entry| entry.path()).filter(|folder| is_used(folder)).collect())
+}
+
+/// Whether a session has processes: the lock of one that has ended or crashed is free, or gone.
+pub(super) fn is_used(folder: &Path) -> bool {
+    File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err())
+}
+
+/// Whether a signal or a debugger has stopped a process.
+pub(super) fn is_stopped(pid: u32) -> bool {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+    // The state comes after the name, which is in parentheses and may contain any character.
+    stat.rsplit_once(')').is_some_and(|(_, rest)| matches!(rest.trim_start().chars().next(), Some('T' | 't')))
 }
 
 /// The prefix of the names of a session's segments.

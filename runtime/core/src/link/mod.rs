@@ -71,6 +71,11 @@ pub trait Notices {
     fn news(&self) -> Option<News> {
         None
     }
+
+    /// Whether who started the cell still watches over its processes.
+    fn is_supervised(&self) -> bool {
+        true
+    }
 }
 
 /// Of a link on which nothing is counted and nothing happens outside of the cell.

@@ -24,6 +24,7 @@ use super::protocol::{Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::entry::{MpPanel, robot};
+use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::operator::button::{Button, CellState};
 
@@ -132,7 +133,7 @@ impl Service {
             if user != rustix::process::getuid().as_raw() {
                 console.write(&format!("refused the cell belongs to another user than {user}\n"));
                 if self.strangers.insert(user) {
-                    eprintln!("note: operator: process {pid} of user {user} was refused");
+                    complain(&format!("note: operator: process {pid} of user {user} was refused"));
                 }
                 continue;
             }

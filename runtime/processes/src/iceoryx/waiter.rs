@@ -76,10 +76,14 @@ pub(crate) struct RealTime {
     /// The press of each kind that was not taken yet; a newer press replaces it.
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
     shows: Option<Show>,
+    supervised: Option<Supervised>,
 }
 
 /// What shows the state of an MP.
 pub(crate) type Show = Box<dyn Fn(&MpState)>;
+
+/// What tells an MP, at a time of the machine's clock \[ns\], whether its launcher supervises the cell.
+pub(crate) type Supervised = Box<dyn Fn(Nanos) -> bool>;
 
 impl RealTime {
     pub fn new(
@@ -102,12 +106,19 @@ impl RealTime {
             samples,
             pressed: Default::default(),
             shows: None,
+            supervised: None,
         }
     }
 
     /// Lets the MP show its state by `shows`.
     pub fn showing(mut self, shows: Option<Show>) -> Self {
         self.shows = shows;
+        self
+    }
+
+    /// Lets the MP know by `supervised` whether its launcher supervises the cell.
+    pub fn supervised_by(mut self, supervised: Option<Supervised>) -> Self {
+        self.supervised = supervised;
         self
     }
 
@@ -175,6 +186,10 @@ impl Meter for RealTime {
 impl Notices for RealTime {
     fn news(&self) -> Option<News> {
         self.news.take()
+    }
+
+    fn is_supervised(&self) -> bool {
+        self.supervised.as_ref().is_none_or(|supervised| supervised(monotonic()))
     }
 }
 
