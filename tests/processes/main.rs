@@ -7,6 +7,7 @@
 #![cfg(target_os = "linux")]
 
 mod both_links;
+mod consoles;
 mod kills;
 mod launch;
 mod operator;

@@ -61,7 +61,7 @@ impl ConsoleServer {
         let (open, end) = UnixStream::pair()?;
         let (sender, presses) = channel();
         let service = Service {
-            listener,
+            listeners: vec![listener],
             end,
             board,
             seats: Arc::clone(&seats),
@@ -73,6 +73,7 @@ impl ConsoleServer {
             presses_made: 0,
             holder: None,
             strangers: BTreeSet::new(),
+            drawn: None,
         };
         let thread =
             std::thread::Builder::new().name("console_server".to_owned()).spawn(move || service.run())?;

@@ -20,3 +20,4 @@ pub use caller::{Asks, Caller, ENDED, Hears};
 pub(super) use handle::ConsoleServer;
 pub use picture::{Picture, ProcessPicture, RobotPicture};
 pub use protocol::{Heard, MAX_REQUEST, Reply, Request};
+pub(super) use service::CONNECTIONS;
