@@ -8,6 +8,7 @@
 
 mod both_links;
 mod consoles;
+mod crowd;
 mod kills;
 mod launch;
 mod operator;

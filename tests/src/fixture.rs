@@ -1,7 +1,7 @@
 //! What tests and the task programs that they start as processes (`tests/cell/`) agree on: the names of environment
 //! variables, and of files in the folders that some of these variables name.
 
-/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`] or [`RECORDED`].
+/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`], [`CROWD`] or [`RECORDED`].
 pub const PROGRAM: &str = "MRROC_TEST_PROGRAM";
 /// Two arms that are coordinated loosely and tightly, sensors in three modes.
 pub const ARMS: &str = "arms";
@@ -9,6 +9,8 @@ pub const ARMS: &str = "arms";
 pub const TASKS: &str = "tasks";
 /// Two arms that turn to and fro for the given time.
 pub const SOAK: &str = "soak";
+/// Any number of robots that stand.
+pub const CROWD: &str = "crowd";
 /// The cell of the tests of recordings.
 pub const RECORDED: &str = "recorded";
 

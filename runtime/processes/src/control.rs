@@ -5,6 +5,7 @@
 //! the stream means that the other side has ended: by it a process notices that its launcher is gone, and the launcher
 //! that a process has died.
 
+use core::ops::Range;
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::Shutdown;
 use std::os::fd::{AsFd, BorrowedFd};
@@ -19,11 +20,15 @@ use mrroc_core::cell::Rest;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::link::Nanos;
+use mrroc_core::link::places::Places;
 use mrroc_core::operator::button::Button;
 use mrroc_core::payload::{BadWords, Wire};
 
 /// Words of a frame.
 const WORDS: usize = 32;
+
+/// The words of a frame with the places to which a process has sent messages.
+const WOKEN: Range<usize> = 2..2 + Places::WORDS;
 
 /// Bytes of a text in a frame.
 const TEXT: usize = 8 * (WORDS - 2);
@@ -54,11 +59,11 @@ pub(super) enum Frame {
     /// From a process: it is connected; with what the machine did not grant it.
     Ready { lacks: Lacks },
     /// From a process, in lock-step: it waits, at most until `deadline` \[ns\]; with the places to which it has sent
-    /// messages, one bit each.
-    Waits { deadline: Nanos, woken: u64 },
+    /// messages.
+    Waits { deadline: Nanos, woken: Places },
     /// From a process, in lock-step: the process at `place` is to run until it waits, then this process goes on; with
     /// the other places to which it has sent messages, one bit each.
-    Calls { place: u64, woken: u64 },
+    Calls { place: u64, woken: Places },
     /// From the plant: a robot has come to a standstill after its demands had stopped.
     Rested(Rest),
     /// From a process, in real time, once a second and at the end: how late it was and how long it worked.
@@ -114,11 +119,13 @@ impl Frame {
                 9
             }
             Frame::Waits { deadline, woken } => {
-                words[1..3].copy_from_slice(&[*deadline, *woken]);
+                words[1] = *deadline;
+                words[WOKEN].copy_from_slice(&woken.to_words());
                 10
             }
             Frame::Calls { place, woken } => {
-                words[1..3].copy_from_slice(&[*place, *woken]);
+                words[1] = *place;
+                words[WOKEN].copy_from_slice(&woken.to_words());
                 13
             }
             Frame::Rested(rest) => {
@@ -183,7 +190,7 @@ impl Frame {
             7 => Frame::Close,
             8 => Frame::Created { fingerprint: words[1] },
             9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
-            10 => Frame::Waits { deadline: words[1], woken: words[2] },
+            10 => Frame::Waits { deadline: words[1], woken: woken(words)? },
             11 => {
                 let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
                 let len = usize::try_from(words[1]).ok().filter(|&len| len <= TEXT).ok_or(BadWords)?;
@@ -198,7 +205,7 @@ impl Frame {
                 };
                 Frame::Over { steps: words[1], time: words[2], outcome }
             }
-            13 => Frame::Calls { place: words[1], woken: words[2] },
+            13 => Frame::Calls { place: words[1], woken: woken(words)? },
             15 => {
                 let figures = words[1..].first_chunk::<FIGURES_WORDS>().ok_or(BadWords)?;
                 Frame::Figures(Figures::get(figures))
@@ -211,6 +218,11 @@ impl Frame {
             _ => return Err(BadWords),
         })
     }
+}
+
+/// The places to which a process has sent messages.
+fn woken(words: &[u64; WORDS]) -> Result<Places, BadWords> {
+    words[WOKEN].try_into().map(Places::from_words).map_err(|_| BadWords)
 }
 
 /// One end of the socket.
@@ -307,8 +319,8 @@ mod tests {
             Frame::Close,
             Frame::Created { fingerprint: 7 },
             Frame::Ready { lacks: Lacks::from_word(5) },
-            Frame::Waits { deadline: 8, woken: 9 },
-            Frame::Calls { place: 8, woken: 9 },
+            Frame::Waits { deadline: 8, woken: Places::of(9).with(150) },
+            Frame::Calls { place: 8, woken: Places::of(9).with(150) },
             Frame::Figures(Figures { skipped: 1, overruns: 2, dropped: 3, ..Figures::default() }),
             Frame::Rested(Rest { edp, braked_after: 11, stood_after: 3 }),
             Frame::Refuses("no shared memory: größer".to_owned()),

@@ -11,7 +11,7 @@ use super::capacity::{self, NoRoom};
 use super::console_server::ConsoleServer;
 use super::figures::table;
 use super::pacing::pace;
-use super::process_set::{CLOSING, Member, NoStart, Plan, ProcessSet};
+use super::process_set::{Member, NoStart, Plan, ProcessSet};
 use super::session::{CellLock, Session, SessionError};
 use super::signals::Signals;
 use super::supervision::{Patience, Supervision};
@@ -108,7 +108,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                     None => pace(&process_set, &signals, stop)?,
                 };
                 let teller = if plan.watched { process_set.plant_over() } else { None };
-                process_set.reap(teller, Instant::now() + CLOSING);
+                process_set.reap(teller, Instant::now() + process_set.closing());
                 // All processes have ended, so all their messages have been sent.
                 drop(relay);
                 let figures = process_set.figures();

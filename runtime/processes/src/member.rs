@@ -24,6 +24,7 @@ use super::session::{Membership, prefix};
 use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, Supervised, WakeFutex};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
+use mrroc_core::link::places::Places;
 use mrroc_core::link::{Host, Nanos, News, Waiter};
 use mrroc_core::observe::Observation;
 use mrroc_core::operator::state::MpState;
@@ -50,12 +51,12 @@ impl Launcher for Control {
         heard(self.receive())
     }
 
-    fn yields(&self, deadline: Nanos, woken: u64) {
+    fn yields(&self, deadline: Nanos, woken: Places) {
         // If the launcher is gone, sending fails, and the next `hear` reports the close of the cell.
         drop(self.send(&Frame::Waits { deadline, woken }));
     }
 
-    fn calls(&self, place: usize, woken: u64) {
+    fn calls(&self, place: usize, woken: Places) {
         drop(self.send(&Frame::Calls { place: place as u64, woken }));
     }
 }

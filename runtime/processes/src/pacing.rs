@@ -15,6 +15,7 @@ use super::signals::Signals;
 use mrroc_core::cell::CellError;
 use mrroc_core::fault::{Fault, ProcessId, Role};
 use mrroc_core::link::memory::Scheduler;
+use mrroc_core::link::places::Places;
 use mrroc_core::link::{Link, Nanos, Waiter};
 
 /// Runs a cell in lock-step under the virtual clock: the memory link's scheduler resumes processes in place of
@@ -45,7 +46,7 @@ pub(super) fn pace(process_set: &ProcessSet, signals: &Signals, stop: Duration) 
 /// Represents a process in the scheduler of the launcher.
 struct Proxy {
     member: Rc<Member>,
-    wake: Box<dyn Fn(u64)>,
+    wake: Box<dyn Fn(Places)>,
     close: Box<dyn Fn()>,
     stopped: Arc<AtomicBool>,
     death: Rc<core::cell::RefCell<Option<Fault>>>,
@@ -96,15 +97,16 @@ impl Proxy {
 
     /// Lets the process at a place run until it waits, as if it were a part of the calling process.
     fn call(&self, place: u64, now: Nanos) {
-        let Some(called) = usize::try_from(place).ok().and_then(|place| self.all.get(place)) else { return };
+        let Ok(place) = usize::try_from(place) else { return };
+        let Some(called) = self.all.get(place) else { return };
         if called.gone.get() || called.over.borrow().is_some() {
             return;
         }
         match called.control.send(&Frame::Resume { now }).and_then(|()| called.control.receive()) {
             // The calling process goes on at once, so it needs no wake-up.
-            Ok(Frame::Waits { woken, .. }) => (self.wake)(woken & !(1 << self.place)),
+            Ok(Frame::Waits { woken, .. }) => (self.wake)(woken.without(self.place)),
             // The called process is gone: its own proxy notices that when it is resumed.
-            Ok(_) | Err(_) => (self.wake)(1 << place),
+            Ok(_) | Err(_) => (self.wake)(Places::of(place)),
         }
     }
 

@@ -28,8 +28,10 @@ use mrroc_core::link::Nanos;
 /// How long a process may take to set itself up: long, because the machine may be loaded.
 const SETTING_UP: Duration = Duration::from_secs(30);
 
-/// Time that processes have to end after the cell closes, in addition to the time that its robots take to stop.
-pub(super) const CLOSING: Duration = Duration::from_secs(10);
+/// Time that processes have to end after the cell closes, in addition to the time that its robots take to stop: this, and
+/// so much for each process, because all of them end at once and share the machine's cores.
+const CLOSING: Duration = Duration::from_secs(10);
+const CLOSING_EACH: Duration = Duration::from_millis(250);
 
 /// How long a process that has closed its connection may take to end.
 const ENDING: Duration = Duration::from_millis(500);
@@ -283,6 +285,11 @@ impl ProcessSet {
         self.members.iter().filter_map(|member| Some((member.id, member.figures.get()?))).collect()
     }
 
+    /// Time that the processes have to end after the cell closes, in addition to the time that its robots take to stop.
+    pub fn closing(&self) -> Duration {
+        CLOSING + CLOSING_EACH * self.members.len().try_into().unwrap_or(u32::MAX)
+    }
+
     /// Lets the processes run. The cell's time begins at `origin` of the machine's monotonic clock \[ns\].
     pub fn go(&self, origin: Nanos) {
         self.runs.set(true);
@@ -337,7 +344,7 @@ impl Drop for ProcessSet {
         // A process that sets itself up moves nothing, and none of these is told to run any more.
         if self.runs.get() {
             self.members.iter().for_each(|member| member.control.hang_up());
-            self.reap(None, Instant::now() + self.stop + CLOSING);
+            self.reap(None, Instant::now() + self.stop + self.closing());
         }
         self.members.iter().filter(|member| !member.gone.get()).for_each(|member| member.kill());
     }

@@ -16,7 +16,7 @@ use super::entry::MpPanel;
 use super::heartbeat::BEAT;
 use super::launcher::{Run, note};
 use super::mp_watch::{MpWatch, Still};
-use super::process_set::{CLOSING, Member, Over, ProcessSet};
+use super::process_set::{Member, Over, ProcessSet};
 use super::session::is_stopped;
 use super::signals::{Signals, stop_until_continued};
 use crate::iceoryx::monotonic;
@@ -208,7 +208,7 @@ impl<'a> Supervision<'a> {
     fn close(&mut self) {
         if self.closing.is_none() {
             self.process_set.tell(&Frame::Close);
-            self.closing = Some(Instant::now() + self.patience.stop + CLOSING);
+            self.closing = Some(Instant::now() + self.patience.stop + self.process_set.closing());
         }
     }
 

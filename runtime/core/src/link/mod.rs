@@ -9,6 +9,7 @@ pub mod memory;
 pub mod message;
 pub mod numbering;
 pub mod patience;
+pub mod places;
 pub mod watchdog;
 
 use std::rc::Rc;
