@@ -14,7 +14,7 @@ use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, OTHER, PATIENCE, RECORDS};
+use mrroc_tests::fixture::{COMPUTES, HARDWARE, OTHER, PATIENCE, RECORDS};
 
 use crate::Nothing;
 use crate::calls::Calls;
@@ -111,6 +111,10 @@ impl Driver<Irp6> for Recorded {
         let outcome = self.drives.tick(demanded);
         self.write("tick", &self.drives.measured());
         outcome
+    }
+
+    fn hardware(&self) -> Option<String> {
+        std::env::var(HARDWARE).ok()
     }
 
     fn has_brakes(&self) -> bool {

@@ -9,6 +9,7 @@
 mod both_links;
 mod consoles;
 mod crowd;
+mod identity;
 mod kills;
 mod launch;
 mod operator;

@@ -60,7 +60,7 @@ pub fn done(place: &Place, words: &[&str], told: &str) -> u64 {
 }
 
 /// The step in which a request was carried out that was answered so.
-fn carried_out(words: &[&str], (status, said): (Option<i32>, String), told: &str) -> u64 {
+pub fn carried_out(words: &[&str], (status, said): (Option<i32>, String), told: &str) -> u64 {
     assert!(status == Some(0) && said.contains(told), "{words:?}: {status:?}: {said}");
     let step = said.rsplit_once("step ").map(|(_, step)| step.trim().parse());
     step.expect("a step").expect("a number")

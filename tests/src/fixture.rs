@@ -24,6 +24,8 @@ pub const OTHER: &str = "MRROC_TEST_OTHER";
 pub const COMPUTES: &str = "MRROC_TEST_COMPUTES";
 /// The variable with the time \[s\] for which a process of [`ARMS`] may compute at a stretch.
 pub const PATIENCE: &str = "MRROC_TEST_PATIENCE";
+/// The variable with what the drives of [`ARMS`] say that they are.
+pub const HARDWARE: &str = "MRROC_TEST_HARDWARE";
 /// The variable with the path time \[s\] from which the swing differs from the recorded one.
 pub const CHANGE: &str = "MRROC_TEST_CHANGE";
 /// How long the arms of [`SOAK`] move \[s\].

@@ -16,6 +16,7 @@ use rustix::net::{SendFlags, send};
 use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
 use crate::iceoryx::{Clock, Seal};
+use crate::identity::CellId;
 use mrroc_core::cell::Rest;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
@@ -36,9 +37,9 @@ const TEXT: usize = 8 * (WORDS - 2);
 /// A frame from a launcher to a process, or from a process to its launcher.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Frame {
-    /// To a process: which run it belongs to, by which clock the run goes, and how long to poll before it sleeps
-    /// \[ns\].
-    Welcome { seal: Seal, clock: Clock, spin: Nanos },
+    /// To a process: which run of which cell it belongs to, by which clock the run goes, and how long to poll before it
+    /// sleeps \[ns\].
+    Welcome { seal: Seal, cell: CellId, clock: Clock, spin: Nanos },
     /// To a process: all processes have made what others open; now open what the others have made.
     Connect,
     /// To a process: all processes are connected; run. The cell's time begins at `origin` of the machine's monotonic
@@ -78,12 +79,13 @@ pub(super) enum Frame {
 impl Frame {
     fn put(&self, words: &mut [u64; WORDS]) {
         words[0] = match self {
-            Frame::Welcome { seal, clock, spin } => {
-                words[1..5].copy_from_slice(&[
+            Frame::Welcome { seal, cell, clock, spin } => {
+                words[1..6].copy_from_slice(&[
                     seal.session,
                     seal.epoch,
                     u64::from(*clock == Clock::Virtual),
                     *spin,
+                    cell.0,
                 ]);
                 1
             }
@@ -173,6 +175,7 @@ impl Frame {
                 seal: Seal { session: words[1], epoch: words[2] },
                 clock: if words[3] == 0 { Clock::Real } else { Clock::Virtual },
                 spin: words[4],
+                cell: CellId(words[5]),
             },
             2 => Frame::Connect,
             3 => Frame::Go { origin: words[1] },
@@ -306,8 +309,8 @@ mod tests {
         let fault = Fault::new(FaultKind::DriveFault).in_process(edp).at_step(3).text("no brake");
         let seal = Seal { session: 1, epoch: 2 };
         let frames = [
-            Frame::Welcome { seal, clock: Clock::Virtual, spin: 3 },
-            Frame::Welcome { seal, clock: Clock::Real, spin: 0 },
+            Frame::Welcome { seal, cell: CellId(u64::MAX), clock: Clock::Virtual, spin: 3 },
+            Frame::Welcome { seal, cell: CellId(1), clock: Clock::Real, spin: 0 },
             Frame::Connect,
             Frame::Go { origin: u64::MAX },
             Frame::Resume { now: 5 },

@@ -76,12 +76,13 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let _output = Background::begin().map_err(LaunchError::Output)?;
     let stop = cell.stop_limit();
     let computing = cell.patience().unwrap_or(COMPUTING);
+    let hardware = cell.hardware();
     let recorder = cell.recorder();
     let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
     // The launcher puts the cell together to learn its processes, and runs none of them itself.
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
-    let lock = CellLock::take(&plan.cell)?;
+    let lock = CellLock::take(&plan.cell, &hardware)?;
     capacity::check(fabric.places().len() + fabric.ways())?;
     let signals = Signals::hear(plan.clock)?;
     let mut epoch = 1;
@@ -162,7 +163,7 @@ fn open_console_server(
     process_set: &ProcessSet,
 ) -> Result<ConsoleServer, LaunchError> {
     let seats = process_set.members.iter().map(|member| (member.id, member.pid()));
-    ConsoleServer::open(session.folder(), board, seats).map_err(LaunchError::ConsoleServer)
+    ConsoleServer::open((session.folder(), session.cell()), board, seats).map_err(LaunchError::ConsoleServer)
 }
 
 /// The result of a run.

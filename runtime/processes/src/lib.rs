@@ -3,7 +3,7 @@
 //! In: a cell and a command line. Out: the run of all its processes, supervised by the launcher, or of the one process
 //! that this is.
 //!
-//! The `launcher` starts a `session` and its `process_set`. In real time it keeps the cell under its `supervision`: it
+//! A cell and its hardware are run once on a machine, by their `identity`. The `launcher` starts a `session` and its `process_set`. In real time it keeps the cell under its `supervision`: it
 //! gives its `heartbeat`, hears `signals` of its terminal, and `mp_watch` says when the MP stands still; under the virtual clock
 //! it resumes one process after another (`pacing`). Each process is a `member`, which puts the whole
 //! cell together and runs its own part; `control` holds the frames between the launcher and its processes. The
@@ -27,6 +27,7 @@ mod entry;
 mod figures;
 mod heartbeat;
 mod iceoryx;
+mod identity;
 #[cfg(test)]
 mod latency;
 mod launcher;

@@ -22,6 +22,7 @@ use super::heartbeat::Silence;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, prefix};
 use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, Supervised, WakeFutex};
+use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
 use mrroc_core::link::places::Places;
@@ -94,10 +95,10 @@ pub(crate) fn run(
         let _ = set_parent_process_death_signal(Some(Signal::KILL));
     }
     let gone = |_: io::Error| NoPart::NoLauncher(me);
-    let Frame::Welcome { seal, clock, spin } = control.receive().map_err(gone)? else {
+    let Frame::Welcome { seal, cell: id, clock, spin } = control.receive().map_err(gone)? else {
         return Err(NoPart::NoLauncher(me));
     };
-    match take_part(cell, me, folder, &control, (seal, clock, spin)) {
+    match take_part((cell, id), me, folder, &control, (seal, clock, spin)) {
         Ok((over, receiver)) => {
             control.send(&over).map_err(gone)?;
             if !watched || me.role != Role::Plant {
@@ -145,13 +146,14 @@ impl Ended {
 }
 
 fn take_part(
-    cell: Cell,
+    (cell, id): (Cell, CellId),
     me: ProcessId,
     folder: &Path,
     control: &Control,
     (seal, clock, spin): (Seal, Clock, Nanos),
 ) -> Result<LastWords, Ended> {
     let membership = Membership::join(folder).map_err(Ended::of)?;
+    let _part = identity::take_part(id).map_err(Ended::of)?;
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }

@@ -246,7 +246,7 @@ impl ProcessSet {
         plan: &Plan,
     ) -> Result<(), NoStart> {
         let seal = Seal { session: session.number(), epoch };
-        self.tell(&Frame::Welcome { seal, clock: plan.clock, spin: plan.spin });
+        self.tell(&Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin });
         for member in &self.members {
             if member.expect()? != (Frame::Created { fingerprint }) {
                 return Err(NoStart::OtherCell(member.id));

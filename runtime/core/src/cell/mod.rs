@@ -23,6 +23,7 @@ mod watching;
 
 use core::time::Duration;
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -213,6 +214,12 @@ impl Cell {
     /// Its robots, for a trial to watch.
     pub fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
         self.parts.robots.iter_mut().map(|robot| &mut **robot)
+    }
+
+    /// The hardware that its drivers name, each once.
+    pub fn hardware(&self) -> Vec<String> {
+        let names: BTreeSet<_> = self.parts.robots.iter().filter_map(|robot| robot.hardware()).collect();
+        names.into_iter().collect()
     }
 
     /// The length of a step.

@@ -13,6 +13,7 @@ use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connec
 
 use super::protocol::{Heard, Request};
 use super::service::SOCKET;
+use crate::identity::{CellId, Holder};
 use crate::session::{SessionError, is_stopped, is_used, sessions_of};
 
 /// How long a console waits for the cell to take its connection, its request, and to answer.
@@ -37,6 +38,17 @@ pub(crate) enum NoCell {
         "the cell of {0} takes no orders now\n help: it is starting or ending, or runs under the virtual clock, which waits for nobody"
     )]
     Closed(PathBuf),
+    /// Another user runs the cell.
+    #[error(
+        "process {pid} of user {user} runs the cell of {cell}: only that user may operate it\n help: ask that user, or become it: sudo -u '#{user}'"
+    )]
+    OfAnother {
+        /// The cell's file.
+        cell: PathBuf,
+        /// The launcher's process, and its user.
+        pid: u32,
+        user: u32,
+    },
     /// The cell runs, but its launcher does not take the connection.
     #[error(
         "the cell of {0} has not answered for {patience} s: its launcher stands still\n help: see `ps -ef`; let it go on by kill -CONT and its number",
@@ -56,6 +68,9 @@ pub struct Caller {
     pub hears: Hears,
 }
 
+/// Whether the cell still runs.
+type Runs = Box<dyn Fn() -> bool + Send>;
+
 /// The direction from a console to the console server.
 pub struct Asks {
     stream: UnixStream,
@@ -67,8 +82,7 @@ pub struct Asks {
 pub struct Hears {
     stream: BufReader<UnixStream>,
     launcher: Option<u32>,
-    /// The folder of the cell's session.
-    session: PathBuf,
+    runs: Runs,
 }
 
 impl Caller {
@@ -77,35 +91,46 @@ impl Caller {
     /// # Errors
     /// [`NoCell`]
     pub(crate) fn find(cell: &Path) -> Result<Caller, NoCell> {
-        let sessions = sessions_of(cell)?;
-        let mut silent = false;
-        for session in &sessions {
-            match Caller::connect(session) {
+        let id = CellId::of(cell);
+        let holder = id.holder();
+        if let Some(Holder { pid, user }) = holder.filter(|holder| !holder.is_ours()) {
+            return Err(NoCell::OfAnother { cell: cell.to_owned(), pid, user });
+        }
+        // By what the cell is, wherever its session is; or else, if its file was replaced meanwhile, by the file's path.
+        let mut tried = Vec::new();
+        if holder.is_some() {
+            let address = SocketAddrUnix::new_abstract_name(id.console().as_bytes());
+            tried.push((address, Box::new(move || id.holder().is_some()) as Runs));
+        }
+        for session in sessions_of(cell)? {
+            let address = SocketAddrUnix::new(session.join(SOCKET));
+            tried.push((address, Box::new(move || is_used(&session))));
+        }
+        let (runs, mut silent) = (!tried.is_empty(), false);
+        for (address, runs) in tried {
+            match address.map_err(io::Error::from).and_then(|address| Caller::connect(&address, runs)) {
                 Ok(caller) => return Ok(caller),
                 Err(error) => silent |= is_timeout(&error),
             }
         }
-        Err(match sessions.is_empty() {
-            true => NoCell::NotRun(cell.to_owned()),
-            false if silent => NoCell::Silent(cell.to_owned()),
-            false => NoCell::Closed(cell.to_owned()),
+        Err(match runs {
+            false => NoCell::NotRun(cell.to_owned()),
+            true if silent => NoCell::Silent(cell.to_owned()),
+            true => NoCell::Closed(cell.to_owned()),
         })
     }
 
-    fn connect(session: &Path) -> io::Result<Caller> {
+    fn connect(address: &SocketAddrUnix, runs: Runs) -> io::Result<Caller> {
         let socket = socket_with(AddressFamily::UNIX, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
         for direction in [Timeout::Send, Timeout::Recv] {
             set_socket_timeout(&socket, direction, Some(PATIENCE))?;
         }
-        connect(&socket, &SocketAddrUnix::new(session.join(SOCKET))?)?;
+        connect(&socket, address)?;
         let launcher =
             socket_peercred(&socket).ok().map(|peer| peer.pid.as_raw_nonzero().get().unsigned_abs());
         let stream = UnixStream::from(socket);
         let asks = Asks { stream: stream.try_clone()?, launcher };
-        Ok(Caller {
-            asks,
-            hears: Hears { stream: BufReader::new(stream), launcher, session: session.to_owned() },
-        })
+        Ok(Caller { asks, hears: Hears { stream: BufReader::new(stream), launcher, runs } })
     }
 
     /// Sends a request and waits for its answer.
@@ -149,7 +174,7 @@ impl Hears {
     /// What the end of the connection means. A cell that ends closes its connections first.
     fn end(&self) -> io::Error {
         let until = Instant::now() + ENDING;
-        while is_used(&self.session) {
+        while (self.runs)() {
             if Instant::now() > until {
                 let text = "the cell has closed the connection, but has not ended\n help: ask again";
                 return io::Error::new(ErrorKind::UnexpectedEof, text);
