@@ -1,9 +1,13 @@
 //! Many consoles at a time.
 
+use std::fs;
 use std::io::{BufRead, BufReader, Write};
-use std::os::unix::net::UnixStream;
+use std::os::linux::net::SocketAddrExt;
+use std::os::unix::net::{SocketAddr, UnixStream};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use rustix::net::sockopt::socket_peercred;
 
 use crate::launch::{Launch, Place};
 use crate::operator::{ask, done, operate, socket};
@@ -42,22 +46,38 @@ impl Line {
     }
 }
 
-/// Does some work while two threads connect again and again, and keep up to so many connections.
-fn while_others_connect<T>(socket: &Path, kept: usize, work: impl FnOnce() -> T) -> T {
+/// The ways to the console server of a launch: its socket, and its name.
+fn ways(place: &Place, launch: &Launch) -> [SocketAddr; 2] {
+    let is_its = |address: &SocketAddr| {
+        let peer = UnixStream::connect_addr(address).and_then(|stream| Ok(socket_peercred(&stream)?));
+        peer.is_ok_and(|peer| peer.pid.as_raw_nonzero().get() == launch.pid())
+    };
+    let list = fs::read_to_string("/proc/net/unix").expect("the list of sockets");
+    let names = list.lines().filter_map(|line| line.rsplit_once(" @").map(|(_, name)| name));
+    let consoles = names.filter(|name| name.starts_with("mrroc-cell-") && name.ends_with("-console"));
+    let mut addresses = consoles.map(|name| SocketAddr::from_abstract_name(name).expect("a name"));
+    let named = addresses.find(is_its).expect("the cell has a name");
+    [SocketAddr::from_pathname(socket(place)).expect("a path"), named]
+}
+
+/// Does some work while a thread connects again and again in each of these ways, and keeps up to so many connections.
+fn while_others_connect<T>(ways: &[SocketAddr], kept: usize, work: impl FnOnce() -> T) -> T {
     let over = AtomicBool::new(false);
-    let connect = || {
+    let connect = |way: &SocketAddr| {
         let mut all = Vec::new();
         while !over.load(Ordering::Acquire) {
             if all.len() >= kept {
                 all.clear();
             }
-            if let Ok(stream) = UnixStream::connect(socket) {
+            if let Ok(stream) = UnixStream::connect_addr(way) {
                 all.push(stream);
             }
         }
     };
     std::thread::scope(|scope| {
-        [connect, connect].into_iter().for_each(|connect| drop(scope.spawn(connect)));
+        for way in ways {
+            scope.spawn(|| connect(way));
+        }
         let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
         over.store(true, Ordering::Release);
         ended.unwrap_or_else(|panic| std::panic::resume_unwind(panic))
@@ -67,17 +87,17 @@ fn while_others_connect<T>(socket: &Path, kept: usize, work: impl FnOnce() -> T)
 #[test]
 fn fault_63_orders_are_carried_out_while_consoles_connect_without_end() {
     let place = Place::new(63);
-    let operator = |_: &mut Launch| {
-        let socket = socket(&place);
+    let operator = |launch: &mut Launch| {
+        let ways = ways(&place, launch);
         done(&place, &["suspend"], "suspended: step ");
-        while_others_connect(&socket, 0, || {
+        while_others_connect(&ways, 0, || {
             for percent in 1..12 {
                 let percent = format!("{percent}%");
                 done(&place, &["speed", &percent], &format!("speed {percent}: step "));
             }
         });
         // These never say anything, and never go: there may be no place for other orders, which is said, but for stop.
-        while_others_connect(&socket, 300, || {
+        while_others_connect(&ways, 300, || {
             for _ in 0..5 {
                 let (status, said) = ask(&place, &["status"]);
                 let refused = status == Some(1) && said.starts_with("refused: there are too many consoles");

@@ -201,7 +201,7 @@ fn told(error: io::Error, launcher: Option<u32>) -> io::Error {
              launcher go on: kill -CONT {pid}"
         ),
         Some(pid) => format!(
-            "its launcher, process {pid}, gets no processor time\n help: ask again, or end it: kill {pid}"
+            "its launcher, process {pid}, is busy or gets no processor time\n help: ask again, or end it: kill {pid}"
         ),
         None => "its launcher stands still\n help: see `ps -ef`".to_owned(),
     };

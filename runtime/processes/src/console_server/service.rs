@@ -157,15 +157,20 @@ impl Service {
         self.consoles.iter().filter(|console| !console.is_served).count()
     }
 
-    /// Accepts new consoles of the user to whom the cell belongs, and refuses those of other users.
+    /// Accepts new consoles of the user to whom the cell belongs, and refuses those of other users; one of each listener in
+    /// turn, so that nobody who connects to one of them keeps others from another one.
     fn accept(&mut self) {
-        for listener in 0..self.listeners.len() {
-            for _ in 0..WAITING {
+        for _ in 0..WAITING {
+            // From the listener after the last one that had its turn.
+            for _ in 0..self.listeners.len() {
                 if self.waiting() >= WAITING {
                     return;
                 }
-                let Ok((stream, _)) = self.listeners[listener].accept() else { break };
-                self.welcome(stream);
+                self.listeners.rotate_left(1);
+                let accepted = self.listeners.last().map(UnixListener::accept);
+                if let Some(Ok((stream, _))) = accepted {
+                    self.welcome(stream);
+                }
             }
         }
     }
