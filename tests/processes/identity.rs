@@ -25,7 +25,7 @@ fn run(command: &mut Command) -> (Option<i32>, String) {
 /// with the usual one, under another name of the cell's file; and by another user, where the tests run as root.
 fn from_elsewhere(place: &Place, arguments: &[&str]) -> Vec<(&'static str, Command)> {
     let folder = place.base().parent().expect("a folder").to_owned();
-    let (elsewhere, of_other) = (folder.join("elsewhere"), folder.join("other"));
+    let (elsewhere, of_other) = (folder.join("e"), folder.join("o"));
     for path in [&elsewhere, &of_other] {
         fs::create_dir_all(path).expect("a folder");
     }

@@ -69,6 +69,8 @@ pub(super) struct Supervision<'a> {
     /// In how many rounds in a row the cell has stood since then.
     rounds_at_rest: u32,
     mp_watch: MpWatch,
+    /// Whether the cell is ended because its MP stands still.
+    mp_is_still: bool,
     /// When the launcher last showed that it supervises.
     beat: Instant,
 }
@@ -95,6 +97,7 @@ impl<'a> Supervision<'a> {
             suspending: None,
             rounds_at_rest: 0,
             mp_watch: MpWatch::new(patience.computing),
+            mp_is_still: false,
             beat: Instant::now(),
         }
     }
@@ -215,6 +218,13 @@ impl<'a> Supervision<'a> {
     /// Closes the cell if the MP's program goes on although it was aborted, and kills what goes on after that.
     fn end_what_is_late(&mut self, left: &[&'a Rc<Member>]) {
         let now = Instant::now();
+        if let [mp] = left
+            && self.mp_is_still
+            && mp.id == ProcessId::MP
+        {
+            // It does not hear that the cell closes, and there is no robot left that it could disturb.
+            mp.kill();
+        }
         match (self.closing, self.aborting) {
             (Some(until), _) if now > until => left.iter().for_each(|member| {
                 member.kill();
@@ -251,6 +261,7 @@ impl<'a> Supervision<'a> {
                 let by = if self.mp_watch.is_stopping() { "by the operator: " } else { "" };
                 let text = format!("{by}the MP has begun no step for {seconds} s: {}", self.what_mp_does());
                 self.death.get_or_insert(Fault::new(kind).in_process(ProcessId::MP).text(&text));
+                self.mp_is_still = true;
                 self.close();
             }
         }
