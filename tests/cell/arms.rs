@@ -14,7 +14,7 @@ use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, OTHER, PLANS, RECORDS};
+use mrroc_tests::fixture::{COMPUTES, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS};
 
 use crate::Nothing;
 use crate::calls::Calls;
@@ -50,6 +50,11 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
             cell.robot(RobotSetup::new("third", arm, drives))
         }
         _ => cell,
+    };
+    let patience = std::env::var(PATIENCE).ok().and_then(|seconds| seconds.parse().ok());
+    let cell = match patience {
+        Some(seconds) => cell.end_when_stuck(Duration::from_secs(seconds)),
+        None => cell,
     };
     if Calls::are_counted() {
         let mut steps = Calls::of("mp");
@@ -106,6 +111,10 @@ impl Driver<Irp6> for Recorded {
         let outcome = self.drives.tick(demanded);
         self.write("tick", &self.drives.measured());
         outcome
+    }
+
+    fn hardware(&self) -> Option<String> {
+        std::env::var(HARDWARE).ok()
     }
 
     fn has_brakes(&self) -> bool {

@@ -4,6 +4,7 @@
 
 mod arms;
 mod calls;
+mod crowd;
 mod recorded;
 mod records;
 mod soak;
@@ -16,7 +17,7 @@ use std::process::ExitCode;
 use mrroc::cell::Cell;
 use mrroc::cell::RunPicture;
 use mrroc_counting_allocator::Counting;
-use mrroc_tests::fixture::{ARMS, PROGRAM, RECORDED, SOAK, TASKS};
+use mrroc_tests::fixture::{ARMS, CROWD, PROGRAM, RECORDED, SOAK, TASKS};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -27,10 +28,11 @@ fn main() -> ExitCode {
         ARMS => arms::main(),
         TASKS => tasks::main(),
         SOAK => soak::main(),
+        CROWD => crowd::main(),
         RECORDED => recorded::main(),
         _ => {
             eprintln!(
-                "error: no program `{program}`\n help: {PROGRAM}={ARMS}, {TASKS}, {SOAK} or {RECORDED}"
+                "error: no program `{program}`\n help: {PROGRAM}={ARMS}, {TASKS}, {SOAK}, {CROWD} or {RECORDED}"
             );
             ExitCode::FAILURE
         }

@@ -252,13 +252,17 @@ fn places_are_right_whatever_the_text_is_made_of() {
 }
 
 #[test]
-fn a_cell_of_more_processes_than_the_link_runs_and_a_second_program_are_refused() {
+fn fault_65_a_cell_of_too_many_processes_and_a_second_program_are_refused() {
     let robot =
         |i: usize| format!("[robots.r{i}]\nkind = \"irp6\"\nstart = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]\n");
-    let text = format!("step_ms = 2\n{}", (0..35).map(robot).collect::<String>());
-    let file = CellFile::parse("cell.toml", &text).expect("well-formed");
-    let error = file.cell(&simulated()).expect("kinds are known").program(hold).run().expect_err("too many");
-    assert_eq!(error, CellError::TooMany { processes: 71, limit: 64 });
+    let check = |robots: usize| {
+        let text = format!("step_ms = 2\n{}", (0..robots).map(robot).collect::<String>());
+        let file = CellFile::parse("cell.toml", &text).expect("well-formed");
+        file.cell(&simulated()).expect("kinds are known").program(hold).check().map(|names| names.len())
+    };
+    // An MP, 95 ECPs, 95 EDPs and a plant.
+    assert_eq!(check(95), Ok(95));
+    assert_eq!(check(96), Err(CellError::TooMany { processes: 194, limit: 192 }));
     let file = CellFile::parse("cell.toml", GOOD).expect("well-formed");
     let cell = file
         .cell(&simulated())

@@ -53,17 +53,36 @@ impl Place {
 
     /// Starts the program with a variable that names a folder of its own.
     pub fn start_for(&self, what: &str, records: &str, arguments: &[&str]) -> Launch {
+        let folder = self.records(records);
+        let errors = File::create(folder.join("stderr")).expect("a file");
+        self.start_as(self.program(arguments).env(what, &folder).stderr(errors), folder)
+    }
+
+    /// Starts the program with this standard error; its records go to a folder of this name.
+    pub fn start_saying(&self, errors: impl Into<Stdio>, records: &str, arguments: &[&str]) -> Launch {
+        let folder = self.records(records);
+        self.start_as(self.program(arguments).env(RECORDS, &folder).stderr(errors), folder)
+    }
+
+    /// Starts the program with these variables; its records go to a folder of this name.
+    pub fn start_with(&self, variables: &[(&str, &str)], records: &str, arguments: &[&str]) -> Launch {
+        let folder = self.records(records);
+        let errors = File::create(folder.join("stderr")).expect("a file");
+        let mut program = self.program(arguments);
+        program.envs(variables.iter().copied()).env(RECORDS, &folder).stderr(errors);
+        self.start_as(&mut program, folder)
+    }
+
+    /// An empty folder of this name.
+    fn records(&self, records: &str) -> PathBuf {
         let records = self.folder.join(records);
         let _ = fs::remove_dir_all(&records);
         fs::create_dir_all(&records).expect("a folder");
-        let errors = records.join("stderr");
-        let child = self
-            .program(arguments)
-            .env(what, &records)
-            .stdout(Stdio::null())
-            .stderr(File::create(&errors).expect("a file"))
-            .spawn()
-            .expect("the program starts");
+        records
+    }
+
+    fn start_as(&self, program: &mut Command, records: PathBuf) -> Launch {
+        let child = program.stdout(Stdio::null()).spawn().expect("the program starts");
         Launch { child, place: self.folder.clone(), records, seen: BTreeSet::new() }
     }
 
@@ -188,6 +207,11 @@ impl Launch {
     /// Sends a signal to the launcher.
     pub fn signal(&self, what: Signal) {
         signal(self.pid(), what);
+    }
+
+    /// Whether a signal has stopped the launcher.
+    pub fn is_stopped(&self) -> bool {
+        Process::stat(self.pid()).is_some_and(|(_, state)| state == 'T')
     }
 
     /// How it ended, if it has.

@@ -7,9 +7,13 @@
 #![cfg(target_os = "linux")]
 
 mod both_links;
+mod consoles;
+mod crowd;
+mod identity;
 mod kills;
 mod launch;
 mod operator;
 mod rows;
 mod runs;
 mod soak;
+mod supervision;

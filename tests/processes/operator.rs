@@ -17,7 +17,11 @@ use crate::runs::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
 const ATTEMPTS: usize = 5;
 
 /// Runs a cell that `operate` operates as soon as its robots move, until it is in time; gives it to `judge` at its end.
-fn operate<T>(place: &Place, operate: impl Fn(&mut Launch) -> T, judge: impl Fn(&Launch, Option<i32>, T)) {
+pub fn operate<T>(
+    place: &Place,
+    operate: impl Fn(&mut Launch) -> T,
+    judge: impl Fn(&Launch, Option<i32>, T),
+) {
     for _ in 0..ATTEMPTS {
         let mut launch = place.start("operated", REAL);
         while launch.record("left").len() < 100 && launch.end_if_over().is_none() {
@@ -44,19 +48,19 @@ fn operate<T>(place: &Place, operate: impl Fn(&mut Launch) -> T, judge: impl Fn(
 }
 
 /// Sends one request from a console; returns its exit status and what it printed.
-fn ask(place: &Place, words: &[&str]) -> (Option<i32>, String) {
+pub fn ask(place: &Place, words: &[&str]) -> (Option<i32>, String) {
     let output = place.program(words).output().expect("a console starts");
     let said = [output.stdout, output.stderr].concat();
     (output.status.code(), String::from_utf8(said).expect("text"))
 }
 
 /// The same of one that is carried out; in which step.
-fn done(place: &Place, words: &[&str], told: &str) -> u64 {
+pub fn done(place: &Place, words: &[&str], told: &str) -> u64 {
     carried_out(words, ask(place, words), told)
 }
 
 /// The step in which a request was carried out that was answered so.
-fn carried_out(words: &[&str], (status, said): (Option<i32>, String), told: &str) -> u64 {
+pub fn carried_out(words: &[&str], (status, said): (Option<i32>, String), told: &str) -> u64 {
     assert!(status == Some(0) && said.contains(told), "{words:?}: {status:?}: {said}");
     let step = said.rsplit_once("step ").map(|(_, step)| step.trim().parse());
     step.expect("a step").expect("a number")
@@ -95,7 +99,7 @@ impl Drop for Console {
 }
 
 /// The socket of the cell that runs.
-fn socket(place: &Place) -> PathBuf {
+pub fn socket(place: &Place) -> PathBuf {
     let session = place.sessions().into_iter().next().expect("a session");
     place.base().join(session).join("operator")
 }
@@ -107,7 +111,7 @@ fn last_joints(launch: &Launch, robot: &str) -> Vec<f64> {
     bits.map(|bits| f64::from_bits(u64::from_str_radix(bits, 16).expect("bits"))).collect()
 }
 
-fn assert_ends_where_it_would_have(place: &Place, launch: &Launch) {
+pub fn assert_ends_where_it_would_have(place: &Place, launch: &Launch) {
     let mut reference = place.start("reference", MEMORY);
     assert!(reference.end().success(), "{}", reference.said());
     for robot in ROBOTS {
@@ -117,7 +121,7 @@ fn assert_ends_where_it_would_have(place: &Place, launch: &Launch) {
     }
 }
 
-fn stand(launch: &Launch) -> bool {
+pub fn stand(launch: &Launch) -> bool {
     ROBOTS.iter().all(|robot| periods_at_rest(&launch.record(robot)) >= 50)
 }
 

@@ -1,7 +1,7 @@
 //! What tests and the task programs that they start as processes (`tests/cell/`) agree on: the names of environment
 //! variables, and of files in the folders that some of these variables name.
 
-/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`] or [`RECORDED`].
+/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`], [`CROWD`] or [`RECORDED`].
 pub const PROGRAM: &str = "MRROC_TEST_PROGRAM";
 /// Two arms that are coordinated loosely and tightly, sensors in three modes.
 pub const ARMS: &str = "arms";
@@ -9,6 +9,8 @@ pub const ARMS: &str = "arms";
 pub const TASKS: &str = "tasks";
 /// Two arms that turn to and fro for the given time.
 pub const SOAK: &str = "soak";
+/// Any number of robots that stand.
+pub const CROWD: &str = "crowd";
 /// The cell of the tests of recordings.
 pub const RECORDED: &str = "recorded";
 
@@ -22,6 +24,10 @@ pub const OTHER: &str = "MRROC_TEST_OTHER";
 pub const COMPUTES: &str = "MRROC_TEST_COMPUTES";
 /// The variable that makes the first step of a motion of each arm take half a second.
 pub const PLANS: &str = "MRROC_TEST_PLANS";
+/// The variable with the time \[s\] for which a process of [`ARMS`] may compute at a stretch.
+pub const PATIENCE: &str = "MRROC_TEST_PATIENCE";
+/// The variable with what the drives of [`ARMS`] say that they are.
+pub const HARDWARE: &str = "MRROC_TEST_HARDWARE";
 /// The variable with the path time \[s\] from which the swing differs from the recorded one.
 pub const CHANGE: &str = "MRROC_TEST_CHANGE";
 /// How long the arms of [`SOAK`] move \[s\].

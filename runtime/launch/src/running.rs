@@ -13,7 +13,7 @@ use super::outcome::{cell_refused, note, report, stopped, tell};
 use super::patience::Patience;
 use super::{Launch, Parts, Ran};
 use mrroc_core::cell::{Cell, CellError, RunPicture, RunReport};
-use mrroc_core::console::refused;
+use mrroc_core::console::{Background, refused};
 use mrroc_core::fault::Fault;
 
 /// How long a process may compute without waiting: long enough for planning, which takes seconds.
@@ -47,6 +47,9 @@ pub(super) fn watched(
     options: Options,
     parts: &'static Parts,
 ) -> ExitCode {
+    // Neither the launcher nor a process that moves robots waits for a terminal; without a thread for that, messages are
+    // written at once.
+    let _output = Background::begin().ok();
     let quiet = options.quiet;
     let watching = options.picture().is_some();
     let launch = Launch {

@@ -1,7 +1,7 @@
 //! The state board of a session: shared memory in which each process shows what it does.
 //!
-//! In: numbers that each process writes into its own entry in every step. Out: the newest numbers, read by the
-//! launcher. Writing takes a few stores and never waits: a sequence number that is odd while the numbers change tells a
+//! In: numbers that each process writes into its own entry in every step, and the launcher's heartbeat. Out: the newest
+//! numbers, read by the launcher, and the heartbeat, read by the MP. Writing takes a few stores and never waits: a sequence number that is odd while the numbers change tells a
 //! reader to read again (a sequence lock). A reader that finds them changing each time it tries gets nothing.
 
 use std::fs::{File, OpenOptions};
@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering, fence};
 use rustix::fs::{FallocateFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 
+use super::heartbeat::Heartbeat;
 use super::session::{SHARED_MEMORY, prefix};
 
 /// Words of an entry, its sequence number not counted.
@@ -60,7 +61,7 @@ pub(super) struct StateBoard {
     count: usize,
 }
 
-// SAFETY: entries are atomics in memory that is mapped until the board is dropped.
+// SAFETY: entries and heartbeat are atomics in memory that is mapped until the board is dropped.
 #[allow(unsafe_code)]
 unsafe impl Send for StateBoard {}
 
@@ -107,6 +108,16 @@ impl StateBoard {
         (place < self.count).then(|| unsafe { self.panels.add(place).as_ref() })
     }
 
+    /// The launcher's heartbeat.
+    pub fn heartbeat(&self) -> &Heartbeat {
+        // SAFETY: the mapping holds the heartbeat, an atomic number, after its entries, and lives as long as the board; the
+        // size of an entry is a multiple of 8, so the number is aligned.
+        #[allow(unsafe_code)]
+        unsafe {
+            self.panels.add(self.count).cast::<Heartbeat>().as_ref()
+        }
+    }
+
     /// Shows the numbers of the process at a place; only that process may call this. Words beyond the entry's size are
     /// left out.
     pub fn write(&self, place: usize, words: &[u64]) {
@@ -131,7 +142,7 @@ impl Drop for StateBoard {
 }
 
 fn bytes(count: usize) -> usize {
-    count.max(1) * size_of::<Entry>()
+    count * size_of::<Entry>() + size_of::<Heartbeat>()
 }
 
 fn path(session: u64) -> PathBuf {

@@ -11,6 +11,7 @@ use std::path::Path;
 use rustix::fs::statvfs;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
+use super::console_server::CONNECTIONS;
 use super::session::SHARED_MEMORY;
 
 /// Shared memory of a process, or of a way between two processes \[bytes\]. The cell of the tests takes 30 kB for each.
@@ -79,9 +80,15 @@ pub(super) fn check(processes_and_ways: usize) -> Result<(), NoRoom> {
     let count = processes_and_ways as u64;
     let needed = FILES + FILES_EACH * count;
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
-    let is_too_low = current.is_some_and(|current| current < needed);
-    if is_too_low && setrlimit(Resource::Nofile, Rlimit { current: Some(needed), maximum }).is_err() {
+    if maximum.is_some_and(|maximum| maximum < needed) {
         return Err(NoRoom::Files { allowed: maximum.unwrap_or(u64::MAX), needed });
+    }
+    // For as many consoles as there may be, if so many files are allowed.
+    let wanted = (needed + CONNECTIONS as u64).min(maximum.unwrap_or(u64::MAX));
+    let is_below = |limit| current.is_some_and(|current| current < limit);
+    let raise = || setrlimit(Resource::Nofile, Rlimit { current: Some(wanted), maximum });
+    if is_below(wanted) && raise().is_err() && is_below(needed) {
+        return Err(NoRoom::Files { allowed: current.unwrap_or(u64::MAX), needed });
     }
     let (free, needed) = (free_shared_memory().map_err(NoRoom::Unknown)?, SHARED_EACH * count);
     if free < needed { Err(NoRoom::Shared { free, needed }) } else { Ok(()) }

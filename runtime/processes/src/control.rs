@@ -5,22 +5,31 @@
 //! the stream means that the other side has ended: by it a process notices that its launcher is gone, and the launcher
 //! that a process has died.
 
+use core::ops::Range;
 use std::io::{self, ErrorKind, Read, Write};
+use std::net::Shutdown;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
+
+use rustix::net::{SendFlags, send};
 
 use super::figures::{FIGURES_WORDS, Figures};
 use super::scheduling::Lacks;
 use crate::iceoryx::{Clock, Seal};
+use crate::identity::CellId;
 use mrroc_core::cell::Rest;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultWords, ProcessId, Role};
 use mrroc_core::link::Nanos;
+use mrroc_core::link::places::Places;
 use mrroc_core::operator::button::Button;
 use mrroc_core::payload::{BadWords, Wire};
 
 /// Words of a frame.
 const WORDS: usize = 32;
+
+/// The words of a frame with the places to which a process has sent messages.
+const WOKEN: Range<usize> = 2..2 + Places::WORDS;
 
 /// Bytes of a text in a frame.
 const TEXT: usize = 8 * (WORDS - 2);
@@ -28,9 +37,9 @@ const TEXT: usize = 8 * (WORDS - 2);
 /// A frame from a launcher to a process, or from a process to its launcher.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Frame {
-    /// To a process: which run it belongs to, by which clock the run goes, and how long to poll before it sleeps
-    /// \[ns\].
-    Welcome { seal: Seal, clock: Clock, spin: Nanos },
+    /// To a process: which run of which cell it belongs to, by which clock the run goes, and how long to poll before it
+    /// sleeps \[ns\].
+    Welcome { seal: Seal, cell: CellId, clock: Clock, spin: Nanos },
     /// To a process: all processes have made what others open; now open what the others have made.
     Connect,
     /// To a process: all processes are connected; run. The cell's time begins at `origin` of the machine's monotonic
@@ -51,11 +60,11 @@ pub(super) enum Frame {
     /// From a process: it is connected; with what the machine did not grant it.
     Ready { lacks: Lacks },
     /// From a process, in lock-step: it waits, at most until `deadline` \[ns\]; with the places to which it has sent
-    /// messages, one bit each.
-    Waits { deadline: Nanos, woken: u64 },
+    /// messages.
+    Waits { deadline: Nanos, woken: Places },
     /// From a process, in lock-step: the process at `place` is to run until it waits, then this process goes on; with
     /// the other places to which it has sent messages, one bit each.
-    Calls { place: u64, woken: u64 },
+    Calls { place: u64, woken: Places },
     /// From the plant: a robot has come to a standstill after its demands had stopped.
     Rested(Rest),
     /// From a process, in real time, once a second and at the end: how late it was and how long it worked.
@@ -70,12 +79,13 @@ pub(super) enum Frame {
 impl Frame {
     fn put(&self, words: &mut [u64; WORDS]) {
         words[0] = match self {
-            Frame::Welcome { seal, clock, spin } => {
-                words[1..5].copy_from_slice(&[
+            Frame::Welcome { seal, cell, clock, spin } => {
+                words[1..6].copy_from_slice(&[
                     seal.session,
                     seal.epoch,
                     u64::from(*clock == Clock::Virtual),
                     *spin,
+                    cell.0,
                 ]);
                 1
             }
@@ -111,11 +121,13 @@ impl Frame {
                 9
             }
             Frame::Waits { deadline, woken } => {
-                words[1..3].copy_from_slice(&[*deadline, *woken]);
+                words[1] = *deadline;
+                words[WOKEN].copy_from_slice(&woken.to_words());
                 10
             }
             Frame::Calls { place, woken } => {
-                words[1..3].copy_from_slice(&[*place, *woken]);
+                words[1] = *place;
+                words[WOKEN].copy_from_slice(&woken.to_words());
                 13
             }
             Frame::Rested(rest) => {
@@ -163,6 +175,7 @@ impl Frame {
                 seal: Seal { session: words[1], epoch: words[2] },
                 clock: if words[3] == 0 { Clock::Real } else { Clock::Virtual },
                 spin: words[4],
+                cell: CellId(words[5]),
             },
             2 => Frame::Connect,
             3 => Frame::Go { origin: words[1] },
@@ -180,7 +193,7 @@ impl Frame {
             7 => Frame::Close,
             8 => Frame::Created { fingerprint: words[1] },
             9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
-            10 => Frame::Waits { deadline: words[1], woken: words[2] },
+            10 => Frame::Waits { deadline: words[1], woken: woken(words)? },
             11 => {
                 let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
                 let len = usize::try_from(words[1]).ok().filter(|&len| len <= TEXT).ok_or(BadWords)?;
@@ -195,7 +208,7 @@ impl Frame {
                 };
                 Frame::Over { steps: words[1], time: words[2], outcome }
             }
-            13 => Frame::Calls { place: words[1], woken: words[2] },
+            13 => Frame::Calls { place: words[1], woken: woken(words)? },
             15 => {
                 let figures = words[1..].first_chunk::<FIGURES_WORDS>().ok_or(BadWords)?;
                 Frame::Figures(Figures::get(figures))
@@ -210,6 +223,11 @@ impl Frame {
     }
 }
 
+/// The places to which a process has sent messages.
+fn woken(words: &[u64; WORDS]) -> Result<Places, BadWords> {
+    words[WOKEN].try_into().map(Places::from_words).map_err(|_| BadWords)
+}
+
 /// One end of the socket.
 #[derive(Debug)]
 pub(crate) struct Control(UnixStream);
@@ -221,13 +239,20 @@ impl Control {
 
     /// Sends a frame.
     pub(super) fn send(&self, frame: &Frame) -> io::Result<()> {
-        let mut words = [0; WORDS];
-        frame.put(&mut words);
-        let mut bytes = [0; 8 * WORDS];
-        for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
-            chunk.copy_from_slice(&word.to_le_bytes());
-        }
-        (&self.0).write_all(&bytes)
+        (&self.0).write_all(&bytes(frame))
+    }
+
+    /// Sends a frame, unless the other side has left so many unread that it would have to be waited for.
+    pub(super) fn send_now(&self, frame: &Frame) -> io::Result<()> {
+        // The socket takes a frame as a whole, because it is shorter than a page.
+        send(&self.0, &bytes(frame), SendFlags::DONTWAIT | SendFlags::NOSIGNAL)?;
+        Ok(())
+    }
+
+    /// Sends nothing more: the other side sees the end of the stream.
+    pub(super) fn hang_up(&self) {
+        // It fails if the other side has hung up already.
+        drop(self.0.shutdown(Shutdown::Write));
     }
 
     /// Waits for a frame.
@@ -259,6 +284,17 @@ impl Control {
     }
 }
 
+/// A frame as it is sent.
+fn bytes(frame: &Frame) -> [u8; 8 * WORDS] {
+    let mut words = [0; WORDS];
+    frame.put(&mut words);
+    let mut bytes = [0; 8 * WORDS];
+    for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
+        chunk.copy_from_slice(&word.to_le_bytes());
+    }
+    bytes
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -273,8 +309,8 @@ mod tests {
         let fault = Fault::new(FaultKind::DriveFault).in_process(edp).at_step(3).text("no brake");
         let seal = Seal { session: 1, epoch: 2 };
         let frames = [
-            Frame::Welcome { seal, clock: Clock::Virtual, spin: 3 },
-            Frame::Welcome { seal, clock: Clock::Real, spin: 0 },
+            Frame::Welcome { seal, cell: CellId(u64::MAX), clock: Clock::Virtual, spin: 3 },
+            Frame::Welcome { seal, cell: CellId(1), clock: Clock::Real, spin: 0 },
             Frame::Connect,
             Frame::Go { origin: u64::MAX },
             Frame::Resume { now: 5 },
@@ -286,8 +322,8 @@ mod tests {
             Frame::Close,
             Frame::Created { fingerprint: 7 },
             Frame::Ready { lacks: Lacks::from_word(5) },
-            Frame::Waits { deadline: 8, woken: 9 },
-            Frame::Calls { place: 8, woken: 9 },
+            Frame::Waits { deadline: 8, woken: Places::of(9).with(150) },
+            Frame::Calls { place: 8, woken: Places::of(9).with(150) },
             Frame::Figures(Figures { skipped: 1, overruns: 2, dropped: 3, ..Figures::default() }),
             Frame::Rested(Rest { edp, braked_after: 11, stood_after: 3 }),
             Frame::Refuses("no shared memory: größer".to_owned()),

@@ -3,10 +3,12 @@
 //! In: a cell and a command line. Out: the run of all its processes, supervised by the launcher, or of the one process
 //! that this is.
 //!
-//! The `launcher` starts a `session` and its `process_set`. Each process is a `member`, which puts the whole
-//! cell together and runs its own part; `control` holds the frames between the launcher and its processes. The
-//! operator's consoles connect to the `console_server`. Each process shows what it does in its `entry` of the state
-//! `board`.
+//! A cell and its hardware are run once on a machine, by their `identity`. The `launcher` starts a `session` and its
+//! `process_set`. In real time it keeps the cell under its `supervision`: it gives its `heartbeat`, hears `signals` of its
+//! terminal, and `mp_watch` says when the MP stands still; under the virtual clock it resumes one process after another
+//! (`pacing`). Each process is a `member`, which puts the whole cell together and runs its own part; `control` holds the
+//! frames between the launcher and its processes. The operator's consoles connect to the `console_server`. Each process
+//! shows what it does in its `entry` of the state `board`.
 //! `scheduling` asks the machine for priorities, cores and locked memory, `capacity` checks that there is enough shared
 //! memory and open files, and `doctor` says what the machine can do.
 
@@ -23,21 +25,27 @@ mod control;
 mod doctor;
 mod entry;
 mod figures;
+mod heartbeat;
 mod iceoryx;
+mod identity;
 #[cfg(test)]
 mod latency;
 mod launcher;
 mod member;
+mod mp_watch;
 mod operating;
+mod pacing;
 mod part;
 mod process_set;
 #[doc(hidden)]
 pub mod readers;
 mod scheduling;
 mod session;
+mod signals;
+mod supervision;
 
 pub use console_server::{
-    Asks, Caller, Heard, Hears, MAX_REQUEST, Picture, ProcessPicture, Reply, Request, RobotPicture,
+    Asks, Caller, ENDED, Heard, Hears, MAX_REQUEST, Picture, ProcessPicture, Reply, Request, RobotPicture,
 };
 pub use figures::{Figures, Spread};
 pub use part::{OverSharedMemory, View};

@@ -18,11 +18,14 @@ use super::board::StateBoard;
 use super::control::{Control, Frame};
 use super::entry;
 use super::figures::Gauge;
+use super::heartbeat::Silence;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};
-use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, WakeFutex};
+use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, Supervised, WakeFutex};
+use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
+use mrroc_core::link::places::Places;
 use mrroc_core::link::{Host, Nanos, News, Waiter};
 use mrroc_core::observe::Observation;
 use mrroc_core::operator::state::MpState;
@@ -49,12 +52,12 @@ impl Launcher for Control {
         heard(self.receive())
     }
 
-    fn yields(&self, deadline: Nanos, woken: u64) {
+    fn yields(&self, deadline: Nanos, woken: Places) {
         // If the launcher is gone, sending fails, and the next `hear` reports the close of the cell.
         drop(self.send(&Frame::Waits { deadline, woken }));
     }
 
-    fn calls(&self, place: usize, woken: u64) {
+    fn calls(&self, place: usize, woken: Places) {
         drop(self.send(&Frame::Calls { place: place as u64, woken }));
     }
 }
@@ -92,10 +95,10 @@ pub(crate) fn run(
         let _ = set_parent_process_death_signal(Some(Signal::KILL));
     }
     let gone = |_: io::Error| NoPart::NoLauncher(me);
-    let Frame::Welcome { seal, clock, spin } = control.receive().map_err(gone)? else {
+    let Frame::Welcome { seal, cell: id, clock, spin } = control.receive().map_err(gone)? else {
         return Err(NoPart::NoLauncher(me));
     };
-    match take_part(cell, me, folder, &control, (seal, clock, spin)) {
+    match take_part((cell, id), me, folder, &control, (seal, clock, spin)) {
         Ok((over, receiver)) => {
             control.send(&over).map_err(gone)?;
             if !watched || me.role != Role::Plant {
@@ -147,13 +150,14 @@ impl Ended {
 }
 
 fn take_part(
-    cell: Cell,
+    (cell, id): (Cell, CellId),
     me: ProcessId,
     folder: &Path,
     control: &Control,
     (seal, clock, spin): (Seal, Clock, Nanos),
 ) -> Result<LastWords, Ended> {
     let membership = Membership::join(folder).map_err(Ended::of)?;
+    let _part = identity::take_part(id).map_err(Ended::of)?;
     if membership.number != seal.session {
         return Err(Ended::Refuses("its launcher is of another session".to_owned()));
     }
@@ -192,8 +196,9 @@ fn take_part(
         (Some(gauge), Some(wake_futex)) => {
             let (heard, receiver) =
                 listen(control, wake_futex, has_robot(me)).map_err(Ended::for_want_of_a_thread)?;
-            let waiter =
-                RealTime::new(wake_futex, heard, (origin, spin), gauge.samples()).showing(entry.of(me));
+            let waiter = RealTime::new(wake_futex, heard, (origin, spin), gauge.samples())
+                .showing(entry.of(me))
+                .supervised_by(entry.supervised(me));
             body(waiter.host());
             gauge.end();
             (waiter.now(), Some(receiver))
@@ -251,6 +256,16 @@ impl Entry {
             }
         };
         (me == ProcessId::MP).then(|| -> Show { Box::new(show) })
+    }
+
+    /// What tells an MP whether its launcher supervises the cell; `None` in any other process.
+    fn supervised(&self, me: ProcessId) -> Option<Supervised> {
+        let (entry, silence) = (Rc::clone(&self.0), Silence::default());
+        let supervised = move |now| {
+            let board = entry.get().map(|(board, _)| board);
+            board.is_none_or(|board| !silence.look(board.heartbeat().read(), now))
+        };
+        (me == ProcessId::MP).then(|| -> Supervised { Box::new(supervised) })
     }
 }
 

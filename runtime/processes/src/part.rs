@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use std::rc::Rc;
 
 use mrroc_core::cell::{Cell, CellError, Permission};
-use mrroc_core::console::{refused, say};
+use mrroc_core::console::{Background, refused, say};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::observe::recording::Recorder;
@@ -70,6 +70,8 @@ fn take_part(
     session: &Path,
     how: &Launch,
 ) -> Result<Ran, CellError> {
+    // A process that moves robots waits for no terminal. Without a thread for it, its messages are written at once.
+    let _output = Background::begin().ok();
     if how.is_watched_plant() {
         cell = cell.watched_in_plant();
     }

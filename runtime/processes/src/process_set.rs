@@ -21,11 +21,20 @@ use super::session::Session;
 use crate::iceoryx::{Clock, Seal};
 use mrroc_core::cell::Permission;
 use mrroc_core::cell::Rest;
+use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
 
 /// How long a process may take to set itself up: long, because the machine may be loaded.
 const SETTING_UP: Duration = Duration::from_secs(30);
+
+/// Time that processes have to end after the cell closes, in addition to the time that its robots take to stop: this, and
+/// so much for each process, because all of them end at once and share the machine's cores.
+const CLOSING: Duration = Duration::from_secs(10);
+const CLOSING_EACH: Duration = Duration::from_millis(250);
+
+/// How long a process that has closed its connection may take to end.
+const ENDING: Duration = Duration::from_millis(500);
 
 /// How the processes of a cell are started.
 #[derive(Clone, Debug)]
@@ -119,9 +128,22 @@ impl Member {
         self.child.borrow().id()
     }
 
-    /// Waits for a process whose end has come, and says how it ended.
+    /// Waits for a process whose end has come, and says how it ended. One that has closed its connection and goes on is
+    /// killed.
     pub fn reap(&self) -> String {
         self.gone.set(true);
+        let until = Instant::now() + ENDING;
+        loop {
+            match self.child.borrow_mut().try_wait() {
+                Ok(Some(status)) => return how(status),
+                Ok(None) if Instant::now() < until => {}
+                Ok(None) => break,
+                Err(error) => return error.to_string(),
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        // Killing fails if the process has ended just now.
+        drop(self.child.borrow_mut().kill());
         match self.child.borrow_mut().wait() {
             Ok(status) => how(status),
             Err(error) => error.to_string(),
@@ -184,22 +206,31 @@ fn how(status: ExitStatus) -> String {
     }
 }
 
-/// All processes of a launch. Dropping it kills those that still run.
-pub(super) struct ProcessSet(pub Vec<Rc<Member>>);
+/// All processes of a launch. Dropping it ends those that still run: once robots may move, it hangs up, by which
+/// each process closes the cell, and waits until robots have braked, before it kills anything.
+pub(super) struct ProcessSet {
+    /// The processes by their places.
+    pub members: Vec<Rc<Member>>,
+    /// How long the robots may take to stop.
+    stop: Duration,
+    /// Whether the processes were told to run.
+    runs: Cell<bool>,
+}
 
 impl ProcessSet {
-    /// Starts the processes at `places` and connects them. They then wait for [`Frame::Go`].
+    /// Starts the processes at `places` and connects them. They then wait for [`go`](ProcessSet::go). Their robots take up
+    /// to `stop` for a stop.
     pub fn start(
         places: &[ProcessId],
         fingerprint: u64,
         session: &Session,
         epoch: u64,
-        plan: &Plan,
+        (plan, stop): (&Plan, Duration),
     ) -> Result<ProcessSet, NoStart> {
-        let mut process_set = ProcessSet(Vec::new());
+        let mut process_set = ProcessSet { members: Vec::new(), stop, runs: Cell::new(false) };
         for &id in places {
             let member = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
-            process_set.0.push(Rc::new(member));
+            process_set.members.push(Rc::new(member));
         }
         match process_set.set_up(fingerprint, (session, epoch), plan) {
             Ok(()) => Ok(process_set),
@@ -215,15 +246,15 @@ impl ProcessSet {
         plan: &Plan,
     ) -> Result<(), NoStart> {
         let seal = Seal { session: session.number(), epoch };
-        self.tell(&Frame::Welcome { seal, clock: plan.clock, spin: plan.spin });
-        for member in &self.0 {
+        self.tell(&Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin });
+        for member in &self.members {
             if member.expect()? != (Frame::Created { fingerprint }) {
                 return Err(NoStart::OtherCell(member.id));
             }
         }
         self.tell(&Frame::Connect);
         let mut lacking = Lacks::default();
-        for member in &self.0 {
+        for member in &self.members {
             let Frame::Ready { lacks } = member.expect()? else { return Err(NoStart::OtherCell(member.id)) };
             if lacks.is_nothing() {
                 continue;
@@ -234,14 +265,14 @@ impl ProcessSet {
             lacking = lacking.and(lacks);
         }
         if !lacking.is_nothing() && !plan.quiet {
-            eprintln!("note: best effort: not every process has {lacking}");
+            complain(&format!("note: best effort: not every process has {lacking}"));
         }
         Ok(())
     }
 
     /// A process that was killed while it was set up.
     fn first_dead(&self) -> Option<NoStart> {
-        self.0.iter().filter(|member| !member.gone.get()).find_map(|member| {
+        self.members.iter().filter(|member| !member.gone.get()).find_map(|member| {
             let status = member.child.borrow_mut().try_wait().ok()??;
             // A process that refused has sent its reason and ends by itself, with a status and not by a signal.
             status.signal().map(|_| NoStart::Died(member.id, how(status)))
@@ -250,33 +281,47 @@ impl ProcessSet {
 
     /// The newest figures of all processes that have reported any.
     pub fn figures(&self) -> Vec<(ProcessId, Figures)> {
-        self.0.iter().filter_map(|member| Some((member.id, member.figures.get()?))).collect()
+        self.members.iter().filter_map(|member| Some((member.id, member.figures.get()?))).collect()
+    }
+
+    /// Time that the processes have to end after the cell closes, in addition to the time that its robots take to stop.
+    pub fn closing(&self) -> Duration {
+        CLOSING + CLOSING_EACH * self.members.len().try_into().unwrap_or(u32::MAX)
+    }
+
+    /// Lets the processes run. The cell's time begins at `origin` of the machine's monotonic clock \[ns\].
+    pub fn go(&self, origin: Nanos) {
+        self.runs.set(true);
+        self.tell(&Frame::Go { origin });
     }
 
     /// Sends a frame to all processes whose part is not over. A frame to a process that has just died is lost; its
-    /// death is noticed at the end of its stream.
+    /// death is noticed at the end of its stream. So is one to a process that has read nothing for a long time.
     pub fn tell(&self, frame: &Frame) {
-        for member in self.0.iter().filter(|member| !member.gone.get() && member.over.borrow().is_none()) {
-            drop(member.control.send(frame));
+        for member in
+            self.members.iter().filter(|member| !member.gone.get() && member.over.borrow().is_none())
+        {
+            drop(member.control.send_now(frame));
         }
     }
 
     /// Sends a frame to the MP.
     pub fn tell_mp(&self, frame: &Frame) {
-        if let Some(mp) = self.0.iter().find(|member| member.id == ProcessId::MP && !member.gone.get()) {
-            drop(mp.control.send(frame));
+        if let Some(mp) = self.members.iter().find(|member| member.id == ProcessId::MP && !member.gone.get())
+        {
+            drop(mp.control.send_now(frame));
         }
     }
 
     /// The plant, if its part is over and it waits for the result of the run.
     pub fn plant_over(&self) -> Option<&Rc<Member>> {
-        self.0.iter().find(|member| member.id.role == Role::Plant && member.is_over())
+        self.members.iter().find(|member| member.id.role == Role::Plant && member.is_over())
     }
 
     /// Waits until `until` for all processes except `goes_on` to end, and kills those that have not ended by then.
     pub fn reap(&self, goes_on: Option<&Rc<Member>>, until: Instant) {
         let goes_on = goes_on.map(|member| member.id);
-        for member in self.0.iter().filter(|member| !member.gone.get() && Some(member.id) != goes_on) {
+        for member in self.members.iter().filter(|member| !member.gone.get() && Some(member.id) != goes_on) {
             loop {
                 let ended = member.child.borrow_mut().try_wait();
                 if !matches!(ended, Ok(None)) {
@@ -295,6 +340,51 @@ impl ProcessSet {
 
 impl Drop for ProcessSet {
     fn drop(&mut self) {
-        self.0.iter().filter(|member| !member.gone.get()).for_each(|member| member.kill());
+        // A process that sets itself up moves nothing, and none of these is told to run any more.
+        if self.runs.get() {
+            self.members.iter().for_each(|member| member.control.hang_up());
+            self.reap(None, Instant::now() + self.stop + self.closing());
+        }
+        self.members.iter().filter(|member| !member.gone.get()).for_each(|member| member.kill());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A process that brakes for some time after its launcher has hung up, and then says so in a file.
+    fn braking(id: ProcessId, file: &std::path::Path) -> Rc<Member> {
+        let (ours, theirs) = UnixStream::pair().expect("a pair of sockets");
+        let script = format!("cat >{0}.read; sleep 0.3; echo stands >{0}", file.display());
+        let child =
+            Command::new("sh").args(["-c", &script]).stdin(Stdio::from(OwnedFd::from(theirs))).spawn();
+        Rc::new(Member {
+            id,
+            control: Control::new(ours),
+            child: RefCell::new(child.expect("a process")),
+            over: RefCell::new(None),
+            figures: Cell::new(None),
+            rests: RefCell::default(),
+            gone: Cell::new(false),
+        })
+    }
+
+    #[test]
+    fn fault_62_processes_that_move_robots_are_killed_after_their_robots_have_braked_and_no_sooner() {
+        let folder = std::env::temp_dir().join(format!("mrroc-drop-{}", std::process::id()));
+        std::fs::create_dir(&folder).expect("a folder");
+        for (runs, told) in [(true, Some("stands\n".to_owned())), (false, None)] {
+            let file = folder.join(if runs { "runs" } else { "starts" });
+            let edp = braking(ProcessId::PLANT, &file);
+            let set =
+                ProcessSet { members: vec![edp], stop: Duration::from_secs(60), runs: Cell::new(false) };
+            if runs {
+                set.go(0);
+            }
+            drop(set);
+            assert_eq!(std::fs::read_to_string(&file).ok(), told, "runs: {runs}");
+        }
+        std::fs::remove_dir_all(&folder).expect("removed");
     }
 }

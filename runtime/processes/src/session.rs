@@ -18,6 +18,8 @@ use std::time::{Duration, Instant};
 use rustix::fs::Mode;
 use rustix::process::umask;
 
+use crate::identity::{CellId, Holder, Names, Taken};
+
 /// The folder of the segments of shared memory.
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 
@@ -36,6 +38,32 @@ pub(crate) enum SessionError {
     /// The cell is running already.
     #[error("the cell is run by process {0} already\n help: wait for it, or stop it: kill {0}")]
     Running(u32),
+    /// The cell is running already, for another user.
+    #[error(
+        "the cell is run by process {0} of user {1} already\n help: wait for it, or ask that user to stop it"
+    )]
+    RunningForAnother(u32, u32),
+    /// A process that does not say who it is has taken the cell's name.
+    #[error(
+        "another process of this machine has taken the name of the cell\n help: see `grep @mrroc /proc/net/unix`"
+    )]
+    NameTaken,
+    /// A robot's hardware belongs to another cell that runs.
+    #[error(
+        "{hardware} is driven by another cell{by}\n help: wait for that cell, or stop it; what a driver names is in its `hardware`"
+    )]
+    HardwareTaken {
+        /// What the driver says that it is.
+        hardware: String,
+        /// The process that runs the other cell, in words.
+        by: String,
+    },
+    /// Processes of a launch from another folder that crashed have not ended yet.
+    #[error("processes of an earlier launch of the cell are still there\n help: see `ps -ef`, and stop them")]
+    Parts,
+    /// The names of the cell could not be taken.
+    #[error("the machine has no sockets for the cell's names: {0}")]
+    Names(io::Error),
     /// Processes of a launch that crashed have not ended yet.
     #[error(
         "processes of an earlier launch of the cell are still there, in {0}\n help: see `ps -ef`, and stop them"
@@ -60,6 +88,22 @@ pub(crate) enum SessionError {
     Io(PathBuf, io::Error),
 }
 
+impl From<Taken> for SessionError {
+    fn from(taken: Taken) -> SessionError {
+        match taken {
+            Taken::Cell(Some(holder)) if holder.is_ours() => SessionError::Running(holder.pid),
+            Taken::Cell(Some(Holder { pid, user })) => SessionError::RunningForAnother(pid, user),
+            Taken::Cell(None) => SessionError::NameTaken,
+            Taken::Hardware(hardware, holder) => {
+                let by =
+                    holder.map(|Holder { pid, user }| format!(", which process {pid} of user {user} runs"));
+                SessionError::HardwareTaken { hardware, by: by.unwrap_or_default() }
+            }
+            Taken::Io(error) => SessionError::Names(error),
+        }
+    }
+}
+
 fn at(path: &Path) -> impl FnOnce(io::Error) -> SessionError {
     let path = path.to_owned();
     move |error| SessionError::Io(path, error)
@@ -71,13 +115,19 @@ pub(super) struct CellLock {
     base: PathBuf,
     path: PathBuf,
     cell: u32,
+    id: CellId,
     /// The file is locked as long as it is open.
     _file: File,
+    /// The cell's own file: as long as it is open, no other file gets its identity.
+    _cell: Option<File>,
+    _names: Names,
 }
 
 impl CellLock {
-    /// Takes the lock of the cell in the file at `cell`.
-    pub fn take(cell: &Path) -> Result<CellLock, SessionError> {
+    /// Takes the lock of the cell in the file at `cell`, in the folder of sessions and for the whole machine, and that of its
+    /// hardware.
+    pub fn take(cell: &Path, hardware: &[String]) -> Result<CellLock, SessionError> {
+        let own = File::open(cell).ok();
         let base = base()?;
         let hash = number_of(cell);
         let path = base.join(format!("{hash:08x}.cell"));
@@ -102,7 +152,13 @@ impl CellLock {
             if fs::metadata(&path).is_ok_and(|now| now.ino() == ours) {
                 file.set_len(0).and_then(|()| file.rewind()).map_err(at(&path))?;
                 write!(file, "{}", std::process::id()).map_err(at(&path))?;
-                return Ok(CellLock { base, path, cell: hash, _file: file });
+                let id = CellId::of(cell);
+                let names = Names::take(id, hardware);
+                if names.is_err() {
+                    // As at the end of a run.
+                    drop(fs::remove_file(&path));
+                }
+                return Ok(CellLock { base, path, cell: hash, id, _file: file, _cell: own, _names: names? });
             }
         }
     }
@@ -117,10 +173,11 @@ impl CellLock {
             let making = open(&guard).map_err(at(&guard))?;
             making.lock().map_err(at(&guard))?;
             match self.remove_crashed()? {
-                None => return Session::make(&self.base, self.cell),
+                None if !self.id.has_parts() => return Session::make(&self.base, self.cell, self.id),
                 Some(alive) if Instant::now() > patience => return Err(SessionError::Orphans(alive)),
+                None if Instant::now() > patience => return Err(SessionError::Parts),
                 // Processes of the crashed session still brake their robots.
-                Some(_) => {}
+                Some(_) | None => {}
             }
             drop(making);
             std::thread::sleep(Duration::from_millis(20));
@@ -134,8 +191,7 @@ impl CellLock {
         for entry in fs::read_dir(&self.base).map_err(at(&self.base))?.flatten() {
             let folder = entry.path();
             let Some((cell, number)) = entry.file_name().to_str().and_then(read_name) else { continue };
-            let lock = File::open(folder.join("lock"));
-            if lock.is_ok_and(|lock| lock.try_lock().is_err()) {
+            if is_used(&folder) {
                 if cell == self.cell {
                     alive = Some(folder);
                 }
@@ -177,11 +233,12 @@ impl Drop for Private {
 pub(super) struct Session {
     folder: PathBuf,
     number: u64,
+    cell: CellId,
     _lock: File,
 }
 
 impl Session {
-    fn make(base: &Path, cell: u32) -> Result<Session, SessionError> {
+    fn make(base: &Path, cell: u32, id: CellId) -> Result<Session, SessionError> {
         let _private = Private::begin();
         // Nobody can know the number before: the seeds of hash tables come from the system's random numbers, so they serve as a random session number.
         let number = RandomState::new().build_hasher().finish() >> (u64::BITS - NUMBER_BITS);
@@ -192,12 +249,17 @@ impl Session {
         DirBuilder::new().mode(0o700).create(&folder).map_err(at(&folder))?;
         let path = folder.join("lock");
         let lock = open(&path).and_then(|lock| lock.lock_shared().map(|()| lock)).map_err(at(&path))?;
-        Ok(Session { folder, number, _lock: lock })
+        Ok(Session { folder, number, cell: id, _lock: lock })
     }
 
     /// The folder of the session, which is the root path of its shared memory.
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// What its cell is to the machine.
+    pub const fn cell(&self) -> CellId {
+        self.cell
     }
 
     /// The number of the session, which every message carries.
@@ -265,10 +327,19 @@ pub(super) fn sessions_of(cell: &Path) -> Result<Vec<PathBuf>, SessionError> {
         let name = entry.file_name().to_str().and_then(read_name);
         name.is_some_and(|(cell, _)| cell == number)
     });
-    // The lock of a crashed session is free.
-    let is_held =
-        |folder: &PathBuf| File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err());
-    Ok(ours.map(|entry| entry.path()).filter(is_held).collect())
+    Ok(ours.map(|entry| entry.path()).filter(|folder| is_used(folder)).collect())
+}
+
+/// Whether a session has processes: the lock of one that has ended or crashed is free, or gone.
+pub(super) fn is_used(folder: &Path) -> bool {
+    File::open(folder.join("lock")).is_ok_and(|lock| lock.try_lock().is_err())
+}
+
+/// Whether a signal or a debugger has stopped a process.
+pub(super) fn is_stopped(pid: u32) -> bool {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+    // The state comes after the name, which is in parentheses and may contain any character.
+    stat.rsplit_once(')').is_some_and(|(_, rest)| matches!(rest.trim_start().chars().next(), Some('T' | 't')))
 }
 
 /// The prefix of the names of a session's segments.
@@ -336,7 +407,7 @@ mod tests {
         fs::write(&victim, "text").expect("a file");
         let mode = |path: &Path| path.metadata().expect("there").mode() & 0o7777;
         let before = mode(&victim);
-        let session = Session::make(&base, 1).expect("a session");
+        let session = Session::make(&base, 1, CellId(1)).expect("a session");
         assert_eq!(mode(session.folder()), 0o700);
         session.check_names().expect("nothing is there yet");
         let link = Path::new(SHARED_MEMORY).join(format!("{}0", prefix(session.number())));

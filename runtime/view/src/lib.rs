@@ -81,8 +81,8 @@ fn show(
             // The connection is closed, so that no request can be sent.
             Pressed::Ask(_) if screen.over.is_some() => {}
             Pressed::Ask(request) => {
-                if asks.ask(&request).is_err() {
-                    screen.over = Some("the cell has ended".to_owned());
+                if let Err(error) = asks.ask(&request) {
+                    screen.over = Some(error.to_string());
                 }
             }
             Pressed::Nothing => {}

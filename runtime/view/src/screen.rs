@@ -13,7 +13,7 @@ use super::keys::KEYS;
 use mrroc_core::operator::button::CellState;
 use mrroc_core::operator::state::Doing;
 use mrroc_core::robot::MAX_JOINTS;
-use mrroc_processes::{Figures, Picture, Reply, RobotPicture};
+use mrroc_processes::{ENDED, Figures, Picture, Reply, RobotPicture};
 
 /// What the screen shows.
 #[derive(Debug, Default)]
@@ -45,7 +45,7 @@ pub(super) fn draw(frame: &mut Frame<'_>, screen: &Screen) {
     let [top, speed, middle, bottom, keys] = rows.areas(frame.area());
     match &screen.picture {
         Some(picture) => {
-            frame.render_widget(head(picture, screen.over.is_some()), top);
+            frame.render_widget(head(picture, screen.over.as_deref()), top);
             frame.render_widget(gauge(picture), speed);
             draw_processes_and_robots(frame, middle, picture);
         }
@@ -65,10 +65,15 @@ fn colour(state: CellState) -> Color {
 }
 
 /// The state, the step, the instruction, and how late steps begin.
-fn head(picture: &Picture, over: bool) -> Paragraph<'static> {
+fn head(picture: &Picture, over: Option<&str>) -> Paragraph<'static> {
     let millis = |nanos: u64| nanos as f64 * 1e-6;
-    let (state, colour) =
-        if over { ("ended", Color::Gray) } else { (picture.state.word(), colour(picture.state)) };
+    let (state, colour) = match over {
+        Some(ENDED) => ("ended", Color::Gray),
+        // What the picture shows is not what the cell does now.
+        Some(_) => ("no connection", Color::Red),
+        None => (picture.state.word(), colour(picture.state)),
+    };
+    let over = over == Some(ENDED);
     let badge = Style::new().fg(Color::Black).bg(colour).add_modifier(Modifier::BOLD);
     let instruction = match picture.doing {
         Doing::Nothing if over => format!("instruction {}: over", picture.instructions),
@@ -262,6 +267,14 @@ mod tests {
         assert!(
             line("q quit").contains("acknowledge") || lines.iter().any(|line| line.contains("acknowledge"))
         );
+    }
+
+    #[test]
+    fn a_cell_that_does_not_answer_is_not_shown_as_one_that_has_ended() {
+        let over = Some("the cell has not answered for 5 s".to_owned());
+        let lines = drawn(&Screen { picture: Some(picture()), reply: None, over }, (80, 24));
+        assert!(lines[0].starts_with(" no connection "), "{lines:#?}");
+        assert!(!lines.iter().any(|line| line.contains("has ended")), "{lines:#?}");
     }
 
     #[test]

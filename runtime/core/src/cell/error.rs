@@ -50,10 +50,10 @@ pub enum CellError {
     /// A second program for one ECP.
     #[error("the ECP of robot `{0}` is given two programs: give it one")]
     TwoPrograms(String),
-    /// More processes than the link runs.
+    /// More processes than a cell may have.
     #[error(
-        "the cell has {processes} processes, an MP, two for each robot and one for each sensor; the memory link runs at most \
-         {limit}: take robots or sensors out"
+        "the cell has {processes} processes: an MP, two for each robot, one for each sensor, and one for all drives that are \
+         simulated; there may be {limit}: take robots or sensors out"
     )]
     TooMany {
         /// How many it has.

@@ -23,6 +23,7 @@ mod watching;
 
 use core::time::Duration;
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::rc::Rc;
 
@@ -193,11 +194,17 @@ impl Cell {
 
     /// Ends the executable, with status 1 and the name of the process, when one process of the cell computes for longer than
     /// `patience` at a stretch on the memory link: there it has the only thread, and an endless loop in a step function can
-    /// be met in no other way. Processes of the operating system need none of it.
+    /// be met in no other way. As processes of the operating system, in real time, the cell is ended when its MP begins no
+    /// step for that long; a sixth of it is told. There it is 60 s unless this says otherwise.
     #[must_use]
     pub fn end_when_stuck(mut self, patience: Duration) -> Cell {
         self.timing.watchdog = Some(patience);
         self
+    }
+
+    /// How long one of its processes may compute at a stretch, if anything says so.
+    pub const fn patience(&self) -> Option<Duration> {
+        self.timing.watchdog
     }
 
     /// The operator's handle of this cell.
@@ -209,6 +216,12 @@ impl Cell {
     /// Its robots, for a trial to watch.
     pub fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
         self.parts.robots.iter_mut().map(|robot| &mut **robot)
+    }
+
+    /// The hardware that its drivers name, each once.
+    pub fn hardware(&self) -> Vec<String> {
+        let names: BTreeSet<_> = self.parts.robots.iter().filter_map(|robot| robot.hardware()).collect();
+        names.into_iter().collect()
     }
 
     /// The length of a step.

@@ -7,7 +7,7 @@ use core::time::Duration;
 use crate::console::quoted;
 use crate::control::ecp::Ecp;
 use crate::control::guarded::guarded;
-use crate::link::memory::MAX_PROCESSES;
+use crate::link::places::MAX_PROCESSES;
 use crate::model::fault::Fault;
 use crate::model::name::Name;
 use crate::model::robot::Robot;
@@ -49,9 +49,11 @@ impl Parts {
         self.errors.push(error);
     }
 
-    /// Checks the number of processes. All errors are kept in `errors`.
-    pub fn check_size(&self, errors: &mut Vec<CellError>) {
-        let processes = 1 + 2 * self.robots.len() + self.sensors.len();
+    /// Checks the number of processes, the plant's among them: a cell may have as many on every link. All errors are kept in
+    /// `errors`.
+    pub fn check_size(&mut self, errors: &mut Vec<CellError>) {
+        let plant = self.robots.iter_mut().any(|robot| robot.is_simulated());
+        let processes = 1 + 2 * self.robots.len() + self.sensors.len() + usize::from(plant);
         if processes > MAX_PROCESSES {
             errors.push(CellError::TooMany { processes, limit: MAX_PROCESSES });
         }

@@ -188,6 +188,8 @@ pub trait AnyRobot {
     fn servo_period(&self) -> Duration;
     /// Whether its drives know where it is.
     fn is_homed(&self) -> bool;
+    /// What its drives are, for the whole machine.
+    fn hardware(&self) -> Option<String>;
     /// Whether its drives may be in the plant.
     fn is_simulated(&mut self) -> bool;
     /// What forbids that its EDP interpolates where it is told to.
@@ -294,6 +296,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
 
     fn is_homed(&self) -> bool {
         matches!(self.drives, Drives::Homed(_))
+    }
+
+    fn hardware(&self) -> Option<String> {
+        self.drives.hardware()
     }
 
     fn is_simulated(&mut self) -> bool {

@@ -29,11 +29,24 @@ impl<R: Robot> Drives<R> {
             Drives::Unhomed(homing) => homing.period(),
         }
     }
+
+    /// What the drives are, for the whole machine.
+    pub fn hardware(&self) -> Option<String> {
+        match self {
+            Drives::Homed(driver) => driver.hardware(),
+            Drives::Unhomed(homing) => homing.hardware(),
+        }
+    }
 }
 
 /// A search of any kind.
 pub(crate) trait AnyHoming<R: Robot> {
     fn period(&self) -> Duration;
+
+    /// What the drives are, for the whole machine.
+    fn hardware(&self) -> Option<String> {
+        None
+    }
 
     /// One servo period; the drives when it is over.
     fn search(&mut self) -> Result<Option<Box<dyn Driver<R>>>, DriveFault>;
@@ -43,6 +56,10 @@ pub(crate) trait AnyHoming<R: Robot> {
 impl<R: Robot, H: Homing<R, Drives: 'static>> AnyHoming<R> for Option<H> {
     fn period(&self) -> Duration {
         self.as_ref().map_or(Duration::ZERO, Homing::period)
+    }
+
+    fn hardware(&self) -> Option<String> {
+        self.as_ref().and_then(Homing::hardware)
     }
 
     fn search(&mut self) -> Result<Option<Box<dyn Driver<R>>>, DriveFault> {

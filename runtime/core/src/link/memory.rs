@@ -13,12 +13,10 @@ use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
 use super::overflow::{self, Guard};
+use super::places::{MAX_PROCESSES, Places};
 use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
 use crate::link::message::Message;
 use crate::model::fault::ProcessId;
-
-/// The most processes that one cell can have on this link.
-pub const MAX_PROCESSES: usize = 64;
 
 /// Stack of a process \[bytes\]; pages are used only when touched, and a guard page ends the stack ([`overflow`]).
 const STACK: usize = 1 << 20;
@@ -31,15 +29,15 @@ const CLOSING_RESUMES: u32 = 10_000;
 /// The state that scheduler, waiters and ports share.
 struct Shared {
     now: Cell<Nanos>,
-    /// One bit per process that has something to do.
-    ready: Cell<u64>,
+    /// The processes that have something to do.
+    ready: Cell<Places>,
     deadlines: RefCell<Vec<Nanos>>,
     closing: Cell<bool>,
 }
 
 impl Shared {
     fn wake(&self, process: usize) {
-        self.ready.set(self.ready.get() | 1 << process);
+        self.ready.set(self.ready.get().with(process));
     }
 }
 
@@ -84,7 +82,7 @@ impl Scheduler {
         Scheduler {
             shared: Rc::new(Shared {
                 now: Cell::new(0),
-                ready: Cell::new(0),
+                ready: Cell::new(Places::NONE),
                 deadlines: RefCell::new(Vec::new()),
                 closing: Cell::new(false),
             }),
@@ -103,10 +101,10 @@ impl Scheduler {
         self.processes.iter().map(|(name, _)| name.clone()).collect()
     }
 
-    /// Wakes the processes at places, one bit each, for messages that did not go through this link.
-    pub fn waker(&self) -> Box<dyn Fn(u64)> {
+    /// Wakes the processes at places, for messages that did not go through this link.
+    pub fn waker(&self) -> Box<dyn Fn(Places)> {
         let shared = Rc::clone(&self.shared);
-        Box::new(move |places| shared.ready.set(shared.ready.get() | places))
+        Box::new(move |places| shared.ready.set(shared.ready.get().and(places)))
     }
 
     /// Runs all processes to their end.
@@ -137,12 +135,11 @@ impl Scheduler {
     fn run_until_closing(&mut self) -> Result<(), Stuck> {
         while !self.shared.closing.get() {
             let ready = self.shared.ready.get();
-            if ready == 0 {
+            let Some(place) = ready.first() else {
                 self.advance()?;
                 continue;
-            }
-            let place = ready.trailing_zeros() as usize;
-            self.shared.ready.set(ready & (ready - 1));
+            };
+            self.shared.ready.set(ready.without(place));
             self.resume(place);
         }
         Ok(())
@@ -186,7 +183,7 @@ impl Scheduler {
 
 impl Link for Scheduler {
     fn place(&mut self, process: ProcessId) -> usize {
-        assert!(self.processes.len() < MAX_PROCESSES, "the memory link runs at most 64 processes");
+        assert!(self.processes.len() < MAX_PROCESSES, "a cell has at most {MAX_PROCESSES} processes");
         self.shared.deadlines.borrow_mut().push(NEVER);
         self.processes.push((process.to_string(), None));
         self.processes.len() - 1

@@ -10,6 +10,7 @@ pub mod message;
 pub mod numbering;
 mod overflow;
 pub mod patience;
+pub mod places;
 pub mod watchdog;
 
 use std::rc::Rc;
@@ -71,6 +72,11 @@ pub trait Notices {
     /// What has happened, once.
     fn news(&self) -> Option<News> {
         None
+    }
+
+    /// Whether who started the cell still watches over its processes.
+    fn is_supervised(&self) -> bool {
+        true
     }
 }
 

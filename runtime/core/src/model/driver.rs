@@ -37,6 +37,13 @@ pub trait Driver<R: Robot> {
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
+    /// What the drives are, for the whole machine: such as `udp 10.0.0.7:30004` or the serial number of a controller. Where
+    /// cells run as processes, one cell at a time has the hardware of a name, whatever its file. Drives that any number of
+    /// cells may have at once, such as simulated ones, have no name.
+    fn hardware(&self) -> Option<String> {
+        None
+    }
+
     /// Whether the robot holds by brakes when its drives have no power. Drives without them, and that is what a driver is
     /// taken for that does not say otherwise, go on holding after a fault stop and are ticked on: what holds a body by its
     /// drives alone, as a gripper does, must not let go.
@@ -125,6 +132,11 @@ pub trait Homing<R: Robot>: Sized {
 
     /// The servo period, also that of the drives; it divides the step, or the step divides it.
     fn period(&self) -> Duration;
+
+    /// What the drives are, as [`Driver::hardware`] says it.
+    fn hardware(&self) -> Option<String> {
+        None
+    }
 
     /// One servo period of the search; the call that returns the drives moves nothing: their own first period begins with
     /// it. A search that is called no more must come to rest by itself within a period, as drives must whose demands stop;

@@ -129,6 +129,8 @@ pub const BY_OPERATOR: &str = "by the operator";
 
 /// What is added to the message of a protective stop that is too long on the path.
 const OFF_PATH: &str = "; off the path, on which it takes too long";
+/// The message of the stop of a cell whose launcher stands still.
+pub const UNSUPERVISED: &str = "the launcher stands still: nobody supervises the cell";
 
 /// A short text that travels with a fault: what the program or a panic said, cut at 120 bytes.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -294,6 +296,11 @@ impl Fault {
     /// The operator's protective stop.
     pub fn of_operator() -> Fault {
         Fault::new(FaultKind::ProtectiveStop).in_process(ProcessId::MP).text(BY_OPERATOR)
+    }
+
+    /// The protective stop of a cell whose launcher stands still.
+    pub fn of_launcher() -> Fault {
+        Fault::new(FaultKind::ProtectiveStop).in_process(ProcessId::MP).text(UNSUPERVISED)
     }
 
     /// The fault of a drive that gave up.

@@ -1,6 +1,6 @@
 //! What to do about a fault: a sentence for the person at the terminal.
 
-use crate::model::fault::{BY_OPERATOR, Fault, FaultKind, Role};
+use crate::model::fault::{BY_OPERATOR, Fault, FaultKind, Role, UNSUPERVISED};
 use crate::safety::limits::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 
 impl Fault {
@@ -128,6 +128,12 @@ impl Fault {
                 return Some("allow the Wait more steps, or handle the time-out: match on `Fault::kind`");
             }
             K::ProtectiveStop if self.message() == BY_OPERATOR => return None,
+            K::ProtectiveStop if self.message() == UNSUPERVISED => {
+                return Some(
+                    "let the launcher's process go on: kill -CONT and its number; if it was not stopped by a signal, the machine \
+                     gives it too little time",
+                );
+            }
             K::ProtectiveStop => {
                 return Some("what the guard of the cell allows is written where `Cell::guard` is called");
             }

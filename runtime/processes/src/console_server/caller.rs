@@ -1,15 +1,29 @@
 //! A console's side of the connection.
 //!
 //! In: the path of a cell's file, then requests. Out: a connection to the console server of that cell, then its answers
-//! and pictures.
+//! and pictures. Nothing here waits for longer than [`PATIENCE`].
 
 use std::io::{self, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use rustix::net::sockopt::{Timeout, set_socket_timeout, socket_peercred};
+use rustix::net::{AddressFamily, SocketAddrUnix, SocketFlags, SocketType, connect, socket_with};
 
 use super::protocol::{Heard, Request};
 use super::service::SOCKET;
-use crate::session::{SessionError, sessions_of};
+use crate::identity::{CellId, Holder};
+use crate::session::{SessionError, is_stopped, is_used, sessions_of};
+
+/// How long a console waits for the cell to take its connection, its request, and to answer.
+pub(super) const PATIENCE: Duration = Duration::from_secs(5);
+
+/// The error of a connection to a cell that has ended.
+pub const ENDED: &str = "the cell has ended";
+
+/// How long a cell that has closed its connections may take to end.
+const ENDING: Duration = Duration::from_secs(2);
 
 /// Why a console cannot connect to a cell.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +38,23 @@ pub(crate) enum NoCell {
         "the cell of {0} takes no orders now\n help: it is starting or ending, or runs under the virtual clock, which waits for nobody"
     )]
     Closed(PathBuf),
+    /// Another user runs the cell.
+    #[error(
+        "process {pid} of user {user} runs the cell of {cell}: only that user may operate it\n help: ask that user, or become it: sudo -u '#{user}'"
+    )]
+    OfAnother {
+        /// The cell's file.
+        cell: PathBuf,
+        /// The launcher's process, and its user.
+        pid: u32,
+        user: u32,
+    },
+    /// The cell runs, but its launcher does not take the connection.
+    #[error(
+        "the cell of {0} has not answered for {patience} s: its launcher stands still\n help: see `ps -ef`; let it go on by kill -CONT and its number",
+        patience = PATIENCE.as_secs()
+    )]
+    Silent(PathBuf),
     /// The folder of sessions cannot be read.
     #[error(transparent)]
     Session(#[from] SessionError),
@@ -37,11 +68,22 @@ pub struct Caller {
     pub hears: Hears,
 }
 
+/// Whether the cell still runs.
+type Runs = Box<dyn Fn() -> bool + Send>;
+
 /// The direction from a console to the console server.
-pub struct Asks(UnixStream);
+pub struct Asks {
+    stream: UnixStream,
+    /// The number of the launcher's process.
+    launcher: Option<u32>,
+}
 
 /// The direction from the console server to a console.
-pub struct Hears(BufReader<UnixStream>);
+pub struct Hears {
+    stream: BufReader<UnixStream>,
+    launcher: Option<u32>,
+    runs: Runs,
+}
 
 impl Caller {
     /// Connects to the cell of the file at `cell`.
@@ -49,25 +91,58 @@ impl Caller {
     /// # Errors
     /// [`NoCell`]
     pub(crate) fn find(cell: &Path) -> Result<Caller, NoCell> {
-        let sessions = sessions_of(cell)?;
-        let connect = |folder: &PathBuf| {
-            let stream = UnixStream::connect(folder.join(SOCKET)).ok()?;
-            Some(Caller { asks: Asks(stream.try_clone().ok()?), hears: Hears(BufReader::new(stream)) })
-        };
-        match sessions.iter().find_map(connect) {
-            Some(caller) => Ok(caller),
-            None if sessions.is_empty() => Err(NoCell::NotRun(cell.to_owned())),
-            None => Err(NoCell::Closed(cell.to_owned())),
+        let id = CellId::of(cell);
+        let holder = id.holder();
+        if let Some(Holder { pid, user }) = holder.filter(|holder| !holder.is_ours()) {
+            return Err(NoCell::OfAnother { cell: cell.to_owned(), pid, user });
         }
+        // By what the cell is, wherever its session is; or else, if its file was replaced meanwhile, by the file's path.
+        let mut tried = Vec::new();
+        if holder.is_some() {
+            let address = SocketAddrUnix::new_abstract_name(id.console().as_bytes());
+            tried.push((address, Box::new(move || id.holder().is_some()) as Runs));
+        }
+        for session in sessions_of(cell)? {
+            let address = SocketAddrUnix::new(session.join(SOCKET));
+            tried.push((address, Box::new(move || is_used(&session))));
+        }
+        let (runs, mut silent) = (!tried.is_empty(), false);
+        for (address, runs) in tried {
+            match address.map_err(io::Error::from).and_then(|address| Caller::connect(&address, runs)) {
+                Ok(caller) => return Ok(caller),
+                Err(error) => silent |= is_timeout(&error),
+            }
+        }
+        Err(match runs {
+            false => NoCell::NotRun(cell.to_owned()),
+            true if silent => NoCell::Silent(cell.to_owned()),
+            true => NoCell::Closed(cell.to_owned()),
+        })
+    }
+
+    fn connect(address: &SocketAddrUnix, runs: Runs) -> io::Result<Caller> {
+        let socket = socket_with(AddressFamily::UNIX, SocketType::STREAM, SocketFlags::CLOEXEC, None)?;
+        for direction in [Timeout::Send, Timeout::Recv] {
+            set_socket_timeout(&socket, direction, Some(PATIENCE))?;
+        }
+        connect(&socket, address)?;
+        let launcher =
+            socket_peercred(&socket).ok().map(|peer| peer.pid.as_raw_nonzero().get().unsigned_abs());
+        let stream = UnixStream::from(socket);
+        let asks = Asks { stream: stream.try_clone()?, launcher };
+        Ok(Caller { asks, hears: Hears { stream: BufReader::new(stream), launcher, runs } })
     }
 
     /// Sends a request and waits for its answer.
     ///
     /// # Errors
-    /// The console server is gone, or what came is neither an answer nor a picture.
+    /// The cell does not answer in time, the console server is gone, or what came is neither an answer nor a picture.
     pub fn ask(&mut self, request: &Request) -> io::Result<Heard> {
-        self.asks.ask(request)?;
-        self.hears.hear()
+        match self.asks.ask(request) {
+            Err(error) if error.kind() == ErrorKind::TimedOut => Err(error),
+            // A console server that has hung up may have said why.
+            Ok(()) | Err(_) => self.hears.hear(),
+        }
     }
 }
 
@@ -75,9 +150,10 @@ impl Asks {
     /// Sends a request.
     ///
     /// # Errors
-    /// The console server is gone.
+    /// The cell does not take it in time, or the console server is gone.
     pub fn ask(&mut self, request: &Request) -> io::Result<()> {
-        self.0.write_all(format!("{request}\n").as_bytes())
+        let sent = self.stream.write_all(format!("{request}\n").as_bytes());
+        sent.map_err(|error| told(error, self.launcher))
     }
 }
 
@@ -85,9 +161,49 @@ impl Hears {
     /// Waits for the next answer or picture.
     ///
     /// # Errors
-    /// The console server is gone, or what came is neither an answer nor a picture.
+    /// None comes in time, the console server is gone, or what came is neither an answer nor a picture.
     pub fn hear(&mut self) -> io::Result<Heard> {
-        let over = || io::Error::new(ErrorKind::UnexpectedEof, "the cell has ended");
-        Heard::read(&mut self.0)?.ok_or_else(over)
+        match Heard::read(&mut self.stream) {
+            Ok(Some(heard)) => Ok(heard),
+            Ok(None) => Err(self.end()),
+            Err(error) if error.kind() == ErrorKind::ConnectionReset => Err(self.end()),
+            Err(error) => Err(told(error, self.launcher)),
+        }
     }
+
+    /// What the end of the connection means. A cell that ends closes its connections first.
+    fn end(&self) -> io::Error {
+        let until = Instant::now() + ENDING;
+        while (self.runs)() {
+            if Instant::now() > until {
+                let text = "the cell has closed the connection, but has not ended\n help: ask again";
+                return io::Error::new(ErrorKind::UnexpectedEof, text);
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        io::Error::new(ErrorKind::UnexpectedEof, ENDED)
+    }
+}
+
+fn is_timeout(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut)
+}
+
+/// The error of a connection to a launcher, in words if the launcher does not answer.
+fn told(error: io::Error, launcher: Option<u32>) -> io::Error {
+    if !is_timeout(&error) {
+        return error;
+    }
+    let seconds = PATIENCE.as_secs();
+    let why = match launcher {
+        Some(pid) if is_stopped(pid) => format!(
+            "its launcher, process {pid}, was stopped by a signal\n help: the cell stops its robots by itself; let the \
+             launcher go on: kill -CONT {pid}"
+        ),
+        Some(pid) => format!(
+            "its launcher, process {pid}, is busy or gets no processor time\n help: ask again, or end it: kill {pid}"
+        ),
+        None => "its launcher stands still\n help: see `ps -ef`".to_owned(),
+    };
+    io::Error::new(ErrorKind::TimedOut, format!("the cell has not answered for {seconds} s: {why}"))
 }

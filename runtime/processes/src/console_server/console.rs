@@ -12,7 +12,7 @@ use super::protocol::{MAX_REQUEST, Reply};
 use mrroc_core::operator::button::Button;
 
 /// How much unread text may wait for a console \[bytes\].
-const MAX_OUTPUT: usize = 1 << 16;
+pub(super) const MAX_OUTPUT: usize = 1 << 18;
 
 /// The request of a console that has not been answered yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,6 +32,12 @@ pub(super) struct Console {
     pub asked: Asked,
     /// When it gets its next picture, if it watches.
     pub watches: Option<Instant>,
+    /// Whether it is served; one that waits for a place may only stop the cell.
+    pub is_served: bool,
+    /// Whether it has sent a request.
+    pub has_asked: bool,
+    /// When it connected.
+    pub since: Instant,
     /// Whether it has gone or is to be disconnected.
     pub gone: bool,
     stream: UnixStream,
@@ -51,6 +57,9 @@ impl Console {
             pid,
             asked: Asked::Nothing,
             watches: None,
+            is_served: false,
+            has_asked: false,
+            since: Instant::now(),
             gone: false,
             stream,
             input: Vec::with_capacity(MAX_REQUEST + 1),
@@ -99,6 +108,7 @@ impl Console {
         if let Some(end) = self.input.iter().position(|&byte| byte == b'\n') {
             let mut line: Vec<_> = self.input.drain(..=end).collect();
             line.pop();
+            self.has_asked = true;
             return Some(line);
         }
         if self.input.len() > MAX_REQUEST {
@@ -113,6 +123,14 @@ impl Console {
     pub fn answer(&mut self, reply: &Reply) {
         self.asked = Asked::Nothing;
         self.write(&format!("{reply}\n"));
+    }
+
+    /// Answers for the last time: it is disconnected once it has got the answer.
+    pub fn dismiss(&mut self, reply: &Reply) {
+        self.watches = None;
+        self.silent = true;
+        self.input.clear();
+        self.answer(reply);
     }
 
     /// Writes to it; disconnects it if too much text is unread.

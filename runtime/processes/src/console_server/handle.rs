@@ -17,6 +17,8 @@ use super::service::{SOCKET, Service};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::figures::Figures;
+use crate::identity::{self, CellId};
+use mrroc_core::console::complain;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::operator::button::Button;
 
@@ -39,19 +41,27 @@ pub(crate) struct ConsoleServer {
 }
 
 impl ConsoleServer {
-    /// Opens the console server in a session's folder, for the processes by their places, each with its process number.
+    /// Opens the console server of a cell in its session's folder and under the cell's own name, for the processes by their
+    /// places, each with its process number.
     ///
     /// # Errors
     /// The socket cannot be made, or the thread cannot be started.
     pub fn open(
-        folder: &Path,
+        (folder, cell): (&Path, CellId),
         board: StateBoard,
         process_set: impl Iterator<Item = (ProcessId, u32)>,
     ) -> io::Result<ConsoleServer> {
         let path = folder.join(SOCKET);
         let listener = UnixListener::bind(&path)?;
         std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600))?;
-        listener.set_nonblocking(true)?;
+        let mut listeners = vec![listener];
+        match identity::listen(cell) {
+            Ok(listener) => listeners.push(listener),
+            Err(error) => {
+                complain(&format!("note: operator: the cell is found in its session's folder only: {error}"));
+            }
+        }
+        listeners.iter().try_for_each(|listener| listener.set_nonblocking(true))?;
         let seats =
             process_set.map(|(id, pid)| Seat { id, pid, runs: true, figures: Figures::default() }).collect();
         let seats = Arc::new(Mutex::new(seats));
@@ -61,7 +71,7 @@ impl ConsoleServer {
         let (open, end) = UnixStream::pair()?;
         let (sender, presses) = channel();
         let service = Service {
-            listener,
+            listeners,
             end,
             board,
             seats: Arc::clone(&seats),
@@ -73,6 +83,7 @@ impl ConsoleServer {
             presses_made: 0,
             holder: None,
             strangers: BTreeSet::new(),
+            drawn: None,
         };
         let thread =
             std::thread::Builder::new().name("console_server".to_owned()).spawn(move || service.run())?;

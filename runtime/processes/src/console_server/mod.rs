@@ -16,7 +16,8 @@ mod presses;
 mod protocol;
 mod service;
 
-pub use caller::{Asks, Caller, Hears};
+pub use caller::{Asks, Caller, ENDED, Hears};
 pub(super) use handle::ConsoleServer;
 pub use picture::{Picture, ProcessPicture, RobotPicture};
 pub use protocol::{Heard, MAX_REQUEST, Reply, Request};
+pub(super) use service::CONNECTIONS;

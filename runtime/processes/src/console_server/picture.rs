@@ -8,7 +8,7 @@ use core::fmt::{self, Write};
 use core::str::{FromStr, SplitAsciiWhitespace};
 
 use crate::figures::{FIGURES_WORDS, Figures};
-use mrroc_core::link::memory::MAX_PROCESSES;
+use mrroc_core::link::places::MAX_PROCESSES;
 use mrroc_core::operator::button::CellState;
 use mrroc_core::operator::state::Doing;
 use mrroc_core::robot::MAX_JOINTS;
@@ -95,7 +95,8 @@ impl fmt::Display for Picture {
         }
         for robot in &self.robots {
             write!(f, "robot {} {} {}", robot.name, robot.time, robot.demanded.len())?;
-            robot.demanded.iter().chain(&robot.measured).try_for_each(|q| write!(f, " {q}"))?;
+            // With an exponent: however small a number is, it takes at most 24 bytes.
+            robot.demanded.iter().chain(&robot.measured).try_for_each(|q| write!(f, " {q:e}"))?;
             f.write_char('\n')?;
         }
         writeln!(f, "end")

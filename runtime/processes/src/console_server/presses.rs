@@ -10,6 +10,7 @@ use super::console::{Asked, Console};
 use super::protocol::Reply;
 use super::service::Service;
 use crate::control::Frame;
+use crate::mp_watch::STOPPING;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 
 /// How long a console waits for its press to be carried out.
@@ -34,9 +35,7 @@ impl Service {
             let reply = match answer {
                 Some(answer) => say(button, answer),
                 None if over => Reply::Refused("the cell closes".to_owned()),
-                None if since.elapsed() > PATIENCE => {
-                    Reply::Pending(format!("{button}: the program computes; when it moves or waits again"))
-                }
+                None if since.elapsed() > PATIENCE => Reply::Pending(pending(button)),
                 None => continue,
             };
             // A late press may still be carried out, but the next press does not wait for it.
@@ -70,6 +69,15 @@ impl Service {
             }
         }
     }
+}
+
+/// When a button is carried out that was pressed while the MP begins no step.
+fn pending(button: Button) -> String {
+    let end = match button {
+        Button::Stop => format!(", or in {} s, when the cell is ended", STOPPING.as_secs()),
+        _ => String::new(),
+    };
+    format!("{button}: the program computes; when it moves or waits again{end}")
 }
 
 /// `suspended: step 1203`; `refused nothing runs: step 1203`.

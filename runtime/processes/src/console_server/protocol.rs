@@ -164,11 +164,14 @@ fn read_line(from: &mut impl BufRead) -> io::Result<Option<String>> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::console::MAX_OUTPUT;
     use super::super::picture::{ProcessPicture, RobotPicture};
     use super::*;
     use crate::figures::{FIGURES_WORDS, Figures};
+    use mrroc_core::link::places::MAX_PROCESSES;
     use mrroc_core::operator::button::CellState;
     use mrroc_core::operator::state::Doing;
+    use mrroc_core::robot::MAX_JOINTS;
     use proptest::prelude::*;
 
     #[test]
@@ -269,13 +272,36 @@ mod tests {
     }
 
     #[test]
+    fn the_picture_of_the_largest_cell_is_read_as_it_was_written_and_waits_for_a_console_as_a_whole() {
+        let longest = "n".repeat(24);
+        let process = |_| ProcessPicture {
+            name: format!("ecp {longest}"),
+            pid: u32::MAX,
+            runs: false,
+            figures: Figures::get(&[u64::MAX; FIGURES_WORDS]),
+        };
+        let joints = || vec![-1.234_567_890_123_456_7e-300; MAX_JOINTS];
+        let robot =
+            |_| RobotPicture { name: longest.clone(), time: 1e9, demanded: joints(), measured: joints() };
+        let picture = Picture {
+            processes: (0..MAX_PROCESSES).map(process).collect(),
+            robots: (0..MAX_PROCESSES / 2).map(robot).collect(),
+            ..Picture::default()
+        };
+        let text = picture.to_string();
+        assert!(text.len() <= MAX_OUTPUT, "{}", text.len());
+        assert_eq!(Heard::read(&mut text.as_bytes()).expect("a picture"), Some(Heard::Picture(picture)));
+    }
+
+    #[test]
     fn what_has_no_end_is_given_up() {
         let huge = vec![b'x'; 100 * MAX_ANSWER];
         assert!(Heard::read(&mut huge.as_slice()).is_err());
         let endless = "picture\n".to_owned() + &"token 1\n".repeat(10 * MAX_LINES);
         assert!(Heard::read(&mut endless.as_bytes()).is_err());
-        let crowded =
-            "picture\n".to_owned() + &"process 1 runs 0 0 0 0 0 0 0 0 0 0 0 mp\n".repeat(65) + "end\n";
+        let crowded = "picture\n".to_owned()
+            + &"process 1 runs 0 0 0 0 0 0 0 0 0 0 0 mp\n".repeat(MAX_PROCESSES + 1)
+            + "end\n";
         assert!(Heard::read(&mut crowded.as_bytes()).is_err());
     }
 }

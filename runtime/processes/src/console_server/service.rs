@@ -2,6 +2,10 @@
 //!
 //! In: requests of all consoles, and the state board. Out: presses for the MP; answers and pictures for the consoles.
 //!
+//! So many consoles are served at a time. A further one waits for a place, and may stop or abort the cell meanwhile: a
+//! place becomes free when a console disconnects, or has connected without asking for anything. Whoever does not get one
+//! is told so. All consoles take turns, with one request each.
+//!
 //! One press of each kind of button is under way at a time, and the MP carries out one of each kind in a step, so that
 //! the MP's work does not grow with the number of consoles and presses. Waiting presses of the same button share one
 //! press and its answer. The thread reads from the MP's entry on the state board what the MP did, so that the MP sends
@@ -24,14 +28,33 @@ use super::protocol::{Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
 use crate::entry::{MpPanel, robot};
+use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::operator::button::{Button, CellState};
 
 /// The name of the socket in a session's folder.
 pub(super) const SOCKET: &str = "operator";
 
-/// The most consoles at a time. One more disconnects the oldest console that does not hold the control token.
-const CONSOLES: usize = 16;
+/// The most consoles that are served at a time.
+const CONSOLES: usize = 128;
+
+/// The most consoles that wait for a place. What is beyond waits in the queue of the socket.
+const WAITING: usize = 32;
+
+/// The most connections of consoles.
+pub(crate) const CONNECTIONS: usize = CONSOLES + WAITING;
+
+/// How long a console without a place may take to send its request.
+const TURN: Duration = Duration::from_millis(250);
+
+/// How long a console that has not asked for anything keeps its place while others wait for one.
+const IDLE: Duration = Duration::from_secs(1);
+
+/// What a console is told that gets no place.
+const TOO_MANY: &str = "there are too many consoles: ask again; stop and abort are always taken";
+
+/// How many other users are told of.
+const STRANGERS: usize = 16;
 
 /// The shortest time between two rounds, so that a flood of requests does not keep a core busy.
 const ROUND: Duration = Duration::from_millis(1);
@@ -44,7 +67,7 @@ const PICTURE: Duration = Duration::from_millis(50);
 
 /// The state of the console server's thread.
 pub(super) struct Service {
-    pub listener: UnixListener,
+    pub listeners: Vec<UnixListener>,
     pub end: UnixStream,
     pub board: StateBoard,
     pub seats: Arc<Mutex<Vec<Seat>>>,
@@ -59,13 +82,17 @@ pub(super) struct Service {
     pub holder: Option<u64>,
     /// Users whose consoles were refused; each is reported once.
     pub strangers: BTreeSet<u32>,
+    /// The picture of the present round, as text.
+    pub drawn: Option<Arc<str>>,
 }
 
 impl Service {
     /// Serves until the handle of the console server is dropped.
     pub fn run(mut self) {
         while self.wait() {
+            self.drawn = None;
             self.accept();
+            self.give_places();
             for i in 0..self.consoles.len() {
                 self.serve(i);
             }
@@ -82,7 +109,10 @@ impl Service {
     /// Waits until something is to be done; returns whether the console server is still open.
     fn wait(&mut self) -> bool {
         let time = self.next_round();
-        let mut all = vec![PollFd::new(&self.end, PollFlags::IN), PollFd::new(&self.listener, PollFlags::IN)];
+        let mut all = vec![PollFd::new(&self.end, PollFlags::IN)];
+        let accepts = if self.waiting() < WAITING { PollFlags::IN } else { PollFlags::empty() };
+        all.extend(self.listeners.iter().map(|listener| PollFd::new(listener, accepts)));
+        let others = all.len();
         all.extend(self.consoles.iter().map(|console| {
             let mut flags = PollFlags::empty();
             flags.set(PollFlags::IN, console.is_listened_to());
@@ -94,7 +124,7 @@ impl Service {
             return true;
         }
         let came: Vec<_> = all.iter().map(PollFd::revents).collect();
-        for (console, came) in self.consoles.iter_mut().zip(&came[2..]) {
+        for (console, came) in self.consoles.iter_mut().zip(&came[others..]) {
             console.gone |= came.intersects(PollFlags::ERR | PollFlags::NVAL)
                 || (came.contains(PollFlags::HUP) && !came.contains(PollFlags::IN));
             if came.contains(PollFlags::OUT) {
@@ -117,40 +147,84 @@ impl Service {
         let look = self.consoles.iter().any(waits).then_some(LOOK);
         let due = self.consoles.iter().filter_map(|console| console.watches).min();
         let due = due.map(|due| due.saturating_duration_since(Instant::now()));
-        look.into_iter().chain(due).min()
+        // Those that wait for a place are looked at from time to time.
+        let turn = (self.waiting() > 0).then_some(TURN / 5);
+        look.into_iter().chain(due).chain(turn).min()
     }
 
-    /// Accepts new consoles of the user to whom the cell belongs, and refuses those of other users.
+    /// How many consoles wait for a place.
+    fn waiting(&self) -> usize {
+        self.consoles.iter().filter(|console| !console.is_served).count()
+    }
+
+    /// Accepts new consoles of the user to whom the cell belongs, and refuses those of other users; one of each listener in
+    /// turn, so that nobody who connects to one of them keeps others from another one.
     fn accept(&mut self) {
-        for _ in 0..CONSOLES {
-            let Ok((stream, _)) = self.listener.accept() else { return };
-            let Ok(peer) = socket_peercred(&stream) else { continue };
-            let user = peer.uid.as_raw();
-            let pid = peer.pid.as_raw_nonzero().get().unsigned_abs();
-            self.ids += 1;
-            let Ok(mut console) = Console::new(self.ids, pid, stream) else { continue };
-            if user != rustix::process::getuid().as_raw() {
-                console.write(&format!("refused the cell belongs to another user than {user}\n"));
-                if self.strangers.insert(user) {
-                    eprintln!("note: operator: process {pid} of user {user} was refused");
+        for _ in 0..WAITING {
+            // From the listener after the last one that had its turn.
+            for _ in 0..self.listeners.len() {
+                if self.waiting() >= WAITING {
+                    return;
                 }
-                continue;
+                self.listeners.rotate_left(1);
+                let accepted = self.listeners.last().map(UnixListener::accept);
+                if let Some(Ok((stream, _))) = accepted {
+                    self.welcome(stream);
+                }
             }
-            if self.consoles.len() >= CONSOLES {
-                let without = self.consoles.iter().position(|other| Some(other.id) != self.holder);
-                drop(without.map(|oldest| self.consoles.remove(oldest)));
-            }
+        }
+    }
+
+    fn welcome(&mut self, stream: UnixStream) {
+        let Ok(peer) = socket_peercred(&stream) else { return };
+        let user = peer.uid.as_raw();
+        let pid = peer.pid.as_raw_nonzero().get().unsigned_abs();
+        self.ids += 1;
+        let Ok(mut console) = Console::new(self.ids, pid, stream) else { return };
+        if user == rustix::process::getuid().as_raw() {
             self.consoles.push(console);
+            return;
+        }
+        console.write(&format!("refused the cell belongs to another user than {user}\n"));
+        if self.strangers.len() < STRANGERS && self.strangers.insert(user) {
+            complain(&format!("note: operator: process {pid} of user {user} was refused"));
+        }
+    }
+
+    /// Gives free places to the consoles that wait, in the order in which they came; if there are too few, those that have
+    /// connected without asking for anything lose theirs.
+    fn give_places(&mut self) {
+        let free = CONSOLES.saturating_sub(self.consoles.len() - self.waiting());
+        for console in self.consoles.iter_mut().filter(|console| !console.is_served).take(free) {
+            console.is_served = true;
+        }
+        if self.waiting() == 0 {
+            return;
+        }
+        let refused = Reply::Refused(TOO_MANY.to_owned());
+        for console in &mut self.consoles {
+            let (patience, may_stay) = match console.is_served {
+                true => (IDLE, console.has_asked),
+                false => (TURN, console.asked != Asked::Nothing),
+            };
+            if !may_stay && !console.has_line() && console.since.elapsed() > patience {
+                console.dismiss(&refused);
+            }
         }
     }
 
     /// Answers a console's request, or notes the press that it waits for.
     fn serve(&mut self, i: usize) {
         let Some(line) = self.consoles[i].line() else { return };
-        let answer = match Request::read(&line) {
+        let request = Request::read(&line);
+        if !self.consoles[i].is_served && !matches!(request, Ok(Request::Press(Button::Stop | Button::Abort)))
+        {
+            return self.consoles[i].dismiss(&Reply::Refused(TOO_MANY.to_owned()));
+        }
+        let answer = match request {
             Err(refused) => Some(Reply::Refused(refused)),
             Ok(Request::Status) => {
-                let picture = self.picture().to_string();
+                let picture = self.drawn();
                 return self.consoles[i].write(&picture);
             }
             Ok(Request::Watch) => {
@@ -179,7 +253,9 @@ impl Service {
     /// Gives a console the control token, unless another one holds it.
     fn take(&mut self, i: usize) -> Result<(), Reply> {
         let id = self.consoles[i].id;
-        match self.consoles.iter().find(|console| Some(console.id) == self.holder && console.id != id) {
+        let holds =
+            |console: &&Console| Some(console.id) == self.holder && console.id != id && !console.is_over();
+        match self.consoles.iter().find(holds) {
             Some(holder) => {
                 let text = format!("the console of process {} holds the control token", holder.pid);
                 Err(Reply::Refused(text))
@@ -211,7 +287,7 @@ impl Service {
         if !self.consoles.iter().any(due) {
             return;
         }
-        let picture = self.picture().to_string();
+        let picture = self.drawn();
         for console in self.consoles.iter_mut().filter(|console| due(console)) {
             console.watches = Some(now + PICTURE);
             if !console.is_written_to() {
@@ -233,6 +309,12 @@ impl Service {
     pub fn mp(&self) -> Option<MpPanel> {
         let place = self.seats().iter().position(|seat| seat.id == ProcessId::MP)?;
         self.board.read(place).map(|words| MpPanel::read(&words))
+    }
+
+    /// The picture as text, drawn once a round however many consoles ask for it.
+    fn drawn(&mut self) -> Arc<str> {
+        let drawn = self.drawn.take().unwrap_or_else(|| self.picture().to_string().into());
+        self.drawn.insert(drawn).clone()
     }
 
     fn picture(&self) -> Picture {

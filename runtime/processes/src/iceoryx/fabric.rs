@@ -18,12 +18,16 @@ use super::wake_futex::WakeFutex;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::link::envelope::{Envelope, LAYOUT, Seal};
-use mrroc_core::link::memory::{MAX_PROCESSES, Stuck};
+use mrroc_core::link::memory::Stuck;
+use mrroc_core::link::places::Places;
 use mrroc_core::link::{Board, Body, Client, Link, Server, Simulation};
 use mrroc_core::payload::layout_hash;
 
 /// The key of a board's only value.
 const KEY: u64 = 0;
+
+/// Processes that may use one board or one direction of a port: one writes and one reads. More cost memory only.
+const NODES: usize = 64;
 
 /// The shared memory of a session could not be set up.
 #[derive(Debug, thiserror::Error)]
@@ -52,7 +56,7 @@ pub(crate) struct Fabric {
     planned: Vec<Planned>,
     body: Option<Body>,
     /// Places to which messages were sent since the process was resumed, in lock-step.
-    woken: Rc<Cell<u64>>,
+    woken: Rc<Cell<Places>>,
     /// What the process sleeps on, and the prefix of all futexes' names; in real time only.
     wake_futex: Option<(WakeFutex, String)>,
     node: Option<Node<ipc::Service>>,
@@ -83,8 +87,8 @@ impl Fabric {
         self.body.take()
     }
 
-    /// The places to which messages were sent, one bit each.
-    pub fn woken(&self) -> Rc<Cell<u64>> {
+    /// The places to which messages were sent.
+    pub fn woken(&self) -> Rc<Cell<Places>> {
         Rc::clone(&self.woken)
     }
 
@@ -209,7 +213,7 @@ fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
         .service_builder(&service(name)?)
         .blackboard_creator::<u64>()
         .max_readers(1)
-        .max_nodes(MAX_PROCESSES)
+        .max_nodes(NODES)
         .add::<Packet>(KEY, Packet(Envelope::EMPTY))
         .create()
         .map_err(LinkError::of(name))?;

@@ -19,6 +19,7 @@ use super::wake_futex::WakeFutex;
 use mrroc_core::link::envelope::{Envelope, Seal};
 use mrroc_core::link::message::Message;
 use mrroc_core::link::numbering::{self, Heard};
+use mrroc_core::link::places::Places;
 use mrroc_core::link::{Board, Client, Server};
 
 /// An envelope as it lies in shared memory.
@@ -45,7 +46,7 @@ pub(super) enum Waker {
     /// By its futex.
     WakeFutex(WakeFutex),
     /// In lock-step the launcher resumes it: the place of the process, and the set of places to be resumed.
-    Mark(usize, Rc<Cell<u64>>),
+    Mark(usize, Rc<Cell<Places>>),
 }
 
 impl Waker {
@@ -53,7 +54,7 @@ impl Waker {
         match self {
             // Waking has no effect on a peer that is gone; its silence and the launcher tell that it is gone.
             Waker::WakeFutex(wake_futex) => wake_futex.wake(),
-            Waker::Mark(place, woken) => woken.set(woken.get() | 1 << place),
+            Waker::Mark(place, woken) => woken.set(woken.get().with(*place)),
         }
     }
 }

@@ -14,6 +14,7 @@ use rustix::time::Timespec;
 
 use super::samples::Samples;
 use super::wake_futex::WakeFutex;
+use mrroc_core::link::places::Places;
 use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Notices, Sample, Waiter};
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::console::Console;
@@ -38,12 +39,12 @@ pub(crate) trait Launcher {
     fn hear(&self) -> Heard;
 
     /// Tells the launcher that the process waits, at most until `deadline` \[ns\], and has sent messages to the places
-    /// `woken`, one bit each.
-    fn yields(&self, deadline: Nanos, woken: u64);
+    /// `woken`.
+    fn yields(&self, deadline: Nanos, woken: Places);
 
     /// Asks the launcher to run the process at `place` before this process goes on; this process has sent messages to
-    /// the places `woken`, one bit each.
-    fn calls(&self, place: usize, woken: u64);
+    /// the places `woken`.
+    fn calls(&self, place: usize, woken: Places);
 }
 
 /// What a launcher says to a process that runs.
@@ -76,10 +77,14 @@ pub(crate) struct RealTime {
     /// The press of each kind that was not taken yet; a newer press replaces it.
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
     shows: Option<Show>,
+    supervised: Option<Supervised>,
 }
 
 /// What shows the state of an MP.
 pub(crate) type Show = Box<dyn Fn(&MpState)>;
+
+/// What tells an MP, at a time of the machine's clock \[ns\], whether its launcher supervises the cell.
+pub(crate) type Supervised = Box<dyn Fn(Nanos) -> bool>;
 
 impl RealTime {
     pub fn new(
@@ -102,12 +107,19 @@ impl RealTime {
             samples,
             pressed: Default::default(),
             shows: None,
+            supervised: None,
         }
     }
 
     /// Lets the MP show its state by `shows`.
     pub fn showing(mut self, shows: Option<Show>) -> Self {
         self.shows = shows;
+        self
+    }
+
+    /// Lets the MP know by `supervised` whether its launcher supervises the cell.
+    pub fn supervised_by(mut self, supervised: Option<Supervised>) -> Self {
+        self.supervised = supervised;
         self
     }
 
@@ -176,6 +188,10 @@ impl Notices for RealTime {
     fn news(&self) -> Option<News> {
         self.news.take()
     }
+
+    fn is_supervised(&self) -> bool {
+        self.supervised.as_ref().is_none_or(|supervised| supervised(monotonic()))
+    }
 }
 
 impl Console for RealTime {
@@ -193,14 +209,14 @@ impl Console for RealTime {
 /// Waits in lock-step: the launcher resumes one process at a time and tells it the time.
 pub(crate) struct LockStep<'a, L: Launcher> {
     launcher: &'a L,
-    woken: Rc<Cell<u64>>,
+    woken: Rc<Cell<Places>>,
     now: Cell<Nanos>,
     closing: Cell<bool>,
 }
 
 impl<'a, L: Launcher> LockStep<'a, L> {
     /// Waits to be resumed for the first time.
-    pub fn new(launcher: &'a L, woken: Rc<Cell<u64>>) -> Self {
+    pub fn new(launcher: &'a L, woken: Rc<Cell<Places>>) -> Self {
         let waiter = LockStep { launcher, woken, now: Cell::new(0), closing: Cell::new(false) };
         waiter.be_resumed();
         waiter
@@ -231,7 +247,7 @@ impl<L: Launcher> Waiter for LockStep<'_, L> {
 
     fn call(&self, place: usize) -> Result<(), Closed> {
         if !self.closing.get() {
-            self.launcher.calls(place, self.woken.take() & !(1 << place));
+            self.launcher.calls(place, self.woken.take().without(place));
             self.be_resumed();
         }
         if self.closing.get() { Err(Closed) } else { Ok(()) }

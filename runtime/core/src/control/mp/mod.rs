@@ -191,11 +191,17 @@ impl<'w> Mp<'w> {
             .map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
     }
 
-    /// Carries out what the operator has pressed, and takes a protective stop.
+    /// Carries out what the operator has pressed, and takes a protective stop: the operator's, or one for want of a
+    /// launcher.
     fn hear_operator(&mut self) {
         let stops = &self.stops;
         let state = |operator: &Operator| cell_state(stops, operator);
         self.operating.press(self.clock.step(), state, self.host.console);
+        if self.stops.latched.is_none() && !self.host.notices.is_supervised() {
+            // A recording holds it as a stop of the operator, so that a replay stops in the same step.
+            self.operating.stopping = true;
+            self.stops.protect(Fault::of_launcher(), self.clock.step());
+        }
         if self.stops.latched.is_none() && self.operating.take_protective_stop() {
             self.stops.protect(Fault::of_operator(), self.clock.step());
         }

@@ -1,0 +1,87 @@
+//! Sets of processes of a cell, by their places.
+//!
+//! In: places. Out: a set that is copied and joined in a few instructions, and travels as words.
+
+/// The most processes that a cell can have, its plant among them.
+pub const MAX_PROCESSES: usize = 192;
+
+const WORDS: usize = MAX_PROCESSES / 64;
+
+/// A set of places below [`MAX_PROCESSES`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Places([u64; WORDS]);
+
+impl Places {
+    /// How many words a set has.
+    pub const WORDS: usize = WORDS;
+
+    /// A set without places.
+    pub const NONE: Places = Places([0; WORDS]);
+
+    /// The set of one place.
+    #[must_use]
+    pub const fn of(place: usize) -> Places {
+        Places::NONE.with(place)
+    }
+
+    /// The set as words of a message.
+    #[must_use]
+    pub const fn to_words(self) -> [u64; WORDS] {
+        self.0
+    }
+
+    /// The set in words of a message.
+    #[must_use]
+    pub const fn from_words(words: [u64; WORDS]) -> Places {
+        Places(words)
+    }
+
+    /// The set and a place; a place that no process can have is left out.
+    #[must_use]
+    pub const fn with(mut self, place: usize) -> Places {
+        if place < MAX_PROCESSES {
+            self.0[place / 64] |= 1 << (place % 64);
+        }
+        self
+    }
+
+    /// The set without a place.
+    #[must_use]
+    pub const fn without(mut self, place: usize) -> Places {
+        if place < MAX_PROCESSES {
+            self.0[place / 64] &= !(1 << (place % 64));
+        }
+        self
+    }
+
+    /// The places of both sets.
+    #[must_use]
+    pub fn and(self, other: Places) -> Places {
+        Places(core::array::from_fn(|i| self.0[i] | other.0[i]))
+    }
+
+    /// The lowest place.
+    #[must_use]
+    pub fn first(self) -> Option<usize> {
+        let word = self.0.iter().position(|&word| word != 0)?;
+        Some(64 * word + self.0[word].trailing_zeros() as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_is_in_the_set_that_it_was_put_into_and_the_lowest_comes_first() {
+        let all = [0, 1, 63, 64, 127, 128, MAX_PROCESSES - 1];
+        let mut set = all.iter().rev().fold(Places::NONE, |set, &place| set.and(Places::of(place)));
+        assert_eq!(Places::from_words(set.to_words()), set);
+        for place in all {
+            assert_eq!(set.first(), Some(place));
+            set = set.without(place);
+        }
+        assert_eq!((set, set.first()), (Places::NONE, None));
+        assert_eq!(Places::of(MAX_PROCESSES).without(MAX_PROCESSES), Places::NONE);
+    }
+}

@@ -1,0 +1,164 @@
+//! A launcher that stands still, is stopped from its terminal, or cannot say anything.
+
+use std::io::{ErrorKind, Write};
+use std::os::fd::OwnedFd;
+use std::time::Duration;
+
+use rustix::process::Signal;
+
+use mrroc_tests::fixture::{COMPUTES, PATIENCE};
+
+use crate::launch::{Launch, Place, Process, wait_until};
+use crate::operator::{ask, assert_ends_where_it_would_have, done, operate, stand};
+use crate::runs::{REAL, ROBOTS, assert_robots_stand, rests};
+
+#[test]
+fn fault_60_robots_whose_launcher_stands_still_stop_on_their_paths_and_consoles_are_told() {
+    let place = Place::new(60);
+    let operator = |launch: &mut Launch| {
+        launch.signal(Signal::STOP);
+        wait_until(|| launch.is_stopped());
+        let asked = ["status", "stop"].map(|word| ask(&place, &[word]));
+        wait_until(|| ROBOTS.iter().all(|robot| rests(launch, robot)));
+        let at = launch.record("left").len();
+        launch.signal(Signal::CONT);
+        (asked, at)
+    };
+    operate(&place, operator, |launch, status, (asked, at)| {
+        let told = format!("its launcher, process {}, was stopped by a signal", launch.pid());
+        for (status, said) in asked {
+            assert!(status == Some(1) && said.contains("has not answered for 5 s"), "{status:?}: {said}");
+            assert!(said.contains(&told) && said.contains(&format!("kill -CONT {}", launch.pid())), "{said}");
+        }
+        let said = launch.said();
+        assert!(status == Some(1) && said.contains("protective stop: the launcher stands still"), "{said}");
+        // 1750 periods make the whole run.
+        assert!(at < 1750, "{at}");
+    });
+}
+
+#[test]
+fn fault_60_a_launcher_that_is_stopped_from_its_terminal_suspends_the_cell_first() {
+    let place = Place::new(61);
+    let operator = |launch: &mut Launch| {
+        launch.signal(Signal::TSTP);
+        wait_until(|| launch.is_stopped() || launch.end_if_over().is_some());
+        let stood = stand(launch);
+        // Much longer than an MP without a launcher goes on.
+        launch.let_run(Duration::from_secs(3));
+        launch.signal(Signal::CONT);
+        wait_until(|| ask(&place, &["status"]).1.starts_with("suspended: step "));
+        done(&place, &["resume"], "resumed: step ");
+        stood
+    };
+    operate(&place, operator, |launch, status, stood| {
+        let said = launch.said();
+        assert!(status == Some(0) && stood, "{status:?}, stood: {stood}: {said}");
+        assert!(said.contains("the cell is suspended, and the launcher stops"), "{said}");
+        assert_ends_where_it_would_have(&place, launch);
+    });
+}
+
+/// A pipe: whether nobody reads it and it is full, or nobody can read it.
+fn pipe_without_reader(is_closed: bool) -> (Option<OwnedFd>, OwnedFd) {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    let (reader, writer) = (OwnedFd::from(reader), OwnedFd::from(writer));
+    if is_closed {
+        return (None, writer);
+    }
+    rustix::io::ioctl_fionbio(&writer, true).expect("set");
+    let mut file = std::fs::File::from(writer);
+    let full = loop {
+        if let Err(error) = file.write(&[b'x'; 4096]) {
+            break error;
+        }
+    };
+    assert_eq!(full.kind(), ErrorKind::WouldBlock);
+    let writer = OwnedFd::from(file);
+    rustix::io::ioctl_fionbio(&writer, false).expect("set");
+    (Some(reader), writer)
+}
+
+#[test]
+fn fault_61_a_launcher_whose_messages_nobody_reads_supervises_all_the_same() {
+    let place = Place::new(62);
+    for is_closed in [false, true] {
+        let (reader, writer) = pipe_without_reader(is_closed);
+        let mut launch = place.start_saying(writer, "unread", REAL);
+        while launch.record("left").len() < 100 && launch.end_if_over().is_none() {
+            launch.let_run(Duration::from_millis(1));
+        }
+        // The launcher has something to say: a process has died that nobody needs.
+        let processes = launch.processes();
+        processes.iter().filter(|process| process.role == "vsp slow").for_each(|process| process.kill());
+        let (status, said) = ask(&place, &["stop"]);
+        // On a machine that is late the cell may have ended by then.
+        assert!(
+            said.contains("stopping: step ") || status != Some(0) && !said.contains("not answered"),
+            "{said}"
+        );
+        let status = launch.end().code();
+        assert!(matches!(status, Some(0 | 1)), "{status:?}");
+        assert_robots_stand(&launch, None);
+        launch.assert_nothing_left(&processes);
+        drop(reader);
+    }
+}
+
+/// The MP of a cell that has just been started.
+fn mp(launch: &mut Launch) -> Process {
+    let mut mp = None;
+    while mp.is_none() {
+        assert!(launch.end_if_over().is_none(), "{}", launch.said());
+        launch.let_run(Duration::from_millis(1));
+        mp = launch.processes().into_iter().find(|process| process.role == "mp");
+    }
+    mp.expect("it is there")
+}
+
+#[test]
+fn fault_64_an_mp_that_stands_still_is_told_and_the_cell_ended() {
+    let place = Place::new(65);
+    for (computes, why) in
+        [(Some((COMPUTES, "")), "its program computes"), (None, "it was stopped by a signal")]
+    {
+        let variables: Vec<_> = [(PATIENCE, "6")].into_iter().chain(computes).collect();
+        let mut launch = place.start_with(&variables, "still", REAL);
+        let mp = mp(&mut launch);
+        if computes.is_none() {
+            while launch.record("left").len() < 100 {
+                assert!(launch.end_if_over().is_none(), "{}", launch.said());
+                launch.let_run(Duration::from_millis(1));
+            }
+            mp.signal(Signal::STOP);
+        }
+        wait_until(|| launch.said().contains("note: mp: it has begun no step for 1"));
+        assert!(launch.end_if_over().is_none(), "it is told before the cell is ended");
+        let processes = launch.processes();
+        let status = launch.end().code();
+        let said = launch.said();
+        let ended = "the MP has begun no step for 6";
+        assert!(status == Some(1) && said.contains(why) && said.contains(ended), "{status:?}: {said}");
+        assert_robots_stand(&launch, None);
+        launch.assert_nothing_left(&processes);
+    }
+}
+
+#[test]
+fn fault_64_a_stop_ends_a_cell_whose_mp_does_not_carry_it_out() {
+    let place = Place::new(66);
+    let mut launch = place.start_with(&[(COMPUTES, "")], "still", REAL);
+    mp(&mut launch);
+    // As soon as the console server is there.
+    let mut told = (None, String::new());
+    wait_until(|| {
+        told = ask(&place, &["stop"]);
+        told.0 != Some(2)
+    });
+    let (status, said) = told;
+    assert!(status == Some(3) && said.contains("or in 5 s, when the cell is ended"), "{status:?}: {said}");
+    let status = launch.end().code();
+    let said = launch.said();
+    assert!(status == Some(1) && said.contains("protective stop: by the operator: "), "{status:?}: {said}");
+    launch.assert_nothing_left(&[]);
+}
