@@ -15,6 +15,7 @@ mod kit;
 mod lateness;
 mod limits;
 mod moves;
+mod opening;
 mod pairing;
 mod panics;
 mod path_stops;

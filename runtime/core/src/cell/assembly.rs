@@ -11,8 +11,8 @@ use crate::control::mp::{Mp, MpTiming, RobotPort};
 use crate::control::overruns::Timed;
 use crate::control::plant::{Rests, Site};
 use crate::control::sensing::Sensing;
-use crate::link::Link;
 use crate::link::patience::Patience;
+use crate::link::{Link, Simulation};
 use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::list::Owner;
 use crate::model::name::Name;
@@ -44,6 +44,9 @@ impl Cell {
 
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
     pub(super) fn assemble(mut self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
+        if link.simulation() != Simulation::Free {
+            self.parts.refuse_hardware(names)?;
+        }
         let nudged = self.coordination.program.is_none();
         let patience = Patience::of_step(self.timing.step);
         let outcomes = Outcomes::default();

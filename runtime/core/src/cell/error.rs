@@ -44,6 +44,16 @@ pub enum CellError {
     /// It cannot run as processes of the operating system; nothing has moved.
     #[error("{0}")]
     Processes(String),
+    /// Drives that are hardware, in a cell whose time is not that of the world.
+    #[error(
+        "robot `{robot}` has real drives, {hardware}, which cannot follow the virtual clock; nothing was opened\n help: run the cell in real time, `cargo run -- --processes`; without the robot, give it simulated drives"
+    )]
+    RealDrives {
+        /// The robot.
+        robot: Name,
+        /// What its driver calls them.
+        hardware: String,
+    },
     /// What is wrong with the cell's file.
     #[error("{0}")]
     File(String),

@@ -83,6 +83,15 @@ impl Parts {
         names
     }
 
+    /// Refuses drives that cannot follow the virtual clock.
+    ///
+    /// # Errors
+    /// [`CellError::RealDrives`] for the first robot that has such.
+    pub fn refuse_hardware(&self, names: &[Name]) -> Result<(), CellError> {
+        let real = self.robots.iter().zip(names).find_map(|(robot, &name)| Some((name, robot.hardware()?)));
+        real.map_or(Ok(()), |(robot, hardware)| Err(CellError::RealDrives { robot, hardware }))
+    }
+
     /// Checks the sensors of robots with these names.
     pub fn check_sensors(&self, robots: &[Name], errors: &mut Vec<CellError>) {
         let mut sensors = Vec::new();

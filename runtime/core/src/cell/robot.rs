@@ -363,7 +363,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             let waiter = host.waiter;
             let witnesses = place.witnesses.of(process);
             let homed = match drives {
-                Ok(drive) => Some((drive, Gate::default())),
+                Ok(drive) => Some((drive.opened(), Gate::default())),
                 Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
                     let now = waiter.now();
                     witnesses.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);

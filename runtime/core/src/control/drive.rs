@@ -6,10 +6,12 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::control::command::{Command, Reading, RegulatorSets, Switch};
+use crate::control::guarded::guarded;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Client, Waiter};
 use crate::model::driver::{Driver, Measured, Regulators};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
@@ -18,6 +20,8 @@ use crate::model::time::Nanos;
 pub(crate) enum Drive<R: Robot> {
     /// In this process.
     Here(Box<dyn Driver<R>>),
+    /// In this process, and not to be reached, for this reason.
+    Closed(Unopened<R>),
     /// In the plant.
     Plant(Box<PlantDrive<R>>),
 }
@@ -28,10 +32,54 @@ pub(super) struct Followed<J> {
     pub demanded: J,
 }
 
+/// Drives that could not be opened.
+pub(crate) struct Unopened<R: Robot> {
+    /// There, but while a reset tries again.
+    driver: Option<Box<dyn Driver<R>>>,
+    period: Duration,
+    fault: Fault,
+}
+
 impl<R: Robot> Drive<R> {
+    /// Opens drives that are in this process.
+    pub fn opened(self) -> Self {
+        match self {
+            Drive::Here(driver) => Drive::open(driver),
+            Drive::Closed(_) | Drive::Plant(_) => self,
+        }
+    }
+
+    fn open(mut driver: Box<dyn Driver<R>>) -> Self {
+        let opened = guarded(|| driver.open().map_err(|trip| Fault::of_drive(&trip)));
+        match opened.and_then(|opened| opened) {
+            Ok(()) => Drive::Here(driver),
+            Err(fault) => {
+                let period = driver.period();
+                Drive::Closed(Unopened { driver: Some(driver), period, fault })
+            }
+        }
+    }
+
+    /// Why the drives could not be opened.
+    pub fn unopened(&self) -> Option<&Fault> {
+        match self {
+            Drive::Closed(unopened) => Some(&unopened.fault),
+            Drive::Here(_) | Drive::Plant(_) => None,
+        }
+    }
+
+    /// Lets the drives go.
+    pub fn close(&mut self) {
+        match self {
+            Drive::Here(driver) => driver.close(),
+            Drive::Closed(_) | Drive::Plant(_) => {}
+        }
+    }
+
     pub fn period(&self) -> Duration {
         match self {
             Drive::Here(driver) => driver.period(),
+            Drive::Closed(unopened) => unopened.period,
             Drive::Plant(drive) => drive.period,
         }
     }
@@ -39,6 +87,11 @@ impl<R: Robot> Drive<R> {
     pub fn measured(&self) -> Measured<R::Joints> {
         match self {
             Drive::Here(driver) => driver.measured(),
+            // Where nothing is read, there is no number.
+            Drive::Closed(_) => {
+                let unknown = R::Joints::from_joints(|_| f64::NAN);
+                Measured { position: unknown, velocity: unknown }
+            }
             Drive::Plant(drive) => drive.shown.measured,
         }
     }
@@ -46,6 +99,7 @@ impl<R: Robot> Drive<R> {
     pub fn has_regulator(&self, joint: usize, set: u8) -> bool {
         match self {
             Drive::Here(driver) => driver.has_regulator(joint, set),
+            Drive::Closed(_) => set == 0,
             Drive::Plant(drive) => drive.sets.has(joint, set),
         }
     }
@@ -53,6 +107,7 @@ impl<R: Robot> Drive<R> {
     pub fn choose_regulators(&mut self, sets: &Regulators) {
         match self {
             Drive::Here(driver) => driver.choose_regulators(sets),
+            Drive::Closed(_) => {}
             Drive::Plant(drive) => drive.chosen = (drive.chosen.0 + 1, *sets),
         }
     }
@@ -60,6 +115,7 @@ impl<R: Robot> Drive<R> {
     pub fn has_brakes(&self) -> bool {
         match self {
             Drive::Here(driver) => driver.has_brakes(),
+            Drive::Closed(_) => true,
             Drive::Plant(drive) => drive.brakes,
         }
     }
@@ -68,6 +124,7 @@ impl<R: Robot> Drive<R> {
     pub fn switch_off(&mut self, waiter: &dyn Waiter) {
         match self {
             Drive::Here(driver) => driver.switch_off(),
+            Drive::Closed(_) => {}
             // A plant that does not hear it takes the power away when no demands come.
             Drive::Plant(drive) => drop(drive.switch(false, waiter)),
         }
@@ -80,6 +137,11 @@ impl<R: Robot> Drive<R> {
     pub fn switch_on(&mut self, waiter: &dyn Waiter) -> Result<(), Fault> {
         match self {
             Drive::Here(driver) => driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
+            Drive::Closed(unopened) => {
+                let Some(driver) = unopened.driver.take() else { return Err(unopened.fault.clone()) };
+                *self = Drive::open(driver);
+                self.unopened().map_or(Ok(()), |fault| Err(fault.clone()))
+            }
             Drive::Plant(drive) => drive.switch(true, waiter),
         }
     }
@@ -98,6 +160,7 @@ impl<R: Robot> Drive<R> {
                 let measured = driver.tick(demanded).map_err(|trip| Fault::of_drive(&trip))?;
                 Ok(Followed { measured, demanded: *demanded })
             }
+            Drive::Closed(unopened) => Err(unopened.fault.clone()),
             Drive::Plant(drive) => drive.tick(now, demanded, X_FE, waiter),
         }
     }

@@ -24,6 +24,20 @@ pub trait Driver<R: Robot> {
     /// The servo period; it divides the step, or the step divides it.
     fn period(&self) -> Duration;
 
+    /// Connects to the drives. The robot's EDP, which alone drives it, calls this once when it starts, before anything but
+    /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at a
+    /// reset, if it has failed. Making a driver connects to nothing: every process of a cell makes all of them, and so does
+    /// a check. Simulated drives need not say more.
+    ///
+    /// # Errors
+    /// [`DriveFault`] with the reason: the cell stops with it, and nothing moves.
+    fn open(&mut self) -> Result<(), DriveFault> {
+        Ok(())
+    }
+
+    /// Lets the drives go, after the last period of a robot that stands or has no power.
+    fn close(&mut self) {}
+
     /// What the encoders read now, without moving anything.
     fn measured(&self) -> Measured<R::Joints>;
 
@@ -37,9 +51,10 @@ pub trait Driver<R: Robot> {
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
-    /// What the drives are, for the whole machine: such as `udp 10.0.0.7:30004` or the serial number of a controller. Where
-    /// cells run as processes, one cell at a time has the hardware of a name, whatever its file. Drives that any number of
-    /// cells may have at once, such as simulated ones, have no name.
+    /// What the drives are, for the whole machine, if they are real ones: such as `udp 10.0.0.7:30004` or the serial number of a controller. Where
+    /// cells run as processes, one cell at a time has the hardware of a name, whatever its file. Hardware cannot follow the
+    /// virtual clock: a cell with drives that name any runs in real time only. Drives that any number of cells may have at
+    /// once, such as simulated ones and those of tests, have no name.
     fn hardware(&self) -> Option<String> {
         None
     }

@@ -25,6 +25,7 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::control::drive::Drive;
+use crate::control::guarded::guarded;
 use crate::control::replay::RecordedRobot;
 use crate::link::{Closed, Host, Sample, Server};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
@@ -96,7 +97,8 @@ impl<'w, R: Robot> Edp<'w, R> {
             replayed: config.replayed,
         };
         // Where encoders give no numbers, there is nothing to hold: the drives get no demand at all.
-        if let Err(fault) = edp.check_following(edp.servo.interpolation.goal(), FaultKind::FollowingError) {
+        let unread = || edp.check_following(edp.servo.interpolation.goal(), FaultKind::FollowingError).err();
+        if let Some(fault) = edp.servo.drive.unopened().cloned().or_else(unread) {
             edp.path.mode = Mode::Off;
             edp.latch(fault, 0);
         }
@@ -140,7 +142,10 @@ impl<'w, R: Robot> Edp<'w, R> {
                 self.host.meter.sample(Sample::Worked(self.host.waiter.now().saturating_sub(woke)));
             }
         }
-        self.come_to_rest()
+        let rest = self.come_to_rest();
+        // What a driver does when it is let go moves nothing, and no robot waits for it.
+        let closed = guarded(|| self.servo.drive.close());
+        rest.and(closed)
     }
 
     /// Brakes what still moves when the cell closes: its other processes may be gone. Where time stands still then,
