@@ -63,7 +63,7 @@ fn cell(refusals: u32, name: Option<&'static str>) -> (Cell, Calls) {
     let calls = Calls::default();
     let drives = Remote { refusals, name, position: None, calls: Rc::clone(&calls) };
     let robot = RobotSetup::new("g", Gantry::default(), drives)
-        .program(|ecp| ecp.move_robot((), Smooth::to(0.1, 0.2)).map(drop));
+        .program(|ecp| ecp.move_robot((), Smooth::to(0.1, 0.4)).map(drop));
     (Cell::new(MS).robot(robot), calls)
 }
 

@@ -93,7 +93,9 @@ fn cell(seed: u64, share: f64) -> Cell {
             let wander = Wander { random: Random::of(seed ^ round << 40), limits, moves: [None, None] };
             match mp.move_robots((&mut left, &mut right), (), wander) {
                 Err(fault) if fault.kind() == FaultKind::Aborted => {}
-                ended => drop(ended?),
+                ended => {
+                    ended?;
+                }
             }
         }
     })

@@ -18,7 +18,6 @@ use crate::safety::screw::{Screw, ScrewBraking};
 use crate::safety::stopping::{TOGETHER_BUDGET, detection_time, missed_step_budget};
 
 /// What a robot does.
-#[expect(clippy::large_enum_variant, reason = "a braking tail is a part of a step: it allocates nothing")]
 pub(super) enum Mode<J> {
     /// No demand is due.
     Holding,

@@ -41,6 +41,17 @@ impl Mp<'_> {
         Ok(())
     }
 
+    /// Asks a robot for its state. Nothing moves, no guard looks, and no step is taken for it: programs begin as they would
+    /// without.
+    pub(super) fn ask(&mut self, index: usize) -> Result<(), Fault> {
+        let is_spent = self.clock.is_spent();
+        self.scatter_and_gather(&[index], OrderKind::Query, flag::WANT_STATE, Bounds::Nothing)?;
+        if !is_spent {
+            self.keep_unless_late();
+        }
+        Ok(())
+    }
+
     fn scatter_and_gather(
         &mut self,
         indices: &[usize],

@@ -25,7 +25,6 @@ use std::rc::Rc;
 use crate::control::guard::Guard;
 use crate::control::replay::Script;
 use crate::control::sensing::Sensing;
-use crate::link::message::{OrderKind, flag};
 use crate::link::{Host, News};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::{RobotImage, Sensor};
@@ -117,16 +116,6 @@ impl<'w> Mp<'w> {
             Ok(())
         })?;
         Ok(handle)
-    }
-
-    /// Asks a robot for its state. Nothing moves, and no step is taken for it: programs begin as they would without.
-    fn ask(&mut self, index: usize) -> Result<(), Fault> {
-        let is_spent = self.clock.is_spent();
-        self.exchange(&[index], OrderKind::Query, flag::WANT_STATE)?;
-        if !is_spent {
-            self.keep_unless_late();
-        }
-        Ok(())
     }
 
     /// Refuses handles of another cell.
