@@ -98,6 +98,10 @@ sweep:
 sweep-tasks EVERY="7":
     MRROC_EVERY={{EVERY}} cargo test --release -p mrroc-tests --test all -- --ignored --nocapture --test-threads 1 steps_of_the
 
+# As many robots as a cell may have, each with its processes.
+crowd:
+    cargo test -p mrroc-tests --test processes sixty_four -- --ignored
+
 # 40,000 cells with jerk limits under random operators, judged in every servo period (about eight minutes).
 sweep-operators:
     cargo test -p mrroc-tests --test all random_operators -- --ignored --nocapture

@@ -21,8 +21,18 @@ fn end(place: &Place, launch: &mut Launch, records: &str) -> Option<i32> {
 }
 
 #[test]
+fn fault_65_a_crowd_of_robots_runs_as_processes_and_status_shows_them_all() {
+    run_and_show(16);
+}
+
+#[test]
+#[ignore = "takes a minute on two processors: `just crowd`"]
 fn fault_65_sixty_four_robots_run_as_processes_and_status_shows_them_all() {
-    let place = Place::of(67, CROWD, &cell(64));
+    run_and_show(64);
+}
+
+fn run_and_show(robots: usize) {
+    let place = Place::of(67, CROWD, &cell(robots));
     let mut launch = place.start("real", REAL);
     let mut said = String::new();
     wait_until(|| {
@@ -33,11 +43,11 @@ fn fault_65_sixty_four_robots_run_as_processes_and_status_shows_them_all() {
     });
     // Every process, and every robot's joints: demanded and measured.
     let processes = launch.processes();
-    assert_eq!(processes.len(), 1 + 64 + 64 + 1);
+    assert_eq!(processes.len(), 1 + robots + robots + 1);
     for process in &processes {
         assert!(said.contains(&format!("{:>8} {} ", process.pid, process.role)), "{process:?}: {said}");
     }
-    wait_until(|| ask(&place, &["status"]).1.matches("  measured ").count() == 64);
+    wait_until(|| ask(&place, &["status"]).1.matches("  measured ").count() == robots);
     let status = end(&place, &mut launch, "real");
     assert_eq!(status, Some(0), "{}", launch.said());
     launch.assert_nothing_left(&processes);
