@@ -14,7 +14,7 @@ use mrroc::cell_file::Kinds;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured, SimulatedDrives};
 use mrroc_robots::{Irp6, Shaft, SimulatedIrp6, Six};
-use mrroc_tests::fixture::{COMPUTES, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS};
+use mrroc_tests::fixture::{COMPUTES, FARTHER, HARDWARE, OTHER, PATIENCE, PLANS, RECORDS};
 
 use crate::Nothing;
 use crate::calls::Calls;
@@ -217,7 +217,7 @@ fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     for phase in [Phase::Out, Phase::Back] {
         mp.move_robots((&mut left, &mut right), (), Ask(phase))?;
     }
-    let swing = Swing { t: 0.0 };
+    let swing = Swing::new();
     mp.move_robots((&mut left, &mut right), (&mut count, &mut shaft), swing)?;
     Ok(())
 }
@@ -239,6 +239,15 @@ fn ask(c: &mut Ask) -> Always<(Irp6, Irp6), Phase> {
 /// Both columns out and back, against each other, in a second; what the sensors saw makes a difference of its own.
 struct Swing {
     t: f64,
+    /// How far it goes \[rad\].
+    way: f64,
+}
+
+impl Swing {
+    fn new() -> Self {
+        let farther = std::env::var(FARTHER).ok().and_then(|times| times.parse().ok()).unwrap_or(1.0);
+        Swing { t: 0.0, way: 0.002 * farther }
+    }
 }
 
 #[generator(mp)]
@@ -249,7 +258,7 @@ fn swing(c: &mut Swing, v: &Reading<(Count, Count)>, t: Tick) -> Step<(Irp6, Irp
     c.t = (c.t + t.dt).min(1.0);
     let column = |seen: Option<Counted>| seen.map_or(0.0, |reading| 1e-9 * reading.column);
     let seen = column(v.0.reading()) + column(v.1.reading());
-    let by = (0.002 + seen) * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
+    let by = (c.way + seen) * smooth((2.0 * c.t).min(2.0 - 2.0 * c.t));
     Step::Next((Turned { by }, Turned { by: -by }))
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use mrroc_tests::fixture::OTHER;
+use mrroc_tests::fixture::{FARTHER, OTHER};
 
 use crate::launch::{Launch, Place, segments};
 use crate::runs::{MEMORY, PROCESSES, REAL, ROBOTS, VIRTUAL};
@@ -217,4 +217,21 @@ fn fault_38_another_user_can_neither_read_nor_write_nor_remove_what_the_cell_sha
     assert!(launch.end().success(), "{}", launch.said());
     assert!(!shared.is_empty() && tried.is_empty(), "{} segments: {tried:?}", shared.len());
     println!("{} segments of shared memory tried as user 1234", shared.len());
+}
+
+#[test]
+fn fault_86_a_dry_run_refuses_a_motion_that_could_not_be_suspended() {
+    let place = Place::new(73);
+    let dry = |farther: &str| {
+        let output = place.program(&["--dry-run"]).env(FARTHER, farther).output().expect("it starts");
+        (output.status.code(), String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned())
+    };
+    // A smoothstep by 2 mrad in half a second begins with 0.048 of 7 rad/s², less 0.8 % in the mean of its first steps of 2 ms:
+    // 91.8 % of the limit when it is 135 times as far, and 86.4 %.
+    let (status, said) = dry("135");
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains("left joint 1 uses 91.8 % of its acceleration limit in step "), "{said}");
+    assert!(said.contains("help: plan with at most 90 %"), "{said}");
+    let (status, said) = dry("127");
+    assert_eq!(status, Some(0), "{said}");
 }

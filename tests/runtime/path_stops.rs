@@ -58,7 +58,7 @@ fn fault_81_a_protective_stop_that_takes_too_long_on_the_path_becomes_a_fault_st
     let (x, fault) = stopped(Duration::from_millis(750));
     let steps = moving(&x);
     assert!(steps <= 750, "{steps} steps");
-    assert_eq!(fault.message(), "by the operator; off the path, on which it takes too long");
+    assert_eq!(fault.message(), "by the operator; left the path");
     // Where there is time, it keeps the path.
     let (x, fault) = stopped(Duration::from_secs(3));
     let steps = moving(&x);

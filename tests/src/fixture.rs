@@ -24,6 +24,8 @@ pub const OTHER: &str = "MRROC_TEST_OTHER";
 pub const COMPUTES: &str = "MRROC_TEST_COMPUTES";
 /// The variable that makes the first step of a motion of each arm take half a second.
 pub const PLANS: &str = "MRROC_TEST_PLANS";
+/// The variable with the number by which the swing of [`ARMS`] is farther.
+pub const FARTHER: &str = "MRROC_TEST_FARTHER";
 /// The variable with the time \[s\] for which a process of [`ARMS`] may compute at a stretch.
 pub const PATIENCE: &str = "MRROC_TEST_PATIENCE";
 /// The variable with what the drives of [`ARMS`] say that they are.

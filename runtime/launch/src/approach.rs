@@ -1,8 +1,8 @@
 //! How near the demands of a run came to the limits of each joint.
 //!
 //! In: the demanded position of every joint in every step. Out: the largest velocity, acceleration and jerk, as first,
-//! second and third differences of positions over the step, and the smallest distance from a position limit. This
-//! module only reports how much of the limits was left; they are checked where demands are accepted.
+//! second and third differences of positions over the step, and the smallest distance from a position limit; and the first
+//! step of a motion that leaves too little for a suspension. Limits are checked where demands are accepted, and not here.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -11,7 +11,7 @@ use mrroc_core::fault::Name;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, Layout};
-use mrroc_core::observe::witness::{What, Witness};
+use mrroc_core::observe::witness::{Mode, What, Witness};
 use mrroc_core::robot::MAX_JOINTS;
 
 /// The extreme values of one joint [rad or m, s].
@@ -30,6 +30,7 @@ struct Course {
     position: f64,
     velocity: f64,
     acceleration: f64,
+    jerk: f64,
     extremes: Extremes,
 }
 
@@ -37,7 +38,7 @@ impl Course {
     fn from(position: f64, joint: &JointLayout) -> Course {
         let margin = margin(position, joint);
         let extremes = Extremes { velocity: 0.0, acceleration: 0.0, jerk: 0.0, margin };
-        Course { position, velocity: 0.0, acceleration: 0.0, extremes }
+        Course { position, velocity: 0.0, acceleration: 0.0, jerk: 0.0, extremes }
     }
 
     fn advance(&mut self, position: f64, joint: &JointLayout, step: f64) {
@@ -51,7 +52,10 @@ impl Course {
             jerk: j.max(jerk.abs()),
             margin: m.min(margin(position, joint)),
         };
-        (self.position, self.velocity, self.acceleration) = (position, velocity, acceleration);
+        self.position = position;
+        self.velocity = velocity;
+        self.acceleration = acceleration;
+        self.jerk = jerk;
     }
 }
 
@@ -59,9 +63,39 @@ fn margin(position: f64, joint: &JointLayout) -> f64 {
     (position - joint.lower).min(joint.upper - position)
 }
 
+/// The share of the limits of acceleration and jerk that a motion may plan with: the rest is for changes of its rate.
+const SHARE: f64 = 0.9;
+
+/// A step of a motion that uses more: suspended there, it may be refused a demand.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TooNear {
+    robot: String,
+    /// Index of the joint, from 0.
+    joint: usize,
+    step: u64,
+    /// Which limit.
+    what: &'static str,
+    /// What is used of it.
+    share: f64,
+}
+
+impl fmt::Display for TooNear {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let TooNear { robot, joint, step, what, share } = self;
+        write!(
+            f,
+            "{robot} joint {} uses {:.1} % of its {what} limit in step {step}: suspended there, it could not be kept on its path\n help: plan with at most 90 % of the limits of acceleration and jerk",
+            joint + 1,
+            100.0 * share
+        )
+    }
+}
+
 /// Watches the demands of a run.
 pub(crate) struct Approach {
     layout: Layout,
+    /// The first step that uses too much.
+    too_near: RefCell<Option<TooNear>>,
     /// The joints of each robot, in the order of the layout; empty until the robot's first image has come.
     courses: RefCell<Vec<Vec<Course>>>,
 }
@@ -70,7 +104,12 @@ impl Approach {
     pub fn of(layout: Layout) -> Approach {
         let empty = |robot: &mrroc_core::observe::layout::RobotLayout| Vec::with_capacity(robot.joints.len());
         let courses = RefCell::new(layout.robots.iter().map(empty).collect());
-        Approach { layout, courses }
+        Approach { layout, courses, too_near: RefCell::default() }
+    }
+
+    /// The first step of a motion that leaves too little for a suspension.
+    pub fn too_near(&self) -> Option<TooNear> {
+        self.too_near.borrow().clone()
     }
 
     /// The extreme values of the joints of a robot, which is given by its index in the cell.
@@ -82,27 +121,41 @@ impl Approach {
             .unwrap_or_default()
     }
 
-    fn show(&self, robot: Name, words: &[u64]) {
+    fn show(&self, robot: Name, step: u64, mode: Mode, words: &[u64]) {
         let Some(place) = self.layout.robots.iter().position(|known| known.name == robot.as_str()) else {
             return;
         };
-        let (joints, step) = (&self.layout.robots[place].joints, self.layout.step.as_secs_f64());
+        let joints = &self.layout.robots[place].joints;
+        let period = self.layout.step.as_secs_f64();
         let positions = words.iter().take(MAX_JOINTS).map(|word| f64::from_bits(*word));
         let courses = &mut self.courses.borrow_mut()[place];
         if courses.is_empty() {
             courses.extend(joints.iter().zip(positions).map(|(joint, q)| Course::from(q, joint)));
             return;
         }
-        for ((course, joint), position) in courses.iter_mut().zip(joints).zip(positions) {
-            course.advance(position, joint, step);
+        for (i, ((course, joint), position)) in courses.iter_mut().zip(joints).zip(positions).enumerate() {
+            course.advance(position, joint, period);
+            // What ends a motion or brakes is no part of its plan.
+            if mode != Mode::Moving {
+                continue;
+            }
+            // Differences of positions of order 1 are round-off below these.
+            let acceleration = (course.acceleration.abs() - 4e-12 / period.powi(2)) / joint.acceleration;
+            let jerk = joint.jerk.map_or(0.0, |limit| (course.jerk.abs() - 8e-12 / period.powi(3)) / limit);
+            let (what, share) =
+                if acceleration > jerk { ("acceleration", acceleration) } else { ("jerk", jerk) };
+            if share > SHARE * (1.0 + 1e-6) {
+                let robot = self.layout.robots[place].name.clone();
+                self.too_near.borrow_mut().get_or_insert(TooNear { robot, joint: i, step, what, share });
+            }
         }
     }
 }
 
 impl Witness for Approach {
     fn see(&self, _: Nanos, by: ProcessId, what: &What, words: &[u64]) {
-        if let (What::Image { .. }, Some(robot)) = (what, by.name) {
-            self.show(robot, words);
+        if let (What::Image { step, mode }, Some(robot)) = (what, by.name) {
+            self.show(robot, *step, *mode, words);
         }
     }
 }
@@ -137,7 +190,6 @@ mod tests {
 
     use mrroc_core::fault::Role;
     use mrroc_core::observe::layout::RobotLayout;
-    use mrroc_core::observe::witness::Mode;
     use mrroc_core::robot::{InterpolationSpace, JointKind};
 
     /// A robot with one joint from -1 m to 1 m, 1 m/s, 10 m/s².
@@ -161,6 +213,32 @@ mod tests {
             space: InterpolationSpace::Joints,
             joints: vec![joint],
         }
+    }
+
+    #[test]
+    fn fault_86_what_leaves_less_than_a_tenth_of_a_limit_to_a_suspension_is_told() {
+        let step = Duration::from_millis(2);
+        let told = |share: f64, mode: Mode| {
+            let approach = Approach::of(Layout {
+                step,
+                stop_time: Duration::from_millis(600),
+                path_stop: Duration::from_millis(300),
+                protective_stop: Duration::from_millis(300),
+                detection: 0.022,
+                mp_program: true,
+                robots: vec![slide("arm", step)],
+                sensors: Vec::new(),
+            });
+            let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
+            // From rest at `share` of 10 m/s².
+            for k in 0..20_u32 {
+                let mut words = [0; mrroc_core::observe::witness::IMAGE_WORDS];
+                words[0] = (0.5 * share * 10.0 * 4e-6 * f64::from(k * (k + 1))).to_bits();
+                approach.see(0, by, &What::Image { step: u64::from(k), mode }, &words);
+            }
+            approach.too_near().is_some()
+        };
+        assert!(!told(0.9, Mode::Moving) && told(0.91, Mode::Moving) && !told(1.0, Mode::Braking));
     }
 
     #[test]
@@ -193,5 +271,8 @@ mod tests {
         assert!((found.jerk - 50e3).abs() < 500.0, "{found:?}");
         assert!((found.margin - (1.0 - 0.1)).abs() < 1e-5, "{found:?}");
         assert!(approach.extremes(1).iter().all(|joint| joint.velocity == 0.0), "it was not shown");
+        // 100 of 10 m/s² when it begins.
+        let told = approach.too_near().expect("a jump").to_string();
+        assert!(told.starts_with("arm joint 1 uses 1000.0 % of its acceleration limit in step 1:"), "{told}");
     }
 }

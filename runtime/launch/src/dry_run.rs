@@ -1,7 +1,7 @@
 //! A dry run: runs the whole program under the virtual clock, with all limits and guards, before any robot has power.
 //!
 //! In: an assembled cell. Out: how long the program takes and how near it comes to the limits; or the fault that stops
-//! it.
+//! it, or a motion that could not be suspended on its path.
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -11,7 +11,7 @@ use super::outcome::{cell_refused, note, report, stopped};
 use super::patience::Patience;
 use crate::approach::Approach;
 use mrroc_core::cell::{Cell, CellError};
-use mrroc_core::console::{complain, say};
+use mrroc_core::console::{complain, refused, say};
 
 /// Runs a cell dry.
 pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
@@ -22,8 +22,14 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
         cell = cell.also_on_step(Patience::begin().notes());
     }
     match cell.run() {
-        Ok(_) if quiet => ExitCode::SUCCESS,
         Ok(ran) => {
+            if let Some(too_near) = approach.too_near() {
+                complain(&format!("dry run: how near it came to its limits\n{approach}"));
+                return refused(&too_near);
+            }
+            if quiet {
+                return ExitCode::SUCCESS;
+            }
             if ran.steps == 0 {
                 note("nothing moved: the program returned before a Move or a Wait");
             }

@@ -127,8 +127,8 @@ impl FaultKind {
 /// The message of an operator's protective stop.
 pub const BY_OPERATOR: &str = "by the operator";
 
-/// What is added to the message of a protective stop that is too long on the path.
-const OFF_PATH: &str = "; off the path, on which it takes too long";
+/// What is added to the message of a protective stop that was too long on the path: short, for texts of guards are long.
+const OFF_PATH: &str = "; left the path";
 /// The message of the stop of a cell whose launcher stands still.
 pub const UNSUPERVISED: &str = "the launcher stands still: nobody supervises the cell";
 
