@@ -101,7 +101,11 @@ impl<R: Robot> DemandedPath<R> {
             Mode::Moving { missed } => Some(missed),
             Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => None,
         };
-        let undone = Undone { acceptor: self.acceptor.before(), missed, together: self.together };
+        let undone = request.is(flag::TOGETHER).then(|| Undone {
+            acceptor: self.acceptor.before(),
+            missed,
+            together: self.together,
+        });
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let period = self.period.as_secs_f64();
         let dt = header.dt / header.duration * period;
@@ -114,7 +118,7 @@ impl<R: Robot> DemandedPath<R> {
         let first = request.is(flag::FIRST) && !self.is_moving();
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
         self.move_together(demand, request);
-        self.undone = self.together.map(|_| undone);
+        self.undone = undone.filter(|_| self.together.is_some());
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
     }

@@ -149,21 +149,25 @@ impl<R: Robot> Checks<R> {
                     excess(FaultKind::DemandedVelocity, kept.abs(), speed_limit, self.robot.joint(i).unit(1));
                 return Err(fault.text("by the time that its acceleration is taken away"));
             }
-            // The velocity may be the other way round then, as where a joint is just about to turn.
-            let [down, up] = [-1.0, 1.0].map(|sign| {
-                let fastest = (sign * v[i]).max(sign * kept).max(0.0);
-                let (braking, fading) = match (jerk_limit, release) {
-                    (Some(jerk), Some(release)) => {
-                        let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
-                        let at_once = if sign * v[i] > 0.0 { from(v[i], a[i]) } else { 0.0 };
-                        let later = if sign * kept > 0.0 { from(kept, release.left) } else { 0.0 };
+            // How far it goes up and down until it stands. The velocity may be the other way round once demands are lost, as
+            // where a joint is just about to turn.
+            let (up, down) = match (jerk_limit, release) {
+                (Some(jerk), Some(release)) => {
+                    let from = |v, a| stopping_distance(v, a, limit, jerk, duration);
+                    let way = |v: f64, kept: f64, a: f64| {
+                        let at_once = if v > 0.0 { from(v, a) } else { 0.0 };
+                        let later = if kept > 0.0 { from(kept, release.left.copysign(a)) } else { 0.0 };
                         // An acceleration in this direction may take longer to fade than a lost peer to be noticed.
-                        (at_once.max(later), if sign * a[i] > 0.0 { release.time } else { 0.0 })
-                    }
-                    _ => (0.5 * fastest * stop_time, 0.0),
-                };
-                braking + fastest * self.reaction.max(fading)
-            });
+                        let fading = if a > 0.0 { release.time } else { 0.0 };
+                        at_once.max(later) + v.max(kept).max(0.0) * self.reaction.max(fading)
+                    };
+                    (way(v[i], kept, a[i]), way(-v[i], -kept, -a[i]))
+                }
+                _ => {
+                    let time = 0.5 * stop_time + self.reaction;
+                    (v[i].max(kept).max(0.0) * time, (-v[i]).max(-kept).max(0.0) * time)
+                }
+            };
             // One that a reset has found outside of its range may stay where it is, and come back.
             let lower = limits.lower[i].min(step.from.position[i]) - round_off;
             let upper = limits.upper[i].max(step.from.position[i]) + round_off;
