@@ -7,6 +7,7 @@
 use std::cell::RefCell;
 use std::fmt;
 
+use mrroc_core::cell::PATH_SHARE;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
@@ -63,10 +64,7 @@ fn margin(position: f64, joint: &JointLayout) -> f64 {
     (position - joint.lower).min(joint.upper - position)
 }
 
-/// The share of the limits of acceleration and jerk that a motion may plan with: the rest is for changes of its rate.
-const SHARE: f64 = 0.9;
-
-/// A step of a motion that uses more: suspended there, it may be refused a demand.
+/// A step of a motion that uses more than [`PATH_SHARE`]: suspended there, it may be refused a demand.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TooNear {
     robot: String,
@@ -144,7 +142,7 @@ impl Approach {
             let jerk = joint.jerk.map_or(0.0, |limit| (course.jerk.abs() - 8e-12 / period.powi(3)) / limit);
             let (what, share) =
                 if acceleration > jerk { ("acceleration", acceleration) } else { ("jerk", jerk) };
-            if share > SHARE * (1.0 + 1e-6) {
+            if share > PATH_SHARE * (1.0 + 1e-6) {
                 let robot = self.layout.robots[place].name.clone();
                 self.too_near.borrow_mut().get_or_insert(TooNear { robot, joint: i, step, what, share });
             }
@@ -215,20 +213,25 @@ mod tests {
         }
     }
 
+    /// A cell of these robots.
+    fn layout(step: Duration, robots: Vec<RobotLayout>) -> Layout {
+        Layout {
+            step,
+            stop_time: Duration::from_millis(600),
+            path_stop: Duration::from_millis(300),
+            protective_stop: Duration::from_millis(300),
+            detection: 0.022,
+            mp_program: true,
+            robots,
+            sensors: Vec::new(),
+        }
+    }
+
     #[test]
     fn fault_86_what_leaves_less_than_a_tenth_of_a_limit_to_a_suspension_is_told() {
         let step = Duration::from_millis(2);
         let told = |share: f64, mode: Mode| {
-            let approach = Approach::of(Layout {
-                step,
-                stop_time: Duration::from_millis(600),
-                path_stop: Duration::from_millis(300),
-                protective_stop: Duration::from_millis(300),
-                detection: 0.022,
-                mp_program: true,
-                robots: vec![slide("arm", step)],
-                sensors: Vec::new(),
-            });
+            let approach = Approach::of(layout(step, vec![slide("arm", step)]));
             let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
             // From rest at `share` of 10 m/s².
             for k in 0..20_u32 {
@@ -244,17 +247,7 @@ mod tests {
     #[test]
     fn the_extremes_are_those_of_the_path() {
         let step = Duration::from_millis(2);
-        let layout = Layout {
-            step,
-            stop_time: Duration::from_millis(600),
-            path_stop: Duration::from_millis(300),
-            protective_stop: Duration::from_millis(300),
-            detection: 0.022,
-            mp_program: true,
-            robots: vec![slide("arm", step), slide("other", step)],
-            sensors: Vec::new(),
-        };
-        let approach = Approach::of(layout);
+        let approach = Approach::of(layout(step, vec![slide("arm", step), slide("other", step)]));
         let by = ProcessId::new(Role::Edp, Name::new("arm").expect("a name"));
         let path = |k: f64| 0.1 * (0.004 * k).sin();
         for step in 0..1000 {

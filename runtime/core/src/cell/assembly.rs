@@ -58,6 +58,7 @@ impl Cell {
 
         let stop_steps = self.stop_steps();
         let path_stop = self.path_stop_steps();
+        let delay = self.delay();
         let witnesses = Witnesses::to(self.watching.witnesses);
         let mut mp_sensing = Sensing {
             owner: Owner::unique(),
@@ -74,7 +75,6 @@ impl Cell {
         let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
         let servo = self.parts.robots.iter().map(|robot| robot.servo_period()).min();
-        let delay = self.timing.delay(self.parts.robots.iter().map(|robot| robot.servo_period()));
         let grace = (servo.unwrap_or(self.timing.step).min(self.timing.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
             recorded: self.watching.recorded.clone(),

@@ -38,6 +38,7 @@ use crate::observe::recording::{Recorder, Recording};
 use crate::observe::servo::Observation;
 use crate::observe::witness::Witness;
 use crate::operator::Operator;
+pub use crate::safety::limits::rates::PATH_SHARE;
 use crate::safety::rate::{RateHeadroom, path_stop_time};
 use crate::safety::stopping::path_stop_steps;
 
@@ -231,8 +232,7 @@ impl Cell {
 
     /// Steps within which every robot must stand after a stop began.
     pub fn stop_steps(&self) -> u64 {
-        let servos = self.parts.robots.iter().map(|robot| robot.servo_period());
-        let delay = self.timing.delay(servos).unwrap_or_default();
+        let delay = self.delay().unwrap_or_default();
         self.parts.robots.iter().map(|robot| robot.stop_steps(self.timing.step, delay)).max().unwrap_or(0)
     }
 
@@ -247,10 +247,14 @@ impl Cell {
         Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), headroom))
     }
 
+    /// How far drives are behind their demands; `None`: each takes every demand as it is.
+    fn delay(&self) -> Option<Duration> {
+        self.timing.delay(self.parts.robots.iter().map(|robot| robot.servo_period()))
+    }
+
     /// Steps after which a protective stop leaves the path.
     fn path_stop_steps(&self) -> u64 {
-        let servos = self.parts.robots.iter().map(|robot| robot.servo_period());
-        let delay = self.timing.delay(servos).unwrap_or_default();
+        let delay = self.delay().unwrap_or_default();
         let braking = self.parts.robots.iter().map(|robot| robot.braking_time()).fold(0.0, f64::max);
         path_stop_steps(self.timing.stop_time, braking, self.timing.step, delay)
     }

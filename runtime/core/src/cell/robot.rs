@@ -35,7 +35,7 @@ use crate::observe::shown::{AnyShown, Shown};
 use crate::safety::latch::Gate;
 use crate::safety::limits::rates::least_headroom;
 use crate::safety::rate::RateHeadroom;
-use crate::safety::stopping::{braking_time, stop_steps};
+use crate::safety::stopping::{longest_braking, stop_steps};
 
 use crate::model::wire::Wire;
 use crate::observe::witness::{What, Witnesses};
@@ -321,8 +321,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     }
 
     fn braking_time(&self) -> f64 {
-        let limits = self.robot.limits();
-        (0..R::Joints::LEN).map(|i| braking_time(limits, i)).fold(0.0, f64::max)
+        longest_braking(self.robot.limits())
     }
 
     fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom {

@@ -51,10 +51,10 @@ pub trait Driver<R: Robot> {
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
-    /// What the drives are, for the whole machine, if they are real ones: such as `udp 10.0.0.7:30004` or the serial number of a controller. Where
-    /// cells run as processes, one cell at a time has the hardware of a name, whatever its file. Hardware cannot follow the
-    /// virtual clock: a cell with drives that name any runs in real time only. Drives that any number of cells may have at
-    /// once, such as simulated ones and those of tests, have no name.
+    /// What the drives are, for the whole machine, if they are real ones: such as `udp 10.0.0.7:30004` or the serial number
+    /// of a controller. Where cells run as processes, one cell at a time has the hardware of a name, whatever its file.
+    /// Hardware cannot follow the virtual clock: a cell with drives that name any runs in real time only. Drives that any
+    /// number of cells may have at once, such as simulated ones and those of tests, have no name.
     fn hardware(&self) -> Option<String> {
         None
     }

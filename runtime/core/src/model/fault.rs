@@ -129,6 +129,7 @@ pub const BY_OPERATOR: &str = "by the operator";
 
 /// What is added to the message of a protective stop that was too long on the path: short, for texts of guards are long.
 const OFF_PATH: &str = "; left the path";
+
 /// The message of the stop of a cell whose launcher stands still.
 pub const UNSUPERVISED: &str = "the launcher stands still: nobody supervises the cell";
 

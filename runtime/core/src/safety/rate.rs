@@ -144,7 +144,7 @@ pub(crate) fn path_stop_time(change: f64, period: f64, headroom: impl Fn(f64) ->
         let rate = 1.0 - 0.25 * (f64::from(part) / f64::from(RATES)).powi(2);
         let RateHeadroom { rise, full, .. } = headroom(rate);
         let landing = steepest((1.0 - rate) / period, full.bend * period);
-        let slope = if rises { change.min(rise).min(full.rise_at(rate)).min(landing) } else { 0.0 };
+        let slope = change.min(rise).min(full.rise_at(rate)).min(landing);
         let mut feed = Feed { rate, slope, ..Feed::new(change) };
         let mut steps = 0_u32;
         // What has a finite headroom comes to 0; limits that are wrong are found elsewhere.

@@ -36,12 +36,16 @@ pub(crate) fn braking_time<J: JointVector>(limits: &Limits<J>, joint: usize) -> 
     v / a + limits.jerk.map_or(0.0, |jerk| 2.5 * a / jerk[joint])
 }
 
+/// The same of the joint that brakes longest.
+pub(crate) fn longest_braking<J: JointVector>(limits: &Limits<J>) -> f64 {
+    (0..J::LEN).map(|i| braking_time(limits, i)).fold(0.0, f64::max)
+}
+
 /// Steps within which every joint of a robot must stand after a stop began: detection, braking with the share of its
 /// acceleration that it brakes with on a screw, and what its drives lie behind its demands, at most `delay`. Robots that move
 /// together brake as the slowest of them does: the bound of a cell is the largest of its robots'.
 pub(crate) fn stop_steps<J: JointVector>(limits: &Limits<J>, step: Duration, delay: Duration) -> u64 {
-    let braking = (0..J::LEN).map(|i| braking_time(limits, i)).fold(0.0, f64::max);
-    let seconds = detection_time(step) + braking / SHARE + delay.max(2 * step).as_secs_f64();
+    let seconds = detection_time(step) + longest_braking(limits) / SHARE + delay.max(2 * step).as_secs_f64();
     // `as` saturates: no float is out of range.
     (seconds / step.as_secs_f64()).ceil() as u64
 }

@@ -11,9 +11,9 @@ use crate::safety::rate::{FullRate, RateHeadroom, raised};
 
 use super::state::JointState;
 
-/// The share of an acceleration limit that a generator may plan with: what is left keeps every motion stoppable
-/// on its path.
-const PATH_SHARE: f64 = 0.9;
+/// The share of the limits of acceleration and jerk that a generator may plan with: what is left keeps every motion
+/// stoppable on its path.
+pub const PATH_SHARE: f64 = 0.9;
 
 /// The share of an acceleration limit that a path and the change of its rate use together.
 const USABLE_SHARE: f64 = 0.98;
