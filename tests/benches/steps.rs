@@ -4,18 +4,19 @@
 //! cost. Each comparison is made in the same run.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use mrroc::generator::Generator;
-use mrroc::generator::Motion;
 use mrroc::prelude::*;
 use mrroc::robot::{RobotImage, RobotState};
+use mrroc_doubles::{Gantry, Q};
 use mrroc_generators::generators::StraightLine;
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
-use mrroc_robots::{Irp6, SimulatedIrp6, Six};
-use mrroc_tests::{ExactDrive, Gantry, Q};
-use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use mrroc_robots::{Irp6, Six};
+use nalgebra::{Translation3, Vector3};
+
+use mrroc_benches::{down, start};
 
 const RUNS: usize = 7;
 
@@ -82,70 +83,6 @@ fn line() {
     });
 }
 
-/// Holds for so many steps: nothing to compute.
-struct Hold<const N: usize, R> {
-    left: u64,
-    of: core::marker::PhantomData<R>,
-}
-
-#[generator(mp)]
-fn hold<R: Robot, const N: usize>(c: &mut Hold<N, R>) -> Step<[R; N]> {
-    if c.left == 0 {
-        return Step::Done;
-    }
-    c.left -= 1;
-    Step::Next([Demand::hold(); N])
-}
-
-/// Every arm along a circle by poses: inverse kinematics in every step.
-struct Circle<const N: usize> {
-    left: u64,
-    t: f64,
-}
-
-#[generator(mp)]
-fn circle<const N: usize>(c: &mut Circle<N>, t: Tick) -> Step<[Irp6; N]> {
-    if c.left == 0 {
-        return Step::Done;
-    }
-    c.left -= 1;
-    c.t += t.dt;
-    let phase = (c.t - (2.0 * c.t).sin() / 2.0) / 2.0;
-    let (sin, cos) = phase.sin_cos();
-    let flange = Pose::from_parts(Translation3::new(0.84 + 0.01 * cos, 0.01 * sin, 0.35), down());
-    Step::Next([Demand::pose(flange); N])
-}
-
-fn down() -> UnitQuaternion<f64> {
-    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)
-}
-
-fn start() -> Six {
-    let flange = Pose::from_parts(Translation3::new(0.85, 0.0, 0.35), down());
-    let near = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
-    Irp6::nominal().inverse(&flange, &near).expect("within reach")
-}
-
-fn run<R: Robot, const N: usize, G>(setup: &dyn Fn(&str) -> RobotSetup<R>, generator: G)
-where
-    G: Generator<Robots = [R; N], Language = Motion, Sensors = ()> + 'static,
-{
-    let names: [String; N] = core::array::from_fn(|i| format!("r{i}"));
-    let cell = names.iter().fold(Cell::new(Duration::from_millis(2)), |cell, name| cell.robot(setup(name)));
-    let mut generator = Some(generator);
-    cell.program(move |mp| {
-        let mut robots = Vec::new();
-        for name in &names {
-            robots.push(mp.robot::<R>(name)?);
-        }
-        let mut handles = robots.iter_mut();
-        let list = core::array::from_fn(|_| handles.next().expect("one handle per name"));
-        mp.move_robots(list, (), generator.take().expect("one run")).map(drop)
-    })
-    .run()
-    .expect("the motion keeps the limits");
-}
-
 fn main() {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or("unknown");
@@ -163,46 +100,30 @@ fn main() {
     chains::<2>();
     chains::<4>();
     chains::<8>();
+    chains::<16>();
+    chains::<64>();
 }
 
 fn chains<const N: usize>() {
-    const STEPS: u64 = 20_000;
+    // As long a run for many robots as for one.
+    let steps = 20_000 / N as u64 + 500;
     // Twice the steps minus once: what it takes to put a cell together falls out.
-    let per_step = |run: &dyn Fn(u64)| {
+    let per_step = |run: fn(u64)| {
         let time = |steps| {
             let from = Instant::now();
             run(steps);
             from.elapsed().as_nanos() as f64
         };
-        let (once, twice) = (time(STEPS), time(2 * STEPS));
-        (twice - once) / STEPS as f64
+        let (once, twice) = (time(steps), time(2 * steps));
+        (twice - once) / steps as f64
     };
     report(&format!("MP, {N} ECP, {N} EDP: joints held, no kinematics"), || {
-        per_step(&|steps| {
-            let setup = |name: &str| {
-                RobotSetup::new(
-                    name,
-                    Gantry::default(),
-                    ExactDrive::new(Q::zeros(), Duration::from_millis(2)),
-                )
-            };
-            run::<Gantry, N, _>(&setup, Hold::<N, Gantry> { left: steps, of: core::marker::PhantomData });
-        })
+        per_step(mrroc_benches::held::<N>)
     });
     report(&format!("MP, {N} ECP, {N} EDP: IRp-6 by poses, exact drives"), || {
-        per_step(&|steps| {
-            let setup = |name: &str| {
-                RobotSetup::new(name, Irp6::nominal(), ExactDrive::new(start(), Duration::from_millis(2)))
-            };
-            run::<Irp6, N, _>(&setup, Circle::<N> { left: steps, t: 0.0 });
-        })
+        per_step(mrroc_benches::by_poses::<N>)
     });
     report(&format!("MP, {N} ECP, {N} EDP: IRp-6 by poses, simulated drives"), || {
-        per_step(&|steps| {
-            let setup = |name: &str| {
-                RobotSetup::new(name, Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start()))
-            };
-            run::<Irp6, N, _>(&setup, Circle::<N> { left: steps, t: 0.0 });
-        })
+        per_step(mrroc_benches::with_dynamics::<N>)
     });
 }

@@ -88,7 +88,9 @@ impl RobotList for Anything {
 
 impl<O> Robots<O> for Anything {
     type Demands = ();
-    fn write((): &(), _: usize, _: &mut [u64]) {}
+    fn write((): &(), _: usize, _: &mut [u64]) -> usize {
+        0
+    }
     fn payload(_: usize) -> PayloadType {
         PayloadType::of::<()>()
     }

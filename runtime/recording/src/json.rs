@@ -120,9 +120,15 @@ pub fn words(shape: &Shape, value: &Value, out: &mut Vec<u64>) -> Option<()> {
 
 /// Writes the part of a demand that its first word chooses, in the layout of `Demand`.
 fn demand(out: &mut String, words: &[u64]) {
-    let Some((&head, body)) = words.split_first().filter(|(_, body)| body.len() >= MAX_JOINTS + 9) else {
+    if words.is_empty() {
         return out.push_str("{}");
-    };
+    }
+    // Words that would say nothing are not sent.
+    let mut whole = [0; 1 + MAX_JOINTS + 9];
+    for (word, said) in whole.iter_mut().zip(words) {
+        *word = *said;
+    }
+    let [head, ref body @ ..] = whole;
     let form =
         [("hold", None), ("joints", None), ("pose", Some(Shape::POSE)), ("displacement", Some(Shape::POSE))]
             .get((head & 0xff) as usize)

@@ -44,8 +44,10 @@ pub(crate) fn delay(period: Duration, servos: impl Iterator<Item = Duration> + C
 
 /// The demands that the ticks follow.
 pub(crate) struct Interpolation<J> {
-    /// Demands of past steps, that of step `k` at `k` modulo the length.
+    /// Demands of past steps, that of step `k` at `k` modulo the length, which is a power of 2.
     demands: Box<[J]>,
+    /// How many of them are kept for the ticks.
+    kept: i64,
     /// The step that the newest demand is for; before the first one -1.
     newest: i64,
     /// Length of a step \[ns\].
@@ -59,9 +61,9 @@ impl<J: JointVector> Interpolation<J> {
     pub fn new(position: J, first: u64, period: Duration, delay: Option<Duration>) -> Self {
         let delay = delay.map(|delay| delay.as_nanos() as Nanos);
         let period = (period.as_nanos() as Nanos).max(1);
-        let length = 4 + delay.unwrap_or(0) / period;
-        let demands = (0..length).map(|_| position).collect();
-        Interpolation { demands, newest: first as i64 - 1, period, delay }
+        let kept = 4 + delay.unwrap_or(0) / period;
+        let demands = (0..kept.next_power_of_two()).map(|_| position).collect();
+        Interpolation { demands, kept: kept as i64, newest: first as i64 - 1, period, delay }
     }
 
     /// The demand of the step that follows the newest.
@@ -78,7 +80,7 @@ impl<J: JointVector> Interpolation<J> {
 
     /// Whether all demands that are kept are one: nothing moves.
     pub fn stands(&self) -> bool {
-        self.demands.iter().all(|demand| demand == self.goal())
+        (1..self.kept).all(|age| self.demand(age) == self.goal())
     }
 
     /// Whether the drives take each demand as it is.
@@ -135,7 +137,8 @@ impl<J: JointVector> Interpolation<J> {
     }
 
     fn place(&self, step: i64) -> usize {
-        step.rem_euclid(self.demands.len() as i64) as usize
+        // The bits of a negative number count on downwards.
+        step.cast_unsigned() as usize & (self.demands.len() - 1)
     }
 }
 

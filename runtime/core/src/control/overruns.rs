@@ -7,7 +7,7 @@
 use core::cell::Cell;
 use core::time::Duration;
 
-use crate::link::{Closed, Host, Meter, Sample, Waiter};
+use crate::link::{Client, Closed, Host, Meter, Sample, Waiter};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::time::Nanos;
 use crate::safety::stopping::missed_step_budget;
@@ -69,9 +69,30 @@ impl<'w> Timed<'w> {
         Timed { host, woke: Cell::new(host.waiter.now()), own: Cell::new(0) }
     }
 
-    /// What the process has of its link, with its time counted.
+    /// What the process has of its link, with its time counted, where time passes while it works.
     pub fn host(&self) -> Host<'_> {
-        Host { waiter: self, meter: self, ..self.host }
+        if self.host.waiter.stands_still() {
+            self.host
+        } else {
+            Host { waiter: self, meter: self, ..self.host }
+        }
+    }
+
+    /// Waits as `wait` does, until `deadline` or a message.
+    fn count(
+        &self,
+        deadline: Option<Nanos>,
+        wait: impl FnOnce() -> Result<(), Closed>,
+    ) -> Result<(), Closed> {
+        let began = self.now();
+        let worked = began.saturating_sub(self.woke.get());
+        let outcome = wait();
+        let woke = self.now();
+        // A deadline that was over before is not the sleep's fault.
+        let late = deadline.map_or(0, |deadline| woke.saturating_sub(deadline.max(began)));
+        self.own.set(self.own.get() + worked + late);
+        self.woke.set(woke);
+        outcome
     }
 }
 
@@ -81,15 +102,15 @@ impl Waiter for Timed<'_> {
     }
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
-        let began = self.now();
-        let worked = began.saturating_sub(self.woke.get());
-        let outcome = self.host.waiter.wait(deadline);
-        let woke = self.now();
-        // A deadline that was over before is not the sleep's fault.
-        let late = deadline.map_or(0, |deadline| woke.saturating_sub(deadline.max(began)));
-        self.own.set(self.own.get() + worked + late);
-        self.woke.set(woke);
-        outcome
+        self.count(deadline, || self.host.waiter.wait(deadline))
+    }
+
+    fn wait_for_reply(&self, client: &dyn Client, deadline: Option<Nanos>) -> Result<(), Closed> {
+        self.count(deadline, || self.host.waiter.wait_for_reply(client, deadline))
+    }
+
+    fn stands_still(&self) -> bool {
+        self.host.waiter.stands_still()
     }
 
     fn call(&self, place: usize) -> Result<(), Closed> {

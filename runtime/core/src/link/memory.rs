@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
-use super::overflow::{self, Guard};
-use super::places::{MAX_PROCESSES, Places};
+use super::overflow::{self, Guard, Running};
+use super::places::{MAX_PROCESSES, PlaceCells, Places};
 use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
 use crate::link::message::Message;
 use crate::model::fault::ProcessId;
@@ -26,18 +26,49 @@ const NEVER: Nanos = Nanos::MAX;
 /// How often a process that ignores the closing of the cell is resumed before its stack is given up.
 const CLOSING_RESUMES: u32 = 10_000;
 
+/// What a process waits for.
+#[derive(Debug)]
+struct Waits {
+    deadline: Cell<Nanos>,
+    /// The port whose reply alone wakes it; [`ANY`]: every message does.
+    reply: Cell<usize>,
+}
+
+/// Every message wakes the process.
+const ANY: usize = usize::MAX;
+
 /// The state that scheduler, waiters and ports share.
 struct Shared {
     now: Cell<Nanos>,
     /// The processes that have something to do.
-    ready: Cell<Places>,
-    deadlines: RefCell<Vec<Nanos>>,
+    ready: PlaceCells,
+    /// What each process waits for, by its place.
+    waits: Box<[Waits]>,
     closing: Cell<bool>,
 }
 
 impl Shared {
+    fn new() -> Shared {
+        let nothing = |_| Waits { deadline: Cell::new(NEVER), reply: Cell::new(ANY) };
+        Shared {
+            now: Cell::new(0),
+            ready: PlaceCells::default(),
+            waits: (0..MAX_PROCESSES).map(nothing).collect(),
+            closing: Cell::new(false),
+        }
+    }
+
+    /// A request has come for a process.
     fn wake(&self, process: usize) {
-        self.ready.set(self.ready.get().with(process));
+        self.ready.insert(process);
+    }
+
+    /// The reply of a port has come for a process.
+    fn wake_by_reply(&self, process: usize, port: usize) {
+        let reply = self.waits[process].reply.get();
+        if reply == ANY || reply == port {
+            self.ready.insert(process);
+        }
     }
 }
 
@@ -55,6 +86,8 @@ type Process = Coroutine<(), (), (), DefaultStack>;
 /// All processes of a cell.
 pub struct Scheduler {
     shared: Rc<Shared>,
+    /// How many ports there are.
+    ports: usize,
     processes: Vec<(String, Option<(Process, Guard)>)>,
     pulse: Option<Arc<Pulse>>,
 }
@@ -79,16 +112,7 @@ impl Default for Scheduler {
 impl Scheduler {
     /// No process, at time 0.
     pub fn new() -> Scheduler {
-        Scheduler {
-            shared: Rc::new(Shared {
-                now: Cell::new(0),
-                ready: Cell::new(Places::NONE),
-                deadlines: RefCell::new(Vec::new()),
-                closing: Cell::new(false),
-            }),
-            processes: Vec::new(),
-            pulse: None,
-        }
+        Scheduler { shared: Rc::new(Shared::new()), ports: 0, processes: Vec::new(), pulse: None }
     }
 
     /// Shows which process runs.
@@ -104,7 +128,7 @@ impl Scheduler {
     /// Wakes the processes at places, for messages that did not go through this link.
     pub fn waker(&self) -> Box<dyn Fn(Places)> {
         let shared = Rc::clone(&self.shared);
-        Box::new(move |places| shared.ready.set(shared.ready.get().and(places)))
+        Box::new(move |places| shared.ready.insert_all(places))
     }
 
     /// Runs all processes to their end.
@@ -113,18 +137,20 @@ impl Scheduler {
     /// [`Stuck`] when none can run and none waits for a time.
     pub fn run(mut self) -> Result<Nanos, Stuck> {
         overflow::listen();
-        let outcome = self.run_until_closing();
+        let running = Running::begin();
+        let outcome = self.run_until_closing(&running);
         self.shared.closing.set(true);
         // Every wait now returns at once: bodies run to their end, whatever they were waiting for.
         for _ in 0..CLOSING_RESUMES {
             let mut alive = false;
             for place in 0..self.processes.len() {
-                alive |= self.resume(place);
+                alive |= self.resume(place, &running);
             }
             if !alive {
                 break;
             }
         }
+        running.leave();
         // What still runs ignores the closing. Its stack is given up: unwinding it could be caught again.
         for (_, process) in &mut self.processes {
             core::mem::forget(process.take());
@@ -132,31 +158,30 @@ impl Scheduler {
         outcome.map(|()| self.shared.now.get())
     }
 
-    fn run_until_closing(&mut self) -> Result<(), Stuck> {
+    fn run_until_closing(&mut self, running: &Running) -> Result<(), Stuck> {
         while !self.shared.closing.get() {
-            let ready = self.shared.ready.get();
-            let Some(place) = ready.first() else {
-                self.advance()?;
-                continue;
-            };
-            self.shared.ready.set(ready.without(place));
-            self.resume(place);
+            match self.shared.ready.take_first() {
+                Some(place) => drop(self.resume(place, running)),
+                None => self.advance()?,
+            }
         }
         Ok(())
     }
 
     /// Resumes a process; whether it is still alive.
-    fn resume(&mut self, place: usize) -> bool {
+    fn resume(&mut self, place: usize, running: &Running) -> bool {
         let Some((process, guard)) = &mut self.processes[place].1 else { return false };
         if let Some(pulse) = &self.pulse {
             pulse.place.store(place, Ordering::Relaxed);
             pulse.resumed.fetch_add(1, Ordering::Relaxed);
         }
-        match guard.during(|| process.resume(())) {
+        guard.enter(running);
+        match process.resume(()) {
             CoroutineResult::Yield(()) => true,
             CoroutineResult::Return(()) => {
+                running.leave();
                 self.processes[place].1 = None;
-                self.shared.deadlines.borrow_mut()[place] = NEVER;
+                self.shared.waits[place].deadline.set(NEVER);
                 false
             }
         }
@@ -164,16 +189,16 @@ impl Scheduler {
 
     /// Moves the clock to the earliest deadline.
     fn advance(&self) -> Result<(), Stuck> {
-        let deadlines = self.shared.deadlines.borrow();
-        let next = deadlines.iter().copied().min().unwrap_or(NEVER);
+        let waits = &self.shared.waits[..self.processes.len()];
+        let next = waits.iter().map(|waits| waits.deadline.get()).min().unwrap_or(NEVER);
         if next == NEVER {
             let alive = self.processes.iter().filter(|(_, process)| process.is_some());
             let names: Vec<_> = alive.map(|(name, _)| name.as_str()).collect();
             return Err(Stuck::Deadlock(names.join(", ")));
         }
         self.shared.now.set(next);
-        for (place, &deadline) in deadlines.iter().enumerate() {
-            if deadline <= next {
+        for (place, waits) in waits.iter().enumerate() {
+            if waits.deadline.get() <= next {
                 self.shared.wake(place);
             }
         }
@@ -184,15 +209,18 @@ impl Scheduler {
 impl Link for Scheduler {
     fn place(&mut self, process: ProcessId) -> usize {
         assert!(self.processes.len() < MAX_PROCESSES, "a cell has at most {MAX_PROCESSES} processes");
-        self.shared.deadlines.borrow_mut().push(NEVER);
         self.processes.push((process.to_string(), None));
         self.processes.len() - 1
     }
 
     fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
+        self.ports += 1;
         let port = Rc::new(Port {
-            request: Slot::new(server),
-            reply: Slot::new(client),
+            number: self.ports,
+            request: Slot::empty(),
+            server,
+            reply: Slot::empty(),
+            client,
             shared: Rc::clone(&self.shared),
         });
         (Box::new(MemoryClient(Rc::clone(&port))), Box::new(MemoryServer(port)))
@@ -228,19 +256,38 @@ struct MemoryWaiter<'y> {
     yielder: &'y Yielder<(), ()>,
 }
 
+impl MemoryWaiter<'_> {
+    /// Lets other processes run until a time, or until a message comes that wakes this one.
+    fn suspend(&self, deadline: Option<Nanos>, reply: usize) -> Result<(), Closed> {
+        let shared = &*self.shared;
+        let deadline = deadline.unwrap_or(NEVER);
+        if deadline > shared.now.get() && !shared.closing.get() {
+            let waits = &shared.waits[self.place];
+            waits.deadline.set(deadline);
+            waits.reply.set(reply);
+            self.yielder.suspend(());
+            waits.deadline.set(NEVER);
+            waits.reply.set(ANY);
+        }
+        if shared.closing.get() { Err(Closed) } else { Ok(()) }
+    }
+}
+
 impl Waiter for MemoryWaiter<'_> {
     fn now(&self) -> Nanos {
         self.shared.now.get()
     }
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
-        let deadline = deadline.unwrap_or(NEVER);
-        if deadline > self.now() && !self.shared.closing.get() {
-            self.shared.deadlines.borrow_mut()[self.place] = deadline;
-            self.yielder.suspend(());
-            self.shared.deadlines.borrow_mut()[self.place] = NEVER;
-        }
-        if self.shared.closing.get() { Err(Closed) } else { Ok(()) }
+        self.suspend(deadline, ANY)
+    }
+
+    fn wait_for_reply(&self, client: &dyn Client, deadline: Option<Nanos>) -> Result<(), Closed> {
+        self.suspend(deadline, client.port().unwrap_or(ANY))
+    }
+
+    fn stands_still(&self) -> bool {
+        true
     }
 }
 
@@ -248,18 +295,16 @@ impl Waiter for MemoryWaiter<'_> {
 struct Slot {
     message: RefCell<Message>,
     full: Cell<bool>,
-    reader: usize,
 }
 
 impl Slot {
-    fn new(reader: usize) -> Slot {
-        Slot { message: RefCell::new(Message::empty()), full: Cell::new(false), reader }
+    fn empty() -> Slot {
+        Slot { message: RefCell::new(Message::empty()), full: Cell::new(false) }
     }
 
-    fn put(&self, message: &Message, shared: &Shared) {
+    fn put(&self, message: &Message) {
         self.message.borrow_mut().copy_from(message);
         self.full.set(true);
-        shared.wake(self.reader);
     }
 
     fn take(&self, message: &mut Message) -> bool {
@@ -272,8 +317,12 @@ impl Slot {
 }
 
 struct Port {
+    number: usize,
     request: Slot,
+    /// The place of the process that requests come for, and of the one that replies come for.
+    server: usize,
     reply: Slot,
+    client: usize,
     shared: Rc<Shared>,
 }
 
@@ -282,8 +331,14 @@ struct MemoryServer(Rc<Port>);
 
 impl Client for MemoryClient {
     fn send(&self, request: &Message) {
-        self.0.reply.full.set(false);
-        self.0.request.put(request, &self.0.shared);
+        let port = &*self.0;
+        port.reply.full.set(false);
+        port.request.put(request);
+        port.shared.wake(port.server);
+    }
+
+    fn port(&self) -> Option<usize> {
+        Some(self.0.number)
     }
 
     fn receive(&self, reply: &mut Message) -> bool {
@@ -297,7 +352,9 @@ impl Server for MemoryServer {
     }
 
     fn reply(&self, reply: &Message) {
-        self.0.reply.put(reply, &self.0.shared);
+        let port = &*self.0;
+        port.reply.put(reply);
+        port.shared.wake_by_reply(port.client, port.number);
     }
 }
 

@@ -38,6 +38,20 @@ pub trait Waiter {
     /// [`Closed`] when the cell is closing.
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed>;
 
+    /// The same until the reply of a port has come: messages of other ports may or may not wake the process.
+    ///
+    /// # Errors
+    /// [`Closed`] when the cell is closing.
+    fn wait_for_reply(&self, _client: &dyn Client, deadline: Option<Nanos>) -> Result<(), Closed> {
+        self.wait(deadline)
+    }
+
+    /// Whether time stands still while a process runs, as under the memory link's virtual clock: then nothing that a process
+    /// does makes it late.
+    fn stands_still(&self) -> bool {
+        false
+    }
+
     /// In lock-step: lets the process at a place run until it waits, as if it were a part of this one.
     ///
     /// # Errors
@@ -139,6 +153,11 @@ pub trait Client {
 
     /// Takes the reply, if it is there.
     fn receive(&self, reply: &mut Message) -> bool;
+
+    /// What its link knows the port by, where the link can wake a process for one port alone.
+    fn port(&self) -> Option<usize> {
+        None
+    }
 }
 
 /// The answering end of a request-reply port.

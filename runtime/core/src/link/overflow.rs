@@ -35,21 +35,35 @@ impl Guard {
         Guard { page: stack.limit().get()..stack.base().get() - size, text }
     }
 
-    /// Does `work`, during which this thread runs on the stack of this guard page.
-    pub fn during<T>(&self, work: impl FnOnce() -> T) -> T {
-        /// Puts the pointer back, also when the work panics: it must never outlive the guard page.
-        struct Before(*const Guard);
-        impl Drop for Before {
-            fn drop(&mut self) {
-                RUNNING.set(self.0);
-            }
-        }
-        let _before = Before(RUNNING.replace(self));
-        work()
+    /// From now on this thread runs on the stack of this guard page, until a [`Running`] says otherwise. The guard page must
+    /// not go before that.
+    pub fn enter(&self, _: &Running) {
+        RUNNING.set(self);
     }
 }
 
-/// Prepares this thread and the executable for [`Guard::during`].
+/// While it lives, a thread may run on stacks with guard pages; dropped, also by a panic, it forgets them.
+pub(super) struct Running(*const Guard);
+
+impl Running {
+    /// Begins on the thread's own stack, or on that of the cell in whose process this one is run.
+    pub fn begin() -> Running {
+        Running(RUNNING.get())
+    }
+
+    /// The thread is back where it began.
+    pub fn leave(&self) {
+        RUNNING.set(self.0);
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.leave();
+    }
+}
+
+/// Prepares this thread and the executable for [`Guard::enter`].
 pub(super) fn listen() {
     #[cfg(target_os = "linux")]
     signal::listen();
@@ -120,7 +134,7 @@ mod signal {
         // SAFETY: the kernel gives a handler with SA_SIGINFO valid information, and that of SIGSEGV has an address.
         #[allow(unsafe_code)]
         let (address, code) = unsafe { ((*info).si_addr() as usize, (*info).si_code) };
-        // SAFETY: `Guard::during` borrows what it points to, and takes the pointer back before the borrow ends.
+        // SAFETY: a scheduler keeps what `Guard::enter` has pointed to for as long as its `Running` lives, or calls `leave` before.
         #[allow(unsafe_code)]
         let running = unsafe { RUNNING.get().as_ref() };
         // A code above zero means that the kernel has found the fault, and not that somebody has sent the signal.

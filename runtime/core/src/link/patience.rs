@@ -51,7 +51,7 @@ impl Waiting {
             client.send_again();
             self.next += (now - self.next) / self.again * self.again + self.again;
         }
-        waiter.wait(Some(self.next.min(self.until)))?;
+        waiter.wait_for_reply(client, Some(self.next.min(self.until)))?;
         Ok(true)
     }
 }

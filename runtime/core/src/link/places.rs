@@ -2,6 +2,8 @@
 //!
 //! In: places. Out: a set that is copied and joined in a few instructions, and travels as words.
 
+use core::cell::Cell;
+
 /// The most processes that a cell can have, its plant among them.
 pub const MAX_PROCESSES: usize = 192;
 
@@ -68,9 +70,52 @@ impl Places {
     }
 }
 
+/// A set of places that changes in every step of a cell: one word of it at a time.
+#[derive(Debug, Default)]
+pub(super) struct PlaceCells([Cell<u64>; WORDS]);
+
+impl PlaceCells {
+    /// Puts a place into the set; one that no process can have is left out.
+    pub fn insert(&self, place: usize) {
+        if let Some(word) = self.0.get(place / 64) {
+            word.set(word.get() | 1 << (place % 64));
+        }
+    }
+
+    /// Puts all places of another set into this one.
+    pub fn insert_all(&self, places: Places) {
+        for (word, more) in self.0.iter().zip(places.0) {
+            word.set(word.get() | more);
+        }
+    }
+
+    /// Takes the lowest place out of the set.
+    pub fn take_first(&self) -> Option<usize> {
+        for (i, word) in self.0.iter().enumerate() {
+            let bits = word.get();
+            if bits != 0 {
+                word.set(bits & (bits - 1));
+                return Some(64 * i + bits.trailing_zeros() as usize);
+            }
+        }
+        None
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn places_are_taken_out_of_a_set_from_the_lowest_to_the_highest() {
+        let set = PlaceCells::default();
+        set.insert_all(Places::of(127).with(64));
+        for place in [3, 191, 0, 3, MAX_PROCESSES] {
+            set.insert(place);
+        }
+        let taken: Vec<_> = std::iter::from_fn(|| set.take_first()).collect();
+        assert_eq!(taken, [0, 3, 64, 127, 191]);
+    }
 
     #[test]
     fn every_place_is_in_the_set_that_it_was_put_into_and_the_lowest_comes_first() {

@@ -257,21 +257,73 @@ impl<R: Robot> Wire for Demand<R> {
         }
     }
 
+    /// Its coordinates; the tool and what is chosen with it, where there are any.
+    fn used(&self) -> usize {
+        let is_whole = self.tool.is_some() || self.redundancy.is_some() || self.regulators.is_some();
+        1 + match &self.coordinates {
+            _ if is_whole => Self::LEN - 1,
+            Coordinates::Hold => 0,
+            Coordinates::Joints(_) => R::Joints::LEN,
+            Coordinates::Pose(_) | Coordinates::Displacement(_) => Pose::LEN,
+        }
+    }
+
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let (&head, body) = words.split_first().ok_or(BadWords)?;
-        if body.len() < MAX_JOINTS + 7 + 2 {
-            return Err(BadWords);
-        }
         let coordinates = match head & !(TOOL | REDUNDANCY | REGULATORS) {
             0 => Coordinates::Hold,
-            1 => Coordinates::Joints(R::Joints::from_joints(|i| f64::from_bits(body[i.min(MAX_JOINTS - 1)]))),
+            1 => {
+                let joints = body.get(..R::Joints::LEN).ok_or(BadWords)?;
+                Coordinates::Joints(R::Joints::from_joints(|i| f64::from_bits(joints[i])))
+            }
             2 => Coordinates::Pose(Pose::get(body)?),
             3 => Coordinates::Displacement(Pose::get(body)?),
             _ => return Err(BadWords),
         };
-        let tool = if head & TOOL == 0 { None } else { Some(Pose::get(&body[MAX_JOINTS..])?) };
-        let redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(body[MAX_JOINTS + 7]));
-        let regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(body[MAX_JOINTS + 8]));
-        Ok(Demand { coordinates, tool, redundancy, regulators })
+        let mut demand = Demand::of(coordinates);
+        if head & (TOOL | REDUNDANCY | REGULATORS) != 0 {
+            let choices = body.get(MAX_JOINTS..MAX_JOINTS + 9).ok_or(BadWords)?;
+            demand.tool = if head & TOOL == 0 { None } else { Some(Pose::get(choices)?) };
+            demand.redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(choices[7]));
+            demand.regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(choices[8]));
+        }
+        Ok(demand)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::wire::WORDS;
+    use crate::tests::slide::{One, Slide};
+
+    #[test]
+    fn the_words_that_are_sent_of_a_demand_say_all_of_it_and_none_of_them_is_too_many() {
+        let pose = Pose::translation(1.0, -2.0, 3.0);
+        let forms = [
+            Demand::<Slide>::hold(),
+            Demand::joints(One::new(0.5)),
+            Demand::pose(pose),
+            Demand::displacement(pose),
+        ];
+        let sent = [1, 2, 8, 8];
+        let chosen: [fn(Demand<Slide>) -> Demand<Slide>; 4] = [
+            |demand| demand,
+            |demand| demand.with_tool(Pose::translation(0.0, 0.0, 0.1)),
+            |demand| demand.with_redundancy(-0.25),
+            |demand| demand.with_regulators(Regulators::default()),
+        ];
+        for (form, sent) in forms.into_iter().zip(sent) {
+            for (i, chosen) in chosen.iter().enumerate() {
+                let demand = chosen(form);
+                // Words of an earlier demand are still there.
+                let mut words = [u64::MAX; WORDS];
+                demand.put(&mut words);
+                let used = demand.used();
+                assert_eq!(used, if i == 0 { sent } else { <Demand<Slide> as Wire>::LEN }, "{demand:?}");
+                assert_eq!(Demand::get(&words[..used]), Ok(demand));
+                assert_eq!(Demand::<Slide>::get(&words[..used - 1]), Err(BadWords), "{demand:?}");
+            }
+        }
     }
 }

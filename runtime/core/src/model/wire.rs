@@ -35,6 +35,11 @@ pub trait Wire: Copy + 'static {
     /// Writes the value into the first [`LEN`](Wire::LEN) words.
     fn put(&self, words: &mut [u64]);
 
+    /// How many of these words say what the value is, where the last ones may say nothing: they need not be sent.
+    fn used(&self) -> usize {
+        Self::LEN
+    }
+
     /// Reads the value from the first [`LEN`](Wire::LEN) words.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use crate::model::robot::{Limits, NoInverse, Robot};
 
 pub(crate) type One = Vector1<f64>;
 
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) struct Slide(pub Limits<One>);
 
 impl Slide {

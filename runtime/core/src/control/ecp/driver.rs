@@ -16,6 +16,8 @@ use crate::model::wire::Wire;
 pub(super) struct DriverPort<R: Robot> {
     port: Box<dyn Client>,
     request: Message,
+    /// Words of the demand in it.
+    demanded: u32,
     reply: Message,
     /// The robot's image in the last reply that had one.
     pub image: RobotImage<R>,
@@ -29,6 +31,7 @@ impl<R: Robot> DriverPort<R> {
         DriverPort {
             port,
             request: Message::empty(),
+            demanded: 0,
             reply: Message::empty(),
             image: RobotImage::unknown(),
             moving: false,
@@ -54,6 +57,7 @@ impl<R: Robot> DriverPort<R> {
     /// Writes the demand of the next request, and its step's path time \[s\].
     pub fn set_demand(&mut self, demand: &Demand<R>, dt: f64) {
         demand.put(&mut self.request.body);
+        self.demanded = demand.used() as u32;
         self.request.header.dt = dt;
     }
 
@@ -74,7 +78,7 @@ impl<R: Robot> DriverPort<R> {
         header.instruction = order.instruction;
         header.law = order.law;
         header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER);
-        header.len = if kind == RequestKind::Demand { <Demand<R> as Wire>::LEN as u32 } else { 0 };
+        header.len = if kind == RequestKind::Demand { self.demanded } else { 0 };
         self.port.send(&self.request);
         let mut waiting = self.patience.begin(waiter);
         // An answer to a request that was given up does not answer this one.

@@ -55,6 +55,8 @@ pub(super) struct DemandedPath<R: Robot> {
     first_tool: Pose,
     /// Length of a step.
     period: Duration,
+    /// Missing demands that are bridged, of a robot that moves by itself.
+    budget: u32,
 }
 
 impl<R: Robot> DemandedPath<R> {
@@ -69,6 +71,7 @@ impl<R: Robot> DemandedPath<R> {
             screw: None,
             first_tool: tool,
             period,
+            budget: missed_step_budget(period),
         }
     }
 
@@ -101,11 +104,9 @@ impl<R: Robot> DemandedPath<R> {
             Mode::Moving { missed } => Some(missed),
             Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => None,
         };
-        let undone = request.is(flag::TOGETHER).then(|| Undone {
-            acceptor: self.acceptor.before(),
-            missed,
-            together: self.together,
-        });
+        let together = law_together(demand, request);
+        self.undone =
+            together.map(|_| Undone { acceptor: self.acceptor.before(), missed, together: self.together });
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let period = self.period.as_secs_f64();
         let dt = header.dt / header.duration * period;
@@ -117,8 +118,8 @@ impl<R: Robot> DemandedPath<R> {
         };
         let first = request.is(flag::FIRST) && !self.is_moving();
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
-        self.move_together(demand, request);
-        self.undone = undone.filter(|_| self.together.is_some());
+        self.screw = None;
+        self.together = together;
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
     }
@@ -146,23 +147,13 @@ impl<R: Robot> DemandedPath<R> {
         }
         // In a replay the demand that replaces it in its step is known already.
         let missed = if self.next.is_some() { 1 } else { due.saturating_sub(request.header.step) };
-        self.move_together(demand, request);
+        self.screw = None;
+        self.together = law_together(demand, request);
         let period = self.period.as_secs_f64();
         let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());
         begun.map_err(Fault::of_first_demand)?;
         self.mode = Mode::Moving { missed: u32::try_from(missed).unwrap_or(u32::MAX) };
         Ok(())
-    }
-
-    /// Keeps how the robot brakes with those that it moves together with.
-    fn move_together(&mut self, demand: &Demand<R>, request: &Message) {
-        self.screw = None;
-        let law = request.is(flag::TOGETHER).then_some(request.header.law);
-        self.together = match demand.coordinates {
-            // Joints have no screw.
-            Coordinates::Hold | Coordinates::Joints(_) => None,
-            Coordinates::Pose(_) | Coordinates::Displacement(_) => law,
-        };
     }
 
     /// Counts the demand that is missing in the step that begins, if one is.
@@ -185,7 +176,7 @@ impl<R: Robot> DemandedPath<R> {
 
     /// Missing demands that are bridged.
     fn missed_step_budget(&self) -> u32 {
-        if self.together.is_some() { TOGETHER_BUDGET } else { missed_step_budget(self.period) }
+        if self.together.is_some() { TOGETHER_BUDGET } else { self.budget }
     }
 
     /// The demand of the step that begins: the one that came, or what replaces it.
@@ -287,5 +278,16 @@ impl<R: Robot> DemandedPath<R> {
             self.screw = guarded(|| self.acceptor.screw(period)).ok();
         }
         self.screw
+    }
+}
+
+/// How a robot with this demand brakes with those that it moves together with.
+fn law_together<R: Robot>(demand: &Demand<R>, request: &Message) -> Option<BrakingLaw> {
+    match demand.coordinates {
+        // Joints have no screw.
+        Coordinates::Hold | Coordinates::Joints(_) => None,
+        Coordinates::Pose(_) | Coordinates::Displacement(_) => {
+            request.is(flag::TOGETHER).then_some(request.header.law)
+        }
     }
 }

@@ -81,29 +81,19 @@ impl Mp<'_> {
             robot.client.send(&robot.order);
             robot.show_order(kind, &self.witnesses, self.host.waiter.now());
         }
-        let waiting = self.sensing.patience.begin(self.host.waiter);
+        self.await_answers(indices)?;
         let mut first: Option<Fault> = None;
         let mut law = BrakingLaw::UNLIMITED;
         let mut trouble = None;
         for &index in indices {
-            let robot = &mut self.robots[index];
-            let mut lost = None;
-            let mut waiting = waiting;
-            robot.is_silent = false;
-            while !robot.receives_answer() {
-                let goes_on = waiting.goes_on(&*robot.client, self.host.waiter);
-                if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
+            let robot = &self.robots[index];
+            let fault = match robot.reply.header.kind {
+                _ if robot.is_silent => {
                     let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(SILENT);
-                    lost = Some(silent.at_step(self.clock.step()));
-                    robot.is_silent = true;
-                    robot.reply.header.flags = flag::STANDSTILL;
-                    break;
+                    Some(silent.at_step(self.clock.step()))
                 }
-            }
-            let fault = match lost {
-                Some(lost) => Some(lost),
-                None if robot.reply.header.kind == Kind::Fault => Some(robot.reply.fault()),
-                None => {
+                Kind::Fault => Some(robot.reply.fault()),
+                Kind::Reply | Kind::Order(_) | Kind::Request(_) | Kind::Command | Kind::Read => {
                     if robot.reply.is(flag::TROUBLE) {
                         trouble = trouble.or(Some(robot.reply.fault()));
                     }
@@ -128,6 +118,27 @@ impl Mp<'_> {
             self.stops.protect(trouble, self.clock.step());
         }
         first.map_or(Ok(()), Err)
+    }
+
+    /// Waits for the answers of robots that were sent their orders, or until it is too late for them.
+    ///
+    /// The last one is waited for first: mostly the others have answered by then, and the MP wakes once in a step.
+    fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
+        let waiting = self.sensing.patience.begin(self.host.waiter);
+        for &index in indices.iter().rev() {
+            let robot = &mut self.robots[index];
+            let mut waiting = waiting;
+            robot.is_silent = false;
+            while !robot.receives_answer() {
+                let goes_on = waiting.goes_on(&*robot.client, self.host.waiter);
+                if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
+                    robot.is_silent = true;
+                    robot.reply.header.flags = flag::STANDSTILL;
+                    break;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Asks the robots that the sensors of a list belong to for their states, where none is known yet: a sensor gets the

@@ -131,8 +131,9 @@ impl Mp<'_> {
             };
             if let Some(demands) = &demands {
                 for (i, &index) in indices.iter().enumerate() {
-                    <G::Robots as Robots<G::Language>>::write(demands, i, &mut self.robots[index].order.body);
-                    self.robots[index].order.header.len = crate::model::wire::WORDS as u32;
+                    let order = &mut self.robots[index].order;
+                    let used = <G::Robots as Robots<G::Language>>::write(demands, i, &mut order.body);
+                    order.header.len = used as u32;
                 }
             }
             if demands.is_none() && step == 0 {

@@ -85,9 +85,9 @@ pub trait Robots<O = Motion>: RobotList {
     /// One demand or order per robot, in the list's form.
     type Demands: Copy;
 
-    /// Writes what is demanded of robot `i`; returns the identity and tightness of its payload.
+    /// Writes what is demanded of robot `i`; returns how many words say it.
     #[doc(hidden)]
-    fn write(demands: &Self::Demands, i: usize, words: &mut [u64]);
+    fn write(demands: &Self::Demands, i: usize, words: &mut [u64]) -> usize;
 
     /// The identity of the payload of robot `i`.
     #[doc(hidden)]
@@ -166,8 +166,9 @@ pub(super) fn poses<R: Robot>(image: &RobotImage<R>) -> (Pose, Pose) {
 impl<R: Robot, O: Language<R>> Robots<O> for R {
     type Demands = O::Item;
 
-    fn write(demands: &Self::Demands, _: usize, words: &mut [u64]) {
+    fn write(demands: &Self::Demands, _: usize, words: &mut [u64]) -> usize {
         demands.put(words);
+        demands.used()
     }
 
     fn payload(_: usize) -> PayloadType {
@@ -202,8 +203,9 @@ impl<R: Robot, const N: usize> RobotList for [R; N] {
 impl<R: Robot, O: Language<R>, const N: usize> Robots<O> for [R; N] {
     type Demands = [O::Item; N];
 
-    fn write(demands: &Self::Demands, i: usize, words: &mut [u64]) {
+    fn write(demands: &Self::Demands, i: usize, words: &mut [u64]) -> usize {
         demands[i].put(words);
+        demands[i].used()
     }
 
     fn payload(_: usize) -> PayloadType {

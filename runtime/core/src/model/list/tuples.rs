@@ -54,10 +54,13 @@ macro_rules! tuple_lists {
         {
             type Demands = ($(<O as Language<$R>>::Item,)+);
 
-            fn write(demands: &Self::Demands, i: usize, words: &mut [u64]) {
+            fn write(demands: &Self::Demands, i: usize, words: &mut [u64]) -> usize {
                 match i {
-                    $($i => demands.$i.put(words),)+
-                    _ => {}
+                    $($i => {
+                        demands.$i.put(words);
+                        demands.$i.used()
+                    })+
+                    _ => 0,
                 }
             }
 

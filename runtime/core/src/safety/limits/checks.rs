@@ -101,8 +101,48 @@ impl<R: Robot> Checks<R> {
         Ok(())
     }
 
+    /// Where a robot without a jerk limit would stand, in a state that keeps all limits with the larger of its velocities and
+    /// without allowance for round-off: then no closer look is needed, as in nearly every step.
+    #[inline]
+    pub fn well_within(&self, next: &Proposed<'_, R::Joints>) -> Option<Standstill<R::Joints>> {
+        let limits = self.robot.limits();
+        if limits.jerk.is_some() {
+            return None;
+        }
+        let fastest = |i: usize| larger(next.velocity[i].abs(), next.held[i].abs());
+        let longest =
+            (0..R::Joints::LEN).fold(0.0, |time, i| larger(time, fastest(i) / limits.acceleration[i]));
+        let time = 0.5 * longest + self.reaction;
+        let mut stop = Standstill { position: *next.position, time: if longest > 0.0 { time } else { 0.0 } };
+        let mut is_within = true;
+        for i in 0..R::Joints::LEN {
+            let q = next.position[i];
+            let way = fastest(i) * time;
+            let faster =
+                if next.held[i].abs() > next.velocity[i].abs() { next.held[i] } else { next.velocity[i] };
+            stop.position[i] = q + faster * time;
+            is_within &= fastest(i) <= limits.velocity[i]
+                && next.acceleration[i].abs() <= limits.acceleration[i]
+                && q - way >= limits.lower[i]
+                && q + way <= limits.upper[i];
+        }
+        is_within.then_some(stop)
+    }
+
     /// A state against the limits.
     pub fn check(
+        &self,
+        next: &Proposed<'_, R::Joints>,
+        step: &CheckedStep<'_, R::Joints>,
+    ) -> Result<Standstill<R::Joints>, Fault> {
+        match self.well_within(next) {
+            Some(stop) => Ok(stop),
+            None => self.look_closer(next, step),
+        }
+    }
+
+    /// The same, limit by limit and with an allowance for round-off.
+    pub fn look_closer(
         &self,
         next: &Proposed<'_, R::Joints>,
         step: &CheckedStep<'_, R::Joints>,
@@ -208,4 +248,10 @@ impl<R: Robot> Checks<R> {
         }
         Ok(stop)
     }
+}
+
+/// The larger of two numbers, neither of which is NaN: one instruction, where `f64::max` takes six.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }

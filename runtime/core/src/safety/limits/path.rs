@@ -61,6 +61,11 @@ impl<J: JointVector> Track<J> {
         self.off_path.is_none()
     }
 
+    /// Whether the robot is where its path is, and no demand is missing.
+    pub fn is_in_step(&self) -> bool {
+        self.is_followed() && self.path.missing == 0.0 && !self.path.on_screw
+    }
+
     /// Where the path is, and its velocity, for a robot in this state.
     pub fn demanded(&self, state: &JointState<J>) -> (J, J) {
         let velocity = match &self.off_path {

@@ -313,3 +313,37 @@ fn a_way_between_two_demands_is_as_fast_as_a_joint_may_be() {
     }
     way(f64::NAN, 0.0).expect_err("no number");
 }
+
+#[test]
+fn a_state_that_is_well_within_all_limits_is_found_sound_by_a_closer_look_and_stands_at_the_same_place() {
+    let robot = Turntable::new();
+    let Limits { velocity, acceleration, .. } = robot.limits;
+    let checks = Checks { robot, reaction: REACTION };
+    let mut x = 0.5_f64;
+    // A sequence in -size..size that does not repeat soon.
+    let mut draw = |size: Two| {
+        Two::from_fn(|i, _| {
+            x = (x + 0.618_033_988_749_894_9).fract();
+            size[i] * ((x * 97.0).fract() * 2.0 - 1.0)
+        })
+    };
+    let mut counts = (0, 0);
+    for _ in 0..20_000 {
+        let (q, v) = (draw(Two::repeat(1.02)), draw(velocity * 1.02));
+        let (held, a) = (draw(velocity * 1.02), draw(acceleration * 1.02));
+        let from = JointState { position: q - v * T, velocity: v - a * T, acceleration: Two::zeros() };
+        let next = Proposed { position: &q, velocity: &v, held: &held, acceleration: &a };
+        let closer = checks.look_closer(&next, &CheckedStep { from: &from, duration: T, starting: false });
+        let Some(stop) = checks.well_within(&next) else {
+            counts.1 += usize::from(closer.is_ok());
+            continue;
+        };
+        counts.0 += 1;
+        let closer = closer.expect("it is well within");
+        assert_eq!(stop.position, closer.position);
+        assert!((stop.time - closer.time).abs() <= 1e-15 * stop.time, "{} and {}", stop.time, closer.time);
+    }
+    assert!(counts.0 > 4_000, "{counts:?}");
+    // Where only one of the two velocities is bounded, or the farther way is the other one's, it takes a closer look.
+    assert!(counts.1 > 100, "{counts:?}");
+}
