@@ -19,10 +19,14 @@ template-all:
 
 # What a step costs, in nanoseconds.
 bench:
-    cargo bench -p mrroc-tests --bench steps
+    cargo bench -p mrroc-benches --bench steps
     cargo bench -p mrroc-generators --bench generators
     cargo bench -p mrroc-generators --bench jerk
     cargo bench -p mrroc-robots --bench kinematics
+
+# Instructions of a step and of its parts, beside the table that CI compares them with; `--accept` writes it anew.
+instructions *ARGS:
+    .ci/instructions {{ARGS}}
 
 # What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
 sweep-profiles:

@@ -61,13 +61,6 @@ impl Places {
     pub fn and(self, other: Places) -> Places {
         Places(core::array::from_fn(|i| self.0[i] | other.0[i]))
     }
-
-    /// The lowest place.
-    #[must_use]
-    pub fn first(self) -> Option<usize> {
-        let word = self.0.iter().position(|&word| word != 0)?;
-        Some(64 * word + self.0[word].trailing_zeros() as usize)
-    }
 }
 
 /// A set of places that changes in every step of a cell: one word of it at a time.
@@ -122,11 +115,14 @@ mod tests {
         let all = [0, 1, 63, 64, 127, 128, MAX_PROCESSES - 1];
         let mut set = all.iter().rev().fold(Places::NONE, |set, &place| set.and(Places::of(place)));
         assert_eq!(Places::from_words(set.to_words()), set);
+        let cells = PlaceCells::default();
+        cells.insert_all(set);
         for place in all {
-            assert_eq!(set.first(), Some(place));
+            assert_eq!(cells.take_first(), Some(place));
+            assert_ne!(set, set.without(place));
             set = set.without(place);
         }
-        assert_eq!((set, set.first()), (Places::NONE, None));
+        assert_eq!((set, cells.take_first()), (Places::NONE, None));
         assert_eq!(Places::of(MAX_PROCESSES).without(MAX_PROCESSES), Places::NONE);
     }
 }
