@@ -65,7 +65,9 @@ pub(super) fn watched(
     };
     let draws = launch.is_here();
     // Checked before the run, and by the launcher only.
-    if let Some(file) = options.picture().filter(|_| !launch.is_part())
+    let file = options.picture().filter(|_| !launch.is_part());
+    let is_new = file.is_some_and(|file| !file.exists());
+    if let Some(file) = file
         && let Err(error) = OpenOptions::new().append(true).create(true).open(file)
     {
         return refused(&unwritable(file, &error));
@@ -81,7 +83,14 @@ pub(super) fn watched(
         Ok(Ran::Processes(_)) if quiet => ExitCode::SUCCESS,
         Ok(Ran::Processes(report)) => {
             if watching {
-                note("no picture: processes draw what is simulated, and nothing of this cell is");
+                note(
+                    "no picture: processes draw drives that are simulated and do not look for their marks first, and this cell has \
+                     none",
+                );
+                // What was made to see whether it can be written is not left empty.
+                if let Some(file) = options.picture().filter(|_| is_new) {
+                    let _ = std::fs::remove_file(file);
+                }
             }
             tell(&report, None)
         }

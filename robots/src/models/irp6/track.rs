@@ -48,7 +48,7 @@ pub struct Irp6Track {
 
 impl Irp6Track {
     /// Motor angle per way of the carriage [rad/m] (MRROC++: ball screw of 8 mm lead, belt 2).
-    pub const TRACK_GEAR: f64 = 1570.796;
+    pub const TRACK_GEAR: f64 = 500.0 * core::f64::consts::PI;
     /// Drive of the track, before those of the arm ([`Irp6::MOTORS`]): 25 A and its gains from MRROC++, the rest assumed.
     pub const TRACK_MOTOR: MotorData = MotorData {
         gains: Gains { a: 0.333, b0: 6.2, b1: 5.933, feedforward: 0.35 },
