@@ -8,6 +8,8 @@
 mod driver;
 mod motion;
 mod orders;
+#[cfg(test)]
+mod tests;
 mod waiting;
 
 use crate::link::Host;

@@ -1,6 +1,7 @@
 //! Wait in an ECP, eq. 4: readings and the robot's state in every step, until the condition holds; `e` does not
 //! change.
 
+use crate::link::Sample;
 use crate::link::message::{RequestKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Condition;
