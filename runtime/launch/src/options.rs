@@ -120,7 +120,7 @@ pub(super) enum OperatingWord {
         #[arg(value_name = "PERCENT")]
         share: Vec<String>,
     },
-    /// Stop on the path and end the instruction.
+    /// Stop on the path and end the instruction; end a cell that awaits its reset.
     Abort,
     /// Stop on the path for good, as after a fault.
     Stop,
@@ -415,7 +415,12 @@ mod tests {
         assert_eq!(asked(&["view", "--cell", "c"]), Ok(Some(Operating::View)));
         assert_eq!(options(&["view", "--cell", "c"]).cell, Some(PathBuf::from("c")));
         let half = Ok(Some(Operating::Press(Button::Speed(0.5))));
-        for speed in [&["speed", "50%"][..], &["speed", "50", "%"], &["--cell", "c", "speed", "50%", "-q"]] {
+        for speed in [
+            &["speed", "50%"][..],
+            &["speed", "50"],
+            &["speed", "50", "%"],
+            &["--cell", "c", "speed", "50%", "-q"],
+        ] {
             assert_eq!(asked(speed), half, "{speed:?}");
         }
         for word in Button::WORDS.into_iter().filter(|word| *word != "speed") {

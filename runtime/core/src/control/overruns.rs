@@ -125,9 +125,7 @@ impl Waiter for Timed<'_> {
 impl Meter for Timed<'_> {
     fn own_time(&self) -> Nanos {
         let now = self.now();
-        let own = self.own.take() + now.saturating_sub(self.woke.replace(now));
-        self.host.meter.sample(Sample::Worked(own));
-        own
+        self.own.take() + now.saturating_sub(self.woke.replace(now))
     }
 
     fn sample(&self, sample: Sample) {
@@ -207,6 +205,7 @@ mod tests {
         timed.wait(None).expect("open");
         work(7);
         assert_eq!(timed.own_time(), 57);
+        timed.sample(Sample::Worked(57));
         assert_eq!(told.worked.get(), Some(Sample::Worked(57)));
         told.late.set(20);
         timed.wait(Some(told.now.get() + 1000)).expect("open");

@@ -58,7 +58,7 @@ impl Button {
         }
     }
 
-    /// Reads a button's word, and what belongs to it: the speed as `50%` or `50 %`.
+    /// Reads a button's word, and what belongs to it: the speed in percent, as `50`, `50%` or `50 %`.
     ///
     /// # Errors
     /// [`NoButton`]: what is wrong, and what to write.
@@ -72,10 +72,11 @@ impl Button {
             "acknowledge" => Button::Acknowledge,
             "reset" => Button::Reset,
             "speed" => {
-                let percent = rest.trim().strip_suffix('%').unwrap_or_default().trim_end();
+                let rest = rest.trim();
+                let percent = rest.strip_suffix('%').unwrap_or(rest).trim_end();
                 return match percent.parse::<f64>() {
                     Ok(percent) if (0.0..=100.0).contains(&percent) => Ok(Button::Speed(percent / 100.0)),
-                    _ if rest.trim().is_empty() => {
+                    _ if rest.is_empty() => {
                         Err(bad("speed needs a value".to_owned(), "write 0% to 100%: speed 50%"))
                     }
                     _ => Err(bad(
@@ -223,6 +224,11 @@ impl Operator {
                 self.abort();
                 self.is_aborting()
             }
+            // It stands: what is left to end is the cell.
+            (Button::Abort, Latched | Acknowledged) => {
+                self.give_up();
+                true
+            }
             (Button::Suspend, Running | Suspended) => {
                 self.suspend();
                 true
@@ -281,9 +287,11 @@ mod tests {
             assert_eq!(Button::from_words(button.to_words()), Some(button));
         }
         assert_eq!(Button::read("speed", "12.5 %"), Ok(Button::Speed(0.125)));
+        assert_eq!(Button::read("speed", "50"), Ok(Button::Speed(0.5)));
         assert_eq!(Button::from_words([7, 0]), None);
         for (word, rest, told) in [
-            ("speed", "50", "write 0% to 100%"),
+            ("speed", "0.5.", "write 0% to 100%"),
+            ("speed", "%", "write 0% to 100%"),
             ("speed", "101%", "write 0% to 100%"),
             ("speed", "NaN%", "write 0% to 100%"),
             ("speed", "", "write 0% to 100%"),
@@ -327,7 +335,7 @@ mod tests {
         let all = CellState::ALL;
         for (button, allowed) in [
             (Button::Stop, &all[..]),
-            (Button::Abort, &[Running, Suspended, Aborting]),
+            (Button::Abort, &[Running, Suspended, Aborting, Latched, Acknowledged]),
             (Button::Suspend, &[Running, Suspended]),
             (Button::Resume, &[Suspended]),
             (Button::Speed(0.5), &all),
@@ -337,6 +345,16 @@ mod tests {
         ] {
             let carried_out = |&state: &CellState| operator(state).press(button, state);
             assert_eq!(all.into_iter().filter(carried_out).collect::<Vec<_>>(), allowed, "{button}");
+        }
+    }
+
+    #[test]
+    fn an_abort_ends_a_cell_that_awaits_its_reset_and_no_other() {
+        for state in CellState::ALL {
+            let operator = operator(state);
+            operator.press(Button::Abort, state);
+            let ends = matches!(state, CellState::Latched | CellState::Acknowledged);
+            assert_eq!(operator.has_given_up(), ends, "{state:?}");
         }
     }
 

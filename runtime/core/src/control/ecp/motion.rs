@@ -4,6 +4,7 @@
 //! Path time that does not pass holds the robot, whatever the generator returns; END makes a generator with a path
 //! of its own slow down on it.
 
+use crate::link::Sample;
 use crate::link::message::{RequestKind, flag};
 use crate::model::demand::Demand;
 use crate::model::fault::Fault;
@@ -188,11 +189,12 @@ impl<R: Robot> Ecp<'_, R> {
     /// A step that took the ECP itself too long is one of those that may be too many; before the first one its program
     /// had no step to be in time for.
     fn count_own_time(&mut self, step: u64) -> Result<(), Fault> {
-        let missed = self.host.meter.own_time() / self.pace.period.max(1);
+        let own_time = self.host.meter.own_time();
         if step == 0 {
             return Ok(());
         }
-        self.overruns.note(missed).map_err(|fault| self.fail(fault))
+        self.host.meter.sample(Sample::Worked(own_time));
+        self.overruns.note(own_time / self.pace.period.max(1)).map_err(|fault| self.fail(fault))
     }
 
     /// One step of eq. 6: order the readings, send the demand, collect the reply and the readings.

@@ -10,8 +10,10 @@ use crate::link::patience::Patience;
 use crate::link::{Closed, Meter, Sample, Waiter};
 use crate::model::class::{Class, Level, Uses};
 use crate::model::demand::Demand;
+use crate::model::fault::Role;
 use crate::model::generator::{Condition, Generator};
-use crate::model::list::{Motion, Owner, Reading, State};
+use crate::model::list::{AnyRobots, Motion, Owner, Reading, State};
+use crate::model::name::Name;
 use crate::model::step::{Step, Tick};
 use crate::model::wire::Wire;
 use crate::tests::slide::Slide;
@@ -102,11 +104,17 @@ impl Working {
 }
 
 impl Condition for Working {
-    type Robots = ();
+    type Robots = AnyRobots;
     type Sensors = ();
     type Order = ();
     const CLASS: Class = Class::new(Level::Ecp, Uses::NOTHING);
-    fn is_met(&mut self, _: &Order<()>, _: &State<()>, _: &Reading<()>, _: Tick) -> Result<bool, Fault> {
+    fn is_met(
+        &mut self,
+        _: &Order<()>,
+        _: &State<AnyRobots>,
+        _: &Reading<()>,
+        _: Tick,
+    ) -> Result<bool, Fault> {
         Ok(self.is_over())
     }
 }
@@ -117,7 +125,13 @@ impl Generator for Working {
     type Sensors = ();
     type Order = ();
     const CLASS: Class = Class::new(Level::Ecp, Uses::NOTHING);
-    fn first_step(&mut self, _: &Order<()>, _: &State<Slide>, _: &Reading<()>, _: Tick) -> Result<Step<Slide>, Fault> {
+    fn first_step(
+        &mut self,
+        _: &Order<()>,
+        _: &State<Slide>,
+        _: &Reading<()>,
+        _: Tick,
+    ) -> Result<Step<Slide>, Fault> {
         Ok(if self.is_over() { Step::Done } else { Step::Next(Demand::hold()) })
     }
     fn next_step(
@@ -143,7 +157,7 @@ fn what_a_wait_took_in_all_its_steps_is_no_late_step_of_the_move_after_it() {
         witnesses: Witnesses::to(Vec::new()),
     };
     let pace = Pace { period: STEP, grace: STEP / 2, stop_steps: 100 };
-    let process = ProcessId::new(crate::model::fault::Role::Ecp, name);
+    let process = ProcessId::new(Role::Ecp, name);
     let mp = Orderer { sent: Cell::new(0), waits: Cell::new(false) };
     let edp = Stands(RefCell::new(Message::empty()));
     let mut ecp = Ecp::<Slide>::new(process, timed.host(), Box::new(mp), Box::new(edp), sensing, pace, None);

@@ -82,6 +82,12 @@ impl<R: Robot> Ecp<'_, R> {
                 OfInstruction::End => break Err(self.instruction_over(false)),
                 OfInstruction::Abort => break Err(self.instruction_over(true)),
             }
+            // The robot stands, so a late step stops nothing. But what a Wait took must not count as one step of the Move
+            // after it.
+            let own_time = self.host.meter.own_time();
+            if step > 0 {
+                self.host.meter.sample(Sample::Worked(own_time));
+            }
             self.refresh(&sensors, &mut v, uses.robots)?;
             let header = *self.orders.header();
             // Suspended, a Wait waits on.

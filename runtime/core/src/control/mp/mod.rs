@@ -25,7 +25,7 @@ use std::rc::Rc;
 use crate::control::guard::Guard;
 use crate::control::replay::Script;
 use crate::control::sensing::Sensing;
-use crate::link::{Host, News};
+use crate::link::{Host, News, Sample};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::{RobotImage, Sensor};
 use crate::model::list::{Owner, RobotHandle, RobotList, RobotsOf, SensorHandle, SensorList, SensorsOf};
@@ -172,6 +172,7 @@ impl<'w> Mp<'w> {
     /// A step that began late because of the MP itself is one of those that may be too many.
     fn count_own_time(&mut self) -> Result<(), Fault> {
         let own_time = self.host.meter.own_time();
+        self.host.meter.sample(Sample::Worked(own_time));
         if self.stops.latched.is_some() {
             return Ok(());
         }
