@@ -7,6 +7,7 @@ mod cooperation;
 mod curve_reference;
 mod curve_splines;
 mod curves;
+mod each;
 mod examples;
 mod feed;
 mod jerk_plan;

@@ -3,11 +3,9 @@
 use core::marker::PhantomData;
 
 use mrroc::fault::FaultKind;
-use mrroc::generator::{Class, Generator, Motion};
+use mrroc::generator::{Class, Generator, Joined, Motion};
 use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
-
-use super::Joined;
 
 /// How fast and how far a correction may go; all within 1e-9 and 1e9.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`Sequence`] | one after the other, without a step of rest between them |
 //! | [`Handover`] | one after the other on the move, without a step of velocity between them |
-//! | [`InParallel`] | the motions of two robots' ECPs at once, as one motion of the MP |
+//! | [`Each`](mrroc::generator::Each) | the motions of several robots at once, as one motion of the MP |
 //! | [`Corrected`] | any generator of poses, displaced by a sensor at a limited rate |
 //! | [`Override`] | brakes one on its path when a condition holds, then another takes over |
 //!
@@ -12,14 +12,10 @@
 
 mod corrected;
 mod handover;
-mod in_parallel;
-mod joined;
 mod override_;
 mod sequence;
 
 pub use corrected::{Corrected, CorrectionLimits};
 pub use handover::Handover;
-pub use in_parallel::InParallel;
-pub use joined::Joined;
 pub use override_::Override;
 pub use sequence::Sequence;

@@ -5,7 +5,7 @@ use super::kit::{
     pressed, seen, start, tool_limits,
 };
 use mrroc::prelude::*;
-use mrroc_generators::combinators::{Corrected, Handover, InParallel, Override, Sequence};
+use mrroc_generators::combinators::{Corrected, Handover, Override, Sequence};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{ForceLaw, GuardedApproach, JointMove, MovingFrame, StraightLine};
@@ -46,18 +46,18 @@ generator_conformance! {
 }
 
 generator_conformance! {
-    in_parallel: InParallel<JointMove<Irp6>, StraightLine<Irp6>>,
+    each: Each<(JointMove<Irp6>, StraightLine<Irp6>)>,
     class: "MP f*0(c0), first step f*2(c0, e)",
-    make: InParallel::of(
+    make: Each::of((
         JointMove::to(arm() + Six::repeat(0.2), Six::repeat(0.5), Six::repeat(1.0)),
         StraightLine::by(Pose::translation(0.0, 0.0, 0.05), tool_limits(0.3, 1.0)),
-    ),
+    )),
     given: |_| Given { order: Order::new(()), e: State::new((image(), image())), v: Reading::new(()) },
     odd: |x| odd_poses(x)
-        .map(|pose| InParallel::of(
+        .map(|pose| Each::of((
             JointMove::to(Six::repeat(x), Six::repeat(0.5), Six::repeat(1.0)),
             StraightLine::by(pose, tool_limits(0.3, 1.0)),
-        ))
+        )))
         .collect(),
     allocated: bytes,
 }

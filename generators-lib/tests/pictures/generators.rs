@@ -278,10 +278,10 @@ fn pairs() -> Sheets {
         ((), Reading::new([felt(0), felt(1)]))
     };
     let guided = GuidedBody::<Two, [Wrist; 2]>::yielding(Give::FORCE, 1.0, 1.0, 2.0);
-    let parallel = InParallel::of(
+    let each = Each::of((
         StraightLine::<Irp6>::by(offset(), limits()),
         StraightLine::<Irp6, _>::by(Pose::translation(0.0, -0.03, 0.05), smooth()),
-    );
+    ));
     let constant = ConstantOrder::<Two>::separate([Demand::joints(joints()), Demand::hold()]);
     Ok(vec![
         ("rigid_carry", alone(RigidCarry::<Two, _>::along(BodyFrame::Centroid, body()))),
@@ -289,7 +289,7 @@ fn pairs() -> Sheets {
         ("shared_drive", alone(drive)),
         ("squeezed_carry", follow(squeezed, 2000, between)),
         ("guided_body", follow(guided, 1000, pushed)),
-        ("in_parallel", alone(parallel)),
+        ("each", alone(each)),
         ("constant_order", follow(constant, 125, |_, _| ((), Reading::new(())))),
     ])
 }

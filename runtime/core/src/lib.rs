@@ -77,7 +77,7 @@ pub mod cell;
 pub mod prelude {
     pub use crate::cell::{Cell, CellError, RobotSetup, SensorSetup};
     pub use crate::fault::Fault;
-    pub use crate::generator::{Always, Demand, Step, Tick};
+    pub use crate::generator::{Always, Demand, Each, Step, Tick};
     pub use crate::payload::{Order, Payload};
     pub use crate::pose::Pose;
     pub use crate::program::{Ecp, Mp};
@@ -111,6 +111,7 @@ pub mod generator {
     pub use crate::control::transparent::Transparent;
     pub use crate::model::class::{Class, Level, Uses};
     pub use crate::model::demand::Demand;
+    pub use crate::model::each::{Each, Joined, Repeated};
     pub use crate::model::generator::{Condition, Generator};
     pub use crate::model::list::{
         AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,

@@ -5,6 +5,7 @@
 pub(crate) mod class;
 pub(crate) mod demand;
 pub(crate) mod driver;
+pub(crate) mod each;
 pub(crate) mod excess;
 pub(crate) mod fault;
 pub(crate) mod generator;

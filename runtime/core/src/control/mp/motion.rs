@@ -3,11 +3,14 @@
 //! In: the robots' images (`e`), the MP's readings (`v`), the step's path time. Out: one demand or order per robot.
 
 use crate::link::message::{OrderKind, flag};
+use crate::model::each::Each;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::generator::Generator;
-use crate::model::list::{PayloadType, Robots, RobotsOf, SensorList, SensorsOf};
-use crate::model::list::{Reading, State};
+use crate::model::list::{
+    Motion, PayloadType, Reading, RobotHandle, Robots, RobotsOf, SensorList, SensorsOf, State,
+};
 use crate::model::payload::{Nudge, Order};
+use crate::model::robot::Robot;
 use crate::model::step::Step;
 
 use crate::operator::state::Doing;
@@ -29,6 +32,60 @@ impl Mp<'_> {
         generator: G,
     ) -> Result<G, Fault> {
         self.run(robots, sensors, generator, 0)
+    }
+
+    /// **Move** of one robot, by any generator that an ECP could move it with; returns the generator. Those of several robots
+    /// at once are one motion by [`Each`].
+    ///
+    /// # Errors
+    /// The [`Fault`] that ended the motion, at standstill.
+    ///
+    /// # Example
+    /// ```
+    /// # use mrroc_core as mrroc;
+    /// use mrroc::generator::{Generator, Motion, RobotHandle};
+    /// use mrroc::prelude::*;
+    ///
+    /// /// There and back.
+    /// fn to_and_fro<R: Robot>(
+    ///     mp: &mut Mp,
+    ///     arm: &mut RobotHandle<R>,
+    ///     there: impl Generator<Robots = R, Language = Motion, Sensors = (), Order = ()>,
+    ///     back: impl Generator<Robots = R, Language = Motion, Sensors = (), Order = ()>,
+    /// ) -> Result<(), Fault> {
+    ///     mp.move_robot(arm, (), there)?;
+    ///     mp.move_robot(arm, (), back)?;
+    ///     Ok(())
+    /// }
+    /// ```
+    pub fn move_robot<R, G>(
+        &mut self,
+        robot: &mut RobotHandle<R>,
+        sensors: impl SensorsOf<G::Sensors>,
+        generator: G,
+    ) -> Result<G, Fault>
+    where
+        R: Robot,
+        G: Generator<Robots = R, Language = Motion, Order = ()>,
+    {
+        self.move_robots((robot,), sensors, Each::of((generator,))).map(|each| each.motions.0)
+    }
+
+    /// The same Move that hands the moving robot over, as [`blend_robots`](Self::blend_robots) does.
+    ///
+    /// # Errors
+    /// The [`Fault`] that ended the motion, at standstill.
+    pub fn blend_robot<R, G>(
+        &mut self,
+        robot: &mut RobotHandle<R>,
+        sensors: impl SensorsOf<G::Sensors>,
+        generator: G,
+    ) -> Result<G, Fault>
+    where
+        R: Robot,
+        G: Generator<Robots = R, Language = Motion, Order = ()>,
+    {
+        self.blend_robots((robot,), sensors, Each::of((generator,))).map(|each| each.motions.0)
     }
 
     /// **Move** that hands moving robots over: the next Move, which must name them, starts in the very next
