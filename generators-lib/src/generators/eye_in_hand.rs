@@ -78,7 +78,7 @@ impl<R: Robot, S: Sensor> EyeInHand<R, S> {
         if !(Translation3::from(goal.translation.vector).vector.sum() + goal.rotation.coords.sum())
             .is_finite()
         {
-            return Err(Fault::thrown("what the camera sees is at no finite place"));
+            return Err(Fault::thrown("the place of what the camera sees is not finite"));
         }
         let line = LinePath::new(self.pose, goal);
         if line.length() <= how.tolerance && line.angle() <= how.angle_tolerance {

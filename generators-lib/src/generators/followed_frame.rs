@@ -89,7 +89,7 @@ impl<R: Robot, S: Sensor> FollowedFrame<R, S> {
         }
         let X_WG = X_WF * self.place;
         if !X_WG.to_homogeneous().iter().all(|x| x.is_finite()) {
-            return Err(Fault::thrown("the place in the frame that the sensor tells of is not finite"));
+            return Err(Fault::thrown("the place in the frame that the sensor reports is not finite"));
         }
         let s = (self.age / self.approach).min(1.0);
         let b = s * s * s * (10.0 + s * (6.0 * s - 15.0));

@@ -51,7 +51,7 @@ impl<R: Robot> Replay<R> {
             }
             space @ (Space::Zyz | Space::AngleAxis) => {
                 let goal =
-                    pose.pose(space).ok_or_else(|| Fault::thrown("a taught pose has not six coordinates"))?;
+                    pose.pose(space).ok_or_else(|| Fault::thrown("a taught pose needs six coordinates"))?;
                 let line = LinePath::new(self.from.1, if relative { self.from.1 * goal } else { goal });
                 let share = |limits: ProfileLimits| ProfileLimits {
                     velocity: limits.velocity * pose.velocity,
