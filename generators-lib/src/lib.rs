@@ -2,24 +2,24 @@
 //!
 //! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
 //! - [`combinators`]: generators made of these;
-//! - [`profile`]: how far along a path at which instant;
+//! - [`profile`]: the distance along a path as a function of time;
 //! - [`jerk`]: jerk-limited motion from any state, on many axes at once;
 //! - [`mod@line`]: straight lines of joints and of the tool;
 //! - [`curve`]: arcs, helices, ellipses, screws, blended polylines, cubic splines;
 //! - [`bspline`]: the moving-segment B-spline through a stream of points;
-//! - [`feed`]: how fast along such a spline;
-//! - [`timing`]: how fast along a given path of joints, in the least time;
+//! - [`feed`]: the speed along such a spline;
+//! - [`timing`]: the fastest motion along a given path of joints;
 //! - [`via`]: straight legs through via points within a stated deviation;
-//! - [`teach`]: taught poses and their files, MRROC++'s too;
+//! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
-//! - [`force`]: how the axes of a tool move freely, are guarded, or keep a load;
+//! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
 //! - [`mod@conformance`]: tests that every generator must pass.
 //!
-//! Units are SI throughout; lengths in metres unless a path says otherwise. Stepping functions neither allocate nor
-//! panic.
+//! All units are SI. Lengths are in metres unless a path says otherwise. Functions that are called in a step neither
+//! allocate nor panic.
 #![warn(missing_docs)]
 
-// Generators name this crate as a user's copy of them does.
+// Generators refer to this crate by its name, so that a copy of them in a user's project compiles as it is.
 extern crate self as mrroc_generators;
 
 pub mod bspline;

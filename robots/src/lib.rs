@@ -5,19 +5,20 @@
 //! | [`models`] | robots: kinematics, limits, shapes, motors and transmissions | |
 //! | [`simulation`] | simulated drives, and bodies that simulated arms hold | models |
 //! | [`clearance`] | how near arms come to one another, and to obstacles | models |
-//! | [`conformance`] | what every robot must keep, as tests for robots of this crate and of others | models |
+//! | [`conformance`] | tests that every robot must pass, of this crate or another | models |
 //!
-//! What is used most has its name here as well. Drives of real robots are crates beside this one (`robots/drivers/`),
-//! which implement `mrroc::robot::Driver` for a model. Every robot's documentation has a sketch of its frames, its limits and
-//! constants, and says where each figure comes from: public facts of MRROC++, or marked "assumed".
+//! The types that are used most are also exported here. Drives of real robots will be crates beside this one
+//! (`robots/drivers/`), which implement `mrroc::robot::Driver` for a model. The documentation of every robot has a
+//! sketch of its frames, its limits and constants, and says where each figure comes from: public facts of MRROC++, or
+//! an assumption, marked "assumed".
 //!
 //! | robot | joints | inverse kinematics |
 //! |---|---|---|
 //! | [`Irp6`] | 6 | closed form, 8 solutions |
 //! | [`Irp6FiveDof`] | 5 | closed form, 4 solutions; the tool's axis stays in the arm's plane |
-//! | [`Irp6Track`] | 1 + 6 | closed form; the track by rule, or given |
-//! | [`Rnt`], a stand-in | 6, two of them linear actuators | closed form through three closed loops |
-//! | [`Polycrank`] | 7, endless | closed form, 8 families; the stretch of the seed kept, or given |
+//! | [`Irp6Track`] | 1 + 6 | closed form; the track's position follows from a rule, or is given |
+//! | [`Rnt`], with assumed dimensions | 6, two of them linear actuators | closed form through three closed loops |
+//! | [`Polycrank`] | 7, endless | closed form, 8 families; the stretch is that of the seed, or is given |
 //! | [`Gripper`], [`Conveyor`] | 1 | one solution |
 //! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms with a spherical wrist, else iteration |
 //!

@@ -81,7 +81,7 @@ impl<G: Generator<Language = Motion>, S: Sensor> Corrected<G, S> {
             let turn = goal.rotation.scaled_axis();
             let finite = way.iter().chain(goal.rotation.coords.iter()).all(|x| x.is_finite());
             if !finite || way.norm() > limits.way || turn.norm() > limits.angle {
-                let fault = Fault::thrown("the sensor asks for a correction out of bounds");
+                let fault = Fault::thrown("the sensor asks for a correction that is out of bounds");
                 return Err(fault.exceeds(way.norm(), limits.way, "m"));
             }
             pull(&mut self.way, &mut self.speed, &way, limits.speed, limits.ramp, t.dt);

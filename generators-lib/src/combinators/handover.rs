@@ -77,7 +77,7 @@ fn velocity_between<R: Robot>(from: &Demand<R>, to: &Demand<R>, dt: f64) -> Opti
 
 /// A demand moved on by a velocity for `time` \[s\].
 fn moved<R: Robot>(demand: Demand<R>, velocity: Velocity<R::Joints>, time: f64) -> Result<Demand<R>, Fault> {
-    let refused = || Fault::thrown("a moving hand-over is between joints and joints, or poses and poses");
+    let refused = || Fault::thrown("a moving hand-over needs joint demands on both sides, or poses");
     match velocity {
         Velocity::Joints(v) => Ok(Demand::joints(demand.as_joints().ok_or_else(refused)? + v * time)),
         Velocity::Tool(v, w) => {

@@ -97,7 +97,7 @@ pub enum CurveError {
     #[error("a spline's weights must be greater than 0, one per point, its smoothing 0 or more, all finite")]
     Weights,
     /// Orientations so far apart that no smooth way between them is found.
-    #[error("the orientations turn too far from knot to knot for a smooth way: help: put more in between")]
+    #[error("the orientations turn too far from knot to knot for a smooth path: help: put more between them")]
     Turn,
     /// The deviation allowed at corners is not positive.
     #[error("the deviation {0} m allowed at corners must be finite and greater than 0")]

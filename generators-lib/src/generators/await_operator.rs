@@ -4,15 +4,16 @@ use core::marker::PhantomData;
 
 use mrroc::prelude::*;
 
-/// Holds the robot until what it asks in every step says yes: a button, a dialog's answer that another thread has stored in
-/// an `AtomicBool`. While the cell is suspended it does not ask.
+/// Holds the robot until a function that it calls in every step returns true: for example the state of a button, or the
+/// answer of a dialog that another thread stores in an `AtomicBool`. While the cell is suspended it does not call the
+/// function.
 pub struct AwaitOperator<R, F> {
     confirmed: F,
     of: PhantomData<R>,
 }
 
 impl<R: Robot, F: FnMut() -> bool> AwaitOperator<R, F> {
-    /// Until `confirmed`, which must neither block nor allocate: it is asked in every step.
+    /// Until `confirmed` returns true. It is called in every step, so it must neither block nor allocate.
     #[must_use]
     pub fn until(confirmed: F) -> Self {
         AwaitOperator { confirmed, of: PhantomData }

@@ -1,4 +1,4 @@
-//! An arc of a circle of the tool with limited jerk, from rest to rest.
+//! Moves the tool along an arc of a circle with limited jerk, from rest to rest.
 
 use core::marker::PhantomData;
 
@@ -9,9 +9,11 @@ use mrroc_generators::curve::{Arc, Curve, TurnedCurve};
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 
-/// Moves the tool on the circle through a point to a pose, while it turns the short way, by one jerk-limited profile.
+/// Moves the tool along a circle, through a point, to a pose. Meanwhile the tool turns the short way. One jerk-limited
+/// profile leads both.
 ///
-/// Starts from the pose demanded last, at rest. Limits are those along the circle; across it there is `v^2 / r`.
+/// Starts from the pose demanded last, at rest. The limits hold along the circle; the acceleration across it is
+/// `v^2 / r`.
 pub struct CircularMove<R> {
     via: Vector3<f64>,
     goal: Pose,

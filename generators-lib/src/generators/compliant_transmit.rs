@@ -8,8 +8,9 @@ use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{Correction, Displacement, SqueezeLaw};
 
-/// The ECP's half of tight cooperation by displacements for an arm that inserts, wipes or carries with others: its tool
-/// yields to what its wrist feels by a bounded admittance, and lets go where the push goes on. The MP does not know.
+/// The ECP's half of tight cooperation by displacements for an arm that inserts, wipes or carries with others. By an
+/// admittance its tool yields to the load that the wrist sensor reads. It is a fault if that would displace the tool by
+/// more than the bounds of the law. The MP does not learn of the displacement.
 pub struct CompliantTransmit<R, S> {
     law: SqueezeLaw,
     oldest: u32,
@@ -18,7 +19,7 @@ pub struct CompliantTransmit<R, S> {
 }
 
 impl<R: Robot, S: Sensor<Reading = Wrench>> CompliantTransmit<R, S> {
-    /// Yielding by `law`; readings may be `oldest` steps old.
+    /// The tool yields by `law`; readings may be up to `oldest` steps old.
     #[must_use]
     pub fn by(law: SqueezeLaw, oldest: u32) -> Self {
         CompliantTransmit { law, oldest, correction: Correction::default(), of: PhantomData }

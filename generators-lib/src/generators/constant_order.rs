@@ -4,12 +4,12 @@ use mrroc::generator::Uses;
 use mrroc::generator::{Class, Generator, Level, Motion, RobotList, Robots, RobotsEach};
 use mrroc::prelude::*;
 
-/// Tells each robot the same in every step, `f**() = const`: a phase of loose cooperation, a force to be kept, a demand. The
-/// motion ends when every ECP of the list has finished; robots that are told different things work on their own.
+/// Orders or demands the same in every step, `f**() = const`: a phase of loose cooperation, a force to be kept, a
+/// demand. Each robot of the list may get another order. The motion ends when every ECP of the list has finished.
 pub struct ConstantOrder<L: Robots<O>, O = Motion>(L::Demands);
 
 impl<L: Robots<O>, O: 'static> ConstantOrder<L, O> {
-    /// `order` for all of them.
+    /// The same `order` for all robots.
     #[must_use]
     pub fn to_all<T: Clone>(order: T) -> Self
     where
@@ -18,7 +18,7 @@ impl<L: Robots<O>, O: 'static> ConstantOrder<L, O> {
         ConstantOrder(L::each(|_| order.clone()))
     }
 
-    /// One order for each, in the list's form: `(Phase::Grasp, Phase::Wait)`.
+    /// One order for each robot, in the form of the list: `(Phase::Grasp, Phase::Wait)`.
     #[must_use]
     pub fn separate(orders: L::Demands) -> Self {
         ConstantOrder(orders)

@@ -1,4 +1,4 @@
-//! Any curve of the tool with limited jerk, from rest to rest.
+//! Moves the tool along any curve with limited jerk, from rest to rest.
 
 use core::marker::PhantomData;
 
@@ -8,10 +8,11 @@ use nalgebra::Translation3;
 use mrroc_generators::curve::Curve;
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 
-/// Leads the tool along a curve (a helix, an ellipse, a blended polyline ..) from where it is, at a steady orientation.
+/// Moves the tool from where it is along a curve (a helix, an ellipse, a blended polyline ..), with a constant
+/// orientation.
 ///
-/// The curve's displacements from its own start are taken along the world's axes. Limits are those along the curve;
-/// across it there is `v^2` times its curvature.
+/// The displacements of the curve from its start are along the axes of the world. The limits hold along the curve; the
+/// acceleration across it is `v^2` times its curvature.
 pub struct CurveMove<R, C> {
     curve: C,
     limits: JerkLimits,

@@ -4,8 +4,9 @@ use core::marker::PhantomData;
 
 use mrroc::prelude::*;
 
-/// Holds the robot for a real time, whatever the operator's speed: for glue that dries, a tool that runs up. It goes on while
-/// the cell is suspended; what shall wait with the robots is a [`Sleep`](mrroc_generators::generators::Sleep).
+/// Holds the robot for a time by the clock, whatever the operator's speed: while glue dries, or a tool runs up to
+/// speed. The time goes on while the cell is suspended; that of a [`Sleep`](mrroc_generators::generators::Sleep) does
+/// not.
 pub struct Delay<R> {
     duration: f64,
     time: f64,

@@ -1,4 +1,4 @@
-//! To what a camera on the tool sees.
+//! Moves the tool to an object that a camera on the tool sees.
 
 use core::marker::PhantomData;
 
@@ -17,18 +17,20 @@ pub struct Servoing {
     pub turning: f64,
     /// Time from rest to the largest speed \[s\], > 0.
     pub ramp: f64,
-    /// Share of the remaining way that is covered in a second [1/s], > 0; times the delay of the image, well below 1.
+    /// Share of the remaining way that is covered in a second [1/s], > 0. Its product with the delay of the image must
+    /// be well below 1.
     pub gain: f64,
     /// Distance at which the tool has arrived \[m\], > 0.
     pub tolerance: f64,
-    /// Angle at which it has \[rad\], > 0.
+    /// Angle at which the tool has arrived \[rad\], > 0.
     pub angle_tolerance: f64,
     /// Age of an image that is too old \[steps\].
     pub oldest: u32,
 }
 
-/// Leads the tool to a place beside an object, by the object's pose in the camera: `X_WG = X_WE X_EC X_CO X_OG`, with the tool
-/// as *measured*, where the camera was, and not as demanded. Where nothing is seen, the tool goes on to where the object was.
+/// Moves the tool to a place beside an object, by the pose of the object in the camera: `X_WG = X_WE X_EC X_CO X_OG`.
+/// `X_WE` is the *measured* pose of the tool, not the demanded one, because the camera was there. While nothing is
+/// seen, the tool goes on to where the object was last.
 #[allow(non_snake_case)]
 pub struct EyeInHand<R, S: Sensor> {
     see: fn(&S::Reading) -> Option<Pose>,
@@ -76,7 +78,7 @@ impl<R: Robot, S: Sensor> EyeInHand<R, S> {
         if !(Translation3::from(goal.translation.vector).vector.sum() + goal.rotation.coords.sum())
             .is_finite()
         {
-            return Err(Fault::thrown("what the camera sees is at no finite place"));
+            return Err(Fault::thrown("the place of what the camera sees is not finite"));
         }
         let line = LinePath::new(self.pose, goal);
         if line.length() <= how.tolerance && line.angle() <= how.angle_tolerance {

@@ -1,4 +1,4 @@
-//! A master arm goes along a path, its slaves keep their poses relative to it.
+//! A master arm goes along a path, and its slaves keep their poses relative to it.
 
 use core::marker::PhantomData;
 
@@ -7,12 +7,13 @@ use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{BodyPath, Grasps, Placed, Smoothed};
 
-/// Moves the list's first arm along a path of its tool, the others by where the first one *is*: `X_WS_i = X_WM X_MS_i`
-/// with `X_WM` measured, so that they also follow a master that is pushed or held back.
+/// Moves the first arm of the list along a path of its tool, and the others according to where the first one *is*:
+/// `X_WS_i = X_WM X_MS_i` with `X_WM` measured. So they also follow a master that is pushed or held back.
 ///
-/// They are behind it: the reading of a step moves a slave one step later at the earliest, its drives add their own delay,
-/// and the smoothing of encoder counts its lag. At 0.1 m/s, 2 ms and a lag of 20 ms that is 2.4 mm and more. Arms on
-/// one rigid body are better moved by one path together; and a slave of what is demanded of the master is just that.
+/// The slaves are behind the master: a measurement moves a slave one step later at the earliest, the drives of the
+/// slave add their delay, and the smoothing of encoder counts adds `lag`. At 0.1 m/s, with steps of 2 ms and a lag of
+/// 20 ms, that is 2.4 mm and more. To move arms on one rigid body, or slaves that shall follow the demands of the
+/// master, use one path for all arms.
 pub struct FollowMaster<L: RobotList, P, O = Motion> {
     path: P,
     lag: f64,

@@ -1,4 +1,4 @@
-//! To a place in a frame that a sensor tells of, and on with it.
+//! Moves the tool to a place in a frame that a sensor reports, and on with that frame.
 
 use core::marker::PhantomData;
 
@@ -8,9 +8,9 @@ use mrroc::prelude::*;
 use mrroc_generators::cooperation::{TrackedFrame, Tracking};
 use mrroc_generators::line::LinePath;
 
-/// Leads the tool onto `X_WF X_FG` and keeps it there, where the frame F moves by itself, as a part on a conveyor does, and
-/// readings tell where it was: a [`TrackedFrame`] makes of them where it is. The approach is that of
-/// [`MovingFrame`](super::MovingFrame), from the first reading on; until then the tool holds.
+/// Moves the tool onto `X_WF X_FG` and keeps it there. The frame F moves by itself, such as a part on a conveyor.
+/// Readings tell where it was; a [`TrackedFrame`] computes from them where it is. The approach is that of
+/// [`MovingFrame`](super::MovingFrame) and begins with the first reading; until then the tool holds.
 pub struct FollowedFrame<R, S: Sensor> {
     see: fn(&S::Reading) -> Option<Pose>,
     place: Pose,
@@ -89,7 +89,7 @@ impl<R: Robot, S: Sensor> FollowedFrame<R, S> {
         }
         let X_WG = X_WF * self.place;
         if !X_WG.to_homogeneous().iter().all(|x| x.is_finite()) {
-            return Err(Fault::thrown("the place in the frame that the sensor tells of is not finite"));
+            return Err(Fault::thrown("the place in the frame that the sensor reports is not finite"));
         }
         let s = (self.age / self.approach).min(1.0);
         let b = s * s * s * (10.0 + s * (6.0 * s - 15.0));

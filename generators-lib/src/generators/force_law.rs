@@ -8,10 +8,11 @@ use mrroc::prelude::*;
 
 use mrroc_generators::force::ForceControl;
 
-/// Moves the tool by a [`ForceControl`] on what a wrist sensor reads: what the surroundings do to the tool, in its own axes.
+/// Moves the tool by a [`ForceControl`] and the readings of a wrist sensor: the load of the surroundings on the tool,
+/// in the axes of the tool.
 ///
-/// Starts from the pose demanded last, at rest, and ends after a path time. Without a reading nothing moves; one that is too
-/// old is a fault.
+/// Starts from the pose demanded last, at rest, and ends after a path time. Without a reading nothing moves; a reading
+/// that is too old is a fault.
 pub struct ForceLaw<R, S> {
     law: ForceControl,
     duration: f64,

@@ -1,14 +1,14 @@
-//! Straight on until a sensor says so: a guarded motion.
+//! Moves the tool straight on until a sensor reports contact: a guarded motion.
 
 use core::marker::PhantomData;
 
 use mrroc::prelude::*;
 use nalgebra::{Translation3, Unit, Vector3};
 
-/// Moves the tool along a direction at a steady speed until a reading tells of contact.
+/// Moves the tool in one direction at a constant speed until a reading reports contact.
 ///
-/// Ends in the step after the contact; the runtime brings the tool to a standstill. Throws a fault when there is
-/// no contact within the way that it was given.
+/// Ends in the step after the contact; the runtime brings the tool to a standstill. Throws a fault if there is no
+/// contact within `way`.
 pub struct GuardedApproach<R, S: Sensor> {
     direction: Unit<Vector3<f64>>,
     speed: f64,

@@ -10,12 +10,12 @@ use nalgebra::{Translation3, Vector3};
 use mrroc_generators::cooperation::Placed;
 use mrroc_generators::force::Give;
 
-/// Moves all tools of the list `L` by one translation, whose velocity follows the push on the body: `u = (b F T + b m u') / (T + b
-/// m)`, with `F` the sum of what the wrist sensors of the list `V` read, turned into the world by the tools as *measured*, less
-/// what it was in the first step: the body's weight, of which a translation changes nothing. No arm presses against another.
+/// Moves all tools of the list `L` by one translation, whose velocity follows the push on the body: `u = (b F T + b m u') /
+/// (T + b m)`. `F` is the sum of the forces that the wrist sensors `V` read, turned into the world by the *measured* poses
+/// of the tools, less the same sum in the first step: the body's weight. No arm presses against another.
 ///
-/// Pushes below the threshold count as none. A body pushed out of its reach is a fault; readings of any arm that are
-/// missing or too old hold the body.
+/// Pushes below the threshold do not move the body. A body that is pushed beyond `reach` is a fault. If a reading of any
+/// arm is missing or too old, the body holds.
 pub struct GuidedBody<L: RobotList, V, O = Motion> {
     give: Give,
     threshold: f64,
@@ -30,7 +30,7 @@ pub struct GuidedBody<L: RobotList, V, O = Motion> {
 }
 
 impl<L: RobotsEach<Placed, O>, V: SensorsEach<Wrench>, O: 'static> GuidedBody<L, V, O> {
-    /// Yielding by `give` to pushes above `threshold` \[N\], >= 0, at most `reach` \[m\] from the start, for `duration` \[s\].
+    /// Yields by `give` to pushes above `threshold` \[N\], >= 0, at most `reach` \[m\] from the start, for `duration` \[s\].
     #[must_use]
     pub fn yielding(give: Give, threshold: f64, reach: f64, duration: f64) -> Self {
         const { assert!(<L as RobotList>::LEN == <V as SensorList>::LEN, "one wrist sensor for each robot") };

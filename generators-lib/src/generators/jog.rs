@@ -1,4 +1,4 @@
-//! Moves the tool as a person at a panel says, and remembers where.
+//! Moves the tool as a person at a panel orders, and records poses.
 
 use core::marker::PhantomData;
 
@@ -7,8 +7,8 @@ use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
 
-/// Teach-in: moves the tool in its own axes by what a panel says, within an acceleration, and records the pose demanded then.
-/// The motion ends at rest; what was recorded is taken from the generator that the Move gives back.
+/// Teach-in: moves the tool in its own axes as a panel orders, within an acceleration, and records the demanded pose
+/// when the panel asks for it. The motion ends at rest. The Move returns the generator, which has the recorded poses.
 pub struct Jog<R, F> {
     panel: F,
     acceleration: f64,
@@ -42,7 +42,8 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
         }
     }
 
-    /// What was recorded, to be replayed with these shares of velocity and acceleration; `None` for shares out of range.
+    /// The recorded poses, to be replayed with these shares of velocity and acceleration; `None` for shares out of
+    /// range.
     #[must_use]
     pub fn taught(&self, velocity: f64, acceleration: f64) -> Option<Taught> {
         let poses = self.recorded.iter().map(|pose| TaughtPose::of_pose(velocity, acceleration, pose));
@@ -54,7 +55,7 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
     }
 }
 
-/// `v` drawn towards `goal` by at most `most`.
+/// `v`, changed towards `goal` by at most `most`.
 fn towards(v: Vector3<f64>, goal: Vector3<f64>, most: f64) -> Vector3<f64> {
     let left = goal - v;
     if left.norm() <= most { goal } else { v + left * (most / left.norm()) }

@@ -1,4 +1,4 @@
-//! A straight line in joint space, from rest to rest.
+//! Moves all joints along a straight line in joint space, from rest to rest.
 
 use mrroc::prelude::*;
 

@@ -1,4 +1,4 @@
-//! A cubic spline through joint positions with limited jerk along it, from rest to rest.
+//! Moves the joints along a cubic spline through positions with limited jerk, from rest to rest.
 
 use mrroc::prelude::*;
 use mrroc::robot::JointVector;
@@ -6,7 +6,7 @@ use mrroc::robot::JointVector;
 use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 
-/// Leads the joints from where they are through all points without a stop, on the natural cubic spline.
+/// Moves the joints from where they are through all points without a stop, on the natural cubic spline.
 ///
 /// The speed along the spline keeps every joint within its velocity and acceleration: with `|q'|`, `|q''|` the largest on
 /// the spline, `u' <= V / |q'|` and `u'^2 |q''| + u'' |q'| <= A`, half of it for either.

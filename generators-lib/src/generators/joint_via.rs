@@ -1,16 +1,17 @@
-//! All joints through via points without a stop, past each within a deviation, with limited jerk or parabolic blends.
+//! Moves all joints past via points within a deviation and without a stop, with limited jerk or parabolic blends.
 
 use mrroc::prelude::*;
 
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::via::ViaJoints;
 
-/// Leads the joints from where they are along straight legs through all points, to rest at the last one.
+/// Moves the joints from where they are along straight legs past all points, to rest at the last one.
 ///
-/// A point is passed at a distance of at most its deviation, per joint; the smaller it is, the slower is the corner.
+/// Each joint passes a point at a distance of at most the deviation; the smaller the deviation, the slower the corner.
 ///
-/// [`through`](JointVia::through) plans in its first step, which is to be over before the next one: some ten points for each
-/// millisecond. In real time, plan through more of them before the Move, while the robots hold: [`along`](JointVia::along).
+/// [`through`](JointVia::through) plans in the first step of the motion, and must finish before the next step: it plans
+/// about ten points in a millisecond. For more points in real time, plan before the Move, while the robots hold, and
+/// use [`along`](JointVia::along).
 pub struct JointVia<R: Robot> {
     plan: Plan<R::Joints>,
     time: f64,

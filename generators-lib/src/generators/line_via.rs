@@ -1,4 +1,4 @@
-//! Straight lines of the tool through via poses without a stop, past each within a deviation.
+//! Moves the tool on straight lines past via poses within a deviation and without a stop.
 
 use core::marker::PhantomData;
 
@@ -7,11 +7,11 @@ use mrroc::prelude::*;
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::via::{PoseDeviation, ViaPoses};
 
-/// Leads the tool from where it is straight from pose to pose, to rest at the last one, with limited jerk or, where that is
-/// infinite, with parabolic blends.
+/// Moves the tool from where it is on straight lines from pose to pose, to rest at the last one: with limited jerk or,
+/// if the limit is infinite, with parabolic blends.
 ///
-/// A pose is passed at a distance and an angle of at most the deviation; the smaller that is, the slower is the corner. No
-/// joint coordinates: it serves every robot.
+/// The tool passes a pose at a distance and an angle of at most the deviation; the smaller the deviation, the slower
+/// the corner. It uses no joint coordinates, so it serves every robot.
 pub struct LineVia<R> {
     poses: Vec<Pose>,
     deviation: PoseDeviation,

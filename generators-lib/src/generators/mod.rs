@@ -1,8 +1,9 @@
-//! Generators, each in one file on the public API alone: to be used as they are, or copied and changed.
+//! Generators, to be used as they are, or copied and changed. Each is one file that uses only the public API.
 //!
-//! "Uses" is what a step takes besides the function's own state; lines are lines of code. Every class of section 6 of the
-//! paper has at least one. [`combinators`](crate::combinators) make generators out of these.
-//! What each demands over time, and its path in space, is drawn in the folder `pictures` of this crate.
+//! In the table, "uses" lists what a step takes besides the function's own state, and "lines" counts lines of code.
+//! Every class of section 6 of the paper has at least one generator. [`combinators`](crate::combinators) make
+//! generators out of these. The folder `pictures` of this crate shows what each generator demands over time, and its
+//! path in space.
 //!
 #![doc = include_str!("../../classes.md")]
 

@@ -1,4 +1,4 @@
-//! To a place in a frame that moves, and on with it.
+//! Moves the tool to a place in a frame that moves, and on with that frame.
 
 use core::marker::PhantomData;
 
@@ -7,12 +7,13 @@ use mrroc::prelude::*;
 use mrroc_generators::cooperation::Transform;
 use mrroc_generators::line::LinePath;
 
-/// Leads the tool onto `X_WF(age) X_FG` and keeps it there, where the frame F is a function of the motion's path time,
-/// evaluated in every step: RCCL's functional transform. With `b = 10 s^3 - 15 s^4 + 6 s^5` of the share `s` of the approach that
-/// has passed, the tool is at the share `b` of the straight line from its start to where the place *now* is: it leaves at rest and
-/// arrives with the velocity of the place, neither with a step.
+/// Moves the tool onto `X_WF(age) X_FG` and keeps it there. The frame F is a function of the motion's path time,
+/// evaluated in every step: RCCL's functional transform. While the share `s` of the approach time has passed, the tool
+/// is at the share `b = 10 s^3 - 15 s^4 + 6 s^5` of the straight line from its start to where the place is *now*. So it
+/// starts at rest and arrives with the velocity of the place, without a step in velocity.
 ///
-/// The frame moves on path time: suspended with the cell. What moves by itself is for [`FollowedFrame`](super::FollowedFrame).
+/// The frame moves by path time, so it stands still while the cell is suspended. For a frame that moves by itself use
+/// [`FollowedFrame`](super::FollowedFrame).
 pub struct MovingFrame<R, F> {
     frame: F,
     place: Pose,

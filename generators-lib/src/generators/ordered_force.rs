@@ -18,7 +18,8 @@ pub struct Pressing {
 }
 
 /// Keeps the ordered force along the tool's z axis while it moves across as ordered, without turning; ends with the
-/// coordinator's motion. The sensor feels the tool's weight, which the *measured* orientation tells the share of in each axis.
+/// coordinator's motion. The sensor also feels the weight of the tool; the *measured* orientation tells its component
+/// along each axis.
 pub struct OrderedForce<R, S> {
     weight: f64,
     law: Result<ForceControl, Fault>,

@@ -1,4 +1,4 @@
-//! The tool through poses on a smooth spline without a stop, with limited jerk along it, from rest to rest.
+//! Moves the tool through poses on a smooth spline without a stop, with limited jerk, from rest to rest.
 
 use core::marker::PhantomData;
 
@@ -11,7 +11,8 @@ use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 /// Way of the tool that counts like a turn of 1 rad \[m\].
 const TURN: f64 = 0.1;
 
-/// Leads the tool from where it is exactly through all poses, on the spline whose linear and angular accelerations do not jump.
+/// Moves the tool from where it is exactly through all poses, on a spline without jumps of linear or angular
+/// acceleration.
 ///
 /// The speed along the spline keeps the tool within its velocities and accelerations: with `|x'|`, `|x''|` the largest on it,
 /// `u' <= V / |x'|` and `u'^2 |x''| + u'' |x'| <= A`, half of it for either. Jerk is limited along the spline.

@@ -1,4 +1,4 @@
-//! All joints to a target that the coordinator may change in every step.
+//! Moves all joints to a target that the coordinator may change in every step.
 
 use mrroc::prelude::*;
 use mrroc::robot::{JointVector, MAX_JOINTS};

@@ -1,4 +1,4 @@
-//! Goes through poses that were taught.
+//! Moves through poses that were taught.
 
 use mrroc::prelude::*;
 use mrroc::robot::JointVector;
@@ -7,8 +7,8 @@ use mrroc_generators::line::{JointLine, LinePath, ToolLimits};
 use mrroc_generators::profile::{ProfileCursor, ProfileLimits};
 use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 
-/// Moves from pose to pose of a [`Taught`] sequence, each from rest to rest by one trapezoidal profile: straight in the joints
-/// where it is taught in joints, straight in space where it is taught in poses of the tool.
+/// Moves from pose to pose of a [`Taught`] sequence, each from rest to rest by one trapezoidal profile: straight in
+/// joint space to a pose that was taught in joints, straight in space to one that was taught as a pose of the tool.
 pub struct Replay<R: Robot> {
     taught: Taught,
     velocity: R::Joints,
@@ -33,7 +33,7 @@ impl<R: Robot> Replay<R> {
         Replay { taught, velocity, acceleration, limits, from, next: 0, leg: None }
     }
 
-    /// The way to a pose from where the one before has led.
+    /// The way to a pose from the end of the way before it.
     fn begin(&mut self, pose: &TaughtPose) -> Result<Leg<R::Joints>, Fault> {
         let relative = self.taught.reference == Reference::Relative;
         let refused = |error: &dyn core::fmt::Display| Fault::thrown(&error.to_string());
@@ -51,7 +51,7 @@ impl<R: Robot> Replay<R> {
             }
             space @ (Space::Zyz | Space::AngleAxis) => {
                 let goal =
-                    pose.pose(space).ok_or_else(|| Fault::thrown("a taught pose has not six coordinates"))?;
+                    pose.pose(space).ok_or_else(|| Fault::thrown("a taught pose needs six coordinates"))?;
                 let line = LinePath::new(self.from.1, if relative { self.from.1 * goal } else { goal });
                 let share = |limits: ProfileLimits| ProfileLimits {
                     velocity: limits.velocity * pose.velocity,

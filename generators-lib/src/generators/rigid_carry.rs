@@ -9,10 +9,11 @@ use mrroc_generators::cooperation::{BodyFrame, BodyPath, Grasps, Placed};
 
 /// Moves all tools of the list `L` so that none moves against another: `X_WE_i = X_WB(t) X_BE_i`.
 ///
-/// The first step learns where each arm holds the body from the poses demanded last, at rest; only the path is
-/// followed from then on, so that a Suspend finds all arms on it. In the language [`Motion`] it demands poses of
+/// The first step learns where each arm holds the body, from the poses demanded last, at rest. After that all demands
+/// follow from the path alone, so that a Suspend leaves all arms on it. In the language [`Motion`] it demands poses of
 /// transparent ECPs; in the language [`Displacement`](mrroc_generators::cooperation::Displacement) it orders
-/// displacements, which [`TransmitDisplacement`](mrroc_generators::generators::TransmitDisplacement) or a program's own generator passes on.
+/// displacements, which [`TransmitDisplacement`](mrroc_generators::generators::TransmitDisplacement) or a program's own
+/// generator passes on.
 pub struct RigidCarry<L: RobotList, P, O = Motion> {
     body: BodyFrame,
     path: P,

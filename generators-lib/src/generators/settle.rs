@@ -1,4 +1,4 @@
-//! Waits until the robot has come to where it was demanded to be.
+//! Waits until the robot has reached its demand.
 
 use mrroc::fault::FaultKind;
 use mrroc::prelude::*;

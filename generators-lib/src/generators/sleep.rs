@@ -1,4 +1,4 @@
-//! Stays where it is for a time.
+//! Stays where it is for a path time.
 
 use core::marker::PhantomData;
 

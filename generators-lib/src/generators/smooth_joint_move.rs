@@ -1,4 +1,4 @@
-//! All joints to their goals with limited jerk, from rest to rest.
+//! Moves all joints to their goals with limited jerk, from rest to rest.
 
 use mrroc::prelude::*;
 
@@ -6,8 +6,8 @@ use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, S
 
 /// Moves all joints to their goals in the shortest time within limits of velocity, acceleration and jerk per joint.
 ///
-/// The joints arrive together, along a straight line of joint space where the slowest joint's profile suits the others.
-/// Starts from the joint positions demanded last, at rest.
+/// The joints arrive together. They move along a straight line in joint space if the profile of the slowest joint is
+/// within the limits of the others. Starts from the joint positions demanded last, at rest.
 pub struct SmoothJointMove<R: Robot> {
     goal: R::Joints,
     limits: JointLimits<R::Joints>,

@@ -1,4 +1,4 @@
-//! The moving-segment B-spline through a stream of points, from rest to rest.
+//! Moves the tool on a B-spline through a stream of points, from rest to rest.
 
 use core::marker::PhantomData;
 
@@ -8,10 +8,10 @@ use nalgebra::{Translation3, UnitQuaternion};
 use mrroc_generators::bspline::{SpanStream, SplinePoint, SplineSettings};
 use mrroc_generators::feed::{FedPath, FeedError, FeedLimits};
 
-/// Leads the tool along the curve through points that come one by one, at a steady orientation.
+/// Moves the tool along the moving-segment B-spline through points that come one by one, with a constant orientation.
 ///
-/// The curve spans eight points at a time, of which only the piece between the first two is used before the
-/// window moves on by one, so memory does not grow with the path. The tool must stand at the first point.
+/// The curve is computed from eight points at a time. Only its piece between the first two is used before this window
+/// moves on by one point, so memory does not grow with the path. The tool must stand at the first point.
 pub struct SplineTrack<R, I> {
     path: FedPath<SpanStream<I>>,
     frame: Pose,

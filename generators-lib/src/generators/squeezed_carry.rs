@@ -10,12 +10,12 @@ use mrroc::prelude::*;
 use mrroc_generators::cooperation::{BodyFrame, BodyPath, Correction, Grasps};
 use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, central_squeeze};
 
-/// Moves all tools of the list `L` with the body, each displaced by a little in the direction of internal forces alone:
-/// `X_WE_i = X_WB(t) X_BE_i X_EE'_i`, where `X_EE'` is the answer of a [`SqueezeLaw`] to the internal part of what the
-/// sensors of the list `V`, one at each wrist, read. The body's path is not disturbed.
+/// Moves all tools of the list `L` with the body, each displaced a little, only in the direction of internal forces:
+/// `X_WE_i = X_WB(t) X_BE_i X_EE'_i`. `X_EE'` is the answer of a [`SqueezeLaw`] to the internal part of the loads that
+/// the sensors of the list `V`, one at each wrist, read. This does not disturb the path of the body.
 ///
-/// A reading counts until the next one comes; one that is too old is a fault, and so are sensors that have read nothing for
-/// as long, and a correction beyond the law's bounds. At standstill nothing is corrected.
+/// A reading counts until the next one comes. These are faults: a reading that is too old, a sensor that has read
+/// nothing for as long, and a correction beyond the bounds of the law. At standstill nothing is corrected.
 pub struct SqueezedCarry<L: RobotList, V, P, O = Motion> {
     body: BodyFrame,
     path: P,

@@ -1,4 +1,4 @@
-//! A straight line of the tool frame, from rest to rest.
+//! Moves the tool on a straight line to a pose, from rest to rest.
 
 use core::marker::PhantomData;
 
@@ -7,10 +7,10 @@ use mrroc::prelude::*;
 use mrroc_generators::line::{LinePath, MotionLimits, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
 
-/// Moves the tool straight to a pose while it turns the short way, by one profile, which the type of the limits decides:
-/// `ToolLimits` make it trapezoidal, `SmoothToolLimits` limit its jerk too.
+/// Moves the tool straight to a pose. Meanwhile the tool turns the short way. One profile leads both; the type of the
+/// limits decides which: `ToolLimits` give a trapezoidal profile, `SmoothToolLimits` limit its jerk, too.
 ///
-/// Starts from the pose demanded last, at rest. No joint coordinates: it serves every robot.
+/// Starts from the pose demanded last, at rest. It uses no joint coordinates, so it serves every robot.
 pub struct StraightLine<R, L: MotionLimits = ToolLimits> {
     goal: Goal,
     limits: L,

@@ -1,4 +1,4 @@
-//! Any curve of the tool in the least time that the joints allow, from rest to rest.
+//! Moves the tool along any curve in the least time that the joints allow, from rest to rest.
 
 use mrroc::prelude::*;
 use nalgebra::Translation3;
@@ -7,11 +7,11 @@ use mrroc_generators::curve::{CubicSpline, Curve};
 use mrroc_generators::profile::ProfileCursor;
 use mrroc_generators::timing::{PathLimits, TimeOptimal, grid, joint_spline};
 
-/// Leads the tool along a curve from where it is, at a steady orientation, as fast as every joint's velocity and
-/// acceleration allow at every place, near singularities as well. Jerk is unlimited.
+/// Moves the tool from where it is along a curve, with a constant orientation, as fast as the velocity and acceleration
+/// limits of all joints allow at every place, also near singularities. Jerk is not limited.
 ///
-/// The curve's displacements from its own start are taken along the world's axes. The joints are demanded, on a spline that
-/// misses the curve by less than 1e-6 rad or m midway between its points.
+/// The displacements of the curve from its start are along the axes of the world. The demands are joint positions on a
+/// spline, which is less than 1e-6 rad or m off the curve midway between its points.
 pub struct TimeOptimalCurve<R: Robot, C> {
     robot: R,
     curve: C,

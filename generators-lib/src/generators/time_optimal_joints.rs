@@ -1,4 +1,4 @@
-//! A path through joint positions in the least time, from rest to rest.
+//! Moves the joints through positions in the least time, from rest to rest.
 
 use mrroc::prelude::*;
 use mrroc::robot::JointVector;
@@ -7,8 +7,9 @@ use mrroc_generators::curve::{CubicSpline, SplineEnds};
 use mrroc_generators::profile::ProfileCursor;
 use mrroc_generators::timing::{PathLimits, TimeOptimal, grid};
 
-/// Leads the joints from where they are through all points without a stop, on the natural cubic spline, as fast as the
-/// velocity and the acceleration of every joint allow at every place: one of them is always at its limit. Jerk is unlimited.
+/// Moves the joints from where they are through all points without a stop, on the natural cubic spline, as fast as the
+/// velocity and acceleration limits of all joints allow at every place: one of them is always reached. Jerk is not
+/// limited.
 pub struct TimeOptimalJoints<R: Robot> {
     points: Vec<R::Joints>,
     limits: PathLimits<R::Joints>,
@@ -23,7 +24,8 @@ impl<R: Robot> TimeOptimalJoints<R> {
         TimeOptimalJoints { points, limits, path: None }
     }
 
-    /// Along a `path` that begins where the joints are, as planned before: with torque limits, say.
+    /// Along a `path` that begins where the joints are, by a `plan` that was made before, for example with torque
+    /// limits.
     #[must_use]
     pub fn planned(path: CubicSpline<R::Joints>, plan: TimeOptimal) -> Self {
         let zeros = R::Joints::zeros();

@@ -1,4 +1,4 @@
-//! By an offset from where the tool was demanded to be, without knowing where that is.
+//! Moves the tool by an offset from its demanded pose, without knowing that pose.
 
 use core::marker::PhantomData;
 
@@ -7,8 +7,8 @@ use mrroc::prelude::*;
 use mrroc_generators::line::{LinePath, ToolLimits};
 use mrroc_generators::profile::ProfileCursor;
 
-/// Moves the tool straight by an offset in its own axes, by one trapezoidal profile, and needs no feedback at all: what it
-/// demands are displacements from the pose demanded at the start of the motion, which the driver knows.
+/// Moves the tool straight by an offset in its own axes, by one trapezoidal profile. It needs no feedback: it demands
+/// displacements from the pose demanded at the start of the motion, which the EDP knows.
 pub struct ToolOffset<R> {
     offset: Pose,
     limits: ToolLimits,

@@ -7,8 +7,9 @@ use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::Displacement;
 
-/// The ECP's half of tight cooperation by displacements where something may be in the way: an arm whose tool, as measured,
-/// stays behind its demand by more than its drives explain has met it, and a fault stops all arms. A touch without a sensor.
+/// The ECP's half of tight cooperation by displacements where something may be in the way. If the measured tool is
+/// farther behind its demand than the lag of the drives explains, it has touched something, and a fault stops all arms.
+/// This detects contact without a sensor.
 pub struct WatchedTransmit<R> {
     way: f64,
     angle: f64,

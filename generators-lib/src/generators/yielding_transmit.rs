@@ -1,13 +1,14 @@
-//! Passes the coordinator's displacements on to a robot that yields where its grasp transmits nothing.
+//! Passes the coordinator's displacements on to a robot that yields in the free direction of its grasp.
 
 use mrroc::prelude::*;
 
 use mrroc_generators::cooperation::{Arm, ArmModel, Displacement, FreeDirection};
 
-/// The ECP's half of tight cooperation by displacements for an arm with fewer joints than a pose has coordinates: the tool
-/// turns or slides in the free direction of its grasp to where the joints can put it, and is on the pose else.
+/// The ECP's half of tight cooperation by displacements for an arm with fewer joints than a pose has coordinates: the
+/// tool turns or slides in the free direction of its grasp to where the joints can put it, and keeps to the pose in all
+/// other directions.
 ///
-/// A pose that the arm cannot take even so is a fault that names the direction;
+/// A pose that the arm still cannot take is a fault that names the direction;
 /// [`dry_run`](mrroc_generators::cooperation::dry_run) finds it before anything moves.
 pub struct YieldingTransmit<R: Robot> {
     robot: R,

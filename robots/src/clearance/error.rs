@@ -70,7 +70,7 @@ pub enum CheckError {
     #[error("the clearance has no two bodies to check: add a robot or an obstacle, or ignore less")]
     NothingToCheck,
     /// Joint positions that give no posture: they are not finite, or the linkages cannot be closed.
-    #[error("{robot}: its joints give no posture")]
+    #[error("{robot}: its joint positions are not finite, or its linkages cannot be closed")]
     NoPosture {
         /// The robot.
         robot: Name,

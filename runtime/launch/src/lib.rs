@@ -35,15 +35,14 @@ pub use crate::options::Operating;
 pub use crate::parts::{Parts, Processes, Replays};
 pub use crate::program::{Launch, Ran};
 
-/// The main function of a task program: `cell` makes a cell from `cell.toml`, and the cell is run with the options of
-/// the command line.
+/// The main function of a task program: `cell` makes a cell from `cell.toml`, and this function runs it with the
+/// options of the command line.
 ///
 /// With `--processes` the same executable is every process of the cell: each process calls `cell` again and runs its
 /// own part of that cell. So `cell` must make the same cell at every call: it may read files, but it must not open
-/// anything that only one process may have, and must not move anything. Real drives are best opened by the first call
-/// of their driver, in their EDP. The picture watches simulated robots in the plant, which draws it when the run is
-/// over. For a cell without simulated robots no picture is drawn.
-///
+/// anything that only one process may have, and must not move anything. Real drives are opened by `Driver::open`, which
+/// only their EDP calls. The process `plant`, which has the simulated robots, draws the picture when the run is over.
+/// For a cell without simulated robots no picture is drawn.
 pub fn launch(
     cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>,
     picture: impl RunPicture,

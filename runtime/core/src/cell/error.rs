@@ -46,7 +46,7 @@ pub enum CellError {
     Processes(String),
     /// Drives that are hardware, in a cell whose time is not that of the world.
     #[error(
-        "robot `{robot}` has real drives, {hardware}, which cannot follow the virtual clock; nothing was opened\n help: run the cell in real time, `cargo run -- --processes`; without the robot, give it simulated drives"
+        "robot `{robot}` has real drives, {hardware}, which cannot follow the virtual clock; nothing was opened\n help: run the cell in real time, `cargo run -- --processes`; to run it without the robot, give it simulated drives"
     )]
     RealDrives {
         /// The robot.
@@ -63,7 +63,7 @@ pub enum CellError {
     /// More processes than a cell may have.
     #[error(
         "the cell has {processes} processes: an MP, two for each robot, one for each sensor, and one for all drives that are \
-         simulated; there may be {limit}: take robots or sensors out"
+         simulated; there may be {limit}: remove robots or sensors"
     )]
     TooMany {
         /// How many it has.
@@ -144,7 +144,7 @@ pub enum CellError {
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Several(Vec<CellError>),
     /// A free-running sensor whose period takes no time.
-    #[error("sensor `{0}` runs freely with a period of no time: give it 1 ms or more")]
+    #[error("the period of the free-running sensor `{0}` is 0: give it 1 ms or more")]
     NoPeriod(Name),
     /// A configuration or a reading that is too long for a message.
     #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]

@@ -1,9 +1,10 @@
 //! A cell: robots, virtual sensors and programs, put together and run.
 //!
-//! In: set-ups. Out: a run, or everything that is wrong with them before anything moves.
+//! In: set-ups. Out: a run; or all mistakes in the set-ups, before anything moves.
 //!
-//! Here are the functions that a user calls. A cell keeps what they are told in four parts: `parts` for robots and sensors, `timing`,
-//! `coordination` for the MP and its operator, `watching` for those who look on; `running` runs the cell.
+//! This file has the functions that a user calls. A cell keeps their arguments in four parts: `parts` for robots and
+//! sensors, `timing`, `coordination` for the MP and its operator, `watching` for observers and recordings; `running`
+//! runs the cell.
 
 mod assembly;
 mod coordination;
@@ -67,7 +68,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// A cell of this step, 1 ms, 2 ms ..
+    /// A cell with steps of this length: 1 ms, 2 ms ..
     #[must_use]
     pub fn new(step: Duration) -> Cell {
         Cell {
@@ -78,16 +79,16 @@ impl Cell {
         }
     }
 
-    /// The longest time from the cause of a stop to a standstill that the cell allows any joint, 600 ms unless it says
-    /// otherwise: time to notice a lost peer and to brake from the velocity limit, `v / a + 2.5 a / j`. A cell with
-    /// a joint that would take longer does not run.
+    /// Sets the longest time that the cell allows any joint from the cause of a stop to a standstill; 600 ms by
+    /// default. A joint needs the time to notice a lost peer and to brake from the velocity limit, `v / a + 2.5 a / j`.
+    /// A cell with a joint that would take longer does not run.
     #[must_use]
     pub fn stop_time(mut self, limit: Duration) -> Cell {
         self.timing.stop_time = limit;
         self
     }
 
-    /// What the cell does when a fault has stopped it: it ends, unless it is told to await a reset.
+    /// Sets what the cell does after a fault has stopped it. By default it ends; it may also await a reset.
     #[must_use]
     pub fn after_fault(mut self, after_fault: AfterFault) -> Cell {
         self.coordination.after_fault = after_fault;
@@ -101,8 +102,8 @@ impl Cell {
         self
     }
 
-    /// Gives the ECP of a robot that was added before its program. Without one an ECP is transparent: it passes the MP's
-    /// demands on. It is called again after a [reset](AfterFault::AwaitReset).
+    /// Gives the ECP of a robot its program; add the robot first. Without a program an ECP is transparent: it passes
+    /// the MP's demands on. The program is called again after a [reset](AfterFault::AwaitReset).
     #[must_use]
     pub fn ecp<R: Robot>(
         mut self,
@@ -113,7 +114,7 @@ impl Cell {
         self
     }
 
-    /// Shows every servo period of every robot that was added before to `observer`.
+    /// Shows `observer` every servo period of all robots that were added so far.
     #[must_use]
     pub fn watch(mut self, observer: impl FnMut(&Observation<'_>) + 'static) -> Cell {
         let observer: SharedObserver = Rc::new(RefCell::new(observer));
@@ -123,13 +124,13 @@ impl Cell {
         self
     }
 
-    /// The same without the observers that it has.
+    /// Removes the observers of all robots.
     pub fn unobserved(mut self) -> Cell {
         self.parts.robots.iter_mut().for_each(|robot| robot.unwatch());
         self
     }
 
-    /// Lets observers look at simulated drives in the plant.
+    /// Lets observers look at simulated drives in the plant instead of in their EDPs.
     pub const fn watched_in_plant(mut self) -> Cell {
         self.watching.watched_in_plant = true;
         self
@@ -140,7 +141,7 @@ impl Cell {
         self.parts.robots.push(robot);
     }
 
-    /// The cell does not run without these sensors.
+    /// Names sensors without which the cell does not run.
     pub fn expect_sensors<'a>(mut self, names: impl Iterator<Item = &'a str>) -> Cell {
         self.parts.expected_sensors.extend(names.map(str::to_owned));
         self
@@ -153,15 +154,16 @@ impl Cell {
         self
     }
 
-    /// The program of the MP. Without one the MP nudges: it starts every ECP's program and waits for all. It is called
-    /// again, from its first line, after a [reset](AfterFault::AwaitReset): what it would give away it clones.
+    /// Gives the MP its program. Without one the MP starts every ECP's program and waits for all of them. The program
+    /// is called again, from its first line, after a [reset](AfterFault::AwaitReset); so it must clone what it would
+    /// otherwise move out of itself.
     #[must_use]
     pub fn program(mut self, program: impl FnMut(&mut Mp) -> Result<(), Fault> + 'static) -> Cell {
         self.coordination.program = Some(Box::new(program));
         self
     }
 
-    /// Calls another hook at the start of every step, after the one that the cell has.
+    /// Calls another hook at the start of every step, after the hook that the cell has already.
     pub fn also_on_step(mut self, mut hook: impl FnMut(u64, &Operator) + 'static) -> Cell {
         let mut own = self.coordination.hook.take();
         self.on_step(move |step, operator| {
@@ -180,9 +182,11 @@ impl Cell {
         self
     }
 
-    /// Lets `watch` look at all robots every so many steps, at least 1, while programs Move and Wait; robots that the
-    /// instruction does not name are asked, too. While robots look for their reference marks nothing is looked at. Its fault is a protective stop: the robots slow down on their paths with bounded deceleration, all
-    /// together, and the cell stops with the fault at standstill. One guard a cell: the last one given.
+    /// Sets the guard: while programs Move and Wait, `watch` is called with the states of all robots once in `every`
+    /// steps, at least 1. Robots that the instruction does not name are included. While robots look for their reference
+    /// marks, the guard is not called. If it returns a fault, that is a protective stop: all robots slow down on their
+    /// paths together, with bounded deceleration, and the cell stops with the fault at standstill. A cell has one
+    /// guard, the last one that was set.
     #[must_use]
     pub fn guard(
         mut self,
@@ -193,17 +197,18 @@ impl Cell {
         self
     }
 
-    /// Ends the executable, with status 1 and the name of the process, when one process of the cell computes for longer than
-    /// `patience` at a stretch on the memory link: there it has the only thread, and an endless loop in a step function can
-    /// be met in no other way. As processes of the operating system, in real time, the cell is ended when its MP begins no
-    /// step for that long; a sixth of it is told. There it is 60 s unless this says otherwise.
+    /// Ends a cell that is stuck. On the memory link the executable ends, with status 1 and the name of the process,
+    /// when a process of the cell computes for longer than `patience` at a stretch: all processes share one thread
+    /// there, so an endless loop in a step function cannot be ended in any other way. When the processes are those of
+    /// the operating system, in real time, the cell is ended when its MP begins no step for `patience`, 60 s by
+    /// default; a message says so after a sixth of it.
     #[must_use]
     pub fn end_when_stuck(mut self, patience: Duration) -> Cell {
         self.timing.watchdog = Some(patience);
         self
     }
 
-    /// How long one of its processes may compute at a stretch, if anything says so.
+    /// How long one of its processes may compute at a stretch, if that was set.
     pub const fn patience(&self) -> Option<Duration> {
         self.timing.watchdog
     }
@@ -236,8 +241,8 @@ impl Cell {
         self.parts.robots.iter().map(|robot| robot.stop_steps(self.timing.step, delay)).max().unwrap_or(0)
     }
 
-    /// The longest time that a stop on the path takes: a suspension, an abort. Robots at their velocity limits on paths that
-    /// use nine tenths of their acceleration and jerk limits.
+    /// The longest time that a stop on the path, a suspension or an abort, takes: that of robots at their velocity
+    /// limits, on paths that use nine tenths of their acceleration and jerk limits.
     pub fn path_stop_time(&self) -> Duration {
         let step = self.timing.step;
         let headroom = |rate: f64| {
@@ -247,7 +252,7 @@ impl Cell {
         Duration::from_secs_f64(path_stop_time(self.timing.rate_change, step.as_secs_f64(), headroom))
     }
 
-    /// How far drives are behind their demands; `None`: each takes every demand as it is.
+    /// The delay of the drives behind their demands; `None` if each drive takes every demand as it is.
     fn delay(&self) -> Option<Duration> {
         self.timing.delay(self.parts.robots.iter().map(|robot| robot.servo_period()))
     }
@@ -259,12 +264,12 @@ impl Cell {
         path_stop_steps(self.timing.stop_time, braking, self.timing.step, delay)
     }
 
-    /// Steps in which the rate falls from the planned one to a standstill.
+    /// The number of steps in which the rate of path time falls from the planned one to 0.
     pub fn rate_steps(&self) -> u64 {
         self.timing.rate_steps()
     }
 
-    /// How long a stop of one of its robots may take.
+    /// The longest stop that the cell allows its robots.
     pub const fn stop_limit(&self) -> Duration {
         self.timing.stop_time
     }
@@ -274,22 +279,22 @@ impl Cell {
         self.timing.realtime.as_ref()
     }
 
-    /// Asks the machine for priority and for memory that stays in its place when the cell runs as processes in real time,
-    /// and runs without them where it does not permit that: `[realtime]` of a cell's file with `permission = "best effort"`,
-    /// for a cell without a file.
+    /// When the cell runs as processes in real time, asks the machine for priority and for locked memory, and runs
+    /// without them if the machine does not permit it. For a cell without a file this replaces `[realtime]` with
+    /// `permission = "best effort"`.
     #[must_use]
     pub fn prefer_real_time(self) -> Cell {
         self.ask_for(Some(Realtime::PREFERRED))
     }
 
-    /// Asks this of the machine for its processes.
+    /// Sets what its processes ask of the machine.
     pub fn ask_for(mut self, realtime: Option<Realtime>) -> Cell {
         self.timing.realtime = realtime;
         self
     }
 
-    /// Records every step to a file: what robots are demanded and do, what sensors read, what the MP orders. The crate that
-    /// records makes the [`Recording`].
+    /// Records every step to a file: the demands and motions of the robots, the readings of the sensors, the orders of
+    /// the MP. The crate that records makes the [`Recording`].
     #[must_use]
     pub fn record(mut self, recording: Recording) -> Cell {
         self.watching.recorder = recording.recorder().or(self.watching.recorder);
@@ -297,14 +302,14 @@ impl Cell {
         self
     }
 
-    /// Lets this recorder write what the cell is asked to record, where nothing else is said.
+    /// Sets the recorder that writes the recording, unless the cell has one already.
     #[must_use]
     pub fn recorded_by(mut self, recorder: &'static dyn Recorder) -> Cell {
         self.watching.recorder.get_or_insert(recorder);
         self
     }
 
-    /// Records to this file what it is asked to record, or everything.
+    /// Records to this file: what the cell was asked to record, or else everything.
     #[must_use]
     pub fn record_to(mut self, file: &Path) -> Cell {
         let asked = self.watching.recording.take().unwrap_or_else(|| Recording::to(file));
@@ -318,34 +323,34 @@ impl Cell {
         self
     }
 
-    /// Lets no run in real time begin before a dry run has gone well.
+    /// Requires a successful dry run before every run in real time.
     pub const fn demand_dry_run(mut self) -> Cell {
         self.timing.dry_run = true;
         self
     }
 
-    /// Whether a dry run comes before one in real time.
+    /// Whether every run in real time needs a dry run before it.
     pub const fn demands_dry_run(&self) -> bool {
         self.timing.dry_run
     }
 
-    /// What it is recorded to.
+    /// The recording that its run makes, if any.
     pub const fn recording(&self) -> Option<&Recording> {
         self.watching.recording.as_ref()
     }
 
-    /// What records it.
+    /// What writes the recording.
     pub fn recorder(&self) -> Option<&'static dyn Recorder> {
         self.watching.recorder
     }
 
-    /// Shows what happens in the cell's processes to a witness.
+    /// Shows a witness what happens in the cell's processes.
     pub fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
         self.watching.witnesses.push(witness);
         self
     }
 
-    /// Answers from a recording in place of drives, sensors and the operator. The recording is of this cell.
+    /// Replaces drives, sensors and the operator by a recording of this cell, which gives their answers.
     pub fn replaying(mut self, recorded: Rc<RecordedRun>) -> Cell {
         let step = self.timing.step;
         for robot in &mut self.parts.robots {

@@ -23,7 +23,7 @@ use crate::operator::console::{Console, NoConsole};
 
 pub use memory::Stuck;
 
-/// The cell is closing: the process returns.
+/// The cell is closing, and the process must return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Closed;
 
@@ -32,7 +32,7 @@ pub trait Waiter {
     /// Time now.
     fn now(&self) -> Nanos;
 
-    /// Waits until a message has come for this process, or until `deadline`; it may wake without either.
+    /// Waits until a message has come for this process, or until `deadline`. It may also return before either.
     ///
     /// # Errors
     /// [`Closed`] when the cell is closing.
@@ -52,7 +52,7 @@ pub trait Waiter {
         false
     }
 
-    /// In lock-step: lets the process at a place run until it waits, as if it were a part of this one.
+    /// In lock-step: runs the process at a place until it waits, as if it were a part of the calling process.
     ///
     /// # Errors
     /// [`Closed`] when the cell is closing.
@@ -60,48 +60,48 @@ pub trait Waiter {
         Ok(())
     }
 
-    /// Waits until a time although the cell is closing: a robot that still moves is braked first.
+    /// Waits until a time even while the cell is closing, so that a robot that still moves can be braked first.
     ///
     /// # Errors
-    /// [`Closed`] where time stands still then, as the virtual clock's does.
+    /// [`Closed`] if time does not go on while the cell is closing, as under the virtual clock.
     fn wait_closing(&self, _until: Nanos) -> Result<(), Closed> {
         Err(Closed)
     }
 }
 
-/// Counts what a process takes, where anybody wants to know.
+/// Measures the time that a process takes, on links that report it.
 pub trait Meter {
-    /// The time that the process itself took since it was asked last, for work between its waits and for waking late; 0
-    /// where that is not measured \[ns\].
+    /// The time \[ns\] that the process itself has taken since the last call, for work between its waits and for waking
+    /// late; 0 if that is not measured.
     fn own_time(&self) -> Nanos {
         0
     }
 
-    /// Counts something of this process.
+    /// Adds a sample of this process.
     fn sample(&self, _sample: Sample) {}
 }
 
-/// What happens outside of the cell's own messages.
+/// Events that the cell's own messages do not tell of.
 pub trait Notices {
-    /// What has happened, once.
+    /// An event that has happened; each is returned once.
     fn news(&self) -> Option<News> {
         None
     }
 
-    /// Whether who started the cell still watches over its processes.
+    /// Whether the launcher of the cell still supervises its processes.
     fn is_supervised(&self) -> bool {
         true
     }
 }
 
-/// Of a link on which nothing is counted and nothing happens outside of the cell.
+/// The meter and the notices of a link that measures nothing and has no events.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Nothing;
 
 impl Meter for Nothing {}
 impl Notices for Nothing {}
 
-/// What a process has of the link that it runs on.
+/// What a link provides to a process that runs on it.
 #[derive(Clone, Copy)]
 pub struct Host<'w> {
     /// Where it waits.
@@ -110,26 +110,26 @@ pub struct Host<'w> {
     pub meter: &'w dyn Meter,
     /// What an MP is told from outside of its cell.
     pub notices: &'w dyn Notices,
-    /// Where an MP meets its operator.
+    /// The consoles of an MP's operator.
     pub console: &'w dyn Console,
 }
 
 impl<'w> Host<'w> {
-    /// Of a link that lets processes wait, and no more.
+    /// The host of a link that only lets processes wait.
     #[must_use]
     pub fn of(waiter: &'w dyn Waiter) -> Host<'w> {
         Host { waiter, meter: &Nothing, notices: &Nothing, console: &NoConsole }
     }
 }
 
-/// What is counted of a process.
+/// A measurement of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sample {
-    /// A step or a servo period began so much after it was due \[ns\].
+    /// A step or a servo period began this long after it was due \[ns\].
     Late(Nanos),
-    /// The process took so much time of its own for it \[ns\].
+    /// The process itself took this long for a step or a servo period \[ns\].
     Worked(Nanos),
-    /// So many periods were left out.
+    /// This many periods were left out.
     Skipped(u64),
 }
 
@@ -147,8 +147,8 @@ pub trait Client {
     /// Sends a request; an unanswered earlier one is replaced.
     fn send(&self, request: &Message);
 
-    /// Sends the last request again, if it has no answer: it may have been lost, or its answer. It is done once all the
-    /// same. A link that loses nothing has nothing to do.
+    /// Sends the last request again if it has no answer, because the request or its answer may have been lost. The
+    /// server carries it out only once. Links that lose nothing need not implement this.
     fn send_again(&self) {}
 
     /// Takes the reply, if it is there.
@@ -169,16 +169,16 @@ pub trait Server {
     fn reply(&self, reply: &Message);
 }
 
-/// The last message of a free-running process.
+/// Holds the last message of a free-running process.
 pub trait Board {
     /// Shows a message.
     fn write(&self, message: &Message);
 
-    /// Reads the message shown last; `false` when there was none yet.
+    /// Reads the message shown last; `false` if there is none yet.
     fn read(&self, message: &mut Message) -> bool;
 }
 
-/// A process's body. It runs once the link does, and cannot keep what it is given.
+/// The code of a process. It runs when the link runs, and cannot keep its [`Host`].
 pub type Body = Box<dyn for<'w> FnOnce(Host<'w>)>;
 
 /// Where the simulated drives of a cell are.
@@ -192,9 +192,10 @@ pub enum Simulation {
     Free,
 }
 
-/// Where the processes of a cell are put. The same calls in the same order make the same cell, wherever they run.
+/// A link onto which the processes of a cell are put. The same calls in the same order make the same cell on every
+/// link.
 pub trait Link {
-    /// A place for a process, which ports can name before its body is known.
+    /// Makes a place for a process, so that ports can name the process before its body is known.
     fn place(&mut self, process: ProcessId) -> usize;
 
     /// A request-reply port between two places.
@@ -206,7 +207,7 @@ pub trait Link {
     /// Gives the process at `place` its body.
     ///
     /// # Errors
-    /// [`Stuck`] when it cannot have one.
+    /// [`Stuck`] if the process cannot have one.
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck>;
 
     /// Where it puts simulated drives.
@@ -214,6 +215,6 @@ pub trait Link {
         Simulation::InEdps
     }
 
-    /// What closes the cell when the MP's program is over: every wait returns [`Closed`] from then on.
+    /// A function that closes the cell when the MP's program is over: from then on every wait returns [`Closed`].
     fn closer(&self) -> Box<dyn Fn()>;
 }

@@ -31,7 +31,7 @@ pub(crate) enum Coordinates<R: Robot> {
     Displacement(Pose),
 }
 
-// Derived, these would ask the same of `R`, which is only a name here.
+// Derived implementations would require the same traits of `R`, which is only a name here.
 impl<R: Robot> Clone for Demand<R> {
     fn clone(&self) -> Self {
         *self
@@ -134,7 +134,7 @@ impl<R: Robot> Demand<R> {
         Self::of(Coordinates::Displacement(X_EsE))
     }
 
-    /// The joint positions [rad or m], where these are what it says.
+    /// The joint positions [rad or m], if it demands joint positions.
     #[must_use]
     pub const fn as_joints(&self) -> Option<R::Joints> {
         match self.coordinates {
@@ -143,7 +143,7 @@ impl<R: Robot> Demand<R> {
         }
     }
 
-    /// The pose `X_WE` of the tool in the world, where this is what it says.
+    /// The pose `X_WE` of the tool in the world, if it demands a pose.
     #[must_use]
     pub const fn as_pose(&self) -> Option<Pose> {
         match self.coordinates {
@@ -152,7 +152,7 @@ impl<R: Robot> Demand<R> {
         }
     }
 
-    /// The displacement `X_EsE`, where this is what it says.
+    /// The displacement `X_EsE`, if it demands a displacement.
     #[must_use]
     pub const fn as_displacement(&self) -> Option<Pose> {
         match self.coordinates {
@@ -161,7 +161,8 @@ impl<R: Robot> Demand<R> {
         }
     }
 
-    /// The same demand with the tool moved on by `X_EE'` in its own axes; `None` where it says joint positions or to hold.
+    /// The same demand with the tool moved on by `X_EE'` in its own axes; `None` if it demands joint positions or to
+    /// hold.
     #[must_use]
     #[allow(non_snake_case)]
     pub fn moved_in_tool(mut self, X_EE: &Pose) -> Option<Self> {
@@ -181,17 +182,18 @@ impl<R: Robot> Demand<R> {
         self
     }
 
-    /// The same pose or displacement with the robot's redundancy at this value: a track's position, an elbow's angle,
-    /// as [`Robot::inverse_at`] of its kind says. Without it the joints stay near those demanded last.
+    /// The same pose or displacement with this value of the robot's redundancy, such as a track's position or an
+    /// elbow's angle: see [`Robot::inverse_at`] of the kind. Without a value the joints stay near those demanded last.
     #[must_use]
     pub const fn with_redundancy(mut self, value: f64) -> Self {
         self.redundancy = Some(value);
         self
     }
 
-    /// The same demand with these parameter sets in the regulators of the joints: the dynamic behaviour of the robot.
-    /// They stay in force until the next demand with others, and change when the step of the demand begins, which its
-    /// position follows by the cell's delay; a set that a drive does not have is a fault.
+    /// The same demand with these parameter sets for the regulators of the joints, which determine the dynamic
+    /// behaviour of the robot. The sets change when the step of the demand begins; the drives reach its position later,
+    /// by the cell's delay. The sets stay in force until a demand with other sets. A set that a drive does not have is
+    /// a fault.
     #[must_use]
     pub const fn with_regulators(mut self, sets: Regulators) -> Self {
         self.regulators = Some(sets);
@@ -199,7 +201,7 @@ impl<R: Robot> Demand<R> {
     }
 }
 
-/// The pose `X_WE` of the tool in the world: what can be demanded of every kind of robot.
+/// The pose `X_WE` of the tool in the world, which can be demanded of every kind of robot.
 #[allow(non_snake_case)]
 impl<R: Robot> From<Pose> for Demand<R> {
     fn from(X_WE: Pose) -> Self {

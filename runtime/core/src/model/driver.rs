@@ -1,6 +1,6 @@
-//! What an EDP drives: a real robot's drives or a simulated plant.
+//! The drives of a robot, real or simulated, as an EDP uses them.
 //!
-//! Drives begin as [`Homing`] where their encoders do not know where the robot is, and become a [`Driver`] once they do.
+//! Drives whose encoders do not know where the robot is begin as [`Homing`], and become a [`Driver`] when they know.
 //! Only a `Driver` takes joint positions: before homing there is nothing that could move the robot by a demand.
 
 use core::fmt;
@@ -24,10 +24,10 @@ pub trait Driver<R: Robot> {
     /// The servo period; it divides the step, or the step divides it.
     fn period(&self) -> Duration;
 
-    /// Connects to the drives. The robot's EDP, which alone drives it, calls this once when it starts, before anything but
-    /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at a
-    /// reset, if it has failed. Making a driver connects to nothing: every process of a cell makes all of them, and so does
-    /// a check. Simulated drives need not say more.
+    /// Connects to the drives. Only the robot's EDP calls this: once when it starts, before any method but
+    /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at
+    /// a reset, if the call has failed. A constructor must not connect, because every process of a cell makes all
+    /// drivers, and so does a check. Simulated drives need not implement this.
     ///
     /// # Errors
     /// [`DriveFault`] with the reason: the cell stops with it, and nothing moves.
@@ -35,44 +35,44 @@ pub trait Driver<R: Robot> {
         Ok(())
     }
 
-    /// Lets the drives go, after the last period of a robot that stands or has no power.
+    /// Disconnects from the drives. Called after the last servo period, when the robot stands or has no power.
     fn close(&mut self) {}
 
     /// What the encoders read now, without moving anything.
     fn measured(&self) -> Measured<R::Joints>;
 
-    /// One servo period: the drives take the joint position `demanded` for its end [rad or m];
-    /// returns what the encoders read at its end.
+    /// Runs one servo period: gives the drives the joint position `demanded` [rad or m] for the end of the period, and
+    /// returns what the encoders read then.
     ///
-    /// In real time an EDP that wakes late leaves out the periods that are over: the position is then the one that is due
-    /// for the end of the present period, on the same curve and so many periods further.
+    /// In real time an EDP that wakes late leaves out the periods that are over. Then `demanded` is the position for
+    /// the end of the present period: on the same curve, as many periods further as were left out.
     ///
     /// # Errors
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
-    /// What the drives are, for the whole machine, if they are real ones: such as `udp 10.0.0.7:30004` or the serial number
-    /// of a controller. Where cells run as processes, one cell at a time has the hardware of a name, whatever its file.
-    /// Hardware cannot follow the virtual clock: a cell with drives that name any runs in real time only. Drives that any
-    /// number of cells may have at once, such as simulated ones and those of tests, have no name.
+    /// A name of the hardware that is unique on this machine, such as `udp 10.0.0.7:30004` or the serial number of a
+    /// controller. Only one cell at a time may run with the hardware of a name, whatever the file of the cell. Hardware
+    /// cannot follow the virtual clock, so a cell with named hardware runs only in real time. Drives that any number of
+    /// cells may use at once, such as simulated ones and those of tests, have no name: `None`, the default.
     fn hardware(&self) -> Option<String> {
         None
     }
 
-    /// Whether the robot holds by brakes when its drives have no power. Drives without them, and that is what a driver is
-    /// taken for that does not say otherwise, go on holding after a fault stop and are ticked on: what holds a body by its
-    /// drives alone, as a gripper does, must not let go.
+    /// Whether brakes hold the robot when its drives have no power; by default they do not. Drives without brakes are
+    /// not switched off after a fault stop: they hold, and [`tick`](Driver::tick) is still called. So a gripper, which
+    /// holds a body by its drives alone, does not let go.
     fn has_brakes(&self) -> bool {
         false
     }
 
-    /// Takes the power away from a robot that stands and applies its [brakes](Driver::has_brakes), after a fault stop; the
-    /// next call is [`switch_on`](Driver::switch_on).
+    /// Switches the power off and applies the [brakes](Driver::has_brakes), after a fault stop, when the robot stands.
+    /// The next call is [`switch_on`](Driver::switch_on).
     fn switch_off(&mut self) {}
 
-    /// Powers the drives at a reset, after a trip or a [`switch_off`](Driver::switch_off), where the robot stands: the next
-    /// tick's position is what [`measured`](Driver::measured) gives after it. Drives that come on by themselves need not
-    /// say more.
+    /// Switches the power on at a reset, after a trip or a [`switch_off`](Driver::switch_off). The robot stays where it
+    /// stands: the next tick demands the position that [`measured`](Driver::measured) returns after this call. Drives
+    /// that come on by themselves need not implement this.
     ///
     /// # Errors
     /// [`DriveFault`] while a drive cannot come on: the cell stays latched.
@@ -85,27 +85,28 @@ pub trait Driver<R: Robot> {
         set == 0
     }
 
-    /// Chooses the parameter sets of the regulators from the next tick on: only sets that [`has_regulator`](Self::has_regulator) knows.
+    /// Chooses the parameter sets of the regulators from the next tick on. Called only with sets that
+    /// [`has_regulator`](Self::has_regulator) knows.
     fn choose_regulators(&mut self, _sets: &Regulators) {}
 
-    /// Themselves, if they are simulated. Where a cell runs as processes of the operating system, all its simulated drives
-    /// are in one of their own, `plant`, which outlives their EDPs as real drives do; real ones are reached by their EDP
-    /// itself, and need not say more.
+    /// Simulated drives return themselves here, real ones `None`, the default. If a cell runs as processes of the
+    /// operating system, all its simulated drives are in one process, `plant`, which outlives the EDPs as real drives
+    /// do.
     fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
         None
     }
 }
 
-/// Simulated drives of one robot: what real ones do by themselves they have to be told.
+/// Simulated drives of one robot. They must be told what real drives do by themselves.
 pub trait SimulatedDrives<R: Robot> {
-    /// One servo period without power and with the brakes applied, after demands have stayed away for too long; returns
-    /// what the encoders read at its end.
+    /// Runs one servo period without power and with the brakes applied, after demands have been missing for too long.
+    /// Returns what the encoders read at its end.
     fn brake(&mut self) -> Measured<R::Joints>;
 }
 
 /// Which parameter set the regulator of each joint works with: the dynamic behaviour of a robot.
 ///
-/// Set 0 is the usual one; what the others are, the driver says.
+/// Set 0 is the usual one; each driver documents its others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Regulators([u8; MAX_JOINTS]);
 
@@ -142,27 +143,27 @@ impl Regulators {
 
 /// The drives of a robot that does not know where it is: they can look for their reference marks and nothing else.
 pub trait Homing<R: Robot>: Sized {
-    /// The drives once they know.
+    /// The drives after the search.
     type Drives: Driver<R>;
 
     /// The servo period, also that of the drives; it divides the step, or the step divides it.
     fn period(&self) -> Duration;
 
-    /// What the drives are, as [`Driver::hardware`] says it.
+    /// The name of the hardware, as for [`Driver::hardware`].
     fn hardware(&self) -> Option<String> {
         None
     }
 
-    /// One servo period of the search; the call that returns the drives moves nothing: their own first period begins with
-    /// it. A search that is called no more must come to rest by itself within a period, as drives must whose demands stop;
-    /// after a suspension it is called again.
+    /// Runs one servo period of the search. The call that returns the drives moves nothing: their own first period
+    /// begins then. If this is no longer called, the drives must come to rest by themselves within a period, as for
+    /// demands that stop. After a suspension the calls go on.
     ///
     /// # Errors
     /// [`DriveFault`] when a mark is not where it should be or a drive trips; the drives then apply their brakes.
     fn search(self) -> Result<Search<Self, Self::Drives>, DriveFault>;
 }
 
-/// What a servo period of homing came to.
+/// The outcome of one servo period of homing.
 #[derive(Debug)]
 pub enum Search<H, D> {
     /// The search goes on.
@@ -178,9 +179,9 @@ pub enum DriveFault {
     Exceeded {
         /// Index of the joint, from 0.
         joint: usize,
-        /// What it is, for the message: `"motor current"`.
+        /// The quantity, for the message: `"motor current"`.
         what: &'static str,
-        /// The value met, and the value allowed.
+        /// The actual value, and the value allowed.
         excess: Excess,
     },
     /// The hardware does not answer.

@@ -1,4 +1,4 @@
-//! Generators and conditions: the blanks that a programmer fills in.
+//! Generators and conditions: the parts of Move and Wait that a programmer writes.
 
 use crate::model::class::{Class, Level, Uses};
 use crate::model::fault::Fault;
@@ -10,8 +10,8 @@ use crate::model::step::{Always, Step, Tick};
 /// The effector transfer function of a motion, `f_e*` of eq. 6: computes the demanded next state of every
 /// robot of its list, step by step, until it is done.
 ///
-/// The `#[generator]` attribute writes this from a step function; by hand it is as good. Arguments that
-/// [`CLASS`](Generator::CLASS) does not name are not exchanged: they hold what was known before.
+/// The `#[generator]` attribute implements this trait for a step function; you may also implement it by hand. Arguments
+/// that [`CLASS`](Generator::CLASS) does not name are not exchanged: they keep old values.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no generator",
     label = "not a generator",
@@ -20,7 +20,7 @@ use crate::model::step::{Always, Step, Tick};
 pub trait Generator: Sized {
     /// The robots that it moves: a tuple or an array in an MP, one robot in an ECP.
     type Robots: Robots<Self::Language>;
-    /// What it tells them: [`Motion`](crate::generator::Motion), a demand for each, or an order's payload.
+    /// What it tells each robot: [`Motion`](crate::generator::Motion) for a demand, or the type of an order's payload.
     type Language: 'static;
     /// The virtual sensors that it reads.
     type Sensors: SensorList;
@@ -31,7 +31,7 @@ pub trait Generator: Sized {
     /// Whether it may return [`Step::Done`]; a motion that has no end of its own ends when its ECPs have finished.
     const ENDS: bool = true;
 
-    /// The demand `e^{i0+1}` from the state at the start.
+    /// Computes the first demand, `e^{i0+1}`, from the state at the start.
     ///
     /// # Errors
     /// A [`Fault`] of its own (`f_E`): the motion stops.
@@ -43,7 +43,8 @@ pub trait Generator: Sized {
         t: Tick,
     ) -> Result<Step<Self::Robots, Self::Language>, Fault>;
 
-    /// The demand `e^{i+1}`, or the end: the demand computed with the terminal condition is not executed.
+    /// Computes the next demand, `e^{i+1}`, or ends the motion. A demand is not executed in the step in which the
+    /// motion ends.
     ///
     /// # Errors
     /// A [`Fault`] of its own (`f_E`): the motion stops.
@@ -85,7 +86,7 @@ pub trait Condition: Sized {
     ) -> Result<bool, Fault>;
 }
 
-/// A constant told in every step: `f**() = const`, the nudge of an MP.
+/// The same orders or demands in every step: `f**() = const`, the MP's part of loose cooperation.
 impl<L: Robots<O>, O: 'static> Generator for Always<L, O> {
     type Robots = L;
     type Language = O;

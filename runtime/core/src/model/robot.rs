@@ -1,12 +1,12 @@
-//! What the runtime must know of a robot: its kinematics and its limits.
+//! What the runtime must know about a robot: its kinematics and its limits.
 
 use crate::model::excess::Excess;
 use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
 
-/// A kind of robot: a value holds the geometry (nominal or calibrated, where its base stands) and the limits.
+/// A kind of robot. A value holds the geometry (nominal or calibrated, and the place of the base) and the limits.
 ///
-/// One robot is one file: implement this trait, and [`Driver`](crate::robot::Driver) for what moves it.
+/// To add a robot, write one file: implement this trait, and [`Driver`](crate::robot::Driver) for its drives.
 pub trait Robot: Clone + 'static {
     /// The kind's name, for messages: `"irp6"`.
     const KIND: &'static str;
@@ -14,7 +14,7 @@ pub trait Robot: Clone + 'static {
     /// Joint coordinates, `SVector<f64, N>`.
     type Joints: JointVector;
 
-    /// What kind joint `i` is; revolute unless a robot says otherwise.
+    /// The kind of joint `i`, from 0; revolute by default.
     fn joint(&self, _i: usize) -> JointKind {
         JointKind::Revolute
     }
@@ -22,8 +22,8 @@ pub trait Robot: Clone + 'static {
     /// The limits that every demand is checked against.
     fn limits(&self) -> &Limits<Self::Joints>;
 
-    /// Limits that a box of joint limits cannot express, such as those of motors that several joints share:
-    /// checked for the way from `from` to `to` \[rad or m\] in `duration` \[s\]. None unless a robot says so.
+    /// Checks limits that cannot be expressed joint by joint, such as those of motors that several joints share, on the
+    /// way from `from` to `to` \[rad or m\] in `duration` \[s\]. By default there are no such limits.
     ///
     /// # Errors
     /// The first [`CoupledLimit`] that the way breaks.
@@ -36,8 +36,9 @@ pub trait Robot: Clone + 'static {
         Ok(())
     }
 
-    /// The singularity near which `q` lies, if any, where joints must turn fast for the tool to turn slowly: named in
-    /// the fault when a demanded pose asks for more than the joints can do there. None unless a robot says so.
+    /// The name of the singularity near which `q` lies, if there is one: joints must turn fast there even if the tool
+    /// moves slowly. If a demanded pose asks too much of the joints there, the fault gives this name. `None` by
+    /// default.
     fn near_singularity(&self, _q: &Self::Joints) -> Option<&'static str> {
         None
     }
@@ -45,27 +46,27 @@ pub trait Robot: Clone + 'static {
     /// Direct kinematics: `X_WF`, the pose of the flange in the world, for joint positions `q` [rad, m].
     fn forward(&self, q: &Self::Joints) -> Pose;
 
-    /// Visits the frames of the links at `q`, `X_WL`, from the base to the flange, which comes last and stands at
-    /// `forward(q)`: for pictures. The flange's alone unless a robot says more.
+    /// Visits the frames of the links at `q`, `X_WL`, from the base to the flange, for pictures. The last frame is that
+    /// of the flange, `forward(q)`. By default it is the only one.
     fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
         visit(&self.forward(q));
     }
 
     /// Inverse kinematics: the joint positions that put the flange at `X_WF`, on the branch nearest to `near`.
     ///
-    /// Positions may lie outside the joint limits: those are checked where the demand is accepted.
+    /// Positions may lie outside the joint limits, which are checked when the demand is accepted.
     ///
     /// # Errors
-    /// [`NoInverse`] when the pose is out of reach or of a kind that the joints cannot give, or when a singularity leaves
-    /// no continuous answer.
+    /// [`NoInverse`] when the pose is out of reach, when the joints cannot produce such a pose, or when there is no
+    /// continuous solution at a singularity.
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse>;
 
-    /// Inverse kinematics of a redundant robot with its redundancy at a value: a track's position \[m\], an elbow's angle
-    /// \[rad\]; the kind says what it is. On the branch nearest to `near`.
+    /// Inverse kinematics of a redundant robot for a value of its redundancy, on the branch nearest to `near`. Each
+    /// kind documents this value, such as a track's position \[m\] or an elbow's angle \[rad\].
     ///
     /// # Errors
-    /// [`NoInverse`], as of [`inverse`](Robot::inverse); `NotRedundant` unless a robot says more.
+    /// [`NoInverse`], as for [`inverse`](Robot::inverse); by default `NotRedundant`.
     #[allow(non_snake_case)]
     fn inverse_at(
         &self,
@@ -77,7 +78,7 @@ pub trait Robot: Clone + 'static {
     }
 }
 
-/// A limit that several joints share, broken.
+/// A broken limit that several joints share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoupledLimit {
     /// The joint that the message names, from 0.
@@ -130,8 +131,8 @@ pub enum NoInverse {
         /// Which singularity: `"wrist"`, `"shoulder"` ..
         name: &'static str,
     },
-    /// The joints move the flange in fewer directions than the pose asks for, or not on to it: a tool that leans out of
-    /// the plane of an arm with five joints, a pose beside the line of a gripper's finger.
+    /// The joints cannot produce such a pose, because they move the flange in fewer directions than the pose asks for:
+    /// a tool that leans out of the plane of an arm with five joints, a pose beside the line of a gripper's finger.
     #[error(
         "the pose is not attainable: {what} is {actual:.6} {unit}, the robot takes {tolerance:.6} {unit}"
     )]
@@ -145,15 +146,16 @@ pub enum NoInverse {
         /// The unit of both: `"m"` or `"rad"`.
         unit: &'static str,
     },
-    /// A value of its redundancy was chosen for a robot that has none.
+    /// The demand gives a value of the redundancy, but the robot has no redundancy.
     #[error("the robot has no redundancy to choose")]
     NotRedundant,
-    /// Iteration from the joint positions to stay near came to none that give the pose: there may be some elsewhere.
+    /// The iteration, which begins at the joint positions to stay near, found none that give the pose. There may be
+    /// some elsewhere.
     #[error(
         "no joint positions were found from here: the pose nearest to the demanded one is off by {error:.1e}"
     )]
     NotConverged {
-        /// The least error that it came to [parts of the robot's reach, and rad], > `tolerance`.
+        /// The least error that it reached [parts of the robot's reach, and rad], > `tolerance`.
         error: f64,
         /// The largest error that counts as none [parts of the robot's reach, and rad].
         tolerance: f64,
@@ -178,12 +180,12 @@ pub struct Limits<J> {
 /// Where an EDP interpolates between the demands of two steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum InterpolationSpace {
-    /// In joint positions: it never asks for more than the demands did.
+    /// In joint positions: the interpolation never asks for more than the demands did.
     #[default]
     Joints,
-    /// In poses of the flange, where the demands are poses or displacements: a straight line of the flange stays straight
-    /// between demands that are far apart, at the price of one inverse kinematics in each servo period. For robots whose
-    /// joints the pose determines, and cells in which a step has several servo periods. A pose between two demands that
-    /// has no joints, or joints that would exceed a velocity limit on the way, is a fault.
+    /// In poses of the flange, where the demands are poses or displacements: a straight line of the flange stays
+    /// straight between demands that are far apart, at the price of one inverse kinematics in each servo period. For
+    /// robots whose joints are determined by the pose, in cells whose step has several servo periods. It is a fault if
+    /// a pose between two demands has no joint positions, or if a joint would exceed its velocity limit on the way.
     Task,
 }

@@ -14,7 +14,7 @@ impl Fault {
             }
             K::DemandedVelocity => {
                 "move slower: give the motion more time, or its profile a lower velocity; near a singularity joints turn \
-                 fast for a slow tool"
+                 fast even if the tool moves slowly"
             }
             K::DemandedAcceleration | K::DemandedJerk if self.is_of_first_demand() => {
                 return Some(
@@ -63,7 +63,7 @@ impl Fault {
             }
             K::PayloadMismatch => {
                 return Some(
-                    "let the generator that the MP moves by and the `obey` of the ECP name the same type of order",
+                    "use the same type of order in the generator of the MP and in the `obey` of the ECP",
                 );
             }
             K::FinishedEarly => {
@@ -78,15 +78,15 @@ impl Fault {
             }
             K::FollowingError => {
                 return Some(
-                    "the drives do not follow: move slower, or look for what holds the joint; a driver of your own returns from \
-                     `tick` what its encoders read after `demanded` was handed to the drives",
+                    "the drives do not follow: move slower, or look for what holds the joint; a driver of your own must return \
+                     from `tick` what its encoders read after the drives got `demanded`",
                 );
             }
             K::StartPoseMismatch if self.is_of_first_demand() => BEGIN,
             K::StartPoseMismatch => {
                 return Some(
-                    "something moved the robot between two motions: look at its drives; a driver of your own holds where it was \
-                     last demanded to be",
+                    "something moved the robot between two motions: look at its drives; a driver of your own must hold \
+                     the position demanded last",
                 );
             }
             K::Panicked => {
@@ -109,8 +109,8 @@ impl Fault {
             }
             K::PeerLost => {
                 return Some(
-                    "a process has ended, or has stood still or computed for longer than 20 ms, in which it answers nobody: let \
-                     every step return at once, also the first one; plan what takes longer before the Move, while the robots hold",
+                    "a process has ended, or gave no answer for longer than 20 ms, because it stood still or computed: let every \
+                     step return at once, also the first one; plan what takes longer before the Move, while the robots hold",
                 );
             }
             K::SensorStale | K::SensorFailed => {
@@ -135,7 +135,7 @@ impl Fault {
                 );
             }
             K::ProtectiveStop => {
-                return Some("what the guard of the cell allows is written where `Cell::guard` is called");
+                return Some("what the guard allows is in the function passed to `Cell::guard`");
             }
             K::Config
             | K::Program

@@ -1,9 +1,10 @@
 //! The braking law: how a robot comes to a standstill from the state demanded last.
 //!
-//! Without a jerk limit all joints decelerate in one common time, so that the robot stays on the straight line
-//! of its joint velocities; with one, each joint stops as fast as its acceleration and jerk allow. A jerk limit holds from
-//! step to step, so that braking is a law of steps too: were it a curve in time, its first step would take half of the
-//! acceleration away at once, or hardly any of it, and the joint would go on past its velocity limit.
+//! Without a jerk limit all joints decelerate in the same time, so that the robot stays on a straight line in joint
+//! space, in the direction of its joint velocities. With a jerk limit each joint stops as fast as its limits of
+//! acceleration and jerk allow. The jerk limit bounds how much the acceleration changes from one step to the next, so
+//! braking is computed in steps, too. The first step of a curve in continuous time would take away half of the
+//! acceleration at once, or hardly any of it, and the joint would exceed its velocity limit.
 
 use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
@@ -12,9 +13,9 @@ use crate::safety::ramp::steepest;
 /// How fast arms may slow down on their screw, so that no robot of an instruction exceeds its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BrakingLaw {
-    /// By how much of the present speed the speed may fall in a second \[1/s\].
+    /// The share of the present speed by which the speed may fall in a second \[1/s\].
     pub fall: f64,
-    /// Largest change of that \[1/s²\]; infinite where jerk has no limit.
+    /// The largest change of `fall` in a second \[1/s²\]; infinite without a jerk limit.
     pub bend: f64,
 }
 
@@ -30,13 +31,14 @@ impl BrakingLaw {
 
     /// Whether all robots may stand in the next step of `duration` \[s\].
     pub fn stops_at_once(&self, duration: f64) -> bool {
-        // Then no joint is faster than what its acceleration limit takes away in a step, see `Acceptor::braking_law`.
+        // Then the acceleration limit of every joint can take away its whole speed in one step, see
+        // `Acceptor::braking_law`.
         self.fall * duration >= SHARE * (1.0 - 1e-6)
     }
 }
 
-/// The share of an acceleration limit that braking on a screw plans with: the rest is for the screw's own curvature in the
-/// joints.
+/// The share of an acceleration limit that braking on a screw uses. The rest is for the curvature of the screw in joint
+/// space.
 pub(crate) const SHARE: f64 = 0.8;
 
 /// A robot's way to a standstill.
@@ -58,8 +60,8 @@ pub(crate) struct EvenBraking<J> {
     duration: f64,
 }
 
-/// Each joint stops by itself: where it was demanded last, with the mean velocity of that step and the acceleration that
-/// led to it.
+/// Each joint stops by itself. The fields hold the position demanded last, the mean velocity of the step to it, and the
+/// acceleration that led to this velocity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JerkBraking<J> {
     position: J,
@@ -71,7 +73,7 @@ pub(crate) struct JerkBraking<J> {
 }
 
 impl<J: JointVector> Braking<J> {
-    /// From position, velocity and acceleration of the demand.
+    /// From position, velocity and acceleration of the last demand.
     pub fn new(position: J, velocity: J, acceleration: J, limits: &Limits<J>) -> Braking<J> {
         match limits.jerk {
             Some(jerk) => Braking::Jerk(JerkBraking {
@@ -128,7 +130,7 @@ impl<J: JointVector> JerkBraking<J> {
             let a = braking_acceleration(self.velocity[i], self.acceleration[i], limit, jerk, dt);
             let v = self.velocity[i] + a * dt;
             self.acceleration[i] = a;
-            // The step that takes the last of it away leaves round-off.
+            // The step that takes away the rest of the velocity leaves round-off.
             self.velocity[i] = if v.abs() <= 1e-9 * limit * dt { 0.0 } else { v };
             self.stands &= self.velocity[i] == 0.0 && a.abs() <= jerk * dt * (1.0 + 1e-9);
         }
@@ -137,7 +139,7 @@ impl<J: JointVector> JerkBraking<J> {
     }
 }
 
-/// What becomes of a joint whose acceleration is let go of, by the jerk limit in every step. Nothing within that limit
+/// How a joint moves while its acceleration goes to 0, by the jerk limit in every step. No other way within that limit
 /// changes its velocity by less.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Release {
@@ -145,13 +147,13 @@ pub(crate) struct Release {
     pub gain: f64,
     /// The time that this takes \[s\].
     pub time: f64,
-    /// What is left of the acceleration then: less than a step takes away [rad/s² or m/s²].
+    /// What is left of the acceleration after that: less than one step takes away [rad/s² or m/s²].
     pub left: f64,
 }
 
 impl Release {
-    /// From the acceleration `a` of the last step of `dt` \[s\]: in `n` steps, `n = |a| / j T` rounded down, of which the `m`-th
-    /// still has the acceleration `|a| - m j T`.
+    /// From the acceleration `a` of the last step of `dt` \[s\]. It takes `n` steps, `n = |a| / j T` rounded down; the
+    /// `m`-th of them still has the acceleration `|a| - m j T`.
     pub fn new(a: f64, jerk: f64, dt: f64) -> Release {
         let change = jerk * dt;
         let n = (a.abs() / change).floor();
@@ -160,8 +162,8 @@ impl Release {
     }
 }
 
-/// The acceleration of the next step on the fastest way to a standstill from velocity `v` and acceleration `a` of the
-/// last step: the hardest braking from which the joint can still let go without turning back.
+/// The acceleration of the next step on the fastest way to a standstill, from velocity `v` and acceleration `a` of the
+/// last step. It is the hardest deceleration that can still go to 0 before the joint reverses.
 fn braking_acceleration(v: f64, a: f64, limit: f64, jerk: f64, dt: f64) -> f64 {
     let change = jerk * dt;
     let hardest = steepest(v.abs() / dt, change).min(limit);
@@ -169,14 +171,15 @@ fn braking_acceleration(v: f64, a: f64, limit: f64, jerk: f64, dt: f64) -> f64 {
     wanted.clamp(a - change, a + change)
 }
 
-/// Distance that a joint with a jerk limit needs to stop [rad or m], in the direction of `v`, its mean velocity
-/// in the last step of `duration` \[s\], and from its acceleration `a`: that of the fastest curve in time, which braking
-/// in steps never exceeds.
+/// Distance that a joint with a jerk limit needs to stop [rad or m], in the direction of `v`. `v` is its mean velocity
+/// in the last step of `duration` \[s\], and `a` its acceleration. The distance is that of the fastest curve in
+/// continuous time; braking in steps never exceeds it.
 pub(crate) fn stopping_distance(v: f64, a: f64, limit: f64, jerk: f64, duration: f64) -> f64 {
-    // Only an acceleration that still drives the joint on makes it longer.
+    // Only an acceleration in the direction of motion makes the distance longer.
     let a = if a * v > 0.0 { a.abs() } else { 0.0 };
     let v = v.abs() + 0.5 * a * duration;
-    // To -p and back to 0: p² = a²/2 + j v, or the limit, held until what is left goes with it.
+    // The acceleration goes to -p and back to 0, with p² = a²/2 + j v. If p is beyond the limit, the acceleration stays
+    // at the limit for `hold`.
     let unlimited = (0.5 * a * a + v * jerk).sqrt();
     let peak = unlimited.min(limit);
     let hold = if unlimited > limit {

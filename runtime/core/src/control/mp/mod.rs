@@ -1,10 +1,10 @@
 //! MP: the master process, the coordinator of all robots.
 //!
-//! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. The
-//! MP alone paces the cell: [`clock`] says when a step begins and how much path time it has, [`exchange`] is one
-//! scatter and gather, [`instruction`] opens, ends and stops instructions by it, [`motion`] is Move and [`waiting`]
-//! Wait; [`restart`] runs the program, and again after a reset. [`robots`] holds the ports of the ECPs, [`operating`] the
-//! operator's side, [`stops`] the causes of stops.
+//! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. Only the MP
+//! sets the pace of the cell. [`clock`] says when a step begins and how much path time it has. [`exchange`] sends one
+//! order to each robot and collects the replies; [`instruction`] opens, ends and stops instructions by such exchanges.
+//! [`motion`] is Move and [`waiting`] is Wait. [`restart`] runs the program, and runs it again after a reset.
+//! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`stops`] the causes of stops.
 
 mod clock;
 mod exchange;
@@ -44,7 +44,7 @@ pub(crate) use robots::RobotPort;
 use robots::RobotPorts;
 use stops::Stops;
 
-/// The master process: what the coordinating program is given.
+/// The master process, as the coordinating program sees it.
 pub struct Mp<'w> {
     host: Host<'w>,
     robots: RobotPorts,
@@ -53,22 +53,22 @@ pub struct Mp<'w> {
     operating: Operating,
     stops: Stops,
     witnesses: Witnesses,
-    /// Steps after which a protective stop does not go on on the path.
+    /// Steps after which a protective stop leaves the path.
     path_stop: u64,
-    /// A replay's steps.
+    /// The recorded steps, in a replay.
     script: Option<Rc<Script>>,
 }
 
-/// The times that an MP goes by.
+/// The times that an MP uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MpTiming {
     /// Length of a step.
     pub period: Duration,
-    /// The time into a step after which its demands would come too late for the EDPs' ticks \[ns\].
+    /// The time into a step \[ns\] after which its demands would reach the EDPs too late for their servo periods.
     pub grace: Nanos,
-    /// By how much the rate may change in a second.
+    /// By how much the rate of path time may change in a second \[1/s\].
     pub rate_change: f64,
-    /// Steps after which a protective stop does not go on on the path.
+    /// Steps after which a protective stop leaves the path.
     pub path_stop: u64,
 }
 
@@ -99,15 +99,15 @@ impl<'w> Mp<'w> {
         self.stops.guard = guard.map(|guard| guard.over(self.robots.iter().map(|robot| robot.name)));
     }
 
-    /// The handle of a robot, with its state. Each robot has one: pass it on.
+    /// The handle of a robot, with its state. Each robot has only one handle: pass it on.
     ///
     /// # Errors
-    /// `Config` when the cell has no robot of that name and kind, or when its handle is taken. The [`Fault`] for which the
-    /// robot does not tell its state.
+    /// `Config` when the cell has no robot of that name and kind, or when its handle is taken. Any other [`Fault`] is
+    /// the reason why the robot cannot report its state.
     pub fn robot<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
         let mut handle = self.robots.handle(name)?;
         let index = handle.index;
-        // A latched cell is asked for nothing: its next instruction says why.
+        // In a latched cell no robot is asked: the next instruction says why.
         if self.stops.latched.is_none() {
             self.ask(index).map_err(|fault| self.conclude(fault))?;
         }
@@ -148,7 +148,7 @@ impl<'w> Mp<'w> {
         self.clock.step()
     }
 
-    /// Begins a step, unless one has begun that no exchange has used.
+    /// Begins a step, unless no exchange has used the present one yet.
     fn begin_step(&mut self) -> Result<(), Fault> {
         self.keep_to_script();
         let begins = self
@@ -169,7 +169,7 @@ impl<'w> Mp<'w> {
         Ok(())
     }
 
-    /// A step that began late because of the MP itself is one of those that may be too many.
+    /// Counts a step that began late because of the MP itself; too many of these are a fault.
     fn count_own_time(&mut self) -> Result<(), Fault> {
         let own_time = self.host.meter.own_time();
         self.host.meter.sample(Sample::Worked(own_time));
@@ -181,14 +181,14 @@ impl<'w> Mp<'w> {
             .map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
     }
 
-    /// Carries out what the operator has pressed, and takes a protective stop: the operator's, or one for want of a
-    /// launcher.
+    /// Carries out what the operator has pressed. Begins a protective stop if the operator asks for one, or if the
+    /// launcher no longer supervises the cell.
     fn hear_operator(&mut self) {
         let stops = &self.stops;
         let state = |operator: &Operator| cell_state(stops, operator);
         self.operating.press(self.clock.step(), state, self.host.console);
         if self.stops.latched.is_none() && !self.host.notices.is_supervised() {
-            // A recording holds it as a stop of the operator, so that a replay stops in the same step.
+            // A recording shows it as a stop of the operator, so that a replay stops in the same step.
             self.operating.stopping = true;
             self.stops.protect(Fault::of_launcher(), self.clock.step());
         }
@@ -197,17 +197,18 @@ impl<'w> Mp<'w> {
         }
     }
 
-    /// What an operator is shown of the cell's state.
+    /// The state of the cell, as an operator sees it.
     fn state(&self) -> CellState {
         cell_state(&self.stops, &self.operating.operator)
     }
 
-    /// The rate that robots are to be brought to.
+    /// The rate of path time that is to be reached.
     fn wanted_rate(&self) -> f64 {
         if self.stops.protective.is_some() { 0.0 } else { self.operating.operator.wanted_rate() }
     }
 
-    /// Acts on what happened outside of the cell's messages. While robots stop nothing more is to be done about it.
+    /// Acts on events that the cell's messages do not tell of. If a process is lost in a latched cell, nothing more has
+    /// to be done.
     fn hear_news(&mut self) -> Result<(), Fault> {
         match self.host.notices.news() {
             Some(News::Lost(process)) => {
@@ -217,7 +218,7 @@ impl<'w> Mp<'w> {
                 }
                 Err(Fault::new(FaultKind::PeerLost).in_process(process).at_step(self.clock.step()))
             }
-            // From the terminal: the program is to end, and not to be started again.
+            // From the terminal: the program must end, and not start again.
             Some(News::Abort) => {
                 self.operating.operator.abort();
                 self.operating.operator.give_up();
@@ -227,21 +228,22 @@ impl<'w> Mp<'w> {
         }
     }
 
-    /// A fault in an instruction: unless it ended at standstill by itself, all robots stop; it is latched.
+    /// Ends an instruction with a fault. All robots stop and the fault is latched, unless it is an orderly end at
+    /// standstill.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
         self.operating.show_fault(&fault);
         let fault = self.stops.cause(fault);
-        // An abort, a Wait that was too long: nothing moves and nothing is wrong with the cell.
+        // For example an abort, or a Wait that timed out: nothing moves, and nothing is wrong with the cell.
         if fault.is_orderly() { fault } else { self.stop(fault) }
     }
 
-    /// One Move or Wait, from the operator's point of view: what can be aborted. Robots that it hands over moving
-    /// are the next one's, and so is an abort that came too late for it.
+    /// Runs one Move or Wait, which the operator can abort. The next instruction takes over the robots that this one
+    /// leaves moving, and an abort that came too late for this one.
     fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         self.check_latch()?;
         if !self.robots.any_handed_over() {
-            // What a program does while its robots stand makes no step late.
+            // The time that a program takes while its robots stand does not count as lateness.
             self.host.meter.own_time();
         }
         self.operating.operator.begin();
@@ -257,22 +259,22 @@ impl<'w> Mp<'w> {
         }
         let aborted = self.operating.operator.end();
         if outcome.is_ok() && (aborted || self.stops.protective.is_some()) {
-            // An abort that the instruction's own end forestalled is an abort: the program must not go on.
+            // An abort that came just as the instruction ended counts, too: the program must not go on.
             let fault = self.ending();
             return Err(self.conclude(fault));
         }
         outcome
     }
 
-    /// Whether the open instruction is to end at standstill on its path: the operator aborts it, or a guard does.
+    /// Whether the open instruction is to end at standstill on its path, because of an abort or a protective stop.
     fn is_ending(&self) -> bool {
         self.stops.protective.is_some() || self.operating.operator.is_aborting()
     }
 
-    /// Whether an instruction that is to end on its path stands there.
+    /// Whether the robots of an instruction that is to end on its path stand there.
     ///
     /// # Errors
-    /// The cause of a protective stop that takes longer than the cell allows: the robots are then to stop as for a fault.
+    /// The cause of a protective stop that takes longer than the cell allows: the robots must then stop as for a fault.
     fn is_at_rest_on_path(&self) -> Result<bool, Fault> {
         if !self.is_ending() || self.clock.is_standing() {
             return Ok(self.is_ending());
@@ -280,7 +282,7 @@ impl<'w> Mp<'w> {
         self.stops.overdue(self.clock.step(), self.path_stop).map_or(Ok(false), Err)
     }
 
-    /// What such an instruction ends with.
+    /// The fault with which such an instruction ends.
     fn ending(&self) -> Fault {
         self.stops.ending(self.clock.step())
     }
@@ -296,7 +298,7 @@ impl<'w> Mp<'w> {
     }
 }
 
-/// What an operator is shown of the state of a cell with these causes of stops.
+/// The state, as an operator sees it, of a cell with these causes of stops.
 fn cell_state(stops: &Stops, operator: &Operator) -> CellState {
     if stops.protective.is_some() && stops.latched.is_none() { CellState::Stopping } else { operator.state() }
 }
