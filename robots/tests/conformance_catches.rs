@@ -138,7 +138,7 @@ impl Driver<Irp6> for Slipping {
         Driver::<Irp6>::period(&self.arm)
     }
 
-    fn measured(&self) -> Measured<Six> {
+    fn measured(&self) -> Result<Measured<Six>, DriveFault> {
         self.arm.measured()
     }
 

@@ -10,6 +10,7 @@ pub(crate) mod edp;
 pub(crate) mod guard;
 pub(crate) mod guarded;
 pub(crate) mod homing;
+pub(crate) mod ideal;
 pub(crate) mod interpolation;
 pub(crate) mod mp;
 pub(crate) mod overruns;

@@ -27,7 +27,7 @@ pub trait Driver<R: Robot> {
     /// Connects to the drives. The robot's EDP, which alone drives it, calls this once when it starts, before anything but
     /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at a
     /// reset, if it has failed. Making a driver connects to nothing: every process of a cell makes all of them, and so does
-    /// a check. Simulated drives need not say more.
+    /// a check or a dry run, for their names and periods. Simulated drives need not say more.
     ///
     /// # Errors
     /// [`DriveFault`] with the reason: the cell stops with it, and nothing moves.
@@ -39,7 +39,11 @@ pub trait Driver<R: Robot> {
     fn close(&mut self) {}
 
     /// What the encoders read now, without moving anything.
-    fn measured(&self) -> Measured<R::Joints>;
+    ///
+    /// # Errors
+    /// [`DriveFault`] when they cannot be read: the robot stays where it is, the cell stops with the reason, and a reset
+    /// reads them again.
+    fn measured(&self) -> Result<Measured<R::Joints>, DriveFault>;
 
     /// One servo period: the drives take the joint position `demanded` for its end [rad or m];
     /// returns what the encoders read at its end.
@@ -53,8 +57,9 @@ pub trait Driver<R: Robot> {
 
     /// What the drives are, for the whole machine, if they are real ones: such as `udp 10.0.0.7:30004` or the serial number
     /// of a controller. Where cells run as processes, one cell at a time has the hardware of a name, whatever its file.
-    /// Hardware cannot follow the virtual clock: a cell with drives that name any runs in real time only. Drives that any
-    /// number of cells may have at once, such as simulated ones and those of tests, have no name.
+    /// Hardware cannot follow the virtual clock: there a cell with drives that name any is refused, or simulated drives
+    /// [stand in](crate::cell::RobotSetup::stand_in) for them, as in every dry run. Drives that any number of cells may have
+    /// at once, such as simulated ones and those of tests, have no name.
     fn hardware(&self) -> Option<String> {
         None
     }
