@@ -157,7 +157,7 @@ fn fault_83_simulated_drives_stand_in_for_hardware_which_is_not_opened() {
         assert!(cell.hardware().is_empty());
         cell.run().expect("within the limits");
         let (first, last) = (trace.borrow()[0], *trace.borrow().last().expect("it moved"));
-        assert!((first - start).amax() < 1e-3 && (last[0] - 0.4).abs() < 1e-9, "{first} {last}");
+        assert!((first - start).amax() < 1e-3 && (last[0] - 0.1).abs() < 1e-9, "{first} {last}");
         assert!(calls.borrow().is_empty(), "{calls:?}");
     }
 }

@@ -51,6 +51,11 @@ impl Driver<Arm> for Drives {
         PERIOD
     }
 
+    /// Which hardware the drives are, if they are real.
+    fn hardware(&self) -> Option<String> {
+        None
+    }
+
     /// What was read last; nothing moves.
     fn measured(&self) -> Result<Measured<Six>, DriveFault> {
         let position = Six::from_fn(|i, _| self.bus.counts[i] as f64 * COUNT);
