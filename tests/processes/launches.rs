@@ -296,7 +296,9 @@ fn standstill(launch: &Launch, robot: &str, killed: Option<&Process>, is_told: b
     // What was begun with brakes was a motion, if there was any.
     let braked = drives.iter().position(|period| !period.powered && !period.switched_off);
     let in_motion = braked.and_then(|at| drives[..at].last()).is_some_and(|before| !before.stands());
-    let has_come = periods_at_rest(&record) >= record.len().min(2);
+    // An EDP takes the power away as soon as the last step of its braking is over.
+    let has_come =
+        periods_at_rest(&record) >= record.len().min(2) || last.is_some_and(|last| last.switched_off);
     match (in_motion, has_come) {
         _ if is_killed(&format!("edp {robot}")) => Ok(Came::ByBrakes),
         (false, true) if drives.iter().all(Period::stands) => Ok(Came::Still),
