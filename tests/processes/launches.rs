@@ -248,8 +248,13 @@ fn disturb(
 /// Stops the launcher, which is continued when nothing moves any more.
 fn stop(place: &Place, launch: &mut Launch, signal: Signal) {
     launch.signal(signal);
+    // Drives without power are demanded nothing more.
+    let is_off = |last: &Period| !last.powered && (last.stands() || last.switched_off);
+    let rests = |launch: &Launch, robot: &str| {
+        periods_at_rest(&launch.record(robot)) >= 200 || launch.drives(robot).last().is_some_and(is_off)
+    };
+    let stands = |launch: &Launch| ROBOTS.iter().all(|robot| rests(launch, robot));
     // Before it hears signals, a terminal's stop is that of any process.
-    let stands = |launch: &Launch| ROBOTS.iter().all(|robot| periods_at_rest(&launch.record(robot)) >= 200);
     let over = |launch: &mut Launch| launch.end_if_over().is_some();
     wait_until(|| {
         over(launch) || launch.is_stopped() && (stands(launch) || launch.record("left").is_empty())
@@ -289,7 +294,11 @@ fn standstill(launch: &Launch, robot: &str, killed: Option<&Process>, is_told: b
     if is_killed("plant") {
         // There is no robot any more. Its EDP demands nothing after `L` periods without a reading, wherever it was.
         let without = record.len().saturating_sub(drives.len());
-        return if without <= L + 2 { Ok(Came::Gone) } else { Err(format!("{without} demands to no drives")) };
+        return if without <= L + 2 {
+            Ok(Came::Gone)
+        } else {
+            Err(format!("{without} demands to no drives"))
+        };
     }
     let last = drives.last();
     if !last.is_none_or(|last| last.stands() || last.switched_off) {
