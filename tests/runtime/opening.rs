@@ -9,8 +9,8 @@ use mrroc::fault::FaultKind;
 use mrroc::observe::layout::DrivesLayout;
 use mrroc::operator::Latch;
 use mrroc::prelude::*;
-use mrroc::robot::{DriveFault, Driver, IdealDrives, Measured};
-use mrroc_tests::{Gantry, MS, Q, fault, traced};
+use mrroc::robot::{Connecting, DriveFault, Driver, IdealDrives, Measured};
+use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, traced};
 
 use crate::runtime::kit::Smooth;
 
@@ -178,4 +178,24 @@ fn fault_83_hardware_that_nothing_can_stand_in_for_is_refused_with_what_to_write
     let (exact, _) = mrroc_tests::gantry("g");
     let cell = Cell::new(MS).robot(exact).simulated().expect("nothing is real");
     assert_eq!(cell.layout().robots[0].drives, DrivesLayout::Unnamed);
+}
+
+#[test]
+fn fault_83_drives_that_are_made_when_they_are_opened_are_made_by_their_edp_alone() {
+    let made = Calls::default();
+    let cell = || {
+        let note = Rc::clone(&made);
+        let drives =
+            Connecting::to("udp 10.0.0.7:30004", MS, move || -> Result<ExactDrive<3>, DriveFault> {
+                note.borrow_mut().push("made");
+                Err(DriveFault::NoAnswer)
+            });
+        let ideal = IdealDrives::new(&Gantry::default(), Q::zeros(), MS);
+        let setup = RobotSetup::new("g", Gantry::default(), drives).stand_in(ideal);
+        Cell::new(MS).robot(setup.program(|ecp| ecp.move_robot((), Smooth::to(0.1, 0.4)).map(drop)))
+    };
+    assert_eq!(cell().hardware(), ["udp 10.0.0.7:30004"]);
+    assert!(matches!(cell().run(), Err(CellError::RealDrives { .. })));
+    cell().simulated().expect("they stand in").run().expect("within the limits");
+    assert!(made.borrow().is_empty());
 }

@@ -4,6 +4,7 @@
 //! a [`link`](crate::link) alone.
 
 pub(crate) mod command;
+pub(crate) mod connecting;
 pub(crate) mod drive;
 pub(crate) mod ecp;
 pub(crate) mod edp;

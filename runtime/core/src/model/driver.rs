@@ -27,7 +27,8 @@ pub trait Driver<R: Robot> {
     /// Connects to the drives. The robot's EDP, which alone drives it, calls this once when it starts, before anything but
     /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at a
     /// reset, if it has failed. Making a driver connects to nothing: every process of a cell makes all of them, and so does
-    /// a check or a dry run, for their names and periods. Simulated drives need not say more.
+    /// a check or a dry run, for their names and periods; drives whose making connects are made by
+    /// [`Connecting`](crate::robot::Connecting). Simulated drives need not say more.
     ///
     /// # Errors
     /// [`DriveFault`] with the reason: the cell stops with it, and nothing moves.
