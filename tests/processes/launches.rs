@@ -1,7 +1,8 @@
 //! Launches in real time, each with a disturbance that is drawn: a signal, a killed process, a terminal that takes nothing, a
 //! session whose folder is gone, another user. After each no robot moves, no process is left, and the cell can be launched.
 //!
-//! `MRROC_LAUNCHES` says how many, `MRROC_SEED` with which seed; the moment is drawn in servo periods of the left robot.
+//! `MRROC_LAUNCHES` says how many, `MRROC_SEED` with which seed, `MRROC_DISTURBANCE` which alone, such as `Killed("mp")`;
+//! the moment is drawn in servo periods of the left robot.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -111,8 +112,10 @@ fn fault_87_launches_under_disturbances_leave_no_robot_moving_and_the_next_one_w
     let launches = std::env::var("MRROC_LAUNCHES").ok().and_then(|count| count.parse().ok()).unwrap_or(10);
     println!("{launches} launches, MRROC_SEED={}", random.seed);
     let mut tally = BTreeMap::<Came, u32>::new();
-    for number in 0..launches {
-        let drawn = Drawn::of(DISTURBANCES[number % DISTURBANCES.len()], &mut random);
+    let only = std::env::var("MRROC_DISTURBANCE").unwrap_or_default();
+    let disturbances = DISTURBANCES.into_iter().filter(|one| format!("{one:?}").starts_with(&only));
+    for (number, disturbance) in disturbances.cycle().take(launches).enumerate() {
+        let drawn = Drawn::of(disturbance, &mut random);
         print!("launch {number}: {drawn}: ");
         let came = one(&place, &drawn, &format!("launch {number}"));
         println!("{came:?}");
