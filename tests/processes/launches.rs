@@ -198,8 +198,10 @@ fn one(place: &Place, drawn: &Drawn, number: &str) -> [Came; 2] {
     assert!(!said.contains("it did not end when the cell closed"), "{}", told());
     assert!(!said.contains("panicked at"), "{}", told());
     assert!(again.is_none_or(|again| again.success()), "launched again: {again:?}; {}", told());
+    // A launcher that is gone says nothing.
+    let is_told = drawn.errors == Output::Kept && status.code().is_some();
     let came = ROBOTS.map(|robot| {
-        let came = standstill(&launch, robot, killed.as_ref(), drawn.errors == Output::Kept);
+        let came = standstill(&launch, robot, killed.as_ref(), is_told);
         came.unwrap_or_else(|moves| panic!("{robot} {moves}: {}", told()))
     });
     // It starts, runs to its end, and has removed what a killed launcher has left.
@@ -307,18 +309,15 @@ fn standstill(launch: &Launch, robot: &str, killed: Option<&Process>, is_told: b
     if !last.is_none_or(|last| last.stands() || last.switched_off) {
         return Err(format!("moves: {last:?}"));
     }
-    // What was begun with brakes was a motion, if there was any.
-    let braked = drives.iter().position(|period| !period.powered && !period.switched_off);
-    let in_motion = braked.and_then(|at| drives[..at].last()).is_some_and(|before| !before.stands());
     // An EDP takes the power away as soon as the last step of its braking is over.
     let has_come =
         periods_at_rest(&record) >= record.len().min(2) || last.is_some_and(|last| last.switched_off);
-    match (in_motion, has_come) {
+    match has_come {
         _ if is_killed(&format!("edp {robot}")) => Ok(Came::ByBrakes),
-        (false, true) if drives.iter().all(Period::stands) => Ok(Came::Still),
-        (false, true) => Ok(Came::ByDemand),
-        _ if !is_told => Ok(Came::Unsaid),
-        _ if is_late(&launch.said()) || launch.said().contains("got no demand") => Ok(Came::Late),
-        _ => Err(format!("was left to its brakes, or its demands moved last: {:?}", record.last())),
+        true if drives.iter().all(Period::stands) => Ok(Came::Still),
+        true => Ok(Came::ByDemand),
+        false if !is_told => Ok(Came::Unsaid),
+        false if is_late(&launch.said()) || launch.said().contains("got no demand") => Ok(Came::Late),
+        false => Err(format!("was left to its brakes: {:?}", record.last())),
     }
 }
