@@ -138,7 +138,8 @@ fn remote() -> (Remote, Calls) {
 fn fault_83_simulated_drives_stand_in_for_hardware_which_is_not_opened() {
     let start = Q::<3>::new(0.3, 0.0, 0.0);
     let ideal = || IdealDrives::new(&Gantry::default(), start, MS);
-    let ways: [fn(RobotSetup<Gantry>, IdealDrives<Gantry>) -> RobotSetup<Gantry>; 2] = [
+    type Way = fn(RobotSetup<Gantry>, IdealDrives<Gantry>) -> RobotSetup<Gantry>;
+    let ways: [Way; 2] = [
         |setup, ideal| setup.stand_in(ideal),
         |setup, ideal| {
             setup.stand_in_of(move |gantry, period| {
