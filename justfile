@@ -80,6 +80,10 @@ test-whole:
 test-both-links:
     MRROC_WHOLE=1 cargo test --release -p mrroc-tests --test processes -- --nocapture both_links
 
+# So many launches in real time, each under a disturbance that is drawn; MRROC_SEED chooses others. Six seconds each.
+launches N="200":
+    MRROC_LAUNCHES={{N}} cargo test -p mrroc-tests --test processes -- --nocapture fault_87
+
 # Two robots and a sensor as processes at 1 kHz for so many seconds, beside cyclictest: skipped steps, rate, memory.
 soak SECONDS="600":
     tests/benches/peers/realtime soak {{SECONDS}}

@@ -1,6 +1,9 @@
 //! Every robot of the crate keeps what a robot must keep.
 
+use std::time::Duration;
+
 use mrroc::pose::Pose;
+use mrroc::robot::IdealDrives;
 use mrroc_robots::{
     Conveyor, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, One, Polycrank, Rnt, Seven, Simulated,
     SimulatedIrp6, Six, driver_conformance, kinematics_conformance,
@@ -36,6 +39,12 @@ driver_conformance!(
     irp6_drives,
     Irp6::nominal(),
     SimulatedIrp6::new(Irp6::nominal(), &engraving()),
+    engraving()
+);
+driver_conformance!(
+    ideal_drives,
+    Irp6::nominal(),
+    IdealDrives::new(&Irp6::nominal(), engraving(), Duration::from_millis(2)),
     engraving()
 );
 kinematics_conformance!(

@@ -138,7 +138,7 @@ impl Driver<Irp6> for Slipping {
         Driver::<Irp6>::period(&self.arm)
     }
 
-    fn measured(&self) -> Measured<Six> {
+    fn measured(&self) -> Result<Measured<Six>, DriveFault> {
         self.arm.measured()
     }
 
@@ -147,7 +147,7 @@ impl Driver<Irp6> for Slipping {
             Slip::Forgets => self.arm.tick(demanded).inspect_err(|_| self.arm.reset()),
             Slip::Swallows => {
                 let refused = !demanded.iter().all(|q| q.is_finite());
-                self.arm.tick(&if refused { self.arm.measured().position } else { *demanded })
+                self.arm.tick(&if refused { self.arm.measured()?.position } else { *demanded })
             }
             Slip::Sticks => {
                 self.late.push(*demanded);

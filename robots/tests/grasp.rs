@@ -291,7 +291,7 @@ fn fingers_stop_at_the_body_hold_it_and_let_it_go() {
                 arm.tick(&start()).expect("it holds");
             }
         }
-        fingers.measured().position[0]
+        fingers.measured().expect("simulated").position[0]
     };
     let held = go(0.08, 0.055);
     // Closed at 5 mm/s: a servo period of it, and the encoder's pulse.
@@ -312,7 +312,9 @@ fn fingers_stop_at_the_body_hold_it_and_let_it_go() {
         x = f64::max(x - 1e-5, 0.055);
         fingers.tick(&One::new(x)).expect("a gripper does not trip");
     }
-    assert!((fingers.measured().position[0] - 0.055).abs() < 1e-4 && !arm.hand().is_closed());
+    assert!(
+        (fingers.measured().expect("simulated").position[0] - 0.055).abs() < 1e-4 && !arm.hand().is_closed()
+    );
 }
 
 /// Torques at motors and at joints do the same work: `tau_m dm = tau_q dq`, with dm from the inverse transmission.

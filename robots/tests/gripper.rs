@@ -32,19 +32,23 @@ fn an_object_stops_the_fingers_without_a_fault_and_is_held_with_the_current_limi
     };
     close(&mut drive, 0.07);
     drive.block(0);
-    let object = drive.measured().position[0];
+    let object = drive.measured().expect("simulated").position[0];
     close(&mut drive, 0.06);
     for _ in 0..5000 {
         drive.tick(&One::new(0.06)).expect("holding an object trips nothing");
     }
-    let (held, current) = (drive.measured().position[0], drive.currents()[0].abs());
+    let (held, current) = (drive.measured().expect("simulated").position[0], drive.currents()[0].abs());
     println!("held at {held:.4} m of {object:.4} m with {current} A");
     assert!((held - object).abs() < 1e-9 && (current - Gripper::MOTOR.current_limit).abs() < 1e-12);
     drive.unblock(0);
     for _ in 0..2000 {
         drive.tick(&One::new(0.06)).expect("the fingers close on");
     }
-    assert!((drive.measured().position[0] - 0.06).abs() < 1e-5, "{}", drive.measured().position[0]);
+    assert!(
+        (drive.measured().expect("simulated").position[0] - 0.06).abs() < 1e-5,
+        "{}",
+        drive.measured().expect("simulated").position[0]
+    );
 }
 
 #[test]

@@ -119,8 +119,10 @@ fn found_is_true<const N: usize, R: Driven<N>>(robot: &R, start: &SVector<f64, N
     let homing = Unhomed::new(robot.clone(), start);
     let shaft = homing.shaft();
     let drives = home(homing).unwrap_or_else(|fault| panic!("from {start}: {fault}"));
-    let (truth, measured) =
-        (robot.motors(&shaft.state().position), robot.motors(&drives.measured().position));
+    let (truth, measured) = (
+        robot.motors(&shaft.state().position),
+        robot.motors(&drives.measured().expect("simulated").position),
+    );
     for (i, data) in robot.motor_data().iter().enumerate() {
         let off = (truth[i] - measured[i]).abs();
         assert!(off <= data.encoder.pulse() * (1.0 + 1e-6), "motor {i}: {off} rad off from {start}");
@@ -158,7 +160,7 @@ fn marks_are_where_mrroc_has_its_synchronisation_positions() {
     assert_eq!(Irp6::nominal().marks(), nominal);
     // The arm ends a little above them, and stands.
     let drives = home(Unhomed::new(Irp6::nominal(), &engraving())).expect("found");
-    let above = motors(&drives.measured().position) - nominal;
+    let above = motors(&drives.measured().expect("simulated").position) - nominal;
     assert!(above.iter().all(|above| (0.0..0.2).contains(above)), "{above}");
     let track = Seven::from([0.0, -10.819, -4.012, -6.219, 158.997, 479.5, 769.7]);
     assert_eq!(Irp6Track::nominal().marks(), track);

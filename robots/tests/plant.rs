@@ -175,7 +175,7 @@ fn the_regulator_answers_an_impulse_as_its_transfer_function_does() {
 fn an_arm_that_holds_rests_within_two_encoder_pulses() {
     let q = engraving();
     let mut arm = SimulatedIrp6::new(Irp6::nominal(), &q);
-    assert!((arm.measured().position - q).amax() < 3e-5);
+    assert!((arm.measured().expect("simulated").position - q).amax() < 3e-5);
     let shaft = arm.shaft();
     for _ in 0..30_000 {
         arm.tick(&q).expect("holding trips nothing");
@@ -215,7 +215,7 @@ fn measured_velocity_follows_the_true_one() {
     let mut q = engraving();
     let mut arm = SimulatedIrp6::new(robot, &q);
     let step = Six::new(0.1, 0.05, -0.05, 0.1, 0.2, 0.1) * PERIOD;
-    let mut measured = arm.measured();
+    let mut measured = arm.measured().expect("simulated");
     for _ in 0..500 {
         q += step;
         measured = arm.tick(&q).expect("slow");
@@ -245,7 +245,7 @@ fn a_blocked_joint_trips_its_drive_and_the_arm_stands_still() {
         assert_eq!(rest.velocity.amax(), 0.0);
         arm.unblock(joint);
         arm.reset();
-        let here = arm.measured().position;
+        let here = arm.measured().expect("simulated").position;
         for _ in 0..100 {
             arm.tick(&here).expect("it holds where it stands");
         }
@@ -267,7 +267,7 @@ fn a_moving_arm_without_demands_brakes_and_goes_on_after_a_reset() {
     assert_eq!(rest.velocity.amax(), 0.0);
     assert!((rest.position - q).amax() < 0.01, "0.2 rad/s is 32 rad/s at the motor: 21 ms to stop");
     arm.reset();
-    let here = arm.measured().position;
+    let here = arm.measured().expect("simulated").position;
     for _ in 0..500 {
         arm.tick(&here).expect("it holds where it stands");
     }

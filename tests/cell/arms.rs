@@ -103,13 +103,13 @@ impl Driver<Irp6> for Recorded {
         Driver::period(&self.drives)
     }
 
-    fn measured(&self) -> Measured<Six> {
+    fn measured(&self) -> Result<Measured<Six>, DriveFault> {
         self.drives.measured()
     }
 
     fn tick(&mut self, demanded: &Six) -> Result<Measured<Six>, DriveFault> {
         let outcome = self.drives.tick(demanded);
-        self.write("tick", &self.drives.measured());
+        self.write("tick", &self.drives.measured()?);
         outcome
     }
 
@@ -123,7 +123,9 @@ impl Driver<Irp6> for Recorded {
 
     fn switch_off(&mut self) {
         self.drives.switch_off();
-        self.write("off", &self.drives.measured());
+        if let Ok(measured) = self.drives.measured() {
+            self.write("off", &measured);
+        }
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {

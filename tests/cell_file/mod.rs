@@ -1,8 +1,11 @@
 //! `cell.toml`: the cell that it makes, and all its errors at once, each with its line and what to write instead.
 
-use mrroc::cell_file::Kinds;
+use std::time::Duration;
+
+use mrroc::cell_file::{Kinds, RobotEntry};
 use mrroc::prelude::*;
-use mrroc_robots::{Irp6, simulated};
+use mrroc::robot::{DriveFault, Driver, Measured};
+use mrroc_robots::{Irp6, Six, simulated};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 
 const GOOD: &str = r#"
@@ -302,4 +305,71 @@ fn a_recording_needs_a_file_and_robots_and_sensors_that_there_are() {
     }
     let dry = complaints(&format!("dry_run = 1\n{GOOD}"));
     assert!(dry.contains("true or false"), "{dry}");
+}
+
+/// Drives that are hardware, and must not be touched.
+struct Untouched;
+
+impl<R: Robot> Driver<R> for Untouched {
+    fn period(&self) -> Duration {
+        Duration::from_millis(2)
+    }
+    fn hardware(&self) -> Option<String> {
+        Some("a controller".to_owned())
+    }
+    fn open(&mut self) -> Result<(), DriveFault> {
+        panic!("opened")
+    }
+    fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {
+        panic!("read")
+    }
+    fn tick(&mut self, _: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
+        panic!("driven")
+    }
+}
+
+#[test]
+fn drives_of_the_kind_that_was_replaced_stand_in_for_hardware_or_else_ideal_ones() {
+    let real = |entry: &RobotEntry| Ok(RobotSetup::new(entry.name(), Irp6::nominal(), Untouched));
+    let file = CellFile::parse("cell.toml", GOOD).expect("well-formed");
+    // Simulated motors are behind their demands; ideal drives never are.
+    for (kinds, lags) in [(simulated().with("irp6", real), true), (Kinds::new().with("irp6", real), false)] {
+        let cell = file.cell(&kinds).expect("known").simulated().expect("they stand in");
+        let off = std::rc::Rc::new(std::cell::Cell::new(0.0_f64));
+        let seen = std::rc::Rc::clone(&off);
+        let cell = cell.watch(move |period| {
+            let apart = period.demanded.iter().zip(period.measured).map(|(a, b)| (a - b).abs());
+            seen.set(apart.fold(seen.get(), f64::max));
+        });
+        let moved = cell.program(|mp| {
+            let (mut left, mut right) = (mp.robot::<Irp6>("left")?, mp.robot::<Irp6>("right")?);
+            // Encoders of simulated drives count.
+            let off = left.demanded().joints - Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+            assert!(off.amax() < 1e-5, "{off}");
+            mp.move_robots((&mut left, &mut right), (), Turn(0)).map(drop)
+        });
+        moved.run().expect("within the limits");
+        assert_eq!(off.get() > 1e-6, lags, "{}", off.get());
+        assert!(off.get() < 0.01);
+    }
+    // Where a robot starts, a stand-in has to be told.
+    let without = GOOD.replace("start = [0,", "# start = [0,");
+    let file = CellFile::parse("cell.toml", &without).expect("well-formed");
+    let refused = file.cell(&Kinds::new().with("irp6", real)).expect("known").simulated();
+    let refused = refused.err().expect("refused").to_string();
+    assert!(refused.contains("cell.toml:9:9: robot `right` has no `start`"), "{refused}");
+}
+
+/// Turns the first joints to and fro by a cosine of 0.05 rad, in a second.
+struct Turn(u32);
+
+#[generator(mp)]
+fn turn(c: &mut Turn, e: &State<(Irp6, Irp6)>) -> Step<(Irp6, Irp6)> {
+    c.0 += 1;
+    if c.0 > 500 {
+        return Step::Done;
+    }
+    let angle = |k: u32| 0.025 * (1.0 - (std::f64::consts::TAU * f64::from(k) / 500.0).cos());
+    let way = Six::new(angle(c.0) - angle(c.0 - 1), 0.0, 0.0, 0.0, 0.0, 0.0);
+    Step::Next((Demand::joints(e.0.demanded().joints + way), Demand::joints(e.1.demanded().joints + way)))
 }

@@ -80,8 +80,8 @@ impl Driver<Slides> for Stuck {
         MS
     }
 
-    fn measured(&self) -> Measured<Q<3>> {
-        Measured { position: self.0, velocity: Q::zeros() }
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
+        Ok(Measured { position: self.0, velocity: Q::zeros() })
     }
 
     fn tick(&mut self, _: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {

@@ -141,3 +141,31 @@ fn fault_67_hardware_that_one_cell_has_is_refused_to_all_others() {
     let (status, said) = run(place.program(VIRTUAL).envs(hardware));
     assert!(status == Some(2) && said.contains("has real drives, arms of test 72"), "{status:?}: {said}");
 }
+
+#[test]
+fn fault_83_simulated_drives_stand_in_for_hardware_in_dry_runs_and_where_the_operator_says_so() {
+    let place = Place::new(80);
+    let hardware = [(HARDWARE, "arms of test 80")];
+    let ends_well = |arguments: &[&str]| {
+        let (status, said) = run(place.program(arguments).envs(hardware));
+        assert!(status == Some(0), "{arguments:?}: {status:?}: {said}");
+        said
+    };
+    let said = ends_well(&["--dry-run"]);
+    for robot in ROBOTS {
+        let told = format!("{robot}: simulated drives stood in for arms of test 80");
+        assert!(said.contains("within all limits") && said.contains(&told), "{said}");
+    }
+    let checked = ends_well(&["--check"]);
+    assert!(checked.contains("real drives, arms of test 80: not opened; a dry run takes"), "{checked}");
+    // Nobody has the hardware meanwhile: it is not touched.
+    for arguments in [&["--simulated", "--no-picture"][..], &["--simulated", "--virtual", "--no-picture"]] {
+        assert!(ends_well(arguments).contains("simulated drives stood in for arms of test 80"));
+    }
+    // Where the file does not say where a robot starts, its stand-in does not know it.
+    let file = place.base().parent().expect("a folder").join("elsewhere.toml");
+    let without = include_str!("cell.toml").replace("start = [0.0", "# start = [0.0");
+    fs::write(file, without).expect("written");
+    let (status, said) = run(place.program(&["--check", "--cell", "elsewhere.toml"]).envs(hardware));
+    assert!(status == Some(2) && said.contains("has no `start`"), "{status:?}: {said}");
+}

@@ -152,18 +152,18 @@ fn kills() -> usize {
 }
 
 /// A seeded generator (xorshift64): the seed is printed and may be given again.
-struct Random {
-    seed: u64,
+pub struct Random {
+    pub seed: u64,
     state: u64,
 }
 
 impl Random {
-    fn new() -> Random {
+    pub fn new() -> Random {
         let seed = std::env::var("MRROC_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(20_260_926);
         Random { seed, state: seed }
     }
 
-    fn below(&mut self, limit: u64) -> u64 {
+    pub fn below(&mut self, limit: u64) -> u64 {
         self.state ^= self.state << 13;
         self.state ^= self.state >> 7;
         self.state ^= self.state << 17;

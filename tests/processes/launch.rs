@@ -73,6 +73,34 @@ impl Place {
         self.start_as(&mut program, folder)
     }
 
+    /// Starts the program with these outputs, or files of its records.
+    pub fn start_writing(
+        &self,
+        output: Option<Stdio>,
+        errors: Option<Stdio>,
+        records: &str,
+        arguments: &[&str],
+    ) -> Launch {
+        let folder = self.records(records);
+        let or_file = |to: Option<Stdio>, name| {
+            to.unwrap_or_else(|| File::create(folder.join(name)).expect("a file").into())
+        };
+        let mut program = self.program(arguments);
+        program.env(RECORDS, &folder).stdout(or_file(output, "stdout")).stderr(or_file(errors, "stderr"));
+        let child = program.spawn().expect("the program starts");
+        Launch { child, place: self.folder.clone(), records: folder, seen: BTreeSet::new() }
+    }
+
+    /// The processes of its sessions, whoever their parent is.
+    pub fn processes(&self) -> Vec<Process> {
+        let all = fs::read_dir("/proc").expect("processes").flatten();
+        let pids = all.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+        let base = self.base();
+        let ours = pids.filter(|&pid| session(pid).is_some_and(|folder| folder.starts_with(&base)));
+        let processes = ours.filter_map(|pid| Some(Process { pid, role: role(pid)? }));
+        processes.filter(Process::is_alive).collect()
+    }
+
     /// An empty folder of this name.
     fn records(&self, records: &str) -> PathBuf {
         let records = self.folder.join(records);
@@ -160,6 +188,14 @@ fn role(pid: i32) -> Option<String> {
     let words: Vec<_> = arguments.split(|&byte| byte == 0).skip(1).map(String::from_utf8_lossy).collect();
     let end = words.iter().position(|word| word == "--session")?;
     Some(words[..end].join(" "))
+}
+
+/// The folder of the session that a process is in.
+fn session(pid: i32) -> Option<PathBuf> {
+    let arguments = fs::read(format!("/proc/{pid}/cmdline")).ok()?;
+    let mut words = arguments.split(|&byte| byte == 0);
+    words.find(|word| *word == b"--session")?;
+    Some(PathBuf::from(std::str::from_utf8(words.next()?).ok()?))
 }
 
 fn signal(pid: i32, signal: Signal) {

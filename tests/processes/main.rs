@@ -12,6 +12,7 @@ mod crowd;
 mod identity;
 mod kills;
 mod launch;
+mod launches;
 mod operator;
 mod rows;
 mod runs;

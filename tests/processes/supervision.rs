@@ -60,7 +60,7 @@ fn fault_60_a_launcher_that_is_stopped_from_its_terminal_suspends_the_cell_first
 }
 
 /// A pipe: whether nobody reads it and it is full, or nobody can read it.
-fn pipe_without_reader(is_closed: bool) -> (Option<OwnedFd>, OwnedFd) {
+pub fn pipe_without_reader(is_closed: bool) -> (Option<OwnedFd>, OwnedFd) {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     let (reader, writer) = (OwnedFd::from(reader), OwnedFd::from(writer));
     if is_closed {

@@ -52,7 +52,7 @@ impl Driver<Gantry> for Trips {
     fn period(&self) -> std::time::Duration {
         MS
     }
-    fn measured(&self) -> Measured<Q<3>> {
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
         Driver::<Gantry>::measured(&self.drive)
     }
     fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
@@ -110,7 +110,7 @@ impl Driver<Gantry> for Lost {
     fn period(&self) -> std::time::Duration {
         MS
     }
-    fn measured(&self) -> Measured<Q<3>> {
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
         Driver::<Gantry>::measured(&self.drive)
     }
     fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {

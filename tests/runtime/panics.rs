@@ -51,7 +51,7 @@ impl Driver<Gantry> for Panicking {
     fn period(&self) -> std::time::Duration {
         MS
     }
-    fn measured(&self) -> Measured<Q<3>> {
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
         Driver::<Gantry>::measured(&self.drive)
     }
     fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
@@ -153,8 +153,8 @@ impl Driver<Gantry> for Blind {
     fn period(&self) -> std::time::Duration {
         MS
     }
-    fn measured(&self) -> Measured<Q<3>> {
-        self.read(Driver::<Gantry>::measured(&self.drive))
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
+        Driver::<Gantry>::measured(&self.drive).map(|measured| self.read(measured))
     }
     fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
         self.ticks += 1;

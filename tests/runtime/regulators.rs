@@ -21,7 +21,7 @@ impl Driver<Gantry> for Tuned {
         MS
     }
 
-    fn measured(&self) -> Measured<Q<3>> {
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
         Driver::<Gantry>::measured(&self.drive)
     }
 

@@ -186,8 +186,8 @@ impl Driver<Gantry> for Trips {
         MS
     }
 
-    fn measured(&self) -> Measured<Q<3>> {
-        Measured { position: Q::<3>::new(self.at, 0.0, 0.0), velocity: Q::zeros() }
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
+        Ok(Measured { position: Q::<3>::new(self.at, 0.0, 0.0), velocity: Q::zeros() })
     }
 
     fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
@@ -198,7 +198,7 @@ impl Driver<Gantry> for Trips {
             return Err(DriveFault::exceeded(0, "motor current", Excess::new(30.0, 25.0, "A")));
         }
         self.at = demanded[0];
-        Ok(self.measured())
+        self.measured()
     }
 
     fn has_brakes(&self) -> bool {

@@ -81,13 +81,13 @@ impl<R: Robot<Joints = Eight>> Driver<R> for Lagging {
         Duration::from_millis(10)
     }
 
-    fn measured(&self) -> Measured<Eight> {
-        Measured { position: self.0, velocity: Eight::zeros() }
+    fn measured(&self) -> Result<Measured<Eight>, DriveFault> {
+        Ok(Measured { position: self.0, velocity: Eight::zeros() })
     }
 
     fn tick(&mut self, demanded: &Eight) -> Result<Measured<Eight>, DriveFault> {
         self.0 = demanded.map(|q| q - LAG);
-        Ok(Driver::<R>::measured(self))
+        Driver::<R>::measured(self)
     }
 }
 

@@ -8,6 +8,7 @@ use std::rc::Rc;
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, JointVector, Measured, Regulators, SimulatedDrives};
 
+use super::driver::read;
 use super::{Violation, ensure};
 
 /// Longest stop that the cell allows any joint: that of slow belts.
@@ -39,8 +40,16 @@ impl<R: Robot, D: Driver<R>> Driver<R> for Lent<R, D> {
         self.0.borrow().driver.period()
     }
 
-    fn measured(&self) -> Measured<R::Joints> {
+    fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {
         self.0.borrow().driver.measured()
+    }
+
+    fn open(&mut self) -> Result<(), DriveFault> {
+        self.0.borrow_mut().driver.open()
+    }
+
+    fn close(&mut self) {
+        self.0.borrow_mut().driver.close();
     }
 
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
@@ -69,7 +78,7 @@ impl<R: Robot, D: Driver<R>> SimulatedDrives<R> for Lent<R, D> {
         let driver = &mut self.0.borrow_mut().driver;
         match driver.simulation() {
             Some(simulated) => simulated.brake(),
-            None => driver.measured(),
+            None => driver.measured().expect("simulated drives can be read"),
         }
     }
 }
@@ -213,7 +222,7 @@ fn at_rest<R: Robot, D: Driver<R>>(robot: &R, kept: &RefCell<Kept<R, D>>) -> Res
     for _ in 0..ticks {
         driver.tick(demanded).map_err(|fault| Violation(format!("after the cell: {fault}")))?;
     }
-    let measured = driver.measured();
+    let measured = read(driver)?;
     for i in 0..R::Joints::LEN {
         let off = (measured.position[i] - demanded[i]).abs() / robot.limits().velocity[i];
         ensure(off < 2e-3, || format!("joint {i} stands {off} s of its top speed off its demand"))?;

@@ -16,6 +16,11 @@ fn period<R: Robot>(driver: &impl Driver<R>) -> f64 {
     driver.period().as_secs_f64()
 }
 
+/// What the encoders read.
+pub(super) fn read<R: Robot>(driver: &impl Driver<R>) -> Result<Measured<R::Joints>, Violation> {
+    driver.measured().map_err(|fault| Violation(format!("it cannot be read: {fault}")))
+}
+
 /// Whether a tick reports the same cause again; its value may be NaN, which is not equal to itself.
 fn keeps<J>(outcome: Result<Measured<J>, DriveFault>, fault: &DriveFault) -> bool {
     outcome.is_err_and(|again| (again.joint(), again.what()) == (fault.joint(), fault.what()))
@@ -45,7 +50,7 @@ pub fn measures_at_rest<R: Robot>(
             format!("at rest it moves at {velocity:?}")
         })
     };
-    let measured = driver.measured();
+    let measured = read(&driver)?;
     check(&measured.position, &measured.velocity)?;
     for _ in 0..2_000 {
         let measured = driver.tick(start).map_err(|fault| Violation(format!("holding: {fault}")))?;
@@ -89,7 +94,7 @@ pub fn follows_slowly<R: Robot, D: Driver<R>>(
                 .tick(start)
                 .map_err(|fault| Violation(format!("joint {joint}, at rest again: {fault}")))?;
         }
-        let rest = off(robot, &driver.measured().position, start);
+        let rest = off(robot, &read(&driver)?.position, start);
         println!(
             "{} joint {joint}: largest error {:.2} ms of its top speed, at rest {:.3} ms",
             R::KIND,
@@ -122,14 +127,14 @@ pub fn refuses<R: Robot, D: Driver<R>>(
             let mut driver = make();
             let mut demanded = *start;
             demanded[joint] = value;
-            let before = driver.measured();
+            let before = read(&driver)?;
             let Err(fault) = driver.tick(&demanded) else {
                 return Err(Violation(format!("joint {joint} takes the demand {value}")));
             };
             let named = fault.joint().unwrap_or(0);
             ensure(named < R::Joints::LEN, || format!("the fault names joint {named}"))?;
             ensure(keeps(driver.tick(start), &fault), || format!("the cause {fault} is not kept"))?;
-            let moved = off(robot, &driver.measured().position, &before.position);
+            let moved = off(robot, &read(&driver)?.position, &before.position);
             ensure(moved < AT_REST, || {
                 format!("joint {joint}: {value} moved it by {moved} s of its top speed")
             })?;
@@ -159,7 +164,7 @@ pub fn comes_to_rest<R: Robot>(
         }
         driver.tick(&demanded).map_err(|fault| Violation(format!("speeding up, tick {k}: {fault}")))?;
     }
-    let moving = driver.measured();
+    let moving = read(&driver)?;
     ensure(off(robot, &moving.velocity, &R::Joints::zeros()) > 1e-3, || {
         format!("it moves at {:?}", moving.velocity)
     })?;
@@ -170,9 +175,10 @@ pub fn comes_to_rest<R: Robot>(
     for _ in 0..BRAKING {
         ensure(keeps(driver.tick(&demanded), &fault), || format!("the cause {fault} is not kept"))?;
     }
-    let rest = driver.measured();
+    let rest = read(&driver)?;
     driver.tick(&demanded).err();
-    ensure(driver.measured().position == rest.position, || "it still moves after braking".into())
+    let again = read(&driver)?;
+    ensure(again.position == rest.position, || "it still moves after braking".into())
 }
 
 /// Two drivers that are given the same demands measure the same, to the bit.

@@ -2,6 +2,7 @@
 
 use mrroc::robot::{DriveFault, Driver, Homing, JointVector, Robot, Search};
 
+use super::driver::read;
 use super::{Violation, ensure};
 
 /// Longest search \[s\].
@@ -49,7 +50,7 @@ pub fn finds_its_marks<R: Robot, H: Homing<R>>(
         ensure(drives.period() == period, || {
             format!("it searches every {period:?} and drives every {:?}", drives.period())
         })?;
-        let found = drives.measured().position;
+        let found = read(&drives)?.position;
         for i in 0..R::Joints::LEN {
             let (lower, upper) = (limits.lower[i], limits.upper[i]);
             ensure((lower..=upper).contains(&found[i]), || {
@@ -84,7 +85,7 @@ pub fn searches_alike<R: Robot, H: Homing<R>>(
     for start in starts.iter().take(2) {
         let run = || {
             let (ticks, drives) = searched(make(start))?.map_err(|fault| Violation(fault.to_string()))?;
-            Ok::<_, Violation>((ticks, drives.measured()))
+            Ok::<_, Violation>((ticks, read(&drives)?))
         };
         let one = run()?;
         let other = run()?;

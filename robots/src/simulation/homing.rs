@@ -61,7 +61,7 @@ const REST: u32 = 50;
 ///         Search::Found(drives) => break drives,
 ///     }
 /// };
-/// let here = drives.measured().position;
+/// let here = drives.measured()?.position;
 /// drives.tick(&here)?;
 /// # Ok::<(), mrroc::robot::DriveFault>(())
 /// ```

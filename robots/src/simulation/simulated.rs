@@ -255,8 +255,8 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         self.servo_period()
     }
 
-    fn measured(&self) -> Measured<SVector<f64, N>> {
-        self.measured
+    fn measured(&self) -> Result<Measured<SVector<f64, N>>, DriveFault> {
+        Ok(self.measured)
     }
 
     fn tick(&mut self, demanded: &SVector<f64, N>) -> Result<Measured<SVector<f64, N>>, DriveFault> {

@@ -88,7 +88,9 @@ pub mod prelude {
 
 /// Robots: models, limits, images, and the drives that move them.
 pub mod robot {
+    pub use crate::control::connecting::Connecting;
     pub use crate::control::guard::RobotView;
+    pub use crate::control::ideal::IdealDrives;
     pub use crate::model::driver::{
         DriveFault, Driver, Homing, Measured, Regulators, Search, SimulatedDrives,
     };

@@ -185,6 +185,7 @@ impl fmt::Display for Approach {
 mod tests {
     use super::*;
     use core::time::Duration;
+    use mrroc_core::observe::layout::DrivesLayout;
 
     use mrroc_core::fault::Role;
     use mrroc_core::observe::layout::RobotLayout;
@@ -205,6 +206,7 @@ mod tests {
         RobotLayout {
             name: name.to_owned(),
             kind: "slide",
+            drives: DrivesLayout::Unnamed,
             servo: step,
             homed: true,
             ecp_program: false,

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::rc::Rc;
 
-use super::outcome::{cell_refused, note, report, stopped};
+use super::outcome::{cell_refused, note, report, stand_ins, stopped};
 use super::patience::Patience;
 use crate::approach::Approach;
 use mrroc_core::cell::{Cell, CellError};
@@ -15,7 +15,9 @@ use mrroc_core::console::{complain, refused, say};
 
 /// Runs a cell dry.
 pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
-    let approach = Rc::new(Approach::of(cell.layout()));
+    let layout = cell.layout();
+    let stood_in: String = stand_ins(&layout).map(|told| told + "\n").collect();
+    let approach = Rc::new(Approach::of(layout));
     let witness: Rc<Approach> = Rc::clone(&approach);
     cell = cell.unrecorded().witnessed_by(witness);
     if !quiet {
@@ -24,7 +26,7 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
     match cell.run() {
         Ok(ran) => {
             if let Some(too_near) = approach.too_near() {
-                complain(&format!("dry run: how near it came to its limits\n{approach}"));
+                complain(&format!("dry run: how near it came to its limits\n{stood_in}{approach}"));
                 return refused(&too_near);
             }
             if quiet {
@@ -34,10 +36,12 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
                 note("nothing moved: the program returned before a Move or a Wait");
             }
             let (seconds, steps) = (ran.time.as_secs_f64(), ran.steps);
-            say(&format!("dry run: {seconds:.3} s in {steps} steps within all limits\n{approach}"))
+            say(&format!("dry run: {seconds:.3} s in {steps} steps within all limits\n{stood_in}{approach}"))
         }
         Err(CellError::Fault(fault)) => {
-            complain(&format!("dry run: how near it came to its limits until the fault\n{approach}"));
+            complain(&format!(
+                "dry run: how near it came to its limits until the fault\n{stood_in}{approach}"
+            ));
             stopped(&fault)
         }
         Err(error) => cell_refused(&error),

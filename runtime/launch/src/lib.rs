@@ -27,7 +27,7 @@ use crate::cell_file::CellFile;
 use crate::dry_run::{dry_run, dry_run_first};
 use crate::files::check_outputs;
 use crate::options::{Word, nearest_cell, parse};
-use crate::outcome::{answered, cell_refused};
+use crate::outcome::{answered, cell_refused, note, stand_ins};
 use crate::running::{run, watched};
 use crate::table::Table;
 
@@ -40,9 +40,10 @@ pub use crate::program::{Launch, Ran};
 ///
 /// With `--processes` the same executable is every process of the cell: each process calls `cell` again and runs its
 /// own part of that cell. So `cell` must make the same cell at every call: it may read files, but it must not open
-/// anything that only one process may have, and must not move anything. Real drives are opened by `Driver::open`, which
-/// only their EDP calls. The process `plant`, which has the simulated robots, draws the picture when the run is over.
+/// anything that only one process may have, and must not move anything. Real drives are opened by [`Driver::open`](mrroc_core::robot::Driver::open),
+/// which only their EDP calls. The process `plant`, which has the simulated robots, draws the picture when the run is over.
 /// For a cell without simulated robots no picture is drawn.
+///
 pub fn launch(
     cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>,
     picture: impl RunPicture,
@@ -68,6 +69,15 @@ pub fn launch(
         Ok(cell) => cell,
         Err(error) => return cell_refused(&error),
     };
+    if options.simulates() && !options.check {
+        cell = match cell.simulated() {
+            Ok(cell) => cell,
+            Err(error) => return cell_refused(&error),
+        };
+        if options.simulated && options.part.is_none() && !options.quiet {
+            stand_ins(&cell.layout()).for_each(|told| note(&told));
+        }
+    }
     if let Some(file) = &options.recording.file {
         cell = cell.record_to(file);
     }
@@ -82,8 +92,13 @@ pub fn launch(
             Some(Clock::Virtual) => "iceoryx2, under the virtual clock",
             Some(Clock::Real) => "iceoryx2, in real time",
         };
-        let table = Table::of(&cell, link);
+        let table = Table::of(&cell, link).to_string();
         let well = format!("{}: nothing is wrong with the cell\n\n{table}", path.display());
+        // No driver has been opened. Whether anything could stand in for those of real drives is known only if it is made.
+        let well = match cell.simulated() {
+            Ok(_) => well,
+            Err(error) => format!("{well}\nneither a dry run nor `--simulated` is possible:\n{error}\n"),
+        };
         return if options.quiet { ExitCode::SUCCESS } else { say(&well) };
     }
     if options.part.is_none() && clock.is_none() {

@@ -56,6 +56,9 @@ pub(super) struct Options {
     /// them only if it keeps them.
     #[arg(long)]
     pub(super) dry_run: bool,
+    /// Let simulated drives stand in for real ones, as in a dry run.
+    #[arg(long)]
+    pub(super) simulated: bool,
     #[command(flatten)]
     pub(super) recording: RecordingOption,
     /// Print errors only.
@@ -151,6 +154,12 @@ impl Options {
     /// The file of the picture; `None` if no picture is wanted.
     pub(super) fn picture(&self) -> Option<&Path> {
         (!self.no_picture).then_some(&*self.picture)
+    }
+
+    /// Whether simulated drives stand in for real ones in what this process runs: a dry run is on the memory link, whatever
+    /// comes after it.
+    pub(super) fn simulates(&self) -> bool {
+        self.simulated || self.dry_run && self.clock().is_none() && self.part.is_none()
     }
 
     /// By which clock the cell runs as processes of the operating system; `None` if it does not.

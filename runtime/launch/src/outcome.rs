@@ -7,8 +7,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc_core::cell::{CellError, RunReport};
-use mrroc_core::console::{complain, say};
+use mrroc_core::console::{complain, quoted, say};
 use mrroc_core::fault::Fault;
+use mrroc_core::observe::layout::{DrivesLayout, Layout, RobotLayout};
 
 /// Prints which fault stopped the cell and what to do about it.
 pub fn stopped(fault: &Fault) -> ExitCode {
@@ -46,6 +47,16 @@ pub fn answered(answer: &clap::Error) -> ExitCode {
         return ExitCode::from(2);
     }
     say(&text)
+}
+
+/// Which simulated drives stand in for real ones: a sentence for each.
+pub(crate) fn stand_ins(layout: &Layout) -> impl Iterator<Item = String> + '_ {
+    layout.robots.iter().filter_map(|RobotLayout { name, drives, .. }| match drives {
+        DrivesLayout::StandIn(hardware) => {
+            Some(format!("{name}: simulated drives stood in for {}", quoted(hardware, 120)))
+        }
+        DrivesLayout::Unnamed | DrivesLayout::Hardware(_) => None,
+    })
 }
 
 /// Prints an error.

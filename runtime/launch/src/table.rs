@@ -8,10 +8,11 @@ use std::time::Duration;
 
 use mrroc_core::cell::Cell;
 use mrroc_core::cell::{Permission, Realtime};
+use mrroc_core::console::quoted;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::observe::Recording;
-use mrroc_core::observe::layout::{JointLayout, Layout, RobotLayout, SensorLayout};
+use mrroc_core::observe::layout::{DrivesLayout, JointLayout, Layout, RobotLayout, SensorLayout};
 use mrroc_core::robot::InterpolationSpace;
 use mrroc_core::sensor::VspMode;
 
@@ -108,6 +109,19 @@ impl Table<'_> {
         };
         let homed = if robot.homed { "knows where it is" } else { "looks for its reference marks first" };
         writeln!(f, "\n{}: {}, {homed}, interpolates in {space}", robot.name, robot.kind)?;
+        match &robot.drives {
+            DrivesLayout::Hardware(hardware) => {
+                let hardware = quoted(hardware, 120);
+                writeln!(
+                    f,
+                    "real drives, {hardware}: not opened; a dry run takes simulated ones in their place"
+                )?;
+            }
+            DrivesLayout::StandIn(hardware) => {
+                writeln!(f, "simulated drives in place of {}", quoted(hardware, 120))?;
+            }
+            DrivesLayout::Unnamed => {}
+        }
         writeln!(
             f,
             "{:<9}{:>10}{:>10}{:>10}{:>14}{:>10}{:>11}{:>9}{:>9}{:>9}",

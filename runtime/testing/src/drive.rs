@@ -42,9 +42,9 @@ pub struct FaultyDrive<R: Robot, D> {
     joint: usize,
     from: u64,
     ticks: u64,
-    /// The last values of the encoders, and the position of the failing joint [rad or m].
-    said: Measured<R::Joints>,
-    at: f64,
+    /// The last values of the encoders, once there were any, and where the failing joint was sent last [rad or m].
+    said: Option<Measured<R::Joints>>,
+    at: Option<f64>,
 }
 
 impl<R: Robot, D: Driver<R>> FaultyDrive<R, D> {
@@ -54,8 +54,7 @@ impl<R: Robot, D: Driver<R>> FaultyDrive<R, D> {
     /// If the robot has no such joint.
     pub fn new(drives: D, trouble: DriveTrouble, joint: usize, from: u64) -> Self {
         assert!(joint < R::Joints::LEN, "joint {joint} of {}", R::Joints::LEN);
-        let said = drives.measured();
-        FaultyDrive { at: said.position[joint], drives, trouble, joint, from, ticks: 0, said }
+        FaultyDrive { at: None, drives, trouble, joint, from, ticks: 0, said: None }
     }
 }
 
@@ -64,21 +63,23 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
         self.drives.period()
     }
 
-    fn measured(&self) -> Measured<R::Joints> {
-        self.said
+    fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {
+        self.said.map_or_else(|| self.drives.measured(), Ok)
     }
 
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
         self.ticks += 1;
         let (joint, fails) = (self.joint, self.ticks >= self.from);
         let mut told = *demanded;
+        let before = self.measured()?;
+        let at = self.at.unwrap_or(before.position[joint]);
         match self.trouble {
             DriveTrouble::Trip if fails => {
                 return Err(DriveFault::exceeded(joint, "motor current", Excess::new(30.0, 25.0, "A")));
             }
-            DriveTrouble::Blocked if fails => told[joint] = self.at,
+            DriveTrouble::Blocked if fails => told[joint] = at,
             DriveTrouble::Friction(share) if fails => {
-                told[joint] = self.at + (demanded[joint] - self.at) * share.clamp(0.0, 1.0);
+                told[joint] = at + (demanded[joint] - at) * share.clamp(0.0, 1.0);
             }
             DriveTrouble::Trip
             | DriveTrouble::Blocked
@@ -86,12 +87,12 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
             | DriveTrouble::EncoderNan
             | DriveTrouble::EncoderStuck => {}
         }
-        self.at = told[joint];
+        self.at = Some(told[joint]);
         let mut measured = self.drives.tick(&told)?;
         match self.trouble {
             DriveTrouble::EncoderNan if fails => measured.position[joint] = f64::NAN,
             DriveTrouble::EncoderStuck if fails => {
-                measured.position[joint] = self.said.position[joint];
+                measured.position[joint] = before.position[joint];
                 measured.velocity[joint] = 0.0;
             }
             DriveTrouble::Trip
@@ -100,8 +101,20 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
             | DriveTrouble::EncoderNan
             | DriveTrouble::EncoderStuck => {}
         }
-        self.said = measured;
+        self.said = Some(measured);
         Ok(measured)
+    }
+
+    fn open(&mut self) -> Result<(), DriveFault> {
+        self.drives.open()
+    }
+
+    fn close(&mut self) {
+        self.drives.close();
+    }
+
+    fn hardware(&self) -> Option<String> {
+        self.drives.hardware()
     }
 
     fn has_brakes(&self) -> bool {
@@ -131,10 +144,7 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
 
 impl<R: Robot, D: Driver<R>> SimulatedDrives<R> for FaultyDrive<R, D> {
     fn brake(&mut self) -> Measured<R::Joints> {
-        self.said = match self.drives.simulation() {
-            Some(simulated) => simulated.brake(),
-            None => self.drives.measured(),
-        };
-        self.said
+        let simulation = self.drives.simulation().expect("simulated drives alone offer this");
+        *self.said.insert(simulation.brake())
     }
 }

@@ -10,7 +10,7 @@ use mrroc_robots::{Gripper, One};
 #[derive(Debug)]
 pub struct SlowFingers {
     fingers: Fingers,
-    demanded: One,
+    demanded: Option<One>,
 }
 
 impl SlowFingers {
@@ -20,7 +20,7 @@ impl SlowFingers {
     /// The slow drive of these fingers.
     #[must_use]
     pub fn new(fingers: Fingers) -> Self {
-        SlowFingers { demanded: fingers.measured().position, fingers }
+        SlowFingers { demanded: None, fingers }
     }
 }
 
@@ -29,13 +29,13 @@ impl Driver<Gripper> for SlowFingers {
         self.fingers.period() * Self::PARTS
     }
 
-    fn measured(&self) -> Measured<One> {
+    fn measured(&self) -> Result<Measured<One>, DriveFault> {
         self.fingers.measured()
     }
 
     fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
-        let from = core::mem::replace(&mut self.demanded, *demanded);
-        let mut measured = self.fingers.measured();
+        let mut measured = self.fingers.measured()?;
+        let from = self.demanded.replace(*demanded).unwrap_or(measured.position);
         for part in 1..=Self::PARTS {
             let share = f64::from(part) / f64::from(Self::PARTS);
             measured = self.fingers.tick(&(from + (demanded - from) * share))?;
@@ -56,9 +56,8 @@ impl Driver<Gripper> for SlowFingers {
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {
-        self.fingers.switch_on()?;
-        self.demanded = self.fingers.measured().position;
-        Ok(())
+        self.demanded = None;
+        self.fingers.switch_on()
     }
 
     fn has_regulator(&self, joint: usize, set: u8) -> bool {
@@ -103,7 +102,7 @@ mod tests {
         slow.choose_regulators(&Regulators::uniform(1));
         chosen.choose_regulators(&Regulators::uniform(1));
         // The demand of every 4 ms is one half-way and one at the end for the fingers themselves.
-        let (mut from, mut apart) = (chosen.measured().position, 0.0_f64);
+        let (mut from, mut apart) = (chosen.measured().expect("simulated").position, 0.0_f64);
         for i in 1..=200 {
             let to = One::new(0.075 - 4e-5 * f64::from(i));
             let reported = slow.tick(&to).expect("follows").position;

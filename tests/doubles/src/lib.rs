@@ -163,8 +163,8 @@ impl<R: Robot<Joints = Q<N>>, const N: usize> Driver<R> for ExactDrive<N> {
         self.period
     }
 
-    fn measured(&self) -> Measured<Q<N>> {
-        self.measured
+    fn measured(&self) -> Result<Measured<Q<N>>, DriveFault> {
+        Ok(self.measured)
     }
 
     fn tick(&mut self, demanded: &Q<N>) -> Result<Measured<Q<N>>, DriveFault> {

@@ -51,18 +51,23 @@ impl Driver<Arm> for Drives {
         PERIOD
     }
 
+    /// Which hardware the drives are, if they are real.
+    fn hardware(&self) -> Option<String> {
+        None
+    }
+
     /// What was read last; nothing moves.
-    fn measured(&self) -> Measured<Six> {
+    fn measured(&self) -> Result<Measured<Six>, DriveFault> {
         let position = Six::from_fn(|i, _| self.bus.counts[i] as f64 * COUNT);
-        Measured { position, velocity: self.velocity }
+        Ok(Measured { position, velocity: self.velocity })
     }
 
     /// One servo period. The demand is within all limits already.
     fn tick(&mut self, demanded: &Six) -> Result<Measured<Six>, DriveFault> {
-        let before = self.measured().position;
+        let before = self.measured()?.position;
         let answer = self.bus.exchange(counts(demanded));
         self.bus.counts = answer.ok_or(DriveFault::NoAnswer)?;
-        self.velocity = (self.measured().position - before) / PERIOD.as_secs_f64();
-        Ok(self.measured())
+        self.velocity = (self.measured()?.position - before) / PERIOD.as_secs_f64();
+        self.measured()
     }
 }

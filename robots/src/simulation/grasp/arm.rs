@@ -91,7 +91,7 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
         self.arm.period()
     }
 
-    fn measured(&self) -> Measured<SVector<f64, N>> {
+    fn measured(&self) -> Result<Measured<SVector<f64, N>>, DriveFault> {
         self.arm.measured()
     }
 

@@ -36,7 +36,7 @@ impl Driver<Gripper> for Fingers {
         self.drive.period()
     }
 
-    fn measured(&self) -> Measured<One> {
+    fn measured(&self) -> Result<Measured<One>, DriveFault> {
         self.drive.measured()
     }
 

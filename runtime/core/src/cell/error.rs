@@ -46,9 +46,19 @@ pub enum CellError {
     Processes(String),
     /// Drives that are hardware, in a cell whose time is not that of the world.
     #[error(
-        "robot `{robot}` has real drives, {hardware}, which cannot follow the virtual clock; nothing was opened\n help: run the cell in real time, `cargo run -- --processes`; to run it without the robot, give it simulated drives"
+        "robot `{robot}` has real drives, {hardware}, which cannot follow the virtual clock; nothing was opened\n help: run the cell in real time, `cargo run -- --processes`; or let simulated drives stand in: `--dry-run`, `--simulated`, in a program `cell.simulated()`"
     )]
     RealDrives {
+        /// The robot.
+        robot: Name,
+        /// What its driver calls them.
+        hardware: String,
+    },
+    /// Real drives that nothing can stand in for.
+    #[error(
+        "robot `{robot}` has real drives, {hardware}, and nothing to stand in for them; nothing was opened\n help: give its set-up simulated drives, `.stand_in(..)`"
+    )]
+    NoStandIn {
         /// The robot.
         robot: Name,
         /// What its driver calls them.

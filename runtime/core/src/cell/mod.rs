@@ -213,6 +213,16 @@ impl Cell {
         self.timing.watchdog
     }
 
+    /// Lets simulated drives stand in for all that name [hardware](crate::robot::Driver::hardware), which is then neither
+    /// opened nor asked for anything but its name and its period: so the cell runs under the virtual clock.
+    /// [`layout`](Cell::layout) tells which robots have such stand-ins.
+    ///
+    /// # Errors
+    /// [`CellError`] for each robot with real drives and [nothing to stand in](RobotSetup::stand_in) for them.
+    pub fn simulated(mut self) -> Result<Cell, CellError> {
+        self.parts.simulate().map(|()| self)
+    }
+
     /// The operator's handle of this cell.
     #[must_use]
     pub fn operator(&self) -> Operator {

@@ -92,6 +92,19 @@ impl Parts {
         real.map_or(Ok(()), |(robot, hardware)| Err(CellError::RealDrives { robot, hardware }))
     }
 
+    /// Lets simulated drives stand in for real ones.
+    ///
+    /// # Errors
+    /// Why there are none for some robots.
+    pub fn simulate(&mut self) -> Result<(), CellError> {
+        let robots = self.robots.iter_mut().filter(|robot| robot.hardware().is_some());
+        let refused = robots.filter_map(|robot| {
+            let name = Name::new(robot.name()).map_err(CellError::from);
+            name.and_then(|name| robot.simulate(name)).err()
+        });
+        CellError::all(refused.collect())
+    }
+
     /// Checks the sensors of robots with these names.
     pub fn check_sensors(&self, robots: &[Name], errors: &mut Vec<CellError>) {
         let mut sensors = Vec::new();

@@ -9,7 +9,7 @@ use crate::control::command::{Command, Reading, RegulatorSets, Switch};
 use crate::control::guarded::guarded;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Client, Waiter};
-use crate::model::driver::{Driver, Measured, Regulators};
+use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
@@ -20,7 +20,7 @@ use crate::model::time::Nanos;
 pub(crate) enum Drive<R: Robot> {
     /// In this process.
     Here(Box<dyn Driver<R>>),
-    /// In this process, and not to be reached, for this reason.
+    /// In this process, or in the plant, and not to be reached, for this reason.
     Closed(Unopened<R>),
     /// In the plant.
     Plant(Box<PlantDrive<R>>),
@@ -32,9 +32,15 @@ pub(super) struct Followed<J> {
     pub demanded: J,
 }
 
-/// Drives that could not be opened.
+/// Where nothing is read, there is no number.
+fn unknown<J: JointVector>() -> Measured<J> {
+    let unknown = J::from_joints(|_| f64::NAN);
+    Measured { position: unknown, velocity: unknown }
+}
+
+/// Drives that could not be opened, or read when they were to begin.
 pub(crate) struct Unopened<R: Robot> {
-    /// There, but while a reset tries again.
+    /// There, but while a reset tries again; `None`: nobody can.
     driver: Option<Box<dyn Driver<R>>>,
     period: Duration,
     fault: Fault,
@@ -53,10 +59,30 @@ impl<R: Robot> Drive<R> {
         let opened = guarded(|| driver.open().map_err(|trip| Fault::of_drive(&trip)));
         match opened.and_then(|opened| opened) {
             Ok(()) => Drive::Here(driver),
-            Err(fault) => {
-                let period = driver.period();
-                Drive::Closed(Unopened { driver: Some(driver), period, fault })
+            Err(fault) => Drive::closed(driver, fault),
+        }
+    }
+
+    fn closed(driver: Box<dyn Driver<R>>, fault: Fault) -> Self {
+        let period = driver.period();
+        Drive::Closed(Unopened { driver: Some(driver), period, fault })
+    }
+
+    /// Simulated drives that cannot be read, in the plant, which alone has them.
+    pub fn unread_in_plant(driver: &dyn Driver<R>, trip: &DriveFault) -> Self {
+        Drive::Closed(Unopened { driver: None, period: driver.period(), fault: Fault::of_drive(trip) })
+    }
+
+    /// What the encoders read first, and the drives. Those that cannot be read are let go, to be opened again at a reset.
+    pub fn begin(self) -> (Self, Measured<R::Joints>) {
+        match (guarded(|| self.measured()).and_then(|measured| measured), self) {
+            (Ok(measured), drive) => (drive, measured),
+            (Err(fault), Drive::Here(mut driver)) => {
+                // Whether that goes well changes nothing.
+                drop(guarded(|| driver.close()));
+                (Drive::closed(driver, fault), unknown())
             }
+            (Err(_), drive) => (drive, unknown()),
         }
     }
 
@@ -84,15 +110,15 @@ impl<R: Robot> Drive<R> {
         }
     }
 
-    pub fn measured(&self) -> Measured<R::Joints> {
+    /// What the encoders read now.
+    ///
+    /// # Errors
+    /// The drives' fault.
+    pub fn measured(&self) -> Result<Measured<R::Joints>, Fault> {
         match self {
-            Drive::Here(driver) => driver.measured(),
-            // Where nothing is read, there is no number.
-            Drive::Closed(_) => {
-                let unknown = R::Joints::from_joints(|_| f64::NAN);
-                Measured { position: unknown, velocity: unknown }
-            }
-            Drive::Plant(drive) => drive.shown.measured,
+            Drive::Here(driver) => driver.measured().map_err(|trip| Fault::of_drive(&trip)),
+            Drive::Closed(unopened) => Err(unopened.fault.clone()),
+            Drive::Plant(drive) => Ok(drive.shown.measured),
         }
     }
 
@@ -194,9 +220,13 @@ pub(crate) enum PlantEnd {
 }
 
 impl<R: Robot> PlantDrive<R> {
-    /// These drives, which are in the plant.
-    pub fn new(driver: &dyn Driver<R>, end: PlantEnd, patience: Nanos) -> Self {
-        let measured = driver.measured();
+    /// These drives, which are in the plant and have been read.
+    pub fn new(
+        driver: &dyn Driver<R>,
+        measured: Measured<R::Joints>,
+        end: PlantEnd,
+        patience: Nanos,
+    ) -> Self {
         PlantDrive {
             end,
             period: driver.period(),

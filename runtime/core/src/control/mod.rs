@@ -4,12 +4,14 @@
 //! a [`link`](crate::link) alone.
 
 pub(crate) mod command;
+pub(crate) mod connecting;
 pub(crate) mod drive;
 pub(crate) mod ecp;
 pub(crate) mod edp;
 pub(crate) mod guard;
 pub(crate) mod guarded;
 pub(crate) mod homing;
+pub(crate) mod ideal;
 pub(crate) mod interpolation;
 pub(crate) mod mp;
 pub(crate) mod overruns;

@@ -27,7 +27,8 @@ pub trait Driver<R: Robot> {
     /// Connects to the drives. Only the robot's EDP calls this: once when it starts, before any method but
     /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at
     /// a reset, if the call has failed. A constructor must not connect, because every process of a cell makes all
-    /// drivers, and so does a check. Simulated drives need not implement this.
+    /// drivers for their names and periods, and so does a check or a dry run. If it cannot be helped, wrap the drives in
+    /// [`Connecting`](crate::robot::Connecting). Simulated drives need not implement this.
     ///
     /// # Errors
     /// [`DriveFault`] with the reason: the cell stops with it, and nothing moves.
@@ -39,7 +40,11 @@ pub trait Driver<R: Robot> {
     fn close(&mut self) {}
 
     /// What the encoders read now, without moving anything.
-    fn measured(&self) -> Measured<R::Joints>;
+    ///
+    /// # Errors
+    /// [`DriveFault`] when they cannot be read: the robot stays where it is, the cell stops with the reason, and a reset
+    /// reads them again.
+    fn measured(&self) -> Result<Measured<R::Joints>, DriveFault>;
 
     /// Runs one servo period: gives the drives the joint position `demanded` [rad or m] for the end of the period, and
     /// returns what the encoders read then.
@@ -52,9 +57,10 @@ pub trait Driver<R: Robot> {
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
     /// A name of the hardware that is unique on this machine, such as `udp 10.0.0.7:30004` or the serial number of a
-    /// controller. Only one cell at a time may run with the hardware of a name, whatever the file of the cell. Hardware
-    /// cannot follow the virtual clock, so a cell with named hardware runs only in real time. Drives that any number of
-    /// cells may use at once, such as simulated ones and those of tests, have no name: `None`, the default.
+    /// controller. Only one cell at a time may run as processes with the hardware of a name, whatever the file of the
+    /// cell. Hardware cannot follow the virtual clock: there, a cell with named hardware is refused, or simulated drives
+    /// [stand in](crate::cell::RobotSetup::stand_in) for it, as in every dry run. Drives that any number of cells may use at
+    /// once, such as simulated ones and those of tests, have no name: `None`, the default.
     fn hardware(&self) -> Option<String> {
         None
     }

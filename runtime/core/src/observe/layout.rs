@@ -36,6 +36,8 @@ pub struct RobotLayout {
     pub kind: &'static str,
     /// How often its drives take a position.
     pub servo: Duration,
+    /// What its drives are.
+    pub drives: DrivesLayout,
     /// Whether its drives know where it is.
     pub homed: bool,
     /// Whether its ECP has a program of its own.
@@ -44,6 +46,17 @@ pub struct RobotLayout {
     pub space: InterpolationSpace,
     /// Its joints, from the base on.
     pub joints: Vec<JointLayout>,
+}
+
+/// What the drives of a robot are, as they [say themselves](crate::robot::Driver::hardware).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DrivesLayout {
+    /// Drives without a name, such as simulated ones.
+    Unnamed,
+    /// This hardware.
+    Hardware(String),
+    /// Simulated drives that stand in for this hardware.
+    StandIn(String),
 }
 
 /// A joint of a robot: its limits, in radians or metres by its kind.

@@ -57,8 +57,8 @@ impl Driver<Slide> for Exact {
     fn period(&self) -> Duration {
         self.period
     }
-    fn measured(&self) -> Measured<One> {
-        self.measured
+    fn measured(&self) -> Result<Measured<One>, DriveFault> {
+        Ok(self.measured)
     }
     fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
         self.measured.position = *demanded;

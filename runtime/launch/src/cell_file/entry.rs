@@ -63,6 +63,11 @@ impl RobotEntry {
         self.homed.as_ref().is_none_or(|homed| homed.value)
     }
 
+    /// The same with drives that know where the robot is.
+    pub(super) fn homed(&self) -> RobotEntry {
+        RobotEntry { homed: None, ..self.clone() }
+    }
+
     /// Refuses `homed = false` for a kind whose drives know where the robot is anyway.
     pub(super) fn refuse_unhomed(&self) -> CellError {
         let span = self.homed.as_ref().map_or(&self.kind.span, |homed| &homed.span);

@@ -1,11 +1,16 @@
 //! The kinds of robots that a cell file may name.
 
+use core::time::Duration;
+use std::rc::Rc;
+
 use mrroc_core::cell::{AnyRobot, CellError, RobotSetup};
-use mrroc_core::robot::Robot;
+#[cfg(doc)]
+use mrroc_core::robot::Driver;
+use mrroc_core::robot::{IdealDrives, Robot};
 
 use super::entry::RobotEntry;
 
-type Make = Box<dyn Fn(&RobotEntry) -> Result<Box<dyn AnyRobot>, CellError>>;
+type Make = Rc<dyn Fn(&RobotEntry) -> Result<Box<dyn AnyRobot>, CellError>>;
 
 /// The kinds of robots that a program knows, each with the function that makes a set-up: the model and the drives.
 #[derive(Default)]
@@ -20,25 +25,31 @@ impl Kinds {
 
     /// Adds the kind that the file calls `name`. If the kind exists already, its set-up is replaced, for example to use
     /// the drives of a real robot in place of simulated ones.
+    ///
+    /// Where nothing real may move, drives stand in for those that name their [hardware](Driver::hardware): those that
+    /// the set-up [gives](RobotSetup::stand_in); else those of the kind that it replaced, if that is the same robot in Rust;
+    /// else [ideal ones](IdealDrives). The latter two begin at the `start` of the file.
     #[must_use]
     pub fn with<R: Robot>(
         mut self,
         name: &str,
         set_up: impl Fn(&RobotEntry) -> Result<RobotSetup<R>, CellError> + 'static,
     ) -> Kinds {
-        let make: Make = Box::new(move |entry| {
+        let replaced = self.0.extract_if(.., |(known, _)| known == name).next().map(|(_, make)| make);
+        let make: Make = Rc::new(move |entry| {
             let mut setup = set_up(entry)?;
             if !entry.is_homed() && setup.is_homed() {
                 return Err(entry.refuse_unhomed());
             }
             // The name of a robot comes from the file and not from its set-up.
             setup.rename(entry.name());
+            let (simulated, of) = (replaced.clone(), entry.clone());
+            setup = setup.stand_in_of(move |robot, period| stand_in(simulated.as_ref(), &of, robot, period));
             Ok(Box::new(match entry.tool {
                 Some(tool) => setup.tool(tool),
                 None => setup,
             }))
         });
-        self.0.retain(|(known, _)| known != name);
         self.0.push((name.to_owned(), make));
         self
     }
@@ -52,4 +63,21 @@ impl Kinds {
             }
         }
     }
+}
+
+/// A set-up with simulated drives: that of the kind that was replaced, if it is the same kind of robot; else with ideal ones.
+fn stand_in<R: Robot>(
+    simulated: Option<&Make>,
+    entry: &RobotEntry,
+    robot: &R,
+    period: Duration,
+) -> Result<RobotSetup<R>, CellError> {
+    // Simulated drives of that kind may not be able to look for marks: then they know where the robot is.
+    let homed = entry.homed();
+    let made = simulated.map(|make| make(entry).or_else(|_| make(&homed))).transpose()?;
+    if let Some(Ok(setup)) = made.map(|setup| setup.into_any().downcast::<RobotSetup<R>>()) {
+        return Ok(*setup);
+    }
+    let drives = IdealDrives::new(robot, entry.start(robot)?, period);
+    Ok(RobotSetup::new(entry.name(), robot.clone(), drives))
 }

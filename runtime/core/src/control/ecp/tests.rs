@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::*;
 use crate::control::overruns::Timed;
-use crate::link::message::{Kind, Message};
+use crate::link::message::{Kind, Message, OrderKind};
 use crate::link::patience::Patience;
 use crate::link::{Closed, Meter, Sample, Waiter};
 use crate::model::class::{Class, Level, Uses};

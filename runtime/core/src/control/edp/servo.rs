@@ -60,7 +60,7 @@ impl<R: Robot> Servo<R> {
         following_error: R::Joints,
         timing: &Timing,
     ) -> Self {
-        let measured = drive.measured();
+        let (drive, measured) = drive.begin();
         let interpolation = Interpolation::new(measured.position, timing.due, timing.period, timing.delay);
         Servo {
             drive,
@@ -242,7 +242,7 @@ impl<R: Robot> Servo<R> {
     pub fn switch_on(&mut self, waiter: &dyn Waiter) -> Result<(), Fault> {
         self.drive.switch_on(waiter)?;
         self.drive.choose_regulators(&Regulators::default());
-        self.measured = self.drive.measured();
+        self.measured = self.drive.measured()?;
         Ok(())
     }
 }

@@ -72,12 +72,12 @@ impl<R: Robot> Drives<R> {
     pub fn new(
         edp: ProcessId,
         driver: Box<dyn Driver<R>>,
+        measured: Measured<R::Joints>,
         commands: Commands,
         step_period: Nanos,
         patience: Nanos,
         observers: Vec<Observer<R>>,
     ) -> Self {
-        let measured = driver.measured();
         let servo_period = driver.period().as_nanos() as Nanos;
         Drives {
             edp,
@@ -135,9 +135,9 @@ impl<R: Robot> Drives<R> {
                 Ok(())
             }
         });
-        self.measured = self.driver.measured();
+        let read = self.read();
         self.at = self.measured.position;
-        if let Err(fault) = switched.and_then(|result| result) {
+        if let Err(fault) = switched.and_then(|result| result).and(read) {
             self.trip(fault);
         }
         self.tell();
@@ -183,7 +183,7 @@ impl<R: Robot> Drives<R> {
             if !stands(&self.measured) {
                 off.braking += 1;
             }
-            self.measured = guarded(|| brake(&mut *self.driver)).unwrap_or(self.measured);
+            self.measured = guarded(|| brake(&mut *self.driver)).ok().flatten().unwrap_or(self.measured);
             return;
         }
         if newest.choice != self.choice {
@@ -208,8 +208,15 @@ impl<R: Robot> Drives<R> {
         }
     }
 
+    /// Reads the encoders; what was read last stays where they cannot be.
+    fn read(&mut self) -> Result<(), Fault> {
+        self.measured = self.driver.measured().map_err(|trip| Fault::of_drive(&trip))?;
+        Ok(())
+    }
+
     fn trip(&mut self, fault: Fault) {
-        self.measured = self.driver.measured();
+        // The first cause counts.
+        drop(self.read());
         self.off = Some(Off { fault, silent: 0, braking: 0 });
     }
 
@@ -228,11 +235,11 @@ impl<R: Robot> Drives<R> {
     }
 }
 
-/// One servo period without power; drives that are not simulated brake by themselves.
-fn brake<R: Robot>(driver: &mut dyn Driver<R>) -> Measured<R::Joints> {
+/// One servo period without power; drives that are not simulated brake by themselves. `None`: they cannot be read.
+fn brake<R: Robot>(driver: &mut dyn Driver<R>) -> Option<Measured<R::Joints>> {
     match driver.simulation() {
-        Some(simulated) => simulated.brake(),
-        None => driver.measured(),
+        Some(simulated) => Some(simulated.brake()),
+        None => driver.measured().ok(),
     }
 }
 

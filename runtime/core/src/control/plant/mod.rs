@@ -115,9 +115,14 @@ impl Site {
                 (end, Commands::Free(commands, readings))
             }
         };
-        let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, end, patience)));
+        let measured = match driver.measured() {
+            Ok(measured) => measured,
+            Err(trip) => return Drive::unread_in_plant(&*driver, &trip),
+        };
+        let drive = Drive::Plant(Box::new(PlantDrive::new(&*driver, measured, end, patience)));
         let observers = if self.watched { core::mem::take(observers) } else { Vec::new() };
-        self.parts.push(Box::new(Drives::new(process, driver, commands, period, patience, observers)));
+        self.parts
+            .push(Box::new(Drives::new(process, driver, measured, commands, period, patience, observers)));
         drive
     }
 

@@ -41,8 +41,8 @@ impl Driver<Slide> for Exact {
     fn period(&self) -> Duration {
         Duration::from_nanos(SERVO)
     }
-    fn measured(&self) -> Measured<One> {
-        self.measured
+    fn measured(&self) -> Result<Measured<One>, DriveFault> {
+        Ok(self.measured)
     }
     fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
         self.told.borrow_mut().push(Told::Position(demanded[0]));
@@ -127,7 +127,7 @@ fn drives(commands: Commands, trips_at: Option<f64>) -> (Drives<Slide>, Rc<RefCe
     let told = Rc::<RefCell<Vec<Told>>>::default();
     let measured = Measured { position: One::zeros(), velocity: One::zeros() };
     let driver = Exact { told: Rc::clone(&told), measured, trips_at };
-    (Drives::new(edp(), Box::new(driver), commands, SERVO, (L + 1) * SERVO, Vec::new()), told)
+    (Drives::new(edp(), Box::new(driver), measured, commands, SERVO, (L + 1) * SERVO, Vec::new()), told)
 }
 
 fn near(told: &[Told], expected: &[f64]) {
@@ -414,11 +414,11 @@ fn the_sets_of_regulators_are_those_of_the_driver() {
         fn period(&self) -> Duration {
             Duration::from_millis(1)
         }
-        fn measured(&self) -> Measured<One> {
-            Measured { position: One::zeros(), velocity: One::zeros() }
+        fn measured(&self) -> Result<Measured<One>, DriveFault> {
+            Ok(Measured { position: One::zeros(), velocity: One::zeros() })
         }
         fn tick(&mut self, _: &One) -> Result<Measured<One>, DriveFault> {
-            Ok(self.measured())
+            self.measured()
         }
         fn has_regulator(&self, joint: usize, set: u8) -> bool {
             joint == 0 && set % 63 < 2

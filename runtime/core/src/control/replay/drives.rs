@@ -61,8 +61,8 @@ impl<R: Robot> Driver<R> for Recorded<R> {
         Duration::from_nanos(self.times.servo)
     }
 
-    fn measured(&self) -> Measured<R::Joints> {
-        self.at(self.recorded.first)
+    fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {
+        Ok(self.at(self.recorded.first))
     }
 
     fn tick(&mut self, _: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {

@@ -17,8 +17,8 @@ impl Driver<Slide> for Braked {
     fn period(&self) -> Duration {
         self.exact.period
     }
-    fn measured(&self) -> Measured<One> {
-        self.exact.measured
+    fn measured(&self) -> Result<Measured<One>, DriveFault> {
+        Ok(self.exact.measured)
     }
     fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
         self.exact.tick(demanded)
@@ -292,4 +292,79 @@ fn a_servo_period_in_the_task_space_is_no_jump() {
         let kind = edp.answers.fault.as_ref().map(Fault::kind);
         assert_eq!(kind, (!goes).then_some(FaultKind::DemandedVelocity), "{way}");
     }
+}
+
+/// Exact drives whose encoders cannot be read the first times, and what they are asked.
+struct Unread {
+    exact: Exact,
+    refusals: core::cell::Cell<u32>,
+    told: Rc<RefCell<Vec<&'static str>>>,
+}
+
+impl Driver<Slide> for Unread {
+    fn period(&self) -> Duration {
+        self.exact.period
+    }
+    fn open(&mut self) -> Result<(), DriveFault> {
+        self.told.borrow_mut().push("open");
+        Ok(())
+    }
+    fn close(&mut self) {
+        self.told.borrow_mut().push("close");
+    }
+    fn measured(&self) -> Result<Measured<One>, DriveFault> {
+        self.told.borrow_mut().push("measured");
+        if self.refusals.get() > 0 {
+            self.refusals.set(self.refusals.get() - 1);
+            return Err(DriveFault::Other("encoder 1 has no supply"));
+        }
+        Ok(Measured { position: One::new(0.25), velocity: One::zeros() })
+    }
+    fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
+        self.told.borrow_mut().push("tick");
+        self.exact.tick(demanded)
+    }
+    fn has_brakes(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn fault_83_encoders_that_cannot_be_read_are_a_fault_with_their_reason_until_a_reset_reads_them() {
+    let told = Rc::<RefCell<Vec<&'static str>>>::default();
+    let driver = Unread { exact: Exact::new(MS), refusals: 2.into(), told: Rc::clone(&told) };
+    let config = EdpConfig { drive: Drive::Here(Box::new(driver)).opened(), ..config(MS) };
+    let mut edp = Edp::new(config, Host::of(&Still), Box::new(Replies(Rc::default())));
+    assert_eq!(told.take(), ["open", "measured", "close"]);
+    let says = |reply: Message| {
+        let fault = reply.fault();
+        assert_eq!((fault.kind(), fault.message()), (FaultKind::DriveFault, "encoder 1 has no supply"));
+        assert_eq!(fault.robot().map(|name| name.to_string()).as_deref(), Some("g"));
+    };
+    says(ask(&mut edp, RequestKind::Query, flag::WANT_STATE, 0));
+    // No demand comes to drives that nobody knows the place of.
+    says(demand(&mut edp, &x(1e-6), 0, 0));
+    edp.begin_step();
+    edp.tick(500_000);
+    assert!(told.take().is_empty());
+    says(ask(&mut edp, RequestKind::Reset, 0, 1));
+    assert_eq!(told.take(), ["open", "measured"]);
+    // They are open by now, and only read again.
+    assert_eq!(ask(&mut edp, RequestKind::Reset, 0, 2).header.kind, Kind::Reply);
+    assert_eq!(told.take(), ["measured"]);
+    assert_eq!((edp.path.acceptor.demanded().0[0], edp.servo.commanded[0]), (0.25, 0.25));
+}
+
+#[test]
+fn fault_83_drives_that_come_on_and_cannot_be_read_stay_latched() {
+    let (mut edp, _) = edp(MS);
+    let told = Rc::<RefCell<Vec<&'static str>>>::default();
+    edp.servo.drive = Drive::Here(Box::new(Unread { exact: Exact::new(MS), refusals: 1.into(), told }));
+    ask(&mut edp, RequestKind::Stop, 0, 0);
+    assert!(matches!(edp.path.mode, Mode::Off));
+    let refused = ask(&mut edp, RequestKind::Reset, 0, 1).fault();
+    assert_eq!((refused.kind(), refused.message()), (FaultKind::DriveFault, "encoder 1 has no supply"));
+    assert!(matches!(edp.path.mode, Mode::Off));
+    assert_eq!(ask(&mut edp, RequestKind::Reset, 0, 2).header.kind, Kind::Reply);
+    assert_eq!(edp.path.acceptor.demanded().0[0], 0.25);
 }

@@ -1,0 +1,237 @@
+//! What a cell asks of a robot of any kind.
+
+use core::any::{Any, TypeId};
+use core::time::Duration;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use super::stand_in::StandIn;
+use super::{Place, RobotSetup};
+use crate::cell::assembly::Outcomes;
+use crate::cell::layout::joints;
+use crate::cell::{CellError, limits};
+use crate::control::homing::Drives;
+use crate::control::plant::Site;
+use crate::control::replay::RecordedRobot;
+use crate::control::replay::drives::recorded_drives;
+use crate::control::sensing::Sensing;
+use crate::link::memory::Stuck;
+use crate::link::{Link, Server};
+use crate::model::joints::JointVector;
+use crate::model::name::Name;
+use crate::model::robot::{InterpolationSpace, NoInverse, Robot};
+use crate::observe::layout::{DrivesLayout, RobotLayout};
+use crate::observe::servo::Observation;
+use crate::safety::limits::rates::least_headroom;
+use crate::safety::rate::RateHeadroom;
+use crate::safety::stopping::{longest_braking, stop_steps};
+
+/// An observer of several robots.
+pub(in crate::cell) type SharedObserver = Rc<RefCell<dyn FnMut(&Observation<'_>)>>;
+
+/// A robot of any kind.
+pub trait AnyRobot {
+    /// Its set-up, whose type its kind tells.
+    fn as_any(&mut self) -> &mut dyn Any;
+    /// Shows every servo period to an observer of several robots.
+    fn watch(&mut self, observer: SharedObserver);
+    /// Takes away all observers that it has.
+    fn unwatch(&mut self);
+    /// Its drives read from a recording.
+    fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration);
+    /// Its name in the cell.
+    fn name(&self) -> &str;
+    /// Its kind, as a type.
+    fn kind(&self) -> TypeId;
+    /// Its kind's name, for messages.
+    fn kind_name(&self) -> &'static str;
+    /// What it is made of, in plain numbers.
+    fn layout(&self) -> RobotLayout;
+    /// Whether its ECP has a program of its own.
+    fn has_program(&self) -> bool;
+    /// How often its drives take a position.
+    fn servo_period(&self) -> Duration;
+    /// Whether its drives know where it is.
+    fn is_homed(&self) -> bool;
+    /// What its drives are, for the whole machine.
+    fn hardware(&self) -> Option<String>;
+    /// Lets simulated drives stand in for real ones, if it has such.
+    ///
+    /// # Errors
+    /// Why there are none that could.
+    fn simulate(&mut self, name: Name) -> Result<(), CellError>;
+    /// Itself, as [`as_any`](AnyRobot::as_any).
+    fn into_any(self: Box<Self>) -> Box<dyn Any>;
+    /// Whether its drives may be in the plant.
+    fn is_simulated(&mut self) -> bool;
+    /// What forbids that its EDP interpolates where it is told to.
+    fn check_space(&self, name: Name) -> Option<CellError>;
+    /// The longest time that it brakes for \[s\].
+    fn braking_time(&self) -> f64;
+    /// The least that it leaves at this rate for changes of the rate, in steps of this length.
+    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom;
+    /// What is wrong with its limits, in a cell of this step that allows a stop to take `stop_time`.
+    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
+    /// Steps within which it must stand after a stop began, in a cell whose drives are `delay` behind their demands.
+    fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
+    /// Puts its EDP and its ECP on the link.
+    ///
+    /// # Errors
+    /// [`Stuck`] when the link has no room for them.
+    fn spawn(
+        self: Box<Self>,
+        link: &mut dyn Link,
+        plant: &mut Site,
+        place: Place,
+        mp: Box<dyn Server>,
+        sensing: Sensing,
+        outcomes: Outcomes,
+    ) -> Result<(), Stuck>;
+}
+
+impl<R: Robot> AnyRobot for RobotSetup<R> {
+    fn as_any(&mut self) -> &mut dyn Any {
+        self
+    }
+
+    fn watch(&mut self, observer: SharedObserver) {
+        let name = self.name.clone();
+        let robot = self.robot.clone();
+        let joints: Vec<_> = (0..R::Joints::LEN).map(|i| robot.joint(i)).collect();
+        self.observers.push(Box::new(move |record| {
+            let measured = &record.measured.position;
+            let observation = Observation {
+                robot: &name,
+                kind: R::KIND,
+                time: record.time,
+                demanded: record.demanded.as_slice(),
+                measured: measured.as_slice(),
+                joints: &joints,
+                frames: &|visit| robot.frames(measured, visit),
+                tool: robot.forward(measured) * record.tool,
+            };
+            (observer.borrow_mut())(&observation);
+        }));
+    }
+
+    fn unwatch(&mut self) {
+        self.observers.clear();
+    }
+
+    fn replay(&mut self, recorded: Rc<RecordedRobot>, step: Duration) {
+        // Whether the joints followed, the run that was recorded has judged; what is between two steps is not recorded.
+        self.following_error = R::Joints::from_joints(|_| f64::INFINITY);
+        self.drives = recorded_drives(&self.drives, Rc::clone(&recorded), step);
+        self.replayed = Some(recorded);
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn kind(&self) -> TypeId {
+        TypeId::of::<R>()
+    }
+
+    fn kind_name(&self) -> &'static str {
+        R::KIND
+    }
+
+    fn layout(&self) -> RobotLayout {
+        RobotLayout {
+            name: self.name.clone(),
+            kind: R::KIND,
+            servo: self.drives.period(),
+            drives: match (self.drives.hardware(), &self.stand_in) {
+                (Some(hardware), _) => DrivesLayout::Hardware(hardware),
+                (None, StandIn::For(hardware)) => DrivesLayout::StandIn(hardware.clone()),
+                (None, _) => DrivesLayout::Unnamed,
+            },
+            homed: self.is_homed(),
+            ecp_program: self.program.is_some(),
+            space: self.space,
+            joints: joints(&self.robot, &self.following_error),
+        }
+    }
+
+    fn has_program(&self) -> bool {
+        self.program.is_some()
+    }
+
+    fn servo_period(&self) -> Duration {
+        self.drives.period()
+    }
+
+    fn check_space(&self, name: Name) -> Option<CellError> {
+        let limits = self.robot.limits();
+        let middle = (limits.lower + limits.upper) * 0.5;
+        let pose = self.robot.forward(&middle);
+        let at_a_value = self.robot.inverse_at(&pose, 0.0, &middle);
+        let is_redundant = R::Joints::LEN > 6 || at_a_value != Err(NoInverse::NotRedundant);
+        (self.space == InterpolationSpace::Task && is_redundant).then_some(CellError::TaskSpace(name))
+    }
+
+    fn is_homed(&self) -> bool {
+        matches!(self.drives, Drives::Homed(_))
+    }
+
+    fn hardware(&self) -> Option<String> {
+        self.drives.hardware()
+    }
+
+    fn simulate(&mut self, name: Name) -> Result<(), CellError> {
+        let Some(hardware) = self.drives.hardware() else { return Ok(()) };
+        let stand_in = core::mem::replace(&mut self.stand_in, StandIn::For(hardware.clone()));
+        let drives = stand_in.drives(&self.robot, self.drives.period())?;
+        self.drives = drives
+            .filter(|drives| drives.hardware().is_none())
+            .ok_or(CellError::NoStandIn { robot: name, hardware })?;
+        Ok(())
+    }
+
+    fn into_any(self: Box<Self>) -> Box<dyn Any> {
+        self
+    }
+
+    fn is_simulated(&mut self) -> bool {
+        match &mut self.drives {
+            Drives::Homed(driver) => driver.simulation().is_some(),
+            Drives::Unhomed(_) => false,
+        }
+    }
+
+    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
+        limits::check(
+            name,
+            |i| self.robot.joint(i),
+            self.robot.limits(),
+            &self.following_error,
+            step,
+            stop_time,
+        )
+    }
+
+    fn braking_time(&self) -> f64 {
+        longest_braking(self.robot.limits())
+    }
+
+    fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom {
+        least_headroom(self.robot.limits(), rate, step.as_secs_f64())
+    }
+
+    fn stop_steps(&self, step: Duration, delay: Duration) -> u64 {
+        stop_steps(self.robot.limits(), step, delay)
+    }
+
+    fn spawn(
+        self: Box<Self>,
+        link: &mut dyn Link,
+        plant: &mut Site,
+        place: Place,
+        mp: Box<dyn Server>,
+        sensing: Sensing,
+        outcomes: Outcomes,
+    ) -> Result<(), Stuck> {
+        self.put_on(link, plant, place, mp, sensing, outcomes)
+    }
+}

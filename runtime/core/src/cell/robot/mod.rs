@@ -1,0 +1,159 @@
+//! A robot of a cell: how it is set up.
+//!
+//! In: a model, its drives, a program. Out: a [`RobotSetup`]. [`any`] is what a cell asks of robots of all kinds, [`spawning`]
+//! how the ECP and the EDP of one come to life, [`stand_in`] what takes the place of real drives.
+
+mod any;
+mod spawning;
+mod stand_in;
+
+use core::time::Duration;
+use std::rc::Rc;
+
+use super::CellError;
+use crate::control::ecp::Ecp;
+use crate::control::homing::Drives;
+use crate::control::replay::RecordedRobot;
+use crate::model::driver::{Driver, Homing};
+use crate::model::fault::Fault;
+use crate::model::pose::Pose;
+use crate::model::robot::{InterpolationSpace, Robot};
+use crate::model::wire::Wire;
+use crate::observe::servo::{Observer, ServoRecord};
+use crate::observe::shown::{AnyShown, Shown};
+
+pub use any::AnyRobot;
+pub(super) use any::SharedObserver;
+pub use spawning::Place;
+use stand_in::StandIn;
+
+type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
+
+/// A robot of a cell: its model, its drives and its program.
+pub struct RobotSetup<R: Robot> {
+    name: String,
+    robot: R,
+    drives: Drives<R>,
+    stand_in: StandIn<R>,
+    tool: Pose,
+    space: InterpolationSpace,
+    following_error: R::Joints,
+    program: Option<EcpProgram<R>>,
+    observers: Vec<Observer<R>>,
+    /// What its program shows to observers.
+    shown: Vec<Box<dyn AnyShown>>,
+    /// What it replays.
+    replayed: Option<Rc<RecordedRobot>>,
+}
+
+impl<R: Robot> RobotSetup<R> {
+    /// A robot `name` with its drives. Its following error may be what its velocity limit covers in 50 ms.
+    pub fn new(name: &str, robot: R, driver: impl Driver<R> + 'static) -> Self {
+        Self::with_drives(name, robot, Drives::Homed(Box::new(driver)))
+    }
+
+    /// A robot `name` whose drives do not know where it is: they look for their reference marks when the cell starts. The
+    /// MP's program begins when all robots of the cell have found theirs, and so does what an ECP obeys.
+    pub fn unhomed<H>(name: &str, robot: R, homing: H) -> Self
+    where
+        H: Homing<R, Drives: 'static> + 'static,
+    {
+        Self::with_drives(name, robot, Drives::Unhomed(Box::new(Some(homing))))
+    }
+
+    /// Whether its drives know where it is.
+    pub fn is_homed(&self) -> bool {
+        matches!(self.drives, Drives::Homed(_))
+    }
+
+    /// Simulated drives that stand in for real ones where nothing real may move: in a dry run, and in
+    /// [`Cell::simulated`](super::Cell::simulated). Drives that name no [hardware](Driver::hardware) need none.
+    #[must_use]
+    pub fn stand_in(mut self, driver: impl Driver<R> + 'static) -> Self {
+        self.stand_in = StandIn::Drives(Box::new(driver));
+        self
+    }
+
+    /// The same, with the drives of another set-up of this kind of robot, which `make` makes when they are needed: of the
+    /// model, and for drives of this servo period. A stand-in that it has stays.
+    #[must_use]
+    pub fn stand_in_of(
+        mut self,
+        make: impl FnOnce(&R, Duration) -> Result<RobotSetup<R>, CellError> + 'static,
+    ) -> Self {
+        if matches!(self.stand_in, StandIn::None) {
+            self.stand_in = StandIn::Made(Box::new(make));
+        }
+        self
+    }
+
+    fn with_drives(name: &str, robot: R, drives: Drives<R>) -> Self {
+        let following_error = robot.limits().velocity * 0.05;
+        RobotSetup {
+            name: name.to_owned(),
+            drives,
+            stand_in: StandIn::None,
+            tool: Pose::identity(),
+            space: InterpolationSpace::Joints,
+            following_error,
+            program: None,
+            observers: Vec::new(),
+            shown: Vec::new(),
+            replayed: None,
+            robot,
+        }
+    }
+
+    /// The tool at the start: `X_FE`, the tool frame in the flange frame.
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn tool(mut self, X_FE: Pose) -> Self {
+        self.tool = X_FE;
+        self
+    }
+
+    /// Where the EDP interpolates between the demands of two steps, in joints unless told otherwise.
+    #[must_use]
+    pub fn interpolation(mut self, space: InterpolationSpace) -> Self {
+        self.space = space;
+        self
+    }
+
+    /// The largest difference between demanded and measured joint positions [rad or m], each > 0.
+    #[must_use]
+    pub fn following_error(mut self, limit: R::Joints) -> Self {
+        self.following_error = limit;
+        self
+    }
+
+    /// The program of the robot's ECP. Without one the ECP is transparent: it passes the MP's demands on. It is called
+    /// again, from its first line, after a reset: what it would give away it clones.
+    #[must_use]
+    pub fn program(mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) -> Self {
+        self.give_program(program);
+        self
+    }
+
+    /// Gives it another name, before its cell is put together.
+    pub fn rename(&mut self, name: &str) {
+        name.clone_into(&mut self.name);
+    }
+
+    pub(super) fn give_program(&mut self, program: impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static) {
+        self.program = Some(Box::new(program));
+    }
+
+    /// Calls `observer` after every servo period.
+    #[must_use]
+    pub fn observe(mut self, observer: impl FnMut(&ServoRecord<R>) + 'static) -> Self {
+        self.observers.push(Box::new(observer));
+        self
+    }
+
+    /// Lets observers see what the robot's program shows, in whichever process they look on.
+    #[must_use]
+    pub fn shows<T: Wire>(mut self, shown: &Shown<T>) -> Self {
+        self.shown.push(Box::new(shown.clone()));
+        self
+    }
+}

@@ -1,0 +1,125 @@
+//! How the ECP and the EDP of a robot come to life on a link.
+
+use core::time::Duration;
+use std::rc::Rc;
+
+use super::RobotSetup;
+use crate::cell::assembly::Outcomes;
+use crate::control::drive::Drive;
+use crate::control::ecp::{Ecp, Pace};
+use crate::control::edp::{Edp, EdpConfig};
+use crate::control::homing::{Drives, home};
+use crate::control::overruns::Timed;
+use crate::control::plant::Site;
+use crate::control::sensing::Sensing;
+use crate::link::memory::Stuck;
+use crate::link::{Host, Link, Server};
+use crate::model::fault::{ProcessId, Role};
+use crate::model::name::Name;
+use crate::model::payload::Nudge;
+use crate::model::robot::Robot;
+use crate::observe::witness::{What, Witnesses};
+use crate::safety::latch::Gate;
+
+/// Where a robot's processes are.
+pub struct Place {
+    pub name: Name,
+    pub ecp: usize,
+    /// Length of a step.
+    pub period: Duration,
+    /// How far drives are behind their demands in this cell; `None`: each takes every demand as it is.
+    pub delay: Option<Duration>,
+    pub pace: Pace,
+    pub nudged: bool,
+    pub witnesses: Witnesses,
+}
+
+impl<R: Robot> RobotSetup<R> {
+    /// Puts its EDP and its ECP on the link, as [`AnyRobot::spawn`](super::AnyRobot::spawn).
+    pub(super) fn put_on(
+        self,
+        link: &mut dyn Link,
+        plant: &mut Site,
+        place: Place,
+        mp: Box<dyn Server>,
+        sensing: Sensing,
+        outcomes: Outcomes,
+    ) -> Result<(), Stuck> {
+        let setup = self;
+        let name = place.name;
+        let process = ProcessId::new(Role::Edp, name);
+        let edp = link.place(process);
+        let (client, server) = link.port(place.ecp, edp);
+        let mut observers = setup.observers;
+        let replayed = setup.replayed.clone();
+        let ended = Rc::clone(&outcomes);
+        // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
+        // that is called no more comes to rest by itself.
+        let drives = match setup.drives {
+            Drives::Homed(driver) => Ok(plant.take(link, process, edp, driver, &mut observers)),
+            Drives::Unhomed(homing) => Err(homing),
+        };
+        for shown in setup.shown {
+            plant.board(link, place.ecp).into_iter().for_each(|board| shown.pass_on(board));
+        }
+        let run = move |host: Host<'_>| {
+            let waiter = host.waiter;
+            let witnesses = place.witnesses.of(process);
+            let homed = match drives {
+                Ok(drive) => Some((drive.opened(), Gate::default())),
+                Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
+                    let now = waiter.now();
+                    witnesses.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
+                    (Drive::Here(driver), gate)
+                }),
+            };
+            if let Some((drive, gate)) = homed {
+                let config = EdpConfig {
+                    process,
+                    robot: setup.robot,
+                    drive,
+                    tool: setup.tool,
+                    period: place.period,
+                    delay: place.delay,
+                    space: setup.space,
+                    following_error: setup.following_error,
+                    stop_steps: place.pace.stop_steps,
+                    observers,
+                    witnesses,
+                    replayed,
+                };
+                if let Err(fault) = Edp::new(config, host, server).behind(gate).run() {
+                    ended.borrow_mut().push((process, Err(fault)));
+                }
+            }
+        };
+        link.body(edp, Box::new(run))?;
+        let mut program = setup.program;
+        let nudged = place.nudged;
+        let process = ProcessId::new(Role::Ecp, name);
+        let pace = place.pace;
+        let recorded = setup.replayed;
+        link.body(
+            place.ecp,
+            Box::new(move |host| {
+                let timed = Timed::new(host);
+                let mut ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
+                loop {
+                    let outcome = ecp.run_program(|ecp| match &mut program {
+                        Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),
+                        Some(program) => program(ecp),
+                        None if nudged => ecp.obey(|_, _: Nudge| Ok(())),
+                        None => crate::control::transparent::program(ecp),
+                    });
+                    let starts_again = ecp.serve(&outcome);
+                    if !starts_again {
+                        if program.is_some() {
+                            outcomes.borrow_mut().push((process, outcome));
+                        }
+                        break;
+                    }
+                }
+            }),
+        )
+    }
+}

@@ -1,0 +1,144 @@
+//! Drives that are made where they are opened, in their EDP, and nowhere else.
+//!
+//! In: the name and the servo period of hardware, and how to connect to it. Out: a [`Driver`] that connects to nothing before
+//! it is opened.
+
+use core::time::Duration;
+
+use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::model::robot::Robot;
+
+/// Drives that are connected as soon as they exist, such as those of a manufacturer's library. A set-up gets this in their
+/// place; `connect` makes them when the robot's EDP opens its driver, and again at a reset, if that has failed. A check, a dry
+/// run and all other processes of the cell make none.
+///
+/// ```
+/// # use std::time::Duration;
+/// # use mrroc_core::robot::{Connecting, DriveFault, Driver, Measured};
+/// # struct Vendor;
+/// # impl Vendor {
+/// #     fn connect(_: &str) -> Result<Vendor, DriveFault> { Err(DriveFault::NoAnswer) }
+/// # }
+/// let address = "10.0.0.7:30004";
+/// let driver =
+///     Connecting::to(&format!("udp {address}"), Duration::from_millis(2), move || Vendor::connect(address));
+/// ```
+#[derive(Debug)]
+pub struct Connecting<D, F> {
+    hardware: String,
+    period: Duration,
+    connect: F,
+    drives: Option<D>,
+}
+
+impl<D, F: FnMut() -> Result<D, DriveFault>> Connecting<D, F> {
+    /// Drives of this [hardware](Driver::hardware), with this servo period.
+    pub fn to(hardware: &str, period: Duration, connect: F) -> Self {
+        Connecting { hardware: hardware.to_owned(), period, connect, drives: None }
+    }
+
+    fn connected(&mut self) -> Result<&mut D, DriveFault> {
+        self.drives.as_mut().ok_or(DriveFault::Other("the drives are not connected"))
+    }
+}
+
+impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for Connecting<D, F> {
+    fn period(&self) -> Duration {
+        self.period
+    }
+
+    fn open(&mut self) -> Result<(), DriveFault> {
+        // Hardware that one connection at a time may have is let go before.
+        self.drives = None;
+        let mut drives = (self.connect)()?;
+        drives.open()?;
+        if drives.period() != self.period {
+            drives.close();
+            return Err(DriveFault::Other("the drives have another servo period than their set-up says"));
+        }
+        self.drives = Some(drives);
+        Ok(())
+    }
+
+    fn close(&mut self) {
+        if let Some(mut drives) = self.drives.take() {
+            drives.close();
+        }
+    }
+
+    fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {
+        let drives = self.drives.as_ref();
+        drives.ok_or(DriveFault::Other("the drives are not connected"))?.measured()
+    }
+
+    fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
+        self.connected()?.tick(demanded)
+    }
+
+    fn hardware(&self) -> Option<String> {
+        Some(self.hardware.clone())
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.drives.as_ref().is_some_and(Driver::has_brakes)
+    }
+
+    fn switch_off(&mut self) {
+        self.drives.iter_mut().for_each(Driver::switch_off);
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.connected()?.switch_on()
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.drives.as_ref().is_some_and(|drives| drives.has_regulator(joint, set))
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.drives.iter_mut().for_each(|drives| drives.choose_regulators(sets));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::cell::Cell;
+    use std::rc::Rc;
+
+    use super::*;
+    use crate::tests::slide::{Exact, One, Slide};
+
+    const MS: Duration = Duration::from_millis(1);
+
+    #[test]
+    fn drives_are_made_when_they_are_opened_and_again_after_a_refusal_and_let_go_when_closed() {
+        let made = Rc::new(Cell::new(0));
+        let count = Rc::clone(&made);
+        let mut driver = Connecting::to("a controller", MS, move || {
+            count.set(count.get() + 1);
+            if count.get() == 1 { Err(DriveFault::NoAnswer) } else { Ok(Exact::new(MS)) }
+        });
+        let driver: &mut dyn Driver<Slide> = &mut driver;
+        let is_closed = |driver: &mut dyn Driver<Slide>| {
+            let told = "the drives are not connected";
+            driver.measured().is_err_and(|fault| fault.what() == told)
+                && driver.tick(&One::zeros()).is_err_and(|fault| fault.what() == told)
+        };
+        assert_eq!((driver.hardware().as_deref(), driver.period()), (Some("a controller"), MS));
+        assert!(is_closed(driver) && made.get() == 0);
+        assert_eq!(driver.open(), Err(DriveFault::NoAnswer));
+        assert!(is_closed(driver));
+        driver.open().expect("the second time");
+        assert_eq!(driver.tick(&One::new(0.5)).map(|measured| measured.position[0]), Ok(0.5));
+        assert_eq!(driver.measured().map(|measured| measured.position[0]), Ok(0.5));
+        driver.close();
+        assert!(is_closed(driver) && made.get() == 2);
+    }
+
+    #[test]
+    fn drives_with_another_servo_period_than_the_set_up_says_are_refused() {
+        let mut driver = Connecting::to("a controller", 2 * MS, || Ok(Exact::new(MS)));
+        let refused = Driver::<Slide>::open(&mut driver).expect_err("1 ms");
+        assert_eq!(refused.what(), "the drives have another servo period than their set-up says");
+    }
+}

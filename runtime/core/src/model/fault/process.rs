@@ -1,0 +1,59 @@
+//! Who met a fault.
+
+use core::fmt;
+
+use crate::model::name::Name;
+
+/// The role of a process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Master process, the coordinator.
+    Mp,
+    /// Effector control process.
+    Ecp,
+    /// Effector driver process.
+    Edp,
+    /// Virtual sensor process.
+    Vsp,
+    /// The simulated drives of a cell, where they are a process of their own.
+    Plant,
+}
+
+/// Who a process is: `mp`, `ecp rnt`, `edp rnt`, `vsp force`, `plant`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProcessId {
+    /// What it does.
+    pub role: Role,
+    /// Whose it is; `None` for the MP and the plant.
+    pub name: Option<Name>,
+}
+
+impl ProcessId {
+    /// The MP.
+    pub const MP: ProcessId = ProcessId { role: Role::Mp, name: None };
+
+    /// The simulated drives.
+    pub const PLANT: ProcessId = ProcessId { role: Role::Plant, name: None };
+
+    /// The process of a robot or a sensor.
+    #[must_use]
+    pub const fn new(role: Role, name: Name) -> ProcessId {
+        ProcessId { role, name: Some(name) }
+    }
+}
+
+impl fmt::Display for ProcessId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let role = match self.role {
+            Role::Mp => "mp",
+            Role::Ecp => "ecp",
+            Role::Edp => "edp",
+            Role::Vsp => "vsp",
+            Role::Plant => "plant",
+        };
+        match &self.name {
+            Some(name) => write!(f, "{role} {name}"),
+            None => f.write_str(role),
+        }
+    }
+}
