@@ -40,10 +40,9 @@ pub use crate::program::{Launch, Ran};
 ///
 /// With `--processes` the same executable is every process of the cell: each process calls `cell` again and runs its
 /// own part of that cell. So `cell` must make the same cell at every call: it may read files, but it must not open
-/// anything that only one process may have, and must not move anything. Real drives are opened by [`Driver::open`](mrroc_core::robot::Driver::open),
-/// which only their EDP calls. The process `plant`, which has the simulated robots, draws the picture when the run is over.
-/// For a cell without simulated robots no picture is drawn.
-///
+/// anything that only one process may have, and must not move anything. Real drives are opened by
+/// [`Driver::open`](mrroc_core::robot::Driver::open), which only their EDP calls. The process `plant`, which has the
+/// simulated robots, draws the picture when the run is over. For a cell without simulated robots no picture is drawn.
 pub fn launch(
     cell: impl FnOnce(&CellFile) -> Result<Cell, CellError>,
     picture: impl RunPicture,
