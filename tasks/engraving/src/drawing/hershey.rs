@@ -160,7 +160,7 @@ impl Font {
                 help: "give letters or digits".to_owned(),
             });
         }
-        Ok(Import { drawing: Drawing { strokes }, warnings: Vec::new() })
+        Ok(Import { drawing: Drawing { strokes }, ..Import::default() })
     }
 
     fn glyph(&self, character: char, place: usize) -> Result<&Glyph, DrawingError> {

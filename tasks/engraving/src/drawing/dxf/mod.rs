@@ -63,7 +63,7 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     warnings.extend(unit_warning);
     let to_mm = Affine::scaling(scale, scale);
     let strokes = chains.into_iter().filter_map(Stroke::new).map(|s| s.transformed(&to_mm)).collect();
-    Ok(Import { drawing: Drawing { strokes: join_touching(strokes) }, warnings })
+    Ok(Import { drawing: Drawing { strokes: join_touching(strokes) }, warnings, ..Import::default() })
 }
 
 /// Entities on their way to chains of pieces.

@@ -66,8 +66,10 @@ fn a_parameter_gets_its_value_after_its_line() {
 #[test]
 fn below_zero_cuts_and_above_travels() {
     let drawing = drawn("G21 G0 Z2\nG1 X5 F100\nZ-0.5\nX10\nY5\nZ1\nX0");
+    // Down 0.5, along 5 and 5, up 0.5: what is below the surface.
     assert_eq!(drawing.strokes.len(), 1);
-    assert!(near(drawing.length(), 10.0));
+    assert!(near(drawing.length(), 11.0));
+    assert_eq!(drawing.strokes[0].height_range(), (-0.5, 0.0));
 }
 
 #[test]
@@ -100,9 +102,8 @@ fn refusals_point_at_the_word_and_say_what_to_do() {
         ("G21 G0 X10\nG2 X0 Y9 I-10", vec!["a.ngc:2:4", "radius mismatch", "10.0000 mm", "9.0000 mm"]),
         ("G21 G0 X10\nG2 X0 Y9 R2", vec!["radius mismatch"]),
         ("G1 X1 F0", vec!["F0", "never arrive", "positive F"]),
-        ("G18\nG2 X1 R1", vec!["G18 or G19"]),
-        ("G81 X1 Z-2 R1", vec!["a drilling cycle"]),
-        ("O100 sub", vec!["O-word", "without O-words"]),
+        ("G18 G5 X1 P1 Q1 I1 J1", vec!["a spline in the plane G18 or G19"]),
+        ("O100 sub", vec!["a.ngc:1", "o.. sub without its end", "o.. endsub"]),
         ("G77 X1", vec!["G77", "no G word"]),
         ("G1 X1 E3", vec!["3-D printer"]),
         ("G1 X1 X2", vec!["a second X"]),
@@ -113,10 +114,10 @@ fn refusals_point_at_the_word_and_say_what_to_do() {
         ("G1 X1e5", vec!["a.ngc:1:6", "an E word"]),
         ("G1 X#<a>", vec!["never set"]),
         ("G1 X999999999", vec!["below 10 000 000 mm"]),
-        ("G21 G0 Z-1\nG1 X5\nG0 X9", vec!["line 3 moves rapidly"]),
+        ("G21 G0 Z-1\nG1 X5\nG0 X9", vec!["a.ngc:3", "a rapid move (G0) through the plate"]),
         ("G5.2 X1 Y1\nX2 Y2", vec!["between G5.2 and G5.3"]),
         ("G0 X4", vec!["nothing to engrave", "M3/M4"]),
-        ("G92 X0", vec!["shift of coordinates"]),
+        ("G92", vec!["a shift without X, Y or Z"]),
     ] {
         let message = refusal(text);
         for part in parts {

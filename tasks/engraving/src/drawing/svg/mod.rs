@@ -52,7 +52,7 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
         ));
     }
     let strokes: Vec<Stroke> = outlines.into_iter().filter_map(Stroke::new).collect();
-    Ok(Import { drawing: Drawing { strokes }, warnings })
+    Ok(Import { drawing: Drawing { strokes }, warnings, ..Import::default() })
 }
 
 /// Refuses what only a machine writes, before the XML reader, to which it would be work for minutes, sees it.
