@@ -138,8 +138,13 @@ impl Job {
         };
         let strokes = &self.drawing.strokes;
         for (index, stroke) in strokes.iter().enumerate() {
-            if index.checked_sub(1).is_none_or(|before| !goes_on(&strokes[before], stroke)) {
-                self.approach(ecp, stroke)?;
+            match index.checked_sub(1).map(|before| &strokes[before]).filter(|last| goes_on(last, stroke)) {
+                None => self.approach(ecp, stroke)?,
+                Some(last) if (stroke.tip(0.0) - last.end_tip()).norm() > GOES_ON => {
+                    let start = self.over(stroke.start(), stroke.tip(0.0).z * 1e-3);
+                    ecp.move_robot((), StraightLine::to(start, straight(0.005, 0.2)))?;
+                }
+                Some(_) => {}
             }
             let points: Vec<_> = self.sampling.stroke(stroke, index).iter().map(point).collect();
             let feed =
@@ -182,10 +187,10 @@ impl Job {
     }
 }
 
-/// Whether the tool goes on from one stroke to the next without lifting.
+/// Whether the tool goes on from one stroke to the next without lifting out of the plate.
 #[must_use]
 pub fn goes_on(stroke: &Stroke, next: &Stroke) -> bool {
-    next.manner().goes_on && (next.tip(0.0) - stroke.end_tip()).norm() < GOES_ON
+    next.manner().goes_on && (next.start() - stroke.end()).norm() < GOES_ON
 }
 
 /// The height at which the tool travels to a stroke \[m\].

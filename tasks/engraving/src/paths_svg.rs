@@ -35,6 +35,9 @@ const PANEL_HEIGHT: f64 = 124.0;
 /// Width of a character of the heading, on the safe side \[mm\].
 const HEADING_CHARACTER: f64 = 3.6;
 
+/// A stroke that is smaller than this, seen from above, is a hole and drawn as a ring \[mm\].
+const HOLE: f64 = 0.05;
+
 /// Colours of the three kinds of line.
 const DRAWN: Colour = RULE;
 const EXECUTED: Colour = HIGHLIGHT;
@@ -87,6 +90,9 @@ impl PathsSvg<'_> {
         let strokes = &self.drawing.strokes;
         let drawn = thinned(|tolerance| strokes.iter().map(|s| s.flattened(tolerance)).collect(), 2e-3);
         svg.path(&placed(&drawn, page), Look::line(DRAWN, 0.55).round());
+        for hole in strokes.iter().filter(|stroke| stroke.bounds().size().amax() < HOLE) {
+            svg.circle(page(&hole.start()), 0.9, Look::line(DRAWN, 0.55));
+        }
         for (contact, look) in [
             (Contact::Travelling, Look::line(travel(), 0.1).dashed(0.8, 0.8)),
             (Contact::Cutting, Look::line(EXECUTED, 0.12)),

@@ -9,6 +9,7 @@ pub struct Manner {
     pub dwell: f64,
     /// Greatest height at which the tool travels to the start \[mm\], > 0.
     pub approach: Option<f64>,
-    /// The tool comes to the start from the end of the stroke before it, without lifting.
+    /// The tool comes to the start from the end of the stroke before it without lifting: it is there, or above it in the
+    /// same hole.
     pub goes_on: bool,
 }

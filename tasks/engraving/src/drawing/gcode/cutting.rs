@@ -80,6 +80,11 @@ pub fn cuts(steps: Vec<Step>) -> Result<Cuts, Stop> {
             check_rapid(&one, &mut warnings)?;
         }
         for (piece, height) in &one.pieces {
+            if one.pace == Pace::Withdrawal && height.range().1 < 0.0 {
+                chain.end();
+                chain.goes_on = true;
+                continue;
+            }
             if one.pace != Pace::Feed {
                 chain.travel(height, one.z_said);
                 continue;

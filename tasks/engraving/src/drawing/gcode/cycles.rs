@@ -90,6 +90,9 @@ impl Machine<'_> {
         if bottom > r {
             return malformed(byte, "a cycle whose R is below its Z", "R is the height above the hole");
         }
+        if self.over_plate(bottom) >= 0.0 {
+            self.warn_once("hole", "a hole that ends above the plate's surface cuts nothing");
+        }
         let times = match block.word('l') {
             None => 1,
             Some(word) if word.value.fract() == 0.0 && (1.0..=MOST_REPEATS).contains(&word.value) => {

@@ -275,6 +275,11 @@ impl<'a> Machine<'a> {
         }
     }
 
+    /// The height over the plate's surface of a Z of the machine \[mm\].
+    pub(super) fn over_plate(&self, z: f64) -> f64 {
+        z - self.surface
+    }
+
     pub(super) fn scale(&self) -> f64 {
         self.modes.mm_per_unit.unwrap_or(1.0)
     }
