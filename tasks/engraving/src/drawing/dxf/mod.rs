@@ -118,8 +118,19 @@ impl Reader<'_> {
             };
             let chains = text::chains(entity, &font, self.file);
             self.font = Some(font);
-            for chain in chains? {
-                self.keep(entity, &chain, map)?;
+            match chains {
+                Ok(chains) => {
+                    for chain in chains {
+                        self.keep(entity, &chain, map)?;
+                    }
+                }
+                // What the font does not have is left out and told.
+                Err(DrawingError::Unsupported { at, what, help }) => {
+                    if self.warnings.len() < 20 {
+                        self.warnings.push(format!("{at}: {what}, left out: {help}"));
+                    }
+                }
+                Err(error) => return Err(error),
             }
             return Ok(());
         }

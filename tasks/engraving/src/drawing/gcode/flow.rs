@@ -5,8 +5,9 @@
 
 use super::characters::Characters;
 use super::expression::Values;
+use super::o_word::Label;
 use super::parameters::Parameters;
-use super::program::{Cursor, Flow, Label, OWord, Program, cost};
+use super::program::{Cursor, Flow, OWord, Program, cost};
 use super::{Stop, block, malformed};
 
 /// What lines that run again may cost \[bytes\].

@@ -6,7 +6,7 @@ use super::block::{Block, Word};
 use super::coordinates::Coordinates;
 use super::cutting::{Move, Pace, Step};
 use super::cycles::Sticky;
-use super::modes::{Distance, FeedMode, MachineWord, Modes, Motion, Plane, Request, check_groups, tenths};
+use super::modes::{Distance, FeedMode, MachineWord, Modes, Plane, Request, check_groups, tenths};
 use super::parameters::{Parameters, Told};
 use super::spline::Collected;
 use super::{Cause, Stop, malformed, unsupported};
@@ -366,31 +366,6 @@ impl<'a> Machine<'a> {
             warnings.push("neither G20 nor G21 in the program: millimetres are assumed".to_owned());
         }
         Ok(Done { steps: self.steps, warnings })
-    }
-}
-
-impl Motion {
-    /// As `#<_motion_mode>` counts: ten times the number of the G word.
-    fn tenths(self) -> f64 {
-        use super::modes::Cycle;
-        match self {
-            Self::Rapid => 0.0,
-            Self::Line => 10.0,
-            Self::Clockwise => 20.0,
-            Self::CounterClockwise => 30.0,
-            Self::Cubic => 50.0,
-            Self::Quadratic => 51.0,
-            Self::Nurbs => 52.0,
-            Self::KnottedNurbs => 62.0,
-            Self::Cycle(Cycle::Peck { out: false }) => 730.0,
-            Self::None => 800.0,
-            Self::Cycle(Cycle::Drill { rests: false }) => 810.0,
-            Self::Cycle(Cycle::Drill { rests: true }) => 820.0,
-            Self::Cycle(Cycle::Peck { out: true }) => 830.0,
-            Self::Cycle(Cycle::Bore { rests: false, .. }) => 850.0,
-            Self::Cycle(Cycle::Bore { feeds_out: false, .. }) => 860.0,
-            Self::Cycle(Cycle::Bore { .. }) => 890.0,
-        }
     }
 }
 

@@ -26,6 +26,7 @@ mod flow;
 mod machine;
 mod modes;
 mod motion;
+mod o_word;
 mod parameters;
 mod program;
 mod spline;

@@ -29,6 +29,30 @@ pub enum Motion {
     None,
 }
 
+impl Motion {
+    /// As `#<_motion_mode>` counts: ten times the number of the G word.
+    pub fn tenths(self) -> f64 {
+        match self {
+            Self::Rapid => 0.0,
+            Self::Line => 10.0,
+            Self::Clockwise => 20.0,
+            Self::CounterClockwise => 30.0,
+            Self::Cubic => 50.0,
+            Self::Quadratic => 51.0,
+            Self::Nurbs => 52.0,
+            Self::KnottedNurbs => 62.0,
+            Self::Cycle(Cycle::Peck { out: false }) => 730.0,
+            Self::None => 800.0,
+            Self::Cycle(Cycle::Drill { rests: false }) => 810.0,
+            Self::Cycle(Cycle::Drill { rests: true }) => 820.0,
+            Self::Cycle(Cycle::Peck { out: true }) => 830.0,
+            Self::Cycle(Cycle::Bore { rests: false, .. }) => 850.0,
+            Self::Cycle(Cycle::Bore { feeds_out: false, .. }) => 860.0,
+            Self::Cycle(Cycle::Bore { .. }) => 890.0,
+        }
+    }
+}
+
 /// A cycle for holes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cycle {

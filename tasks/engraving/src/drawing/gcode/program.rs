@@ -5,17 +5,8 @@
 
 use std::collections::HashMap;
 
-use super::characters::Characters;
+use super::o_word::{Found, Keyword, Label, end_of, name_of, o_word};
 use super::{Stop, malformed};
-
-/// What stands after `O`: a number or a name, in lower case.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Label {
-    Number(u32),
-    Name(String),
-    /// `o[..]` or `o#..`: known only when it runs.
-    Computed,
-}
 
 /// What an O-word does. Numbers are those of lines, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,44 +110,6 @@ struct Open {
     inner: Vec<usize>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Keyword {
-    Number,
-    Sub,
-    EndSub,
-    Return,
-    Call,
-    If,
-    ElseIf,
-    Else,
-    EndIf,
-    While,
-    EndWhile,
-    Do,
-    Repeat,
-    EndRepeat,
-    Break,
-    Continue,
-}
-
-const KEYWORDS: [(&str, Keyword); 15] = [
-    ("sub", Keyword::Sub),
-    ("endsub", Keyword::EndSub),
-    ("return", Keyword::Return),
-    ("call", Keyword::Call),
-    ("if", Keyword::If),
-    ("elseif", Keyword::ElseIf),
-    ("else", Keyword::Else),
-    ("endif", Keyword::EndIf),
-    ("while", Keyword::While),
-    ("endwhile", Keyword::EndWhile),
-    ("do", Keyword::Do),
-    ("repeat", Keyword::Repeat),
-    ("endrepeat", Keyword::EndRepeat),
-    ("break", Keyword::Break),
-    ("continue", Keyword::Continue),
-];
-
 /// Whether lines that begin with `/` run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BlockDelete {
@@ -194,8 +147,9 @@ impl<'a> Program<'a> {
                 }
             } else if delete.deletes(line) {
                 program.deleted += 1;
-            } else if let Some((keyword, word)) = o_word(line).map_err(|stop| stop.on(number))? {
-                let word = OWord { start, ..word };
+            } else if let Some(found) = o_word(line).map_err(|stop| stop.on(number))? {
+                let Found { keyword, label, byte, rest } = found;
+                let word = OWord { label, flow: Flow::Number, byte, rest, start };
                 program.place(number, keyword, word, &mut open).map_err(|stop| stop.on(number))?;
                 if open.len() > depth {
                     return Err(Stop::too_deep(0, "O-words", depth).on(number));
@@ -390,92 +344,4 @@ impl<'a> Program<'a> {
             });
         }
     }
-}
-
-fn name_of(keyword: Keyword) -> &'static str {
-    KEYWORDS.iter().find(|(_, known)| *known == keyword).map_or("", |(name, _)| name)
-}
-
-fn end_of(keyword: Keyword) -> &'static str {
-    match keyword {
-        Keyword::Sub => "endsub",
-        Keyword::If => "endif",
-        Keyword::While => "endwhile",
-        Keyword::Do => "while [..]",
-        _ => "endrepeat",
-    }
-}
-
-/// The O-word with which a line begins, if it does; after block delete and a line number.
-fn o_word(line: &str) -> Result<Option<(Keyword, OWord)>, Stop> {
-    let mut at = Characters::new(line);
-    at.accept('/');
-    if at.accept('n') {
-        while at.peek().is_some_and(|c| c.is_ascii_digit() || c == '.') {
-            at.take();
-        }
-    }
-    let byte = at.byte();
-    // Some controls write the number of a program after a colon.
-    if !at.accept('o') && !at.accept(':') {
-        return Ok(None);
-    }
-    let label = label(&mut at, byte)?;
-    let name = at.name();
-    let keyword = match KEYWORDS.iter().find(|(known, _)| *known == name) {
-        Some((_, keyword)) => *keyword,
-        None if matches!(label, Label::Number(_)) && name.is_empty() => Keyword::Number,
-        None => {
-            let help = "known are sub endsub call return if elseif else endif while endwhile do repeat endrepeat break continue";
-            return malformed(byte, format!("the O-word {name:?}"), help);
-        }
-    };
-    let rest = at.byte();
-    Ok(Some((keyword, OWord { label, flow: Flow::Number, byte, rest, start: 0 })))
-}
-
-fn label(at: &mut Characters<'_>, byte: usize) -> Result<Label, Stop> {
-    if at.accept('<') {
-        return match at.through('>') {
-            Some(name) => {
-                let name: String = name.chars().filter(|c| !c.is_whitespace()).collect();
-                Ok(Label::Name(name.to_ascii_lowercase()))
-            }
-            None => malformed(byte, "an O-word's name without its >", "write o<name>"),
-        };
-    }
-    if matches!(at.peek(), Some('[' | '#')) {
-        // Its value needs parameters: skip to the keyword, which is the first letter outside brackets.
-        skip_value(at, byte)?;
-        return Ok(Label::Computed);
-    }
-    let mut digits = String::new();
-    while let Some(c) = at.peek().filter(char::is_ascii_digit) {
-        digits.push(c);
-        at.take();
-    }
-    match digits.parse() {
-        Ok(number) => Ok(Label::Number(number)),
-        Err(_) => malformed(byte, "an O-word without a number", "write o100, or o<name>"),
-    }
-}
-
-/// Skips `[..]`, `#n`, `#<name>`, `##n`.
-fn skip_value(at: &mut Characters<'_>, byte: usize) -> Result<(), Stop> {
-    while at.accept('#') {}
-    if at.accept('<') {
-        at.through('>');
-        return Ok(());
-    }
-    let mut depth = 0usize;
-    while let Some(c) = at.peek() {
-        match c {
-            '[' => depth += 1,
-            ']' => depth = depth.saturating_sub(1),
-            c if depth == 0 && !c.is_ascii_digit() => return Ok(()),
-            _ => {}
-        }
-        at.take();
-    }
-    malformed(byte, "an O-word without its keyword", "write o[..] call")
 }

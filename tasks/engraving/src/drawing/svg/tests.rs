@@ -87,7 +87,12 @@ fn text_is_written_at_its_place_in_its_size() {
     );
     assert_eq!(spans("<text font-size='10'>H<tspan display='none'>x</tspan>H</text>"), one);
     let refused = refusal("<svg xmlns='http://www.w3.org/2000/svg'>\n<text x='3'>Żółć</text></svg>");
-    assert!(refused.contains("a.svg:2:1: text with 'Ż'") && refused.contains("Object to Path"), "{refused}");
+    assert!(
+        refused.contains("a.svg:2:1: text with 'Ż'") && refused.contains("nothing to engrave"),
+        "{refused}"
+    );
+    let told = text("<text y='9'>é</text><text y='9'>e</text>").warnings.join("\n");
+    assert!(told.contains("text with 'é', which no font here has, left out"), "{told}");
     let told = text("<text y='9' rotate='30'>H<textPath>on</textPath></text>").warnings.join("\n");
     assert!(told.contains("rotate left out") && told.contains("text along a path left out"), "{told}");
 }

@@ -96,7 +96,19 @@ struct Chunk {
 
 impl<'a> Walk<'a> {
     /// A `<text>` with its `<tspan>`s.
+    ///
+    /// What the fonts do not have is left out and told.
     pub(super) fn text(&mut self, node: Node<'a, 'a>, from: &Inherited) -> Result<(), DrawingError> {
+        match self.written(node, from) {
+            Err(DrawingError::Unsupported { what, help, .. }) => {
+                self.tell_text(node, &format!("{what}, left out: {help}"));
+                Ok(())
+            }
+            other => other,
+        }
+    }
+
+    fn written(&mut self, node: Node<'a, 'a>, from: &Inherited) -> Result<(), DrawingError> {
         let mut chunks = vec![Chunk { place: Vec2::zeros(), runs: Vec::new(), pen: Vec2::zeros() }];
         self.collect(node, from, &mut chunks)?;
         for chunk in &chunks {
