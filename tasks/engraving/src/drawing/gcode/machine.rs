@@ -87,8 +87,11 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// The parameters, for reading a line.
-    pub fn parameters(&mut self) -> &mut Parameters {
+    /// The parameters, for reading a line: those that the machine keeps are brought up to date if it names any.
+    pub fn parameters(&mut self, line: &str) -> &mut Parameters {
+        if !line.contains('#') {
+            return &mut self.parameters;
+        }
         let scale = self.scale();
         let Coordinates { systems, active, .. } = self.coordinates;
         self.parameters.told = Told {

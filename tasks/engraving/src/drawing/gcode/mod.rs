@@ -84,7 +84,7 @@ fn interpret(text: &str, switches: Switches, budget: &mut Budget) -> Result<Impo
     let mut control = Control::new(&program, depth);
     let mut machine = Machine::new(budget, switches.surface);
     while let Some((number, line)) = control.next()? {
-        if line.trim() == "%" || switches.block_delete.deletes(line) {
+        if matches!(line.trim(), "" | "%") || switches.block_delete.deletes(line) {
             continue;
         }
         let ended = one_line(number, line, &program, &mut control, &mut machine, depth);
@@ -119,14 +119,14 @@ fn one_line(
     let mut characters = Characters::new(line);
     characters.accept('/');
     if let Some(word) = program.word(number) {
-        control.obey(number, line, word, machine.parameters())?;
+        control.obey(number, line, word, machine.parameters(line))?;
         if word.flow != program::Flow::Number {
             return Ok(false);
         }
         // Behind the number of a program, words may stand.
         characters.skip_to(word.rest);
     }
-    let block = block::parse(&mut characters, machine.parameters(), depth)?;
+    let block = block::parse(&mut characters, machine.parameters(line), depth)?;
     match machine.run(number, &block)? {
         Asked::Nothing => Ok(false),
         Asked::End => Ok(true),

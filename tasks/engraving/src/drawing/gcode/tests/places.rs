@@ -13,7 +13,7 @@ fn holes_are_drilled_as_the_manual_says() {
     );
     // The manual's example of increments: from (1, 2, 3), three times by (4, 5), R 1.8 above, Z 0.6 below R.
     // The surface lies between R, 4.8, and the bottom, 4.2.
-    let increments = "G21 G0 X1 Y2 Z3\nG91 G98 G81 X4 Y5 Z-0.6 R1.8 L3";
+    let increments = "G21 G0 Z5\nX1 Y2\nZ3\nG91 G98 G81 X4 Y5 Z-0.6 R1.8 L3";
     let reading = Reading { gcode: Switches { surface: 4.5, ..Switches::default() }, ..Reading::default() };
     let found = ends(&read_str("a.ngc", increments, reading).unwrap().drawing);
     for (found, [x, y]) in found.iter().zip([[5.0, 7.0], [9.0, 12.0], [13.0, 17.0]]) {
