@@ -116,7 +116,7 @@ struct Arguments {
     #[arg(long, group = "sizing", help_heading = "Drawing")]
     fit: bool,
 
-    /// Which Z of a G-code program is the plate's surface.
+    /// Which Z of a G-code program is the plate's surface, in mm.
     #[arg(long, value_name = "Z", value_parser = number(-1e6, 1e6), default_value = "0")]
     #[arg(allow_negative_numbers = true, help_heading = "Drawing")]
     surface: f64,

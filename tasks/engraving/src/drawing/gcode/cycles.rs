@@ -50,7 +50,7 @@ impl Machine<'_> {
                 "holes go into the plate: write G17",
             );
         }
-        if self.modes.feed_mode == FeedMode::PerMove || in_machine {
+        if self.modes.feed_mode == FeedMode::InverseTime || in_machine {
             return malformed(byte, "a cycle with G93 or G53", "write G94, and work coordinates");
         }
         let height = self.tool.z;

@@ -207,7 +207,7 @@ impl<'a> Machine<'a> {
     /// The feed of this line's modes: units in a minute, or in a turn of the spindle; G93 counts each move apart.
     fn take_feed(&mut self, block: &Block) -> Result<(), Stop> {
         let Some(word) = block.word('f') else {
-            if self.modes.feed_mode == FeedMode::PerMove {
+            if self.modes.feed_mode == FeedMode::InverseTime {
                 self.feed = None;
             }
             return Ok(());
@@ -217,15 +217,15 @@ impl<'a> Machine<'a> {
         }
         self.said_feed = word.value;
         self.feed = match self.modes.feed_mode {
-            FeedMode::PerMinute => Some(word.value * self.scale() / 60.0),
-            FeedMode::PerTurn => {
+            FeedMode::Minute => Some(word.value * self.scale() / 60.0),
+            FeedMode::Turn => {
                 let Some(turns) = self.modes.power.filter(|turns| *turns > 0.0) else {
                     let help = "give the speed of the spindle by S, or the feed in a minute by G94";
                     return malformed(word.byte, "G95: a feed for each turn of a spindle that stands", help);
                 };
                 Some(word.value * self.scale() * turns / 60.0)
             }
-            FeedMode::PerMove => None,
+            FeedMode::InverseTime => None,
         };
         Ok(())
     }

@@ -117,11 +117,11 @@ impl Plane {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeedMode {
     /// G93: moves of this kind in a minute.
-    PerMove,
+    InverseTime,
     /// G94: units in a minute.
-    PerMinute,
+    Minute,
     /// G95: units in a turn of the spindle.
-    PerTurn,
+    Turn,
 }
 
 /// All modes.
@@ -148,7 +148,7 @@ impl Default for Modes {
             centres: Distance::Relative,
             plane: Plane::Xy,
             mm_per_unit: None,
-            feed_mode: FeedMode::PerMinute,
+            feed_mode: FeedMode::Minute,
             back_to_start: true,
             beam_on: false,
             power: None,
@@ -265,9 +265,9 @@ impl Modes {
             910 => self.distance = Distance::Relative,
             901 => self.centres = Distance::Absolute,
             911 => self.centres = Distance::Relative,
-            930 => self.feed_mode = FeedMode::PerMove,
-            940 => self.feed_mode = FeedMode::PerMinute,
-            950 => self.feed_mode = FeedMode::PerTurn,
+            930 => self.feed_mode = FeedMode::InverseTime,
+            940 => self.feed_mode = FeedMode::Minute,
+            950 => self.feed_mode = FeedMode::Turn,
             980 => self.back_to_start = true,
             990 => self.back_to_start = false,
             280 => return Ok(Request::Home(0)),

@@ -51,7 +51,7 @@ impl Machine<'_> {
         let pieces = self.pieces(block, to, byte)?;
         let pace = if self.modes.motion == Motion::Rapid { Pace::Rapid } else { Pace::Feed };
         let per_minute = match (pace, self.modes.feed_mode) {
-            (Pace::Feed, FeedMode::PerMove) => match block.value('f') {
+            (Pace::Feed, FeedMode::InverseTime) => match block.value('f') {
                 Some(moves) => Some(moves),
                 None => {
                     return malformed(
