@@ -105,10 +105,11 @@ fn a_program_is_engraved_as_deep_and_as_fast_as_it_says() {
     }
     let from_file = figures(&folder);
     assert_eq!(from_file["depth_mm"]["by"], "file");
-    // Down 2, along 20, two turns that rise by 1, as the arm's true tip went; a little more where it shakes, and the
-    // lift of 1 mm out of the material.
+    // Down 2, along 20, two turns that rise by 1, up 1 and out. The true tip's way is a little longer: the arm shakes,
+    // and its probe goes into the plate where it touches it.
     let length = 2.0 + 20.0 + (2.0 * 10.0 * std::f64::consts::PI).hypot(1.0) + 1.0;
-    assert!((number(&from_file, "/cut_length_mm") - length).abs() < 0.5, "{from_file}");
+    let cut = number(&from_file, "/cut_length_mm");
+    assert!((length..1.01 * length).contains(&cut), "{from_file}");
     let output = engraving(&folder, &["a.ngc", "--depth", "0.5", "--feed", "30"]);
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(said.contains("0.5 mm, by --depth") && said.contains("30 mm/s, by --feed"), "{said}");
