@@ -38,6 +38,9 @@ fn fault_33_bombs_take_no_more_than_256_megabytes() {
     reads("svg", "nested groups", &format!("{SVG}{}</svg>", nested("<g>", "</g>", 100_000)));
     reads("svg", "a long path", &format!("{SVG}<path d=\"M0 0{}\"/></svg>", "l1 1".repeat(5 * million)));
     reads("svg", "a million lines", &format!("{SVG}{}</svg>", "<path d=\"M0 0h1\"/>".repeat(million)));
+    reads("svg", "a long text", &format!("{SVG}<text>{}</text></svg>", "a ".repeat(20 * million)));
+    let hidden = "<text visibility=\"hidden\">abc</text>".repeat(million / 2);
+    reads("svg", "texts that are not seen", &format!("{SVG}{hidden}</svg>"));
     reads("svg", "an attribute without an end", &format!("{SVG}<path d=\"{}", "0".repeat(60 * million)));
 
     // As much of both as is allowed, as often as there is room.
@@ -70,11 +73,30 @@ fn fault_33_bombs_take_no_more_than_256_megabytes() {
     let inserts = format!("0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nb0\n{line}0\nENDBLK\n{blocks}0\nENDSEC\n");
     reads("dxf", "blocks of blocks", &format!("{inserts}{section}0\nINSERT\n2\nb39\n0\nENDSEC\n0\nEOF\n"));
     let array = "0\nINSERT\n2\nb0\n70\n32000\n71\n32000\n";
+    let text = format!("0\nTEXT\n10\n0\n20\n0\n40\n1\n1\n{}\n", "a".repeat(60_000));
+    reads("dxf", "texts without measure", &format!("{section}{}0\nENDSEC\n0\nEOF\n", text.repeat(500)));
     reads("dxf", "an array of a thousand million", &format!("{inserts}{section}{array}0\nENDSEC\n0\nEOF\n"));
 
     reads("gcode", "one long line", &"G1 X1 ".repeat(10 * million));
     reads("gcode", "nested brackets", &format!("#1={}1{}\n", "[".repeat(30_000), "]".repeat(30_000)));
     reads("gcode", "two million lines", &"G1 X1 Y1\nG1 X2 Y0\n".repeat(million));
+    reads("gcode", "a loop without an end", "o1 while [1]\no1 endwhile\n");
+    reads("gcode", "a loop that sets and rests", "o1 while [1]\n#1=[#1+1]\nG4 P1\nM[#1]\no1 endwhile\n");
+    let loops = |n: usize, inner: &str| {
+        let open: String = (0..n).map(|i| format!("o{i} repeat [1000]\n")).collect();
+        open + inner + &(0..n).rev().map(|i| format!("o{i} endrepeat\n")).collect::<String>()
+    };
+    reads("gcode", "loops of loops of moves", &format!("G91 G1\n{}", loops(60, "X1\n")));
+    reads("gcode", "a subroutine that calls itself twice", "o1 sub\no1 call\no1 call\no1 endsub\no1 call\n");
+    reads("gcode", "a million O-words", &"o1 call\n".repeat(million));
+    reads(
+        "gcode",
+        "openers without ends",
+        &(0..million).map(|i| format!("o{i} if [1]\n")).collect::<String>(),
+    );
+    reads("gcode", "an arc of a million turns", "G2 X0 I1 P1000000\nG2 X0 I1 P10000\n");
+    reads("gcode", "pecks of nothing", "G83 X0 Z-1 R1 Q.000000000000001\nG73 X9 Z-1 R1e L1000000 Q1\n");
+    reads("gcode", "empty lines", &"\n".repeat(60 * million));
 
     reads(
         "urdf",

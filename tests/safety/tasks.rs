@@ -27,7 +27,7 @@ pub fn engraving() -> Cell {
     let layout = Layout::new(&plate).expect("within reach");
     let drawing: Drawing =
         Font::open("futural").and_then(|font| font.write("i", 4.0)).expect("a text").drawing;
-    let drawing = place(&drawing, &plate, Sizing::Natural).expect("it fits").drawing;
+    let drawing = place(&drawing, &plate, Sizing::Natural).expect("it fits").drawing.sunk(0.3);
     let arm = SimulatedIrp6::new(layout.arm.clone(), &layout.park);
     let surface = layout.plate.translation.z + HEIGHT_ERROR;
     let probe = PlateSurface::new(layout.arm.clone(), layout.tool, arm.shaft(), surface);
@@ -37,7 +37,6 @@ pub fn engraving() -> Cell {
         plate: layout.plate,
         middle: Vec2::new(plate.width / 2.0, plate.height / 2.0),
         orientation: layout.orientation,
-        depth: 0.3e-3,
         feed: 10e-3,
         step: 2e-3,
         park: layout.park,

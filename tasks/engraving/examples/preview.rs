@@ -1,5 +1,6 @@
 //! Shows a drawing as it would be engraved, without the arm: `cargo run --release -p engraving --example preview -- FILE`.
 
+use engraving::chosen::{DEFAULT_DEPTH, DEFAULT_FEED};
 use engraving::deviation::{Corners, Deviation};
 use engraving::drawing::hershey::Font;
 use engraving::drawing::{Limits, NaturalSpline, Vec2, read_file, read_str};
@@ -30,14 +31,15 @@ fn preview(options: &Options) -> Result<(), Box<dyn Error>> {
     let start = Instant::now();
     let import = match &options.source {
         Source::Nameplate => read_str("nameplate.svg", NAMEPLATE, Limits::default())?,
-        Source::File(path) => read_file(path, Limits::default())?,
+        Source::File(path) => read_file(path, options.reading)?,
         Source::Text { text, font } => Font::open(font)?.write(text, 10.0)?,
     };
     for warning in &import.warnings {
         println!("warning: {warning}");
     }
     let placed = place(&import.drawing, &options.plate, options.sizing)?;
-    let drawing = ordering::nearest_first(placed.drawing, Vec2::zeros());
+    let drawing =
+        ordering::nearest_first(placed.drawing, Vec2::zeros()).sunk(options.depth.unwrap_or(DEFAULT_DEPTH));
     let read = start.elapsed();
     let sampling = Sampling::default();
     let mut deviation = Deviation::new(&drawing, &sampling, Corners::Counted);
@@ -52,7 +54,7 @@ fn preview(options: &Options) -> Result<(), Box<dyn Error>> {
             let lifted = Tip::new(sample.position.x, sample.position.y, 2.0);
             map.move_to(lifted);
             trace.move_to(lifted);
-            deviation.begin_stroke(sample.stroke);
+            deviation.begin_stroke(sample.stroke, 0.0);
         }
         if !matches!(sample.mark, Mark::Corner | Mark::End) {
             continue;
@@ -60,14 +62,14 @@ fn preview(options: &Options) -> Result<(), Box<dyn Error>> {
         if let Some(spline) = NaturalSpline::new(std::mem::take(&mut run)) {
             for span in 0..spline.spans() {
                 let length = (spline.point(span, 1.0) - spline.point(span, 0.0)).norm();
-                let parts = (length / (options.feed * options.step)).ceil().max(1.0) as u32;
+                let parts =
+                    (length / (options.feed.unwrap_or(DEFAULT_FEED) * options.step)).ceil().max(1.0) as u32;
                 for part in 0..=parts {
                     let p = spline.point(span, f64::from(part) / f64::from(parts));
-                    let tip = Tip::new(p.x, p.y, -options.depth);
                     steps += 1;
-                    map.move_to(tip);
-                    trace.move_to(tip);
-                    deviation.observe(p, 0.0);
+                    map.move_to(p);
+                    trace.move_to(p);
+                    deviation.observe(p);
                 }
             }
         }
@@ -86,7 +88,8 @@ fn preview(options: &Options) -> Result<(), Box<dyn Error>> {
     mrroc::launch::files::check_outputs(results.iter().map(|path| &**path))?;
     std::fs::create_dir_all(&options.out)?;
     let parts = trace.parts();
-    let caption = format!("{:.0} mm engraved {:.2} mm deep", drawing.length(), options.depth);
+    let caption =
+        format!("{:.0} mm engraved {:.2} mm deep", drawing.length(), options.depth.unwrap_or(DEFAULT_DEPTH));
     let drawn = Instant::now();
     render(&map, &options.plate, Material::Brass, &caption).write_png(&options.out.join("plate.png"))?;
     let paths = PathsSvg {

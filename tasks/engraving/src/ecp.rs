@@ -4,13 +4,13 @@ use mrroc::observe::Shown;
 use mrroc::prelude::*;
 use mrroc_generators::bspline::{Junction, Method, SplinePoint, SplineSettings};
 use mrroc_generators::feed::FeedLimits;
-use mrroc_generators::generators::{GuardedApproach, JointMove, SplineTrack, StraightLine};
+use mrroc_generators::generators::{GuardedApproach, JointMove, Sleep, SplineTrack, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::ProfileLimits;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use crate::drawing::{Drawing, Vec2};
+use crate::drawing::{Drawing, Manner, Stroke, Vec2};
 use crate::mp::Phase;
 use crate::probe::{Open, Touch, TouchProbe};
 use crate::sampling::{Mark, Sample, Sampling};
@@ -41,7 +41,7 @@ impl Activity {
 
 /// Everything that the arm must know.
 pub struct Job {
-    /// The strokes, placed on the plate \[mm\].
+    /// The strokes, placed on the plate and [sunk](Drawing::sunk) into it \[mm\].
     pub drawing: Drawing,
     /// How the strokes become points.
     pub sampling: Sampling,
@@ -51,9 +51,7 @@ pub struct Job {
     pub middle: Vec2,
     /// The orientation of the tool on the plate.
     pub orientation: UnitQuaternion<f64>,
-    /// Depth of the engraving \[m\], > 0.
-    pub depth: f64,
-    /// Feed along the strokes [m/s], > 0.
+    /// Feed along the strokes that have none of their own [m/s], > 0.
     pub feed: f64,
     /// The step \[s\].
     pub step: f64,
@@ -63,8 +61,12 @@ pub struct Job {
     pub activity: Shown<Activity>,
 }
 
-/// Height above the plate at which the tool travels \[m\].
+/// Height above the plate at which the tool travels, unless a stroke's file asks for more \[m\].
 pub const TRAVEL_HEIGHT: f64 = 0.002;
+/// The greatest height at which the tool travels, whatever a file asks for \[m\].
+pub const HIGHEST_TRAVEL: f64 = 0.020;
+/// A stroke that goes on from the one before it begins so near to its end \[mm\].
+const GOES_ON: f64 = 1e-4;
 /// Height above the expected plate from which the probe goes down \[m\].
 pub const PROBE_HEIGHT: f64 = 0.010;
 /// How far below the expected height the probe looks for the plate \[m\].
@@ -134,37 +136,47 @@ impl Job {
             chord_error: CHORD_ERROR,
             jerk: f64::INFINITY,
         };
-        for (index, stroke) in self.drawing.strokes.iter().enumerate() {
-            ecp.move_robot(
-                (),
-                StraightLine::to(self.over(stroke.start(), TRAVEL_HEIGHT), straight(0.1, 1.0)),
-            )?;
-            ecp.move_robot(
-                (),
-                StraightLine::to(self.over(stroke.start(), -self.depth), straight(0.005, 0.2)),
-            )?;
-            let points: Vec<_> =
-                self.sampling.stroke(stroke, index).iter().map(|sample| self.point(sample)).collect();
+        let strokes = &self.drawing.strokes;
+        for (index, stroke) in strokes.iter().enumerate() {
+            match index.checked_sub(1).map(|before| &strokes[before]).filter(|last| goes_on(last, stroke)) {
+                None => self.approach(ecp, stroke)?,
+                Some(last) if (stroke.tip(0.0) - last.end_tip()).norm() > GOES_ON => {
+                    let start = self.over(stroke.start(), stroke.tip(0.0).z * 1e-3);
+                    ecp.move_robot((), StraightLine::to(start, straight(0.005, 0.2)))?;
+                }
+                Some(_) => {}
+            }
+            let points: Vec<_> = self.sampling.stroke(stroke, index).iter().map(point).collect();
+            let feed =
+                FeedLimits { feed: stroke.manner().feed.map_or(feed.feed, |feed| feed * 1e-3), ..feed };
             let track = SplineTrack::through(points, spline, feed, self.plate, self.orientation);
             let track = track.map_err(|error| Fault::thrown(&error.to_string()))?;
             self.activity.set(Activity { ordinal: index as u64 + 1, ..self.activity.get() });
             ecp.move_robot((), track)?;
             self.activity.set(Activity { ordinal: 0, ..self.activity.get() });
-            ecp.move_robot(
-                (),
-                StraightLine::to(self.over(stroke.end(), TRAVEL_HEIGHT), straight(0.02, 0.2)),
-            )?;
+            if stroke.manner().dwell > 0.0 {
+                ecp.move_robot((), Sleep::lasting(stroke.manner().dwell))?;
+            }
+            if strokes.get(index + 1).is_none_or(|next| !goes_on(stroke, next)) {
+                let above = self.over(stroke.end(), TRAVEL_HEIGHT);
+                ecp.move_robot((), StraightLine::to(above, straight(0.02, 0.2)))?;
+            }
         }
         Ok(())
     }
 
-    /// A sample at the engraving's depth, in the plate's frame \[m\].
-    fn point(&self, sample: &Sample) -> SplinePoint {
-        SplinePoint {
-            position: Vector3::new(sample.position.x * 1e-3, sample.position.y * 1e-3, -self.depth),
-            junction: if sample.mark == Mark::Corner { Junction::Corner } else { Junction::Smooth },
-            ..SplinePoint::default()
+    /// Goes to the start of a stroke from wherever the tool travels: slowly on the last way, into the material.
+    fn approach(&self, ecp: &mut Ecp<Irp6>, stroke: &Stroke) -> Result<(), Fault> {
+        let height = travel_height(stroke.manner());
+        if height > TRAVEL_HEIGHT {
+            let up = Pose::translation(0.0, 0.0, TRAVEL_HEIGHT - height);
+            ecp.move_robot((), StraightLine::by(up, straight(0.1, 1.0)))?;
+            ecp.move_robot((), StraightLine::to(self.over(stroke.start(), height), straight(0.1, 1.0)))?;
         }
+        ecp.move_robot((), StraightLine::to(self.over(stroke.start(), TRAVEL_HEIGHT), straight(0.1, 1.0)))?;
+        let start = self.over(stroke.start(), stroke.tip(0.0).z * 1e-3);
+        ecp.move_robot((), StraightLine::to(start, straight(0.005, 0.2)))?;
+        Ok(())
     }
 
     fn go_and_park(&self, ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
@@ -172,5 +184,26 @@ impl Job {
         ecp.move_robot((), StraightLine::by(up, straight(0.1, 0.5)))?;
         ecp.move_robot((), JointMove::to(self.park, Six::repeat(0.3), Six::repeat(1.5)))?;
         Ok(())
+    }
+}
+
+/// Whether the tool goes on from one stroke to the next without lifting out of the plate.
+#[must_use]
+pub fn goes_on(stroke: &Stroke, next: &Stroke) -> bool {
+    next.manner().goes_on && (next.start() - stroke.end()).norm() < GOES_ON
+}
+
+/// The height at which the tool travels to a stroke \[m\].
+#[must_use]
+pub fn travel_height(manner: &Manner) -> f64 {
+    manner.approach.map_or(TRAVEL_HEIGHT, |mm| (mm * 1e-3).clamp(TRAVEL_HEIGHT, HIGHEST_TRAVEL))
+}
+
+/// A sample in the plate's frame \[m\].
+fn point(sample: &Sample) -> SplinePoint {
+    SplinePoint {
+        position: sample.position * 1e-3,
+        junction: if sample.mark == Mark::Corner { Junction::Corner } else { Junction::Smooth },
+        ..SplinePoint::default()
     }
 }

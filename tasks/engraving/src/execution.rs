@@ -9,7 +9,6 @@ use mrroc::robot::Limits;
 use mrroc_robots::{Irp6, Shaft, Six};
 
 use crate::deviation::Deviation;
-use crate::drawing::Vec2;
 use crate::ecp::Activity;
 use crate::plate::{HeightMap, Tip};
 use crate::trace::Trace;
@@ -47,9 +46,6 @@ pub struct Execution {
     activity: Shown<Activity>,
     /// `X_PW`: the world in the frame of the plate's true surface.
     world: Pose,
-    /// Depth of the engraving \[mm\], and the height of its bottom over the plate's true surface \[mm\].
-    depth: f64,
-    bottom: f64,
     stroke: Option<usize>,
     tip: Option<Tip>,
     joints: Option<(Six, Six)>,
@@ -57,8 +53,7 @@ pub struct Execution {
 }
 
 impl Execution {
-    /// For an arm whose true state is `shaft`'s, and a plate whose true surface lies at `X_WP`, engraved `depth`
-    /// deep \[mm\].
+    /// For an arm whose true state is `shaft`'s, and a plate whose true surface lies at `X_WP`.
     #[must_use]
     #[allow(non_snake_case)]
     pub fn new(
@@ -66,7 +61,6 @@ impl Execution {
         shaft: Shaft,
         activity: Shown<Activity>,
         X_WP: &Pose,
-        depth: f64,
         instruments: Instruments,
     ) -> Self {
         Execution {
@@ -82,8 +76,6 @@ impl Execution {
             shaft,
             activity,
             world: X_WP.inverse(),
-            depth,
-            bottom: 0.0,
             stroke: None,
             tip: None,
             joints: None,
@@ -107,15 +99,13 @@ impl Execution {
         if let Some(index) = stroke {
             if self.stroke != stroke {
                 let found = activity.plate_height().unwrap_or(0.0);
-                self.bottom = (found + self.world.translation.z) * 1e3 - self.depth;
-                self.demanded.begin_stroke(index);
-                self.executed.begin_stroke(index);
+                // Depth counts from where the probe found the plate: that is where the drawing lies for the arm.
+                let surface = (found + self.world.translation.z) * 1e3;
+                self.demanded.begin_stroke(index, surface);
+                self.executed.begin_stroke(index, surface);
             }
-            let demanded = tip(&record.demanded);
-            // Depth counts from where the probe found the plate: that is where the drawing lies for the arm.
-            let bottom = self.bottom;
-            self.demanded.observe(Vec2::new(demanded.x, demanded.y), demanded.z - bottom);
-            self.executed.observe(Vec2::new(executed.x, executed.y), executed.z - bottom);
+            self.demanded.observe(tip(&record.demanded));
+            self.executed.observe(executed);
         }
         self.stroke = stroke;
         if let Some(last) = self.tip {

@@ -7,11 +7,13 @@
 //!
 //! Lengths are in millimetres, as in the files that are read, but for the motion program, which is in metres.
 
+pub mod chosen;
 pub mod deviation;
 pub mod drawing;
 pub mod ecp;
 pub mod error;
 pub mod execution;
+pub mod feeds;
 pub mod layout;
 pub mod mp;
 pub mod options;

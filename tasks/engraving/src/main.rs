@@ -8,8 +8,10 @@ use std::process::ExitCode;
 use std::rc::Rc;
 use std::time::Instant;
 
+use engraving::chosen::{Chosen, Cutting, DEFAULT_DEPTH, DEFAULT_FEED, chosen};
 use engraving::drawing::hershey::Font;
-use engraving::drawing::{Import, Limits, Vec2, read_file, read_str};
+use engraving::drawing::{Import, Order, Reading, Vec2, read_file, read_str};
+use engraving::feeds::greatest_feed;
 use engraving::layout::{HEIGHT_ERROR, Layout};
 use engraving::options::{Options, Source, Talk, parse};
 use engraving::ordering::nearest_first;
@@ -133,27 +135,34 @@ struct Plan {
     placement: Placement,
     sampling: Sampling,
     samples: u64,
+    cutting: Cutting,
 }
 
 impl Plan {
     fn new(options: &Options, talk: Talk) -> Result<Plan, Box<dyn Error>> {
-        let (source, import) = read(&options.source)?;
+        let (source, import) = read(&options.source, options.reading)?;
         if talk == Talk::Normal {
             for warning in &import.warnings {
                 complain(&format!("warning: {}", quoted(warning, 300)));
             }
         }
         let mut placement = place(&import.drawing, &options.plate, options.sizing)?;
-        placement.drawing = nearest_first(placement.drawing, Vec2::zeros());
+        let drawing = match import.order {
+            Order::Free => nearest_first(placement.drawing, Vec2::zeros()),
+            Order::AsGiven => placement.drawing,
+        };
         let layout = Layout::new(&options.plate)?;
+        let (drawing, cutting) = chosen(drawing, options, |stroke| greatest_feed(&layout, stroke))?;
+        placement.drawing = drawing;
         let sampling = Sampling::default();
-        let samples = check_reach(&layout, &options.plate, &placement.drawing, &sampling, options.depth)?;
-        Ok(Plan { source, layout, placement, sampling, samples })
+        let samples = check_reach(&layout, &options.plate, &placement.drawing, &sampling)?;
+        Ok(Plan { source, layout, placement, sampling, samples, cutting })
     }
 
     fn settings(options: &Options) -> Settings {
-        let Options { step, feed, depth, cutter, .. } = *options;
-        Settings { step, feed, depth, cutter }
+        let Options { step, cutter, .. } = *options;
+        // What holds for a stroke stands in it.
+        Settings { step, feed: DEFAULT_FEED, depth: DEFAULT_DEPTH, cutter }
     }
 
     fn cell(&self, options: &Options) -> Cell {
@@ -203,6 +212,9 @@ impl Plan {
             cut_length_mm: execution.cut_length,
             travel_length_mm: execution.travel_length,
             drawing_size_mm: [size.x, size.y],
+            depth_mm: self.cutting.depth,
+            feed_mm_per_s: self.cutting.feed,
+            travel_height_mm: self.cutting.travel,
             samples: self.samples,
             steps: outcome.report.steps,
             step_s: options.step,
@@ -224,8 +236,11 @@ impl Plan {
 
     fn draw(&self, options: &Options, outcome: Outcome, summary: &Summary) -> Result<(), String> {
         let caption = format!(
-            "{}: {:.0} mm engraved {:.2} mm deep in {:.0} s",
-            self.source, summary.cut_length_mm, options.depth, summary.simulated_s
+            "{}: {:.0} mm engraved {} mm deep in {:.0} s",
+            self.source,
+            summary.cut_length_mm,
+            deep(&self.cutting.depth),
+            summary.simulated_s
         );
         let picture = render(&outcome.execution.surface, &options.plate, Material::Brass, &caption);
         let path = options.out.join(RESULTS[0]);
@@ -249,17 +264,21 @@ fn unwritable(path: &Path, error: &io::Error) -> String {
     )
 }
 
+/// How deep, for a caption.
+fn deep(depth: &Chosen) -> String {
+    let Chosen { least, greatest, .. } = *depth;
+    if greatest - least < 0.005 { format!("{greatest:.2}") } else { format!("{least:.2} to {greatest:.2}") }
+}
+
 /// The drawing and what to call it.
-fn read(source: &Source) -> Result<(String, Import), DrawingError> {
+fn read(source: &Source, reading: Reading) -> Result<(String, Import), DrawingError> {
     match source {
-        Source::Nameplate => {
-            Ok(("nameplate".to_owned(), read_str("nameplate.svg", NAMEPLATE, Limits::default())?))
-        }
+        Source::Nameplate => Ok(("nameplate".to_owned(), read_str("nameplate.svg", NAMEPLATE, reading)?)),
         Source::File(path) => {
             let name = path
                 .file_name()
                 .map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into());
-            Ok((name, read_file(path, Limits::default())?))
+            Ok((name, read_file(path, reading)?))
         }
         Source::Text { text, font } => Ok((format!("\"{text}\""), Font::open(font)?.write(text, CAPITALS)?)),
     }

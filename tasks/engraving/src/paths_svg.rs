@@ -35,6 +35,9 @@ const PANEL_HEIGHT: f64 = 124.0;
 /// Width of a character of the heading, on the safe side \[mm\].
 const HEADING_CHARACTER: f64 = 3.6;
 
+/// A stroke that is smaller than this, seen from above, is a hole and drawn as a ring \[mm\].
+const HOLE: f64 = 0.05;
+
 /// Colours of the three kinds of line.
 const DRAWN: Colour = RULE;
 const EXECUTED: Colour = HIGHLIGHT;
@@ -87,6 +90,9 @@ impl PathsSvg<'_> {
         let strokes = &self.drawing.strokes;
         let drawn = thinned(|tolerance| strokes.iter().map(|s| s.flattened(tolerance)).collect(), 2e-3);
         svg.path(&placed(&drawn, page), Look::line(DRAWN, 0.55).round());
+        for hole in strokes.iter().filter(|stroke| stroke.bounds().size().amax() < HOLE) {
+            svg.circle(page(&hole.start()), 0.9, Look::line(DRAWN, 0.55));
+        }
         for (contact, look) in [
             (Contact::Travelling, Look::line(travel(), 0.1).dashed(0.8, 0.8)),
             (Contact::Cutting, Look::line(EXECUTED, 0.12)),
@@ -100,7 +106,7 @@ impl PathsSvg<'_> {
         let bar = if width >= 100.0 { 50.0 } else { 10.0 };
         draw_scale(svg, Vec2::new(0.0, height + 5.0), bar, &format!("{bar:.0} mm"));
         if let Some(worst) = self.deviation.worst {
-            svg.circle(page(&worst.position), 1.8, Look::line(INK, 0.3));
+            svg.circle(page(&worst.position.xy()), 1.8, Look::line(INK, 0.3));
         }
     }
 
@@ -112,9 +118,9 @@ impl PathsSvg<'_> {
         // The deviation takes an eighth of the window, which shows from 0.05 to 20 mm.
         let window = (worst.distance * 8.0).clamp(0.05, 20.0);
         let zoom = SIDE / window;
-        let corner = worst.position - Vec2::new(window, window) * 0.5;
+        let corner = worst.position.xy() - Vec2::new(window, window) * 0.5;
         let page = |p: &Vec2| Vec2::new((p.x - corner.x) * zoom, SIDE - (p.y - corner.y) * zoom);
-        let near = |line: &[Vec2]| within(line, worst.position, window);
+        let near = |line: &[Vec2]| within(line, worst.position.xy(), window);
         let heading = format!("worst place, {zoom:.0} x magnified");
         svg.text(Vec2::new(0.0, TOP - 2.5), TextStyle::new(3.4, INK).bold(), &heading);
         let area = Area { x: 0.0, y: TOP, width: SIDE, height: SIDE };
@@ -216,7 +222,7 @@ fn within(line: &[Vec2], centre: Vec2, window: f64) -> Vec<Vec<Vec2>> {
 mod tests {
     use super::*;
     use crate::deviation::{Corners, Deviation};
-    use crate::drawing::{EllipticalArc, Piece, Stroke};
+    use crate::drawing::{EllipticalArc, Piece, Stroke, Vec3};
     use crate::plate::Tip;
     use crate::sampling::Sampling;
     use crate::trace::Trace;
@@ -229,11 +235,11 @@ mod tests {
         let mut trace = Trace::new(5e-4);
         trace.move_to(Tip::new(0.0, 0.0, 5.0));
         trace.move_to(Tip::new(70.0, 50.0, 5.0));
-        deviation.begin_stroke(0);
+        deviation.begin_stroke(0, 0.0);
         for k in 0..=3000 {
             let t = f64::from(k) / 3000.0;
             let p = arc.point(t) * (1.0 + 1e-4 * (t * 40.0).sin());
-            deviation.observe(p, 0.0);
+            deviation.observe(Vec3::new(p.x, p.y, 0.0));
             trace.move_to(Tip::new(p.x, p.y, -0.3));
         }
         let report = deviation.report();

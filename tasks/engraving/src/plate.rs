@@ -141,7 +141,11 @@ impl HeightMap {
         let rows = range(a.y.min(b.y), a.y.max(b.y), self.rows);
         let along = b - a;
         let squared = along.x * along.x + along.y * along.y;
-        let inverse = if squared > 0.0 { 1.0 / squared } else { 0.0 };
+        // Straight down or up the lower end cuts most, wherever the nearest place of the way is: that is a matter of
+        // micrometres.
+        let steep = along.z * along.z > 100.0 * squared;
+        let inverse = if squared > 0.0 && !steep { 1.0 / squared } else { 0.0 };
+        let lower = if steep && along.z < 0.0 { 1.0 } else { 0.0 };
         let (ax, ay, az) = (a.x as f32, a.y as f32, a.z as f32);
         let (dx, dy, dz) = (along.x as f32, along.y as f32, along.z as f32);
         let (inverse, cell) = (inverse as f32, self.cell as f32);
@@ -152,7 +156,7 @@ impl HeightMap {
             // The tip's depth and the cell's distance from the path, cell by cell.
             let tip = |i: usize| {
                 let x = (first + i as f32) * cell - ax;
-                let t = ((x * dx + y * dy) * inverse).clamp(0.0, 1.0);
+                let t = ((x * dx + y * dy) * inverse + lower).clamp(0.0, 1.0);
                 let (gx, gy) = (x - dx * t, y - dy * t);
                 (az + dz * t, gx * gx + gy * gy)
             };
@@ -213,5 +217,22 @@ mod tests {
         // At half the groove's width: -0.4 + 1 - sqrt(1 - 0.25).
         assert!((f64::from(map.height(200, 110)) - (0.6 - 0.75f64.sqrt())).abs() < 1e-3);
         assert!((map.cutter.half_width(0.4) - 0.8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_plunge_leaves_the_shape_of_the_tool() {
+        let mut map = HeightMap::new(&plate(), 0.05, Cutter::Ball { radius: 1.0 });
+        // The arm shakes by a few micrometres while it goes down.
+        for k in 0..=400 {
+            let shake = 2e-6 * f64::from(k % 7);
+            map.move_to(Tip::new(5.025 + shake, 5.025 - shake, 1.0 - f64::from(k) * 0.005));
+        }
+        map.finish();
+        for (off, expected) in [(0, -1.0), (4, -(1.0f64 - 0.04).sqrt()), (-8, -(1.0f64 - 0.16).sqrt())] {
+            for (column, row) in [(100 + off, 100), (100, 100 + off)] {
+                let found = f64::from(map.height(column, row));
+                assert!((found - expected).abs() < 1e-3, "{found} for {expected} at {off}");
+            }
+        }
     }
 }

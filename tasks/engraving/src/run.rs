@@ -12,7 +12,7 @@ use nalgebra::Translation3;
 
 use crate::deviation::{Corners, Deviation};
 use crate::drawing::{Drawing, Vec2};
-use crate::ecp::{Activity, Job, PROBE_HEIGHT, TRAVEL_HEIGHT};
+use crate::ecp::{Activity, Job, PROBE_HEIGHT, travel_height};
 use crate::execution::{Execution, Instruments};
 use crate::layout::{HEIGHT_ERROR, Layout, OutOfReach};
 use crate::mp::coordinate;
@@ -32,9 +32,9 @@ const TRACE_TOLERANCE: f64 = 0.002;
 pub struct Settings {
     /// The step \[s\], a multiple of the arm's servo period of 2 ms or an even part of it.
     pub step: f64,
-    /// Feed along the strokes [mm/s], > 0.
+    /// Feed along the strokes whose file says none [mm/s], > 0.
     pub feed: f64,
-    /// Depth of the engraving \[mm\], > 0.
+    /// Depth of the strokes whose file says no heights \[mm\], > 0.
     pub depth: f64,
     /// The cutter.
     pub cutter: Cutter,
@@ -50,7 +50,7 @@ pub struct Outcome {
     pub height_found: Option<f64>,
 }
 
-/// Checks that the arm reaches every point of the drawing, at all heights that it will take there.
+/// Checks that the arm reaches every point of the drawing, which has been sunk, at all heights that it will take there.
 ///
 /// # Errors
 /// The first place that it does not reach.
@@ -59,14 +59,14 @@ pub fn check_reach(
     plate: &Plate,
     drawing: &Drawing,
     sampling: &Sampling,
-    depth: f64,
 ) -> Result<u64, OutOfReach> {
     layout.joints(Vec2::new(plate.width / 2.0, plate.height / 2.0), PROBE_HEIGHT)?;
     let mut samples = 0;
     for sample in sampling.samples(drawing) {
         samples += 1;
-        for height in [TRAVEL_HEIGHT + 0.002, -depth * 1e-3 - 0.004] {
-            layout.joints(sample.position, height)?;
+        let travel = travel_height(drawing.strokes[sample.stroke].manner());
+        for height in [travel + 0.002, sample.position.z * 1e-3 - 0.004] {
+            layout.joints(sample.position.xy(), height)?;
         }
     }
     Ok(samples)
@@ -97,12 +97,11 @@ impl Parts {
         let shaft = drives.shaft();
         let activity = Shown::new(Activity::default());
         let mut job = Job {
-            drawing: drawing.clone(),
+            drawing: drawing.clone().sunk(settings.depth),
             sampling,
             plate: layout.plate,
             middle: Vec2::new(plate.width / 2.0, plate.height / 2.0),
             orientation: layout.orientation,
-            depth: settings.depth * 1e-3,
             feed: settings.feed * 1e-3,
             step: settings.step,
             park: layout.park,
@@ -162,9 +161,8 @@ impl Watch {
             parts.shaft.clone(),
             activity.clone(),
             &parts.surface,
-            settings.depth,
             Instruments {
-                deviation: Deviation::new(drawing, &sampling, Corners::Counted),
+                deviation: Deviation::new(&drawing.clone().sunk(settings.depth), &sampling, Corners::Counted),
                 surface: HeightMap::new(plate, CELL, settings.cutter),
                 trace: Trace::new(TRACE_TOLERANCE),
             },

@@ -6,7 +6,7 @@
 //! spans differ by a factor of at most 2. So joins of lines and arcs, where curvature jumps, get a fine, graded
 //! spacing, and long lines few points.
 
-use crate::drawing::{Drawing, NaturalSpline, Piece, Stroke, Vec2};
+use crate::drawing::{Drawing, NaturalSpline, Piece, Stroke, Vec3};
 use std::collections::VecDeque;
 
 /// What a sample is to its stroke.
@@ -25,8 +25,8 @@ pub enum Mark {
 /// A point of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Position on the plate \[mm\].
-    pub position: Vec2,
+    /// The tool's tip: the place over the plate and the height \[mm\].
+    pub position: Vec3,
     /// Index of its stroke in the drawing.
     pub stroke: usize,
     /// What it is to its stroke.
@@ -67,7 +67,7 @@ impl Sampling {
     #[must_use]
     pub fn stroke(&self, stroke: &Stroke, index: usize) -> Vec<Sample> {
         let ends = self.run_ends(stroke);
-        let mut samples = vec![Sample { position: stroke.start(), stroke: index, mark: Mark::Start }];
+        let mut samples = vec![Sample { position: stroke.tip(0.0), stroke: index, mark: Mark::Start }];
         for run in ends.windows(2) {
             let parameters = self.run(stroke, run[0], run[1]);
             samples.extend(parameters.iter().skip(1).map(|s| Sample {
@@ -87,22 +87,22 @@ impl Sampling {
 
     /// Positions of the stroke's corners, without its ends \[mm\].
     #[must_use]
-    pub fn corners(&self, stroke: &Stroke) -> Vec<Vec2> {
+    pub fn corners(&self, stroke: &Stroke) -> Vec<Vec3> {
         let ends = self.run_ends(stroke);
-        ends[1..ends.len() - 1].iter().map(|k| stroke.pieces()[*k].start()).collect()
+        ends[1..ends.len() - 1].iter().map(|k| stroke.tip(*k as f64)).collect()
     }
 
     /// The piece indices where runs begin and end, the stroke's ends among them.
     fn run_ends(&self, stroke: &Stroke) -> Vec<usize> {
-        let pieces = stroke.pieces();
+        let count = stroke.pieces().len();
         let mut ends = vec![0];
-        for k in 1..pieces.len() {
-            let turn = pieces[k - 1].tangent(1.0).angle(&pieces[k].tangent(0.0));
+        for k in 1..count {
+            let turn = stroke.tip_tangent(k - 1, 1.0).angle(&stroke.tip_tangent(k, 0.0));
             if turn > self.corner_angle {
                 ends.push(k);
             }
         }
-        ends.push(pieces.len());
+        ends.push(count);
         ends
     }
 
@@ -113,7 +113,7 @@ impl Sampling {
         }
         let mut at = self.first_guess(stroke, from, to);
         for _ in 0..MOST_PASSES {
-            let points: Vec<Vec2> = at.iter().map(|s| position(stroke, *s)).collect();
+            let points: Vec<Vec3> = at.iter().map(|s| position(stroke, *s)).collect();
             let Some(spline) = NaturalSpline::new(points.clone()) else { break };
             let poor = |i: usize| {
                 (points[i + 1] - points[i]).norm() > 2.0 * self.closest
@@ -158,7 +158,7 @@ impl Sampling {
     /// Halves spans that are more than twice as long as a neighbour.
     fn grade(&self, stroke: &Stroke, mut at: Vec<f64>) -> Vec<f64> {
         for _ in 0..MOST_PASSES {
-            let points: Vec<Vec2> = at.iter().map(|s| position(stroke, *s)).collect();
+            let points: Vec<Vec3> = at.iter().map(|s| position(stroke, *s)).collect();
             let spans: Vec<f64> = points.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
             let too_long = |i: usize| {
                 let beside = [i.checked_sub(1), Some(i + 1)];
@@ -180,8 +180,8 @@ impl Sampling {
 }
 
 /// The point at a stroke parameter; exact at joins.
-fn position(stroke: &Stroke, s: f64) -> Vec2 {
-    stroke.point(s)
+fn position(stroke: &Stroke, s: f64) -> Vec3 {
+    stroke.tip(s)
 }
 
 /// Puts a point into the middle of the marked spans.
@@ -198,11 +198,11 @@ fn halve(stroke: &Stroke, at: &[f64], marked: &[bool]) -> Vec<f64> {
 
 /// The parameter whose point is about as far from both ends.
 fn middle(stroke: &Stroke, a: f64, b: f64) -> f64 {
-    let (from, to) = (stroke.point(a), stroke.point(b));
+    let (from, to) = (stroke.tip(a), stroke.tip(b));
     let (mut low, mut high) = (a, b);
     for _ in 0..8 {
         let m = 0.5 * (low + high);
-        let p = stroke.point(m);
+        let p = stroke.tip(m);
         let (left, right) = ((p - from).norm(), (to - p).norm());
         if (left - right).abs() < 0.05 * (left + right) {
             return m;
@@ -217,7 +217,7 @@ fn middle(stroke: &Stroke, a: f64, b: f64) -> f64 {
 }
 
 /// The largest distance of a spline's span from the exact curve between two stroke parameters \[mm\].
-fn deviation(stroke: &Stroke, spline: &NaturalSpline, span: usize, from: f64, to: f64) -> f64 {
+fn deviation(stroke: &Stroke, spline: &NaturalSpline<3>, span: usize, from: f64, to: f64) -> f64 {
     let mut worst = 0.0f64;
     for k in 1..=5 {
         let f = f64::from(k) / 6.0;
@@ -228,21 +228,20 @@ fn deviation(stroke: &Stroke, spline: &NaturalSpline, span: usize, from: f64, to
 
 /// The distance of a point from the curve between two stroke parameters, searched from the fraction `f` by Newton's
 /// method on `(P - q) . P' = 0`.
-fn distance(stroke: &Stroke, q: Vec2, from: f64, to: f64, f: f64) -> f64 {
+fn distance(stroke: &Stroke, q: Vec3, from: f64, to: f64, f: f64) -> f64 {
     let mut s = from + (to - from) * f;
     for _ in 0..4 {
         // Just inside, so that a parameter at a join belongs to the piece of this span.
         let inside = s.clamp(from + 1e-12, to - 1e-12);
-        let (piece, t) = stroke.locate(inside);
-        let (d, dd) = piece.derivatives(t);
-        let gap = piece.point(t) - q;
+        let (d, dd) = stroke.tip_derivatives(inside);
+        let gap = stroke.tip(inside) - q;
         let slope = d.norm_squared() + gap.dot(&dd);
         if slope <= 0.0 {
             break;
         }
         s = (s - gap.dot(&d) / slope).clamp(from, to);
     }
-    (stroke.point(s) - q).norm()
+    (stroke.tip(s) - q).norm()
 }
 
 /// The samples of a drawing, one stroke ahead.
@@ -270,7 +269,7 @@ impl Iterator for Samples<'_> {
 mod tests {
     use super::*;
     use crate::deviation::{Corners, Deviation};
-    use crate::drawing::{EllipticalArc, Limits, read_file};
+    use crate::drawing::{EllipticalArc, Limits, Vec2, read_file};
     use std::path::Path;
 
     fn stroke(pieces: Vec<Piece>) -> Stroke {
@@ -294,7 +293,7 @@ mod tests {
                 let spline = NaturalSpline::new(std::mem::take(&mut run)).unwrap();
                 for span in 0..spline.spans() {
                     for k in 0..16 {
-                        deviation.observe(spline.point(span, f64::from(k) / 16.0), 0.0);
+                        deviation.observe(spline.point(span, f64::from(k) / 16.0));
                     }
                 }
                 run.push(sample.position);
@@ -348,6 +347,6 @@ mod tests {
     fn corners_are_found_where_the_tangent_turns() {
         let pieces =
             vec![line([0.0, 0.0], [5.0, 0.0]), line([5.0, 0.0], [10.0, 0.1]), line([10.0, 0.1], [10.0, 9.0])];
-        assert_eq!(Sampling::default().corners(&stroke(pieces)), vec![Vec2::new(10.0, 0.1)]);
+        assert_eq!(Sampling::default().corners(&stroke(pieces)), vec![Vec3::new(10.0, 0.1, 0.0)]);
     }
 }

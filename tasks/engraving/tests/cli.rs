@@ -72,9 +72,9 @@ fn every_sample_drawing_is_engraved_within_the_bounds() {
     let mut files: Vec<_> = files.map(|entry| entry.expect("the samples can be listed").path()).collect();
     files.retain(|path| {
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        ["svg", "dxf", "gcode"].contains(&ending.as_str())
+        ["svg", "dxf", "gcode", "ngc"].contains(&ending.as_str())
     });
-    assert!(files.len() >= 5, "{files:?}");
+    assert!(files.len() >= 10, "{files:?}");
     // The largest of them take most of the time: two at once.
     let next = std::sync::atomic::AtomicUsize::new(0);
     std::thread::scope(|scope| {
@@ -90,6 +90,29 @@ fn every_sample_drawing_is_engraved_within_the_bounds() {
             });
         }
     });
+}
+
+#[test]
+fn a_program_is_engraved_as_deep_and_as_fast_as_it_says() {
+    let folder = folder("depth");
+    let program = "G21 G0 X0 Y0 Z4\nG1 Z-2 F120\nG1 X20 F600\nG2 X20 Y0 I-5 Z-1 P2\nG0 Z4\n";
+    std::fs::write(folder.join("a.ngc"), program).expect("the folder can be written");
+    let output = engraving(&folder, &["a.ngc"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    for row in ["2 mm, from the file", "2 to 10 mm/s, from the file", "4 mm, from the file"] {
+        assert!(said.contains(row), "{said}");
+    }
+    let from_file = figures(&folder);
+    assert_eq!(from_file["depth_mm"]["by"], "file");
+    // Down 2, along 20, two turns that rise by 1, up 1 and out. The true tip's way is a little longer: the arm shakes,
+    // and its probe goes into the plate where it touches it.
+    let length = 2.0 + 20.0 + (2.0 * 10.0 * std::f64::consts::PI).hypot(1.0) + 1.0;
+    let cut = number(&from_file, "/cut_length_mm");
+    assert!((length..1.01 * length).contains(&cut), "{from_file}");
+    let output = engraving(&folder, &["a.ngc", "--depth", "0.5", "--feed", "30"]);
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(said.contains("0.5 mm, by --depth") && said.contains("30 mm/s, by --feed"), "{said}");
 }
 
 #[test]

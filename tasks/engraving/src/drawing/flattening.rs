@@ -1,6 +1,7 @@
 //! Polylines that stay within a tolerance of the exact curves, and the boxes that need them.
 
-use super::{Bounds, Piece, Stroke, Vec2};
+use super::stroke::with_height;
+use super::{Bounds, Height, Piece, Stroke, Vec2, Vec3};
 
 /// The most chords of one piece: at 0.2 µm a circle of 10 m radius needs fewer.
 const MOST_CHORDS: f64 = 50_000.0;
@@ -11,8 +12,15 @@ impl Piece {
     ///
     /// Arcs and cubics by the bound `|P''| h² / 8` on the chord's deviation, rational pieces by halving.
     pub fn flatten(&self, tolerance: f64, each: &mut impl FnMut(f64, Vec2)) {
+        self.flatten_at(&Height::level(0.0), tolerance, each);
+    }
+
+    /// As [`flatten`](Self::flatten), and no chord is further from the tip's way at these heights.
+    fn flatten_at(&self, height: &Height, tolerance: f64, each: &mut impl FnMut(f64, Vec2)) {
+        let bend = height.second_derivative_bound();
         let bound = match self {
-            Self::Line { to, .. } => return each(1.0, *to),
+            Self::Line { to, .. } if bend == 0.0 => return each(1.0, *to),
+            Self::Line { .. } => 0.0,
             Self::Arc(arc) => arc.second_derivative_bound(),
             Self::Cubic([a, b, c, d]) => 6.0 * (a - b * 2.0 + c).norm().max((b - c * 2.0 + d).norm()),
             Self::Rational(curve) => {
@@ -25,6 +33,7 @@ impl Piece {
                 return;
             }
         };
+        let bound = if bend > 0.0 { bound.hypot(bend) } else { bound };
         let chords = (bound / (8.0 * tolerance)).sqrt().ceil().clamp(1.0, MOST_CHORDS) as u32;
         for k in 1..=chords {
             let t = f64::from(k) / f64::from(chords);
@@ -81,6 +90,17 @@ impl Stroke {
         let mut points = vec![self.start()];
         for piece in self.pieces() {
             piece.flatten(tolerance, &mut |_, p| points.push(p));
+        }
+        points
+    }
+
+    /// The tip's way as a polyline \[mm\] no further than `tolerance` \[mm\] from it, its start included.
+    #[must_use]
+    pub fn flattened_tips(&self, tolerance: f64) -> Vec<Vec3> {
+        let mut points = vec![self.tip(0.0)];
+        for (k, piece) in self.pieces().iter().enumerate() {
+            let height = self.height(k);
+            piece.flatten_at(&height, tolerance, &mut |t, p| points.push(with_height(p, height.at(t))));
         }
         points
     }

@@ -137,18 +137,7 @@ impl Font {
         let mut strokes = Vec::new();
         let mut place = 0;
         for (row, line) in text.lines().enumerate() {
-            let mut x = 0.0;
-            let mut placed = Vec::new();
-            for character in line.chars() {
-                place += 1;
-                let glyph = self.glyph(character, place)?;
-                for polyline in &glyph.lines {
-                    let map = Affine::translation(Vec2::new(x - glyph.left, 0.0));
-                    let stroke = Stroke::new(smooth_pieces(polyline, CORNER));
-                    placed.extend(stroke.map(|stroke| stroke.transformed(&map)));
-                }
-                x += glyph.right - glyph.left;
-            }
+            let (placed, x) = self.row(line, &mut place)?;
             let map = Affine::scaling(scale, scale)
                 .after(&Affine::translation(Vec2::new(-x / 2.0, -(row as f64) * LINE_STEP * CAPITAL)));
             strokes.extend(placed.iter().map(|stroke: &Stroke| stroke.transformed(&map)));
@@ -160,7 +149,47 @@ impl Font {
                 help: "give letters or digits".to_owned(),
             });
         }
-        Ok(Import { drawing: Drawing { strokes }, warnings: Vec::new() })
+        Ok(Import { drawing: Drawing { strokes }, ..Import::default() })
+    }
+
+    /// A line of text from the origin along x with its baseline at 0, in capitals that are 1 high.
+    ///
+    /// # Errors
+    /// [`DrawingError::MissingGlyph`] names the first character that the font lacks.
+    pub fn line(&self, text: &str) -> Result<Vec<Stroke>, DrawingError> {
+        let (strokes, _) = self.row(&plain(text), &mut 0)?;
+        let map = Affine::scaling(1.0 / CAPITAL, 1.0 / CAPITAL);
+        Ok(strokes.iter().map(|stroke| stroke.transformed(&map)).collect())
+    }
+
+    /// How far a line of text reaches, in capital heights.
+    ///
+    /// # Errors
+    /// As [`line`](Self::line).
+    pub fn width(&self, text: &str) -> Result<f64, DrawingError> {
+        let mut width = 0.0;
+        for (place, character) in plain(text).chars().enumerate() {
+            let glyph = self.glyph(character, place + 1)?;
+            width += glyph.right - glyph.left;
+        }
+        Ok(width / CAPITAL)
+    }
+
+    /// A line of text in the font's units, and how far it reaches.
+    fn row(&self, line: &str, place: &mut usize) -> Result<(Vec<Stroke>, f64), DrawingError> {
+        let mut x = 0.0;
+        let mut placed = Vec::new();
+        for character in line.chars() {
+            *place += 1;
+            let glyph = self.glyph(character, *place)?;
+            for polyline in &glyph.lines {
+                let map = Affine::translation(Vec2::new(x - glyph.left, 0.0));
+                let stroke = Stroke::new(smooth_pieces(polyline, CORNER));
+                placed.extend(stroke.map(|stroke| stroke.transformed(&map)));
+            }
+            x += glyph.right - glyph.left;
+        }
+        Ok((placed, x))
     }
 
     fn glyph(&self, character: char, place: usize) -> Result<&Glyph, DrawingError> {
@@ -175,6 +204,23 @@ impl Font {
                 coverage: "the characters of ASCII".to_owned(),
             })
     }
+}
+
+/// Typographic quotation marks, dashes and blanks as ASCII has them.
+fn plain(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '‘' | '’' | '′' => plain.push('\''),
+            '“' | '”' | '″' => plain.push('"'),
+            '–' | '—' | '−' | '‐' => plain.push('-'),
+            '…' => plain.push_str("..."),
+            '\u{a0}' | '\u{2009}' | '\t' => plain.push(' '),
+            '×' => plain.push('x'),
+            c => plain.push(c),
+        }
+    }
+    plain
 }
 
 /// A glyph from its pairs, the edges first.
@@ -211,6 +257,16 @@ mod tests {
         let bounds = Font::open("futural").unwrap().write("H", 10.0).unwrap().drawing.bounds().unwrap();
         assert!((bounds.size().y - 10.0).abs() < 1e-9);
         assert!(bounds.min.y.abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_line_has_capitals_of_1_and_its_width_is_that_of_its_glyphs() {
+        let font = Font::open("futural").unwrap();
+        let height = font.line("H").unwrap().iter().map(Stroke::bounds).reduce(|a, b| a.union(&b)).unwrap();
+        assert!((height.size().y - 1.0).abs() < 1e-12);
+        // H in Hershey's simplex: 22 units between its edges, capitals of 21.
+        assert!((font.width("HH").unwrap() - 44.0 / 21.0).abs() < 1e-12);
+        assert_eq!(font.line("“a–b”…").unwrap(), font.line("\"a-b\"...").unwrap());
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Reads a file of any known format: size, text and format first, then the format's reader, then what all share.
 
+use super::gcode::Switches;
 use super::{Budget, Drawing, Limits, dxf, gcode, svg};
 use crate::error::{DrawingError, Place};
 use mrroc::launch::files;
@@ -13,6 +14,33 @@ pub struct Import {
     pub drawing: Drawing,
     /// What the reader left out or assumed, one sentence each.
     pub warnings: Vec<String>,
+    /// In which order the strokes are to be cut.
+    pub order: Order,
+}
+
+/// The order of strokes, and which way round they go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// Any that saves travel.
+    #[default]
+    Free,
+    /// As they stand: a program means its order.
+    AsGiven,
+}
+
+/// How a file is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// How much it may ask for.
+    pub limits: Limits,
+    /// What is chosen for a G-code program.
+    pub gcode: Switches,
+}
+
+impl From<Limits> for Reading {
+    fn from(limits: Limits) -> Self {
+        Self { limits, ..Self::default() }
+    }
 }
 
 /// The formats that are read.
@@ -41,7 +69,7 @@ impl Format {
             Some(Self::Dxf)
         } else if head.lines().any(|l| {
             let l = l.trim_start();
-            l.starts_with(['G', 'g', '%']) && l.chars().nth(1).is_none_or(|c| c.is_ascii_digit())
+            l.starts_with(['G', 'g', '%', 'O', 'o']) && l.chars().nth(1).is_none_or(|c| c.is_ascii_digit())
         }) {
             Some(Self::Gcode)
         } else {
@@ -54,7 +82,9 @@ impl Format {
 ///
 /// # Errors
 /// [`DrawingError`] with file, line and remedy for anything that cannot be engraved as it stands.
-pub fn read_file(path: &Path, limits: Limits) -> Result<Import, DrawingError> {
+pub fn read_file(path: &Path, reading: impl Into<Reading>) -> Result<Import, DrawingError> {
+    let reading = reading.into();
+    let limits = reading.limits;
     let file = path.display().to_string();
     let unreadable = |source| DrawingError::Unreadable { file: file.clone(), source };
     let mut handle = files::open(path).map_err(unreadable)?;
@@ -65,14 +95,14 @@ pub fn read_file(path: &Path, limits: Limits) -> Result<Import, DrawingError> {
         let length = handle.metadata().map(|m| m.len()).unwrap_or(0).max(bytes.len() as u64);
         return Err(DrawingError::FileTooLong { file, bytes: length, limit: limits.file_bytes });
     }
-    read_bytes(&file, bytes, limits)
+    read_bytes(&file, bytes, reading)
 }
 
 /// Reads a drawing from the bytes of a file; its name decides the format, else its content.
 ///
 /// # Errors
 /// As [`read_file`].
-pub fn read_bytes(name: &str, bytes: Vec<u8>, limits: Limits) -> Result<Import, DrawingError> {
+pub fn read_bytes(name: &str, bytes: Vec<u8>, reading: impl Into<Reading>) -> Result<Import, DrawingError> {
     if bytes.starts_with(b"AutoCAD Binary DXF") {
         let help = "this is a binary DXF; save it as ASCII DXF";
         return Err(DrawingError::NotText { file: name.to_owned(), at: 1, help });
@@ -94,14 +124,15 @@ pub fn read_bytes(name: &str, bytes: Vec<u8>, limits: Limits) -> Result<Import, 
             });
         }
     };
-    read_str(name, &text, limits)
+    read_str(name, &text, reading)
 }
 
 /// Reads a drawing from text; the name decides the format, else the content.
 ///
 /// # Errors
 /// As [`read_file`].
-pub fn read_str(name: &str, text: &str, limits: Limits) -> Result<Import, DrawingError> {
+pub fn read_str(name: &str, text: &str, reading: impl Into<Reading>) -> Result<Import, DrawingError> {
+    let Reading { limits, gcode: switches } = reading.into();
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut budget = Budget::new(limits);
     let format =
@@ -112,7 +143,7 @@ pub fn read_str(name: &str, text: &str, limits: Limits) -> Result<Import, Drawin
     let import = match format {
         Format::Svg => svg::read(name, text, &mut budget),
         Format::Dxf => dxf::read(name, text, &mut budget),
-        Format::Gcode => gcode::read(name, text, &mut budget),
+        Format::Gcode => gcode::read(name, text, switches, &mut budget),
     }?;
     check_sane(name, &import)?;
     if import.drawing.strokes.is_empty() {
@@ -128,7 +159,7 @@ pub fn read_str(name: &str, text: &str, limits: Limits) -> Result<Import, Drawin
                     "check that LINE, ARC, CIRCLE, POLYLINE, SPLINE or ELLIPSE entities are in model space"
                 }
                 Format::Gcode => {
-                    "a cut is a G1, G2, G3 or G5 move below Z0, or with M3/M4 on, or any if neither is used"
+                    "a cut is a feed move below Z0; if none is, one at Z0 with M3/M4 on, or any at Z0 if neither is used"
                 }
             }
             .to_owned(),

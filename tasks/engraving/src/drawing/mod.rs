@@ -7,14 +7,18 @@
 
 mod affine;
 mod bezier;
+mod bounds;
 pub mod dxf;
 mod ellipse;
 mod flattening;
 pub mod gcode;
+mod height;
 pub mod hershey;
 mod import;
 mod joining;
 mod limits;
+mod list;
+mod manner;
 mod nurbs;
 mod piece;
 mod spline;
@@ -23,17 +27,24 @@ pub mod svg;
 
 pub use affine::Affine;
 pub use bezier::RationalBezier;
+pub use bounds::Bounds;
 pub use ellipse::EllipticalArc;
-pub use import::{Import, read_bytes, read_file, read_str};
+pub use height::Height;
+pub use import::{Import, Order, Reading, read_bytes, read_file, read_str};
 pub use joining::join_touching;
 pub use limits::{Budget, Limits};
+pub use list::Drawing;
+pub use manner::Manner;
 pub(crate) use nurbs::PlanarNurbs;
 pub use piece::Piece;
 pub use spline::{NaturalSpline, smooth_pieces};
-pub use stroke::{Bounds, Closure, Drawing, Stroke};
+pub use stroke::{Closure, Stroke};
 
 /// A point or a displacement in the plane of the drawing \[mm\], x to the right, y up.
 pub type Vec2 = nalgebra::Vector2<f64>;
+
+/// The tool's tip: a place in the plane of the drawing and its height over the plate's surface \[mm\].
+pub type Vec3 = nalgebra::Vector3<f64>;
 
 /// The signed area of the parallelogram of two vectors: `a.x b.y - a.y b.x`.
 #[must_use]

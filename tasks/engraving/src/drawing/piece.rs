@@ -1,6 +1,7 @@
 //! One exact curve piece of a stroke, over the parameter 0..=1.
 
-use super::{Affine, EllipticalArc, RationalBezier, Vec2, cross};
+use super::height::blossom;
+use super::{Affine, EllipticalArc, Height, RationalBezier, Vec2, cross};
 
 /// An exact curve: line, elliptical or circular arc, cubic Bézier, or a span of a NURBS.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,26 +130,41 @@ impl Piece {
     pub fn length(&self) -> f64 {
         match self {
             Self::Line { from, to } => (to - from).norm(),
-            Self::Arc(_) | Self::Cubic(_) | Self::Rational(_) => {
-                const PARTS: usize = 16;
-                const NODES: [(f64, f64); 3] = [
-                    (0.0, 0.568_888_888_888_888_9),
-                    (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
-                    (0.906_179_845_938_664, 0.236_926_885_056_189_1),
-                ];
-                let half = 0.5 / PARTS as f64;
-                let mut sum = 0.0;
-                for part in 0..PARTS {
-                    let middle = (2 * part + 1) as f64 * half;
-                    for (x, weight) in NODES {
-                        sum += weight * self.derivative(middle + half * x).norm();
-                        if x > 0.0 {
-                            sum += weight * self.derivative(middle - half * x).norm();
-                        }
-                    }
-                }
-                sum * half
+            Self::Arc(_) | Self::Cubic(_) | Self::Rational(_) => integral(|t| self.derivative(t).norm()),
+        }
+    }
+
+    /// The length of the tip's way along the piece at these heights \[mm\].
+    #[must_use]
+    pub fn length_at(&self, height: &Height) -> f64 {
+        match (self, height) {
+            (Self::Line { from, to }, Height::Linear { from: low, to: high }) => {
+                (to - from).norm().hypot(high - low)
             }
+            _ => integral(|t| self.derivative(t).norm().hypot(height.derivatives(t).0)),
+        }
+    }
+
+    /// The part between two parameters, over 0..=1 again. A rational piece stays whole: its heights never change.
+    #[must_use]
+    pub(super) fn part(&self, from: f64, to: f64) -> Self {
+        match self {
+            Self::Line { .. } => Self::Line { from: self.point(from), to: self.point(to) },
+            Self::Arc(arc) => Self::Arc(EllipticalArc {
+                start_angle: arc.angle(from),
+                sweep: arc.sweep * (to - from),
+                ..*arc
+            }),
+            Self::Cubic(controls) => {
+                let blossom = |x, y, z| blossom(*controls, [x, y, z], |a, b, f| a + (b - a) * f);
+                Self::Cubic([
+                    blossom(from, from, from),
+                    blossom(from, from, to),
+                    blossom(from, to, to),
+                    blossom(to, to, to),
+                ])
+            }
+            Self::Rational(_) => self.clone(),
         }
     }
 
@@ -189,8 +205,30 @@ impl Piece {
     }
 }
 
+/// The integral over 0..=1 of a smooth function.
+fn integral(of: impl Fn(f64) -> f64) -> f64 {
+    const PARTS: usize = 16;
+    const NODES: [(f64, f64); 3] = [
+        (0.0, 0.568_888_888_888_888_9),
+        (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    ];
+    let half = 0.5 / PARTS as f64;
+    let mut sum = 0.0;
+    for part in 0..PARTS {
+        let middle = (2 * part + 1) as f64 * half;
+        for (x, weight) in NODES {
+            sum += weight * of(middle + half * x);
+            if x > 0.0 {
+                sum += weight * of(middle - half * x);
+            }
+        }
+    }
+    sum * half
+}
+
 /// Real roots of `a t² + b t + c`.
-fn quadratic_roots(a: f64, b: f64, c: f64, into: &mut Vec<f64>) {
+pub(super) fn quadratic_roots(a: f64, b: f64, c: f64, into: &mut Vec<f64>) {
     if a.abs() < 1e-12 * (b.abs() + c.abs()) {
         if b != 0.0 {
             into.push(-c / b);

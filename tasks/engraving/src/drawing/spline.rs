@@ -5,19 +5,20 @@
 //! chord lengths `h` and chord slopes `D`; the second derivative is 0 at both ends.
 
 use super::{Piece, Vec2};
+use nalgebra::SVector;
 
 /// A natural cubic spline through points, parametrised by chord length.
 #[derive(Clone, Debug)]
-pub struct NaturalSpline {
-    points: Vec<Vec2>,
+pub struct NaturalSpline<const D: usize> {
+    points: Vec<SVector<f64, D>>,
     chords: Vec<f64>,
-    slopes: Vec<Vec2>,
+    slopes: Vec<SVector<f64, D>>,
 }
 
-impl NaturalSpline {
+impl<const D: usize> NaturalSpline<D> {
     /// The spline through two or more points; `None` for fewer, or where neighbours lie within 1e-9 mm.
     #[must_use]
-    pub fn new(points: Vec<Vec2>) -> Option<Self> {
+    pub fn new(points: Vec<SVector<f64, D>>) -> Option<Self> {
         let chords: Vec<f64> = points.windows(2).map(|w| (w[1] - w[0]).norm()).collect();
         if chords.is_empty() || chords.iter().any(|h| *h <= 1e-9) {
             return None;
@@ -34,14 +35,16 @@ impl NaturalSpline {
 
     /// The point \[mm\] at the fraction `f` in 0..=1 of a span.
     #[must_use]
-    pub fn point(&self, span: usize, f: f64) -> Vec2 {
+    pub fn point(&self, span: usize, f: f64) -> SVector<f64, D> {
         let (a, b) = (self.points[span], self.points[span + 1]);
         let h = self.chords[span];
         let (m, n) = (self.slopes[span] * h, self.slopes[span + 1] * h);
         let g = 1.0 - f;
         a * (g * g * (1.0 + 2.0 * f)) + m * (f * g * g) + b * (f * f * (3.0 - 2.0 * f)) - n * (f * f * g)
     }
+}
 
+impl NaturalSpline<2> {
     /// The spans as cubic Bézier pieces: the same curve.
     #[must_use]
     pub fn pieces(&self) -> Vec<Piece> {
@@ -55,7 +58,7 @@ impl NaturalSpline {
 }
 
 /// Thomas' algorithm on the natural spline's rows.
-fn slopes(points: &[Vec2], h: &[f64]) -> Vec<Vec2> {
+fn slopes<const D: usize>(points: &[SVector<f64, D>], h: &[f64]) -> Vec<SVector<f64, D>> {
     let n = points.len();
     let slope = |i: usize| (points[i + 1] - points[i]) / h[i];
     if n == 2 {

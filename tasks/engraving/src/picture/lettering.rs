@@ -9,7 +9,7 @@ const INK: [f32; 3] = [0.80, 0.80, 0.77];
 /// Writes the caption at the left and the scale bar at the right of the strip below the plate, which is so high \[mm\].
 pub fn draw(picture: &mut Picture, frame: &Frame<'_>, strip: f64, caption: &str) {
     let &Frame { plate, bench, per_mm, .. } = frame;
-    let pen = Pen { per_mm, half_width: 0.16 };
+    let pen = Pen { per_mm, half_width: 0.16, capital: CAPITAL };
     let baseline = bench + plate.height + bench * 0.55 + strip * 0.55;
     let length = bar_length(plate.width);
     let right = bench + plate.width;
@@ -25,8 +25,12 @@ pub fn draw(picture: &mut Picture, frame: &Frame<'_>, strip: f64, caption: &str)
     let used = pen.width(&label);
     pen.write(picture, &label, Vec2::new(left - used - 2.0, baseline));
     let room = left - used - 6.0 - bench;
-    let shown = if pen.width(caption) <= room { caption } else { "" };
-    pen.write(picture, shown, Vec2::new(bench, baseline));
+    // A caption that is too long is written smaller, as long as it can be read.
+    let width = pen.width(caption);
+    let pen = if width > room { Pen { capital: CAPITAL * room / width, ..pen } } else { pen };
+    if pen.capital > SMALLEST_CAPITAL {
+        pen.write(picture, caption, Vec2::new(bench, baseline));
+    }
 }
 
 /// A round length that is about a quarter of the plate.
@@ -45,30 +49,33 @@ fn bar_length(width: f64) -> f64 {
 struct Pen {
     per_mm: f64,
     half_width: f64,
+    /// Height of capitals \[mm\].
+    capital: f64,
 }
 
-/// Height of capitals \[mm\].
+/// Height of capitals \[mm\], and the smallest.
 const CAPITAL: f64 = 2.9;
+const SMALLEST_CAPITAL: f64 = 1.4;
 
 impl Pen {
-    fn lines(text: &str) -> Vec<Vec<Vec2>> {
+    fn lines(&self, text: &str) -> Vec<Vec<Vec2>> {
         // Characters that the font lacks are left out of a caption.
         let plain: String = text.chars().filter(|c| c.is_ascii() && !c.is_control()).collect();
-        let written = Font::open("futural").and_then(|font| font.write(&plain, CAPITAL));
+        let written = Font::open("futural").and_then(|font| font.write(&plain, self.capital));
         written
             .map(|import| import.drawing.strokes.iter().map(|s| s.flattened(0.02)).collect())
             .unwrap_or_default()
     }
 
     fn width(&self, text: &str) -> f64 {
-        let lines = Self::lines(text);
+        let lines = self.lines(text);
         let xs = || lines.iter().flatten().map(|p| p.x);
         let (low, high) = (xs().fold(f64::MAX, f64::min), xs().fold(f64::MIN, f64::max));
         (high - low).max(0.0)
     }
 
     fn write(&self, picture: &mut Picture, text: &str, at: Vec2) {
-        let lines = Self::lines(text);
+        let lines = self.lines(text);
         let left = lines.iter().flatten().map(|p| p.x).fold(f64::MAX, f64::min);
         for w in lines.iter().flat_map(|line| line.windows(2)) {
             let to_page = |p: Vec2| Vec2::new(at.x + p.x - left, at.y - p.y);

@@ -1,4 +1,5 @@
-//! DXF (ASCII): LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE, POLYLINE and INSERT of model space become strokes.
+//! DXF (ASCII): LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE, POLYLINE, TEXT, MTEXT and INSERT of model space become
+//! strokes, texts in single-stroke fonts.
 //!
 //! The file is read once, tag by tag, so that a million entities cost no memory before they are refused and every
 //! message has its line (the crate `dxf` takes 1.7 GB for a million lines and its entities have no lines). Other
@@ -9,8 +10,10 @@ mod curves;
 mod entity;
 mod spline;
 mod tags;
+mod text;
 mod units;
 
+use super::hershey::Font;
 use super::{Affine, Budget, Drawing, Import, Piece, Stroke, join_touching};
 use crate::error::DrawingError;
 use blocks::Blocks;
@@ -26,8 +29,15 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     let mut tags = Tags::new(file, text);
     let mut units = None;
     let mut blocks = Blocks::default();
-    let mut reader =
-        Reader { file, budget, chains: Vec::new(), left_out: BTreeMap::new(), warnings: Vec::new() };
+    let mut reader = Reader {
+        file,
+        budget,
+        chains: Vec::new(),
+        left_out: BTreeMap::new(),
+        texts: 0,
+        font: None,
+        warnings: Vec::new(),
+    };
     let mut ended = false;
     while let Some(tag) = tags.next()? {
         if tag.code != 0 {
@@ -54,7 +64,13 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     if !ended {
         return Err(tags.truncated("before its EOF"));
     }
-    let Reader { chains, left_out, mut warnings, .. } = reader;
+    let Reader { chains, left_out, texts, mut warnings, .. } = reader;
+    if texts > 0 {
+        let what = if texts == 1 { "a text is".to_owned() } else { format!("{texts} texts are") };
+        warnings.push(format!(
+            "{what} written in a single-stroke font; explode to curves what must keep its own (TXTEXP)"
+        ));
+    }
     for (kind, count) in left_out {
         warnings
             .push(format!("{count} {kind} left out: explode it to lines, arcs and splines to engrave it"));
@@ -63,7 +79,7 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     warnings.extend(unit_warning);
     let to_mm = Affine::scaling(scale, scale);
     let strokes = chains.into_iter().filter_map(Stroke::new).map(|s| s.transformed(&to_mm)).collect();
-    Ok(Import { drawing: Drawing { strokes: join_touching(strokes) }, warnings })
+    Ok(Import { drawing: Drawing { strokes: join_touching(strokes) }, warnings, ..Import::default() })
 }
 
 /// Entities on their way to chains of pieces.
@@ -72,6 +88,9 @@ struct Reader<'a> {
     budget: &'a mut Budget,
     chains: Vec<Vec<Piece>>,
     left_out: BTreeMap<String, usize>,
+    /// How many texts there are, and the font for them, once it was read.
+    texts: usize,
+    font: Option<Font>,
     warnings: Vec<String>,
 }
 
@@ -89,23 +108,49 @@ impl Reader<'_> {
         if entity.kind == "INSERT" {
             return self.insert(entity, blocks, map, depth);
         }
-        match curves::chain(entity, self.file)? {
-            Some(chain) => {
-                self.budget.take(chain.len().max(1), || entity.place(self.file))?;
-                let flipped = entity.extrusion_map();
-                let chain: Vec<Piece> = chain.iter().map(|p| p.transformed(&map.after(&flipped))).collect();
-                if let Some(bad) = chain.iter().find(|piece| !piece.is_sane()) {
-                    let what = format!("a coordinate of {}", entity.kind);
-                    return Err(DrawingError::OutOfRange {
-                        at: entity.place(self.file),
-                        what,
-                        value: bad.start().amax(),
-                    });
+        if text::is_text(entity) {
+            self.texts += 1;
+            // Every letter has its cost before its curves are computed.
+            self.budget.take(text::letters(entity), || entity.place(self.file))?;
+            let font = match self.font.take() {
+                Some(font) => font,
+                None => Font::open("futural")?,
+            };
+            let chains = text::chains(entity, &font, self.file);
+            self.font = Some(font);
+            match chains {
+                Ok(chains) => {
+                    for chain in chains {
+                        self.keep(entity, &chain, map)?;
+                    }
                 }
-                self.chains.push(chain);
+                // What the font does not have is left out and told.
+                Err(DrawingError::Unsupported { at, what, help }) => {
+                    if self.warnings.len() < 20 {
+                        self.warnings.push(format!("{at}: {what}, left out: {help}"));
+                    }
+                }
+                Err(error) => return Err(error),
             }
+            return Ok(());
+        }
+        match curves::chain(entity, self.file)? {
+            Some(chain) => self.keep(entity, &chain, map)?,
             None => *self.left_out.entry(entity.kind.to_owned()).or_insert(0) += 1,
         }
+        Ok(())
+    }
+
+    fn keep(&mut self, entity: &Entity<'_>, chain: &[Piece], map: &Affine) -> Result<(), DrawingError> {
+        self.budget.take(chain.len().max(1), || entity.place(self.file))?;
+        let flipped = entity.extrusion_map();
+        let chain: Vec<Piece> = chain.iter().map(|p| p.transformed(&map.after(&flipped))).collect();
+        if let Some(bad) = chain.iter().find(|piece| !piece.is_sane()) {
+            let what = format!("a coordinate of {}", entity.kind);
+            let value = bad.start().amax();
+            return Err(DrawingError::OutOfRange { at: entity.place(self.file), what, value });
+        }
+        self.chains.push(chain);
         Ok(())
     }
 

@@ -42,6 +42,11 @@ impl<'a> Characters<'a> {
         self.byte
     }
 
+    /// Goes to a place that was read before \[bytes from the start of the line\].
+    pub fn skip_to(&mut self, byte: usize) {
+        self.byte = byte;
+    }
+
     /// What follows, blanks inside it included.
     pub fn rest(&mut self) -> &'a str {
         self.peek();

@@ -52,14 +52,14 @@ impl Values<'_, '_> {
         if value.is_finite() {
             Ok(value)
         } else {
-            Err(Stop { byte, cause: Cause::Range("the value".to_owned(), value) })
+            Err(Stop { byte, cause: Cause::Range("the value".to_owned(), value), line: None })
         }
     }
 
     fn nested<T>(&mut self, read: impl FnOnce(&mut Self) -> Result<T, Stop>) -> Result<T, Stop> {
         let byte = self.line.byte();
         if self.depth == 0 {
-            return Err(Stop { byte, cause: Cause::TooDeep(self.limit) });
+            return Err(Stop { byte, cause: Cause::TooDeep("brackets", self.limit), line: None });
         }
         self.depth -= 1;
         let result = read(self);
@@ -122,6 +122,9 @@ impl Values<'_, '_> {
                 "write a number or [expression]",
             );
         }
+        if name == "exists" {
+            return self.exists(byte);
+        }
         let x = self.bracketed()?;
         Ok(match name.as_str() {
             "abs" => x.abs(),
@@ -146,13 +149,26 @@ impl Values<'_, '_> {
                 return malformed(
                     byte,
                     format!("no function {name:?}"),
-                    "known are abs acos asin atan cos exp fix fup ln round sin sqrt tan",
+                    "known are abs acos asin atan cos exists exp fix fup ln round sin sqrt tan",
                 );
             }
         })
     }
 
-    fn bracketed(&mut self) -> Result<f64, Stop> {
+    /// What follows EXISTS: a named parameter in brackets; 1 if it has a value, else 0.
+    fn exists(&mut self, byte: usize) -> Result<f64, Stop> {
+        let named = self.line.accept('[') && self.line.peek() == Some('#');
+        let parameter = if named { Some(self.parameter()?) } else { None };
+        match parameter {
+            Some(parameter @ Parameter::Named(_)) if self.line.accept(']') => {
+                Ok(f64::from(u8::from(self.parameters.value(&parameter).is_some())))
+            }
+            _ => malformed(byte, "EXISTS of what is no named parameter", "write EXISTS[#<name>]"),
+        }
+    }
+
+    /// An expression in brackets.
+    pub fn bracketed(&mut self) -> Result<f64, Stop> {
         let byte = self.line.byte();
         if !self.line.accept('[') {
             return malformed(byte, "a [ is missing", "write [expression]");

@@ -1,282 +1,374 @@
-//! The machine that runs blocks: position, modes, and the moves that come out.
+//! The machine that runs blocks: position, modes, and the steps that come out.
 
-use super::arc::{self, Circle};
+use std::collections::BTreeSet;
+
 use super::block::{Block, Word};
-use super::cutting::{self, Pace, PlaneMove};
-use super::modes::{Distance, MachineWord, Modes, Motion, Plane, Request};
-use super::parameters::Parameters;
-use super::spline::{self, Collected};
+use super::coordinates::Coordinates;
+use super::cutting::{Move, Pace, Step};
+use super::cycles::Sticky;
+use super::modes::{Distance, FeedMode, MachineWord, Modes, Plane, Request, check_groups, tenths};
+use super::parameters::{Parameters, Told};
+use super::spline::Collected;
 use super::{Cause, Stop, malformed, unsupported};
-use crate::drawing::{Budget, Drawing, Import, Piece, Vec2};
+use crate::drawing::{Budget, Height, Piece, Vec2, Vec3};
 
-/// Whether the program goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Flow {
-    /// To the next line.
-    Continue,
+/// What a line asks of the program's control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// To go on with the next line.
+    Nothing,
     /// M2 or M30.
     End,
+    /// M98: to run a numbered program so many times.
+    Call { number: f64, times: f64, byte: usize },
+    /// M99.
+    Return { byte: usize },
 }
 
-/// The machine's state.
+/// The longest rest that is kept \[s\]: more is a program that counts milliseconds.
+const LONGEST_DWELL: f64 = 60.0;
+/// The most warnings.
+const MOST_WARNINGS: usize = 40;
+
+/// The machine's state. Places are machine coordinates \[mm\].
 pub struct Machine<'a> {
-    budget: &'a mut Budget,
-    parameters: Parameters,
-    modes: Modes,
-    tool: Vec2,
-    z: f64,
-    moves: Vec<PlaneMove>,
-    nurbs: Option<Collected>,
+    pub(super) budget: &'a mut Budget,
+    pub(super) parameters: Parameters,
+    pub(super) modes: Modes,
+    pub(super) coordinates: Coordinates,
+    pub(super) tool: Vec3,
+    /// The Z that is the plate's surface.
+    surface: f64,
+    pub(super) z_said: bool,
+    /// F as it was said, and what it is by the modes [mm/s].
+    said_feed: f64,
+    feed: Option<f64>,
+    tool_number: f64,
+    pub(super) homes: [Vec3; 2],
+    steps: Vec<Step>,
+    pub(super) nurbs: Option<Collected>,
     /// The tangent with which the last G5 arrived.
-    tangent: Option<Vec2>,
+    pub(super) tangent: Option<Vec2>,
+    pub(super) sticky: Sticky,
     warnings: Vec<String>,
-    line: usize,
+    told: BTreeSet<String>,
+    /// The line that runs, from 0.
+    pub(super) line: usize,
+}
+
+/// What the program has done.
+pub struct Done {
+    pub steps: Vec<Step>,
+    pub warnings: Vec<String>,
 }
 
 impl<'a> Machine<'a> {
-    /// A machine at the origin, 1 mm above the plate.
-    pub fn new(budget: &'a mut Budget) -> Self {
+    /// A machine at its origin, where the plate's surface lies at Z `surface` \[mm\].
+    pub fn new(budget: &'a mut Budget, surface: f64) -> Self {
         Self {
             budget,
             parameters: Parameters::default(),
             modes: Modes::default(),
-            tool: Vec2::zeros(),
-            z: 1.0,
-            moves: Vec::new(),
+            coordinates: Coordinates::default(),
+            tool: Vec3::zeros(),
+            surface,
+            z_said: false,
+            said_feed: 0.0,
+            feed: None,
+            tool_number: 0.0,
+            homes: [Vec3::zeros(); 2],
+            steps: Vec::new(),
             nurbs: None,
             tangent: None,
+            sticky: Sticky::default(),
             warnings: Vec::new(),
+            told: BTreeSet::new(),
             line: 0,
         }
     }
 
-    /// The parameters, for reading a line.
-    pub fn parameters(&mut self) -> &mut Parameters {
+    /// The parameters, for reading a line: those that the machine keeps are brought up to date if it names any.
+    pub fn parameters(&mut self, line: &str) -> &mut Parameters {
+        if !line.contains('#') {
+            return &mut self.parameters;
+        }
+        let scale = self.scale();
+        let Coordinates { systems, active, .. } = self.coordinates;
+        self.parameters.told = Told {
+            position: (self.tool - self.coordinates.origin()) / scale,
+            machine: self.tool / scale,
+            shift: self.coordinates.shift() / scale,
+            systems: systems.map(|origin| origin / scale),
+            active,
+            mm_per_unit: scale,
+            relative: self.modes.distance == Distance::Relative,
+            feed: self.said_feed,
+            speed: self.modes.power.unwrap_or(0.0),
+            spindle_on: self.modes.beam_on,
+            tool: self.tool_number,
+            plane: match self.modes.plane {
+                Plane::Xy => 170.0,
+                Plane::Zx => 180.0,
+                Plane::Yz => 190.0,
+            },
+            motion: self.modes.motion.tenths(),
+        };
         &mut self.parameters
     }
 
-    /// Runs one line, which may be empty.
-    pub fn run(&mut self, block: &Block) -> Result<Flow, Stop> {
-        self.line += 1;
+    /// Runs the words of a line, which may be none.
+    pub fn run(&mut self, line: usize, block: &Block) -> Result<Asked, Stop> {
+        self.line = line;
         check_letters(block)?;
-        if let Some(feed) = block.word('f')
-            && feed.value <= 0.0
-        {
-            return Err(Stop { byte: feed.byte, cause: Cause::Feed(feed.value) });
-        }
-        if let Some(power) = block.value('s') {
-            self.modes.power = Some(power);
-        }
-        let mut flow = Flow::Continue;
-        for word in block.words.iter().filter(|w| w.letter == 'm') {
-            match self.modes.m(word.value.floor() as i64, word.byte)? {
-                Some(MachineWord::End) => flow = Flow::End,
-                Some(MachineWord::LeftOut(what)) => self.left_out('M', word, what),
-                None => {}
-            }
-        }
+        check_groups(block.all('g'))?;
+        self.say_values(block);
+        let asked = self.machine_words(block)?;
         let mut moves = true;
-        for word in block.words.iter().filter(|w| w.letter == 'g') {
-            match self.modes.g((word.value * 10.0).round() as i64, word.byte)? {
+        let mut in_machine = false;
+        let before = self.modes.motion;
+        let mut requests = Vec::new();
+        for word in block.all('g') {
+            let request = self.modes.g(tenths(word), word.byte)?;
+            requests.push((word.clone(), request));
+        }
+        self.change_of_motion(before, block)?;
+        self.take_feed(block)?;
+        for (word, request) in &requests {
+            match *request {
                 Request::Nothing => {}
-                Request::NoMotion => moves = false,
-                Request::Home => {
-                    self.left_out('G', word, "the way home");
-                    self.travel_home();
-                    moves = false;
+                Request::Takes(letters) => block.take(letters),
+                Request::LeftOut(what, letters) => {
+                    block.take(letters);
+                    moves &= !letters.contains('x');
+                    self.left_out('G', word, what);
                 }
+                Request::Dwell => self.dwell(block, word.byte)?,
                 Request::EndNurbs => {
                     self.end_nurbs(word.byte)?;
                     moves = false;
                 }
-                Request::LeftOut(what) => self.left_out('G', word, what),
+                Request::MachineCoordinates => in_machine = true,
+                Request::System(system) => self.coordinates.choose(system),
+                Request::SetData
+                | Request::Home(_)
+                | Request::StoreHome(_)
+                | Request::Shift
+                | Request::ShiftHere
+                | Request::ForgetShift
+                | Request::PutShiftBy
+                | Request::RestoreShift => {
+                    self.set(*request, block, word.byte)?;
+                    moves = false;
+                }
             }
         }
         if moves {
-            self.motion(block)?;
+            self.motion(block, in_machine)?;
         }
-        Ok(flow)
+        self.tell_untaken(block);
+        Ok(asked)
     }
 
-    /// The strokes of the whole program.
-    pub fn finish(self) -> Result<Import, Stop> {
-        if self.nurbs.is_some() {
-            return Err(Stop { byte: 0, cause: Cause::Truncated("between G5.2 and G5.3".to_owned()) });
+    fn say_values(&mut self, block: &Block) {
+        if let Some(power) = block.value('s') {
+            self.modes.power = Some(power);
         }
-        let mut warnings = self.warnings;
-        if self.modes.mm_per_unit.is_none() && !self.moves.is_empty() {
-            warnings.push("neither G20 nor G21 in the program: millimetres are assumed".to_owned());
+        if let Some(tool) = block.value('t') {
+            self.tool_number = tool;
         }
-        Ok(Import { drawing: Drawing { strokes: cutting::strokes(self.moves)? }, warnings })
+    }
+
+    fn machine_words(&mut self, block: &Block) -> Result<Asked, Stop> {
+        let mut asked = Asked::Nothing;
+        for word in block.all('m') {
+            match self.modes.m(word.value.floor() as i64) {
+                MachineWord::End => asked = Asked::End,
+                MachineWord::Beam => {}
+                MachineWord::Call => {
+                    let Some(number) = block.value('p') else {
+                        return malformed(
+                            word.byte,
+                            "M98 without P",
+                            "write M98 P with the number of a program",
+                        );
+                    };
+                    asked = Asked::Call { number, times: block.value('l').unwrap_or(1.0), byte: word.byte };
+                }
+                MachineWord::Return => asked = Asked::Return { byte: word.byte },
+                MachineWord::LeftOut(what, letters) => {
+                    block.take(letters);
+                    self.left_out('M', word, what);
+                }
+            }
+        }
+        Ok(asked)
+    }
+
+    /// The feed of this line's modes: units in a minute, or in a turn of the spindle; G93 counts each move apart.
+    fn take_feed(&mut self, block: &Block) -> Result<(), Stop> {
+        let Some(word) = block.word('f') else {
+            if self.modes.feed_mode == FeedMode::InverseTime {
+                self.feed = None;
+            }
+            return Ok(());
+        };
+        if word.value <= 0.0 {
+            return Err(Stop { byte: word.byte, cause: Cause::Feed(word.value), line: None });
+        }
+        self.said_feed = word.value;
+        self.feed = match self.modes.feed_mode {
+            FeedMode::Minute => Some(word.value * self.scale() / 60.0),
+            FeedMode::Turn => {
+                let Some(turns) = self.modes.power.filter(|turns| *turns > 0.0) else {
+                    let help = "give the speed of the spindle by S, or the feed in a minute by G94";
+                    return malformed(word.byte, "G95: a feed for each turn of a spindle that stands", help);
+                };
+                Some(word.value * self.scale() * turns / 60.0)
+            }
+            FeedMode::InverseTime => None,
+        };
+        Ok(())
+    }
+
+    fn dwell(&mut self, block: &Block, byte: usize) -> Result<(), Stop> {
+        match block.value('p') {
+            Some(seconds) if seconds >= 0.0 => {
+                self.rest(seconds);
+                Ok(())
+            }
+            _ => malformed(byte, "G4 without P", "give the rest in seconds by P"),
+        }
+    }
+
+    /// Rests where the tool is \[s\].
+    pub(super) fn rest(&mut self, seconds: f64) {
+        if seconds > LONGEST_DWELL {
+            self.warn(format!("a rest of {seconds} s left out: P counts seconds here, 60 at most"));
+        } else if seconds > 0.0 && self.steps.len() < self.budget.limits().pieces {
+            self.steps.push(Step::Dwell(seconds));
+        }
     }
 
     fn left_out(&mut self, letter: char, word: &Word, what: &str) {
         let name = format!("{letter}{}", word.value);
-        if !self.warnings.iter().any(|w| w.contains(&format!(": {name} left out"))) {
-            self.warnings.push(format!("line {}: {name} left out: {what}", self.line));
+        if self.told.len() < MOST_WARNINGS && self.told.insert(name.clone()) {
+            self.warn(format!("{name} left out: {what}"));
         }
     }
 
-    fn travel_home(&mut self) {
-        // The next stroke does not begin where the last one ended: an empty travel says so.
-        self.moves.push(PlaneMove {
-            pieces: Vec::new(),
-            pace: Pace::Rapid,
-            deep: false,
-            on: false,
-            line: self.line,
-        });
-        self.z = self.z.max(1.0);
+    /// Tells words that nothing has obeyed, once a letter.
+    fn tell_untaken(&mut self, block: &Block) {
+        for word in block.untaken() {
+            let letter = word.letter.to_ascii_uppercase();
+            if self.told.insert(format!("word {letter}")) {
+                self.warn(format!("{letter}{} left out: it says nothing in this line", word.value));
+            }
+        }
     }
 
-    fn scale(&self) -> f64 {
+    /// Whether this was not told yet.
+    pub(super) fn tell(&mut self, key: &str) -> bool {
+        self.told.insert(key.to_owned())
+    }
+
+    /// One sentence about the line that runs.
+    pub(super) fn warn(&mut self, what: String) {
+        if self.warnings.len() < MOST_WARNINGS {
+            self.warnings.push(format!("line {}: {what}", self.line + 1));
+        }
+    }
+
+    /// The height over the plate's surface of a Z of the machine \[mm\].
+    pub(super) fn over_plate(&self, z: f64) -> f64 {
+        z - self.surface
+    }
+
+    pub(super) fn scale(&self) -> f64 {
         self.modes.mm_per_unit.unwrap_or(1.0)
     }
 
-    fn motion(&mut self, block: &Block) -> Result<(), Stop> {
-        let Some(first) = block.words.iter().find(|w| matches!(w.letter, 'x' | 'y' | 'z' | 'i' | 'j')) else {
-            return Ok(());
+    /// Keeps a move; nothing where the tool stays.
+    pub(super) fn push(
+        &mut self,
+        pieces: Vec<(Piece, Height)>,
+        pace: Pace,
+        per_minute: Option<f64>,
+    ) -> Result<(), Stop> {
+        let stays = |piece: &Piece, height: &Height| {
+            matches!(piece, Piece::Line { from, to } if from == to) && height.derivatives(0.0).0 == 0.0
         };
-        let scale = self.scale();
-        let to = |letter: char, now: f64| match block.word(letter) {
-            None => Ok(now),
-            Some(word) => {
-                let mm =
-                    word.value * scale + if self.modes.distance == Distance::Relative { now } else { 0.0 };
-                if mm.abs() < 1e7 {
-                    Ok(mm)
-                } else {
-                    let what = letter.to_ascii_uppercase().to_string();
-                    Err(Stop { byte: word.byte, cause: Cause::Range(what, mm) })
-                }
-            }
-        };
-        let end = Vec2::new(to('x', self.tool.x)?, to('y', self.tool.y)?);
-        let z = to('z', self.z)?;
-        let pieces = self.pieces(block, end, first.byte)?;
-        if let Motion::Nurbs = self.modes.motion {
-            self.tool = end;
-            return Ok(());
-        }
-        self.push(pieces, z)?;
-        self.tool = end;
-        self.z = z;
-        Ok(())
-    }
-
-    fn pieces(&mut self, block: &Block, to: Vec2, byte: usize) -> Result<Vec<Piece>, Stop> {
-        let scale = self.scale();
-        let pair = |a, b| match (block.value(a), block.value(b)) {
-            (None, None) => None,
-            (x, y) => Some(Vec2::new(x.unwrap_or(0.0), y.unwrap_or(0.0)) * scale),
-        };
-        let tangent = self.tangent.take();
-        if self.nurbs.is_some() && self.modes.motion != Motion::Nurbs {
-            return malformed(byte, "a move between G5.2 and G5.3", "end the spline by G5.3 first");
-        }
-        let piece = match self.modes.motion {
-            Motion::Rapid | Motion::Line => Piece::Line { from: self.tool, to },
-            Motion::Clockwise | Motion::CounterClockwise => {
-                let counter = self.modes.motion == Motion::CounterClockwise;
-                self.arc(block, to, pair('i', 'j'), counter, byte)?
-            }
-            Motion::Cubic => {
-                let Some(arrive) = pair('p', 'q') else {
-                    return malformed(byte, "G5 without P and Q", "give the end's control point by P and Q");
-                };
-                self.tangent = Some(-arrive);
-                spline::cubic(self.tool, to, pair('i', 'j'), arrive, tangent, byte)?
-            }
-            Motion::Quadratic => match pair('i', 'j') {
-                Some(control) => Piece::quadratic(self.tool, self.tool + control, to),
-                None => return malformed(byte, "G5.1 without I and J", "give the control point by I and J"),
-            },
-            Motion::Nurbs => {
-                let collected = match self.nurbs.take() {
-                    Some(collected) => collected,
-                    None => Collected::new(self.tool, block.word('l'), byte)?,
-                };
-                self.nurbs.insert(collected).add(to, block)?;
-                self.take_budget(1)?;
-                return Ok(Vec::new());
-            }
-            Motion::None => {
-                return malformed(
-                    byte,
-                    "coordinates before any G0, G1, G2 or G3",
-                    "begin the line with a motion word",
-                );
-            }
-        };
-        Ok(vec![piece])
-    }
-
-    fn arc(
-        &self,
-        block: &Block,
-        to: Vec2,
-        ij: Option<Vec2>,
-        counter: bool,
-        byte: usize,
-    ) -> Result<Piece, Stop> {
-        if self.modes.plane != Plane::Xy {
-            return unsupported(
-                byte,
-                "an arc in the plane G18 or G19",
-                "arcs on the plate need G17; write others as G1 moves",
-            );
-        }
-        if let Some(turns) = block.word('p')
-            && turns.value != 1.0
-        {
-            return unsupported(turns.byte, "an arc of several turns", "write one arc for each turn");
-        }
-        let circle = match (ij, block.value('r')) {
-            (Some(_), Some(_)) => {
-                return malformed(byte, "an arc with a centre and a radius", "give I and J, or R");
-            }
-            (None, None) => return malformed(byte, "an arc without centre or radius", "give I and J, or R"),
-            (None, Some(r)) => Circle::Radius(r * self.scale()),
-            (Some(ij), None) => Circle::Centre(match self.modes.centres {
-                Distance::Relative => self.tool + ij,
-                Distance::Absolute => ij,
-            }),
-        };
-        arc::piece(self.tool, to, circle, counter, byte)
-    }
-
-    fn end_nurbs(&mut self, byte: usize) -> Result<(), Stop> {
-        match self.nurbs.take() {
-            None => malformed(byte, "G5.3 without G5.2", "begin the spline by G5.2"),
-            Some(collected) => {
-                self.modes.motion = Motion::None;
-                let pieces = collected.pieces()?;
-                self.push(pieces, self.z)
-            }
-        }
-    }
-
-    fn push(&mut self, pieces: Vec<Piece>, z: f64) -> Result<(), Stop> {
-        let moved = pieces.iter().any(|piece| !matches!(piece, Piece::Line { from, to } if from == to));
-        if !moved {
+        if pieces.iter().all(|(piece, height)| stays(piece, height)) {
             return Ok(());
         }
         self.take_budget(pieces.len())?;
-        let pace = if self.modes.motion == Motion::Rapid { Pace::Rapid } else { Pace::Feed };
-        // A ramp cuts from where it enters; a rapid is in the plate only if it stays there.
-        let deep = match pace {
-            Pace::Feed => self.z.min(z) < -1e-9,
-            Pace::Rapid => self.z.max(z) < -1e-9,
+        let sunk = |height: Height| match height {
+            Height::Linear { from, to } => {
+                Height::Linear { from: from - self.surface, to: to - self.surface }
+            }
+            Height::Cubic(controls) => Height::Cubic(controls.map(|z| z - self.surface)),
         };
-        self.moves.push(PlaneMove { pieces, pace, deep, on: self.modes.is_on(), line: self.line });
+        let pieces: Vec<_> = pieces.into_iter().map(|(piece, height)| (piece, sunk(height))).collect();
+        let feed = match (pace, per_minute) {
+            (Pace::Feed, Some(moves)) => {
+                let length: f64 = pieces.iter().map(|(piece, height)| piece.length_at(height)).sum();
+                Some(length * moves / 60.0)
+            }
+            (Pace::Feed, None) => self.feed,
+            (Pace::Rapid | Pace::Withdrawal, _) => None,
+        };
+        let (on, z_said, line) = (self.modes.is_on(), self.z_said, self.line);
+        self.steps.push(Step::Move(Move { pieces, pace, feed, on, z_said, line }));
         Ok(())
     }
 
-    fn take_budget(&mut self, count: usize) -> Result<(), Stop> {
+    /// The next stroke does not begin where the last one ended: a move of no pieces says so.
+    pub(super) fn push_away(&mut self) -> Result<(), Stop> {
+        self.take_budget(1)?;
+        let (on, z_said, line) = (self.modes.is_on(), self.z_said, self.line);
+        self.steps.push(Step::Move(Move {
+            pieces: Vec::new(),
+            pace: Pace::Rapid,
+            feed: None,
+            on,
+            z_said,
+            line,
+        }));
+        Ok(())
+    }
+
+    pub(super) fn take_budget(&mut self, count: usize) -> Result<(), Stop> {
         let limit = self.budget.limits().pieces;
-        self.budget
-            .take(count, crate::error::Place::default)
-            .map_err(|_| Stop { byte: 0, cause: Cause::TooMany(limit) })
+        self.budget.take(count, crate::error::Place::default).map_err(|_| Stop {
+            byte: 0,
+            cause: Cause::TooMany(limit),
+            line: None,
+        })
+    }
+
+    /// What the whole program has done.
+    pub fn finish(mut self) -> Result<Done, Stop> {
+        if let Some(nurbs) = self.nurbs.take() {
+            match nurbs {
+                // The end of the program is the end of G6.2, as any word of motion is.
+                Collected::Knotted { .. } => {
+                    let pieces = nurbs.pieces().map_err(|stop| stop.on(self.line))?;
+                    self.push_level(pieces)?;
+                }
+                Collected::Uniform { .. } => {
+                    let cause = Cause::Truncated("between G5.2 and G5.3".to_owned());
+                    return Err(Stop { byte: 0, cause, line: None });
+                }
+            }
+        }
+        let mut warnings = self.warnings;
+        for name in self.coordinates.unplaced() {
+            warnings
+                .push(format!("the program does not place {name}: it counts as lying where G54 first lay"));
+        }
+        if self.modes.mm_per_unit.is_none() && !self.steps.is_empty() {
+            warnings.push("neither G20 nor G21 in the program: millimetres are assumed".to_owned());
+        }
+        Ok(Done { steps: self.steps, warnings })
     }
 }
 
@@ -286,7 +378,7 @@ fn check_letters(block: &Block) -> Result<(), Stop> {
         let letter = word.letter.to_ascii_uppercase();
         match word.letter {
             'd' | 'f' | 'g' | 'h' | 'i' | 'j' | 'k' | 'l' | 'm' | 'p' | 'q' | 'r' | 's' | 't' | 'x' | 'y'
-            | 'z' => {}
+            | 'z' | '@' | '^' => {}
             'e' => {
                 return unsupported(
                     word.byte,

@@ -1,70 +1,157 @@
-//! G-code (RS-274/NGC): the cutting moves of a program become strokes.
+//! G-code (RS-274/NGC): the cutting moves of a program become strokes, with their depths and feeds.
 //!
-//! The interpreter knows G0 to G3, G5 to G5.3, planes, units, distance modes, parameters `#n` and `#<name>`, and
-//! expressions in brackets (NIST RS274/NGC, sections 3.3 to 3.6). Anything that would change the drawing and is not
-//! understood is refused; what does not matter on this machine (coolant, tool changes) is left out with a warning.
+//! The interpreter knows lines, arcs in all planes, splines, cycles for holes, units, distance modes, coordinate
+//! systems, polar words, parameters `#n` and `#<name>`, expressions in brackets, and O-words: subroutines, loops and
+//! conditions (NIST RS274/NGC and LinuxCNC's manual; G6.2 by Fanuc's). What would change the drawing and is not
+//! understood is refused; what does not matter on this machine (coolant, tool changes) is left out with a warning, and
+//! so is a word that says nothing in its line.
 //!
-//! Which moves cut is decided once for the whole program:
-//! 1. a feed move somewhere at Z below 0: feed moves with an end below Z0 cut;
-//! 2. else, a feed move somewhere after M3 or M4 (before M5, and power not S0): only such feed moves cut;
-//! 3. else: every feed move cuts.
+//! The plate's surface is the machine's Z0, where all coordinate systems lie until the program moves them. Which moves
+//! cut is decided once for the whole program:
+//! 1. a feed move somewhere below Z0: of every feed move the part that is below Z0 is cut, as deep as its Z says;
+//! 2. else, feed moves at Z0 (or before any Z) after M3 or M4 (before M5, and power not S0): only such moves cut;
+//! 3. else: every feed move at Z0 (or before any Z) cuts.
 //!
-//! G0 is travel in each of them, and refused where it would drag the tool below Z0.
+//! Above Z0 nothing is cut. G0 is travel in each of them, and refused where it would drag the tool below Z0.
 
 mod arc;
 mod block;
 mod characters;
+mod coordinates;
 mod cutting;
+mod cycles;
+mod data;
 mod expression;
+mod flow;
 mod machine;
 mod modes;
+mod motion;
+mod o_word;
 mod parameters;
+mod program;
 mod spline;
 
-use super::{Budget, Import};
+use super::{Budget, Drawing, Import, Order};
 use crate::error::{DrawingError, Place};
 use characters::Characters;
-use machine::{Flow, Machine};
+pub use cutting::DEEPEST;
+use cutting::cuts;
+use flow::Control;
+use machine::{Asked, Machine};
+pub use program::BlockDelete;
+use program::Program;
+
+/// What is chosen for a program before it is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Switches {
+    /// Whether lines that begin with `/` run.
+    pub block_delete: BlockDelete,
+    /// The Z of the program that is the plate's surface \[mm\].
+    pub surface: f64,
+}
 
 /// Reads an RS-274 program.
 ///
 /// # Errors
 /// [`DrawingError`] at the line and column that cannot be engraved.
-pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, DrawingError> {
-    let depth = budget.limits().depth;
-    let mut machine = Machine::new(budget);
-    let mut percent_signs = 0;
-    for (i, line) in text.lines().enumerate() {
-        if line.trim() == "%" {
-            percent_signs += 1;
-            if percent_signs == 2 {
-                break;
+pub fn read(file: &str, text: &str, switches: Switches, budget: &mut Budget) -> Result<Import, DrawingError> {
+    interpret(text, switches, budget).map_err(|stop| {
+        let last = text.lines().count().saturating_sub(1);
+        let number = stop.line.unwrap_or(last);
+        let line = text.lines().nth(number).unwrap_or("");
+        let at = match stop.byte {
+            0 => Place::line(file, number + 1, line),
+            byte => {
+                let column = line.char_indices().take_while(|(at, _)| *at < byte).count() + 1;
+                Place::column(file, number + 1, column, line)
             }
-            continue;
+        };
+        match stop.cause {
+            Cause::Nothing(found) => DrawingError::Empty {
+                file: file.to_owned(),
+                found,
+                help: "a cut is below Z0, the plate's surface; --surface says at which Z of the file it lies"
+                    .to_owned(),
+            },
+            cause => cause.at(at),
         }
-        let mut characters = Characters::new(line);
-        let ran =
-            block::parse(&mut characters, machine.parameters(), depth).and_then(|block| machine.run(&block));
-        match ran {
-            Ok(Flow::Continue) => {}
-            Ok(Flow::End) => break,
-            Err(stop) => {
-                let column = line.char_indices().take_while(|(at, _)| *at < stop.byte).count() + 1;
-                return Err(stop.cause.at(Place::column(file, i + 1, column, line)));
-            }
-        }
-    }
-    machine.finish().map_err(|stop| {
-        let last = text.lines().count().max(1);
-        stop.cause.at(Place::line(file, last, text.lines().last().unwrap_or("")))
     })
 }
 
-/// Why a block stops the reading, and at which byte of its line.
+fn interpret(text: &str, switches: Switches, budget: &mut Budget) -> Result<Import, Stop> {
+    let depth = budget.limits().depth;
+    let program = Program::new(text, switches.block_delete, depth)?;
+    let mut control = Control::new(&program, depth);
+    let mut machine = Machine::new(budget, switches.surface);
+    while let Some((number, line)) = control.next()? {
+        if matches!(line.trim(), "" | "%") || switches.block_delete.deletes(line) {
+            continue;
+        }
+        let ended = one_line(number, line, &program, &mut control, &mut machine, depth);
+        if ended.map_err(|stop| stop.on(number))? {
+            break;
+        }
+    }
+    let done = machine.finish()?;
+    let cuts = cuts(done.steps)?;
+    if let Some(found) = cuts.nothing {
+        return Err(Stop { byte: 0, cause: Cause::Nothing(found), line: None });
+    }
+    let mut warnings = done.warnings;
+    warnings.extend(cuts.warnings);
+    if program.deleted > 0 {
+        let lines = if program.deleted == 1 { "line that begins" } else { "lines that begin" };
+        warnings
+            .push(format!("{} {lines} with / left out: --block-delete off runs such lines", program.deleted));
+    }
+    Ok(Import { drawing: Drawing { strokes: cuts.strokes }, warnings, order: Order::AsGiven })
+}
+
+/// Runs one line; `true` at the end of the program.
+fn one_line(
+    number: usize,
+    line: &str,
+    program: &Program<'_>,
+    control: &mut Control<'_>,
+    machine: &mut Machine<'_>,
+    depth: usize,
+) -> Result<bool, Stop> {
+    let mut characters = Characters::new(line);
+    characters.accept('/');
+    if let Some(word) = program.word(number) {
+        control.obey(number, line, word, machine.parameters(line))?;
+        if word.flow != program::Flow::Number {
+            return Ok(false);
+        }
+        // Behind the number of a program, words may stand.
+        characters.skip_to(word.rest);
+    }
+    let block = block::parse(&mut characters, machine.parameters(line), depth)?;
+    match machine.run(number, &block)? {
+        Asked::Nothing => Ok(false),
+        Asked::End => Ok(true),
+        Asked::Call { number, times, byte } => control.run_numbered(number, times, byte).map(|()| false),
+        Asked::Return { byte } => Ok(!control.return_numbered(byte)?),
+    }
+}
+
+/// Why a block stops the reading, at which byte of its line, and in which line, from 0.
 #[derive(Debug)]
 struct Stop {
     byte: usize,
     cause: Cause,
+    line: Option<usize>,
+}
+
+impl Stop {
+    /// In this line, unless another is known.
+    fn on(self, line: usize) -> Self {
+        Self { line: self.line.or(Some(line)), ..self }
+    }
+
+    fn too_deep(byte: usize, what: &'static str, limit: usize) -> Self {
+        Self { byte, cause: Cause::TooDeep(what, limit), line: None }
+    }
 }
 
 /// A cause that does not know its place yet.
@@ -77,7 +164,8 @@ enum Cause {
     Mismatch(f64, f64),
     Range(String, f64),
     TooMany(usize),
-    TooDeep(usize),
+    TooDeep(&'static str, usize),
+    Nothing(String),
 }
 
 impl Cause {
@@ -90,17 +178,18 @@ impl Cause {
             Self::Mismatch(start_mm, end_mm) => DrawingError::ArcMismatch { at, start_mm, end_mm },
             Self::Range(what, value) => DrawingError::OutOfRange { at, what, value },
             Self::TooMany(limit) => DrawingError::TooManyPieces { at, limit },
-            Self::TooDeep(limit) => DrawingError::TooDeep { at, what: "brackets", limit },
+            Self::TooDeep(what, limit) => DrawingError::TooDeep { at, what, limit },
+            Self::Nothing(what) => DrawingError::Unsupported { at, what, help: String::new() },
         }
     }
 }
 
 fn malformed<T>(byte: usize, what: impl Into<String>, help: impl Into<String>) -> Result<T, Stop> {
-    Err(Stop { byte, cause: Cause::Malformed(what.into(), help.into()) })
+    Err(Stop { byte, cause: Cause::Malformed(what.into(), help.into()), line: None })
 }
 
 fn unsupported<T>(byte: usize, what: impl Into<String>, help: impl Into<String>) -> Result<T, Stop> {
-    Err(Stop { byte, cause: Cause::Unsupported(what.into(), help.into()) })
+    Err(Stop { byte, cause: Cause::Unsupported(what.into(), help.into()), line: None })
 }
 
 #[cfg(test)]

@@ -2,10 +2,11 @@
 //!
 //! roxmltree reads the XML, svgtypes the path data, lengths and transforms; arcs stay exact elliptical arcs.
 //! Every visible outline is engraved, whether it is stroked or filled. Entities of a DTD are refused. Text has no
-//! outlines of its own: it is refused by name if nothing else is visible and reported otherwise.
+//! outlines of its own: it is written in Hershey's single-stroke fonts.
 
 mod outline;
 mod path_data;
+mod text;
 mod tree;
 mod units;
 mod visibility;
@@ -38,21 +39,14 @@ pub fn read(file: &str, text: &str, budget: &mut Budget) -> Result<Import, Drawi
     let mut walk = Walk::new(file, text, &document, budget);
     walk.root(root)?;
     let Walk { outlines, mut warnings, texts, .. } = walk;
-    if let Some((at, count)) = texts {
-        if outlines.is_empty() {
-            return Err(DrawingError::Unsupported {
-                at,
-                what: "text, which has no outlines in the file".to_owned(),
-                help: "convert it to paths (Inkscape: Path > Object to Path), or engrave it with --text"
-                    .to_owned(),
-            });
-        }
+    if texts > 0 {
+        let what = if texts == 1 { "a text is".to_owned() } else { format!("{texts} texts are") };
         warnings.push(format!(
-            "{at}: {count} text element(s) left out: convert them to paths (Inkscape: Path > Object to Path)"
+            "{what} written in single-stroke fonts; convert to paths what must keep its own (Inkscape: Path > Object to Path)"
         ));
     }
     let strokes: Vec<Stroke> = outlines.into_iter().filter_map(Stroke::new).collect();
-    Ok(Import { drawing: Drawing { strokes }, warnings })
+    Ok(Import { drawing: Drawing { strokes }, warnings, ..Import::default() })
 }
 
 /// Refuses what only a machine writes, before the XML reader, to which it would be work for minutes, sees it.

@@ -56,9 +56,45 @@ fn hidden_things_are_not_engraved() {
 }
 
 #[test]
-fn text_without_outlines_names_the_remedy() {
-    let message = refusal("<svg xmlns='http://www.w3.org/2000/svg'>\n<text x='3'>Hi</text></svg>");
-    assert!(message.contains("a.svg:2:1") && message.contains("convert it to paths"), "{message}");
+fn text_is_written_at_its_place_in_its_size() {
+    // Capitals are 0.7 of the size: 7 px of 25.4/96 mm. The baseline is at y = 20 of 100 px.
+    let text = |inside: &str| {
+        let head = "<svg xmlns='http://www.w3.org/2000/svg' width='100' height='100'>";
+        read_str("a.svg", &format!("{head}{inside}</svg>"), Limits::default()).unwrap()
+    };
+    let px = 25.4 / 96.0;
+    let import = text("<g style='font-size:10px'><text x='30' y='20'>H</text></g>");
+    assert!(import.warnings.iter().any(|w| w.contains("single-stroke")), "{:?}", import.warnings);
+    let bounds = import.drawing.bounds().unwrap();
+    assert!(
+        (bounds.min.y - 80.0 * px).abs() < 1e-9 && (bounds.size().y - 7.0 * px).abs() < 1e-9,
+        "{bounds:?}"
+    );
+    // H: 4 units from its left edge to the stem, 22 in all, 21 a capital.
+    let unit = 7.0 / 21.0;
+    assert!((bounds.min.x - (30.0 + 4.0 * unit) * px).abs() < 1e-9, "{bounds:?}");
+    let moved = |inside: &str| text(inside).drawing.bounds().unwrap().min.x / px;
+    let middle = moved("<text x='30' y='20' font-size='10' text-anchor='middle'>H</text>");
+    assert!((middle - (30.0 - 11.0 * unit + 4.0 * unit)).abs() < 1e-9);
+    let end = moved("<text x='30' y='20' font-size='10' style='text-anchor:end'><tspan>H</tspan></text>");
+    assert!((end - (30.0 - 22.0 * unit + 4.0 * unit)).abs() < 1e-9);
+    // A tspan goes on behind the letters before it, or at a place of its own; blanks in a row are one.
+    let spans = |inside: &str| text(inside).drawing.strokes.len();
+    let one = spans("<text font-size='10'>HH</text>");
+    assert_eq!(
+        spans("<text font-size='10'> H<tspan dx='3'>\n  </tspan><tspan x='50' y='9'>H</tspan></text>"),
+        one
+    );
+    assert_eq!(spans("<text font-size='10'>H<tspan display='none'>x</tspan>H</text>"), one);
+    let refused = refusal("<svg xmlns='http://www.w3.org/2000/svg'>\n<text x='3'>Żółć</text></svg>");
+    assert!(
+        refused.contains("a.svg:2:1: text with 'Ż'") && refused.contains("nothing to engrave"),
+        "{refused}"
+    );
+    let told = text("<text y='9'>é</text><text y='9'>e</text>").warnings.join("\n");
+    assert!(told.contains("text with 'é', which no font here has, left out"), "{told}");
+    let told = text("<text y='9' rotate='30'>H<textPath>on</textPath></text>").warnings.join("\n");
+    assert!(told.contains("rotate left out") && told.contains("text along a path left out"), "{told}");
 }
 
 #[test]

@@ -1,12 +1,15 @@
 //! The walk through the element tree, with transform and visibility inherited.
 
+use super::text::Lettering;
 use super::visibility::{Visibility, inherited, is_switched_off};
 use super::{outline, path_data, units};
+use crate::drawing::hershey::Font;
 use crate::drawing::{Affine, Budget, Piece, Vec2};
 use crate::error::{DrawingError, Place};
 use mrroc::console::quoted;
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
+use std::rc::Rc;
 use std::str::FromStr;
 
 /// Elements that draw nothing by themselves.
@@ -34,12 +37,13 @@ const NEVER_DRAWN: &[&str] = &[
 
 /// What is inherited on the way down.
 #[derive(Clone, Copy)]
-struct Inherited {
-    map: Affine,
-    visibility: Visibility,
+pub struct Inherited {
+    pub(super) map: Affine,
+    pub(super) visibility: Visibility,
     /// Width and height of the viewport [px], for percentages.
-    viewport: Vec2,
-    depth: usize,
+    pub(super) viewport: Vec2,
+    pub(super) lettering: Lettering,
+    pub(super) depth: usize,
 }
 
 /// The walk and what it has found.
@@ -53,8 +57,10 @@ pub struct Walk<'a> {
     pub outlines: Vec<Vec<Piece>>,
     /// What was left out.
     pub warnings: Vec<String>,
-    /// The first visible text and how many there are.
-    pub texts: Option<(Place, usize)>,
+    /// How many texts there are.
+    pub texts: usize,
+    /// Fonts that were read.
+    pub(super) fonts: Vec<(&'static str, Rc<Font>)>,
     used: usize,
 }
 
@@ -70,7 +76,8 @@ impl<'a> Walk<'a> {
             ids,
             outlines: Vec::new(),
             warnings: Vec::new(),
-            texts: None,
+            texts: 0,
+            fonts: Vec::new(),
             used: 0,
         }
     }
@@ -102,7 +109,8 @@ impl<'a> Walk<'a> {
             return Ok(());
         }
         let visibility = inherited(svg, Visibility::Visible);
-        self.children(svg, Inherited { map, visibility, viewport, depth: 0 })
+        let lettering = Lettering::default().inherited(svg);
+        self.children(svg, Inherited { map, visibility, viewport, lettering, depth: 0 })
     }
 
     fn children(&mut self, parent: Node<'a, 'a>, from: Inherited) -> Result<(), DrawingError> {
@@ -118,9 +126,9 @@ impl<'a> Walk<'a> {
             return Ok(());
         }
         from.depth += 1;
-        self.budget
-            .depth(from.depth, "elements", || Self::place_of(self.file, self.text, self.document, node))?;
+        self.check_depth(from.depth, node)?;
         from.visibility = inherited(node, from.visibility);
+        from.lettering = from.lettering.inherited(node);
         if let Some(transform) = node.attribute("transform") {
             let t = svgtypes::Transform::from_str(transform)
                 .map_err(|e| self.bad_attribute(node, "transform", &e.to_string()))?;
@@ -135,12 +143,16 @@ impl<'a> Walk<'a> {
             },
             "svg" => self.nested(node, from),
             "use" => self.reuse(node, from),
-            "text" | "flowRoot" if visible => {
-                if self.texts.is_none() {
-                    self.texts = Some((self.place(node), 0));
-                }
-                if let Some((_, count)) = self.texts.as_mut() {
-                    *count += 1;
+            "text" => {
+                self.texts += 1;
+                self.text(node, &from)
+            }
+            "flowRoot" if visible => {
+                let place = self.place(node);
+                if self.warnings.len() < 20 {
+                    self.warnings.push(format!(
+                        "{place}: flowed text left out: convert it to text (Inkscape: Text > Unflow) or to paths"
+                    ));
                 }
                 Ok(())
             }
@@ -160,15 +172,23 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn keep(
+    pub(super) fn check_depth(&self, depth: usize, node: Node<'a, 'a>) -> Result<(), DrawingError> {
+        self.budget.depth(depth, "elements", || Self::place_of(self.file, self.text, self.document, node))
+    }
+
+    pub(super) fn take_budget(&mut self, count: usize, node: Node<'a, 'a>) -> Result<(), DrawingError> {
+        let (file, text, document) = (self.file, self.text, self.document);
+        self.budget.take(count, || Self::place_of(file, text, document, node))
+    }
+
+    pub(super) fn keep(
         &mut self,
         node: Node<'a, 'a>,
         chains: Vec<Vec<Piece>>,
         map: &Affine,
     ) -> Result<(), DrawingError> {
         for chain in chains {
-            let (file, text, document) = (self.file, self.text, self.document);
-            self.budget.take(chain.len(), || Self::place_of(file, text, document, node))?;
+            self.take_budget(chain.len(), node)?;
             let chain: Vec<Piece> = chain.iter().map(|piece| piece.transformed(map)).collect();
             if let Some(bad) = chain.iter().find(|piece| !piece.is_sane()) {
                 let p = bad.start();
@@ -291,7 +311,7 @@ impl<'a> Walk<'a> {
             .transpose()
     }
 
-    fn place(&self, node: Node<'a, 'a>) -> Place {
+    pub(super) fn place(&self, node: Node<'a, 'a>) -> Place {
         Self::place_of(self.file, self.text, self.document, node)
     }
 
@@ -305,7 +325,7 @@ impl<'a> Walk<'a> {
         Place::column(file, pos.row as usize, pos.col as usize, line)
     }
 
-    fn bad_attribute(&self, node: Node<'a, 'a>, name: &str, why: &str) -> DrawingError {
+    pub(super) fn bad_attribute(&self, node: Node<'a, 'a>, name: &str, why: &str) -> DrawingError {
         self.bad_data(node, name, 0, why)
     }
 

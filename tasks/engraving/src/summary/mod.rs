@@ -1,5 +1,6 @@
 //! What the run found, as `summary.json` and as a table for the terminal.
 
+use crate::chosen::Chosen;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -93,6 +94,15 @@ pub struct Summary {
     pub travel_length_mm: f64,
     /// Width and height of the drawing on the plate \[mm\].
     pub drawing_size_mm: [f64; 2],
+    /// How deep \[mm\], if it is not the default.
+    #[serde(skip_serializing_if = "Chosen::is_default")]
+    pub depth_mm: Chosen,
+    /// How fast [mm/s], if it is not the default.
+    #[serde(skip_serializing_if = "Chosen::is_default")]
+    pub feed_mm_per_s: Chosen,
+    /// At which height above the plate the tool travelled \[mm\], if it is not the default.
+    #[serde(skip_serializing_if = "Chosen::is_default")]
+    pub travel_height_mm: Chosen,
     /// Points of the spline.
     pub samples: u64,
     /// Steps of the controller.
@@ -192,6 +202,9 @@ impl Summary {
             format!("{:.1} mm cut, {:.1} mm travel", self.cut_length_mm, self.travel_length_mm),
             None,
         );
+        row("depth", self.depth_mm.told("mm", "by --depth"), None);
+        row("feed", self.feed_mm_per_s.told("mm/s", "by --feed"), None);
+        row("travel height", self.travel_height_mm.told("mm", ""), None);
         row(
             "steps",
             format!("{} of {} ms from {} points", self.steps, self.step_s * 1e3, self.samples),
@@ -253,61 +266,4 @@ impl Summary {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn summary() -> Summary {
-        let deviation = PathDeviation {
-            max_mm: Bounded { value: 0.004, limit: 0.01 },
-            rms_mm: Bounded { value: 0.001, limit: 0.01 },
-            worst_at_mm: [1.0, 2.0],
-            points: 100,
-            excepted: 0,
-        };
-        Summary {
-            source: "a.svg".to_owned(),
-            strokes: 3,
-            cut_length_mm: 100.0,
-            travel_length_mm: 20.0,
-            drawing_size_mm: [50.0, 30.0],
-            samples: 60,
-            steps: 5000,
-            step_s: 0.002,
-            simulated_s: 10.0,
-            wall_s: 0.01,
-            demanded: deviation,
-            executed: deviation,
-            joints: vec![JointPeaks { joint: "2".to_owned(), velocity_share: 0.4, acceleration_share: 0.6 }],
-            plate_height: Some(PlateHeight { found_mm: 12.001, true_mm: 12.0, limit_mm: 0.01 }),
-            broken: Vec::new(),
-            passed: false,
-        }
-    }
-
-    #[test]
-    fn a_run_within_its_bounds_passes() {
-        let judged = summary().judged();
-        assert!(judged.passed && judged.broken.is_empty());
-        assert!(judged.table().contains("1000 x real time"));
-        assert!(!judged.table().contains("FAIL"));
-    }
-
-    #[test]
-    fn each_broken_bound_is_named() {
-        let mut run = summary();
-        run.executed.max_mm.value = 0.02;
-        run.joints[0].velocity_share = 1.2;
-        run.plate_height = Some(PlateHeight { found_mm: 13.0, true_mm: 12.0, limit_mm: 0.01 });
-        let judged = run.judged();
-        assert!(!judged.passed);
-        assert_eq!(judged.broken.len(), 3, "{:?}", judged.broken);
-        assert!(judged.table().contains("joint 2: velocity at 120 % of its limit"));
-    }
-
-    #[test]
-    fn a_deviation_that_is_no_number_fails() {
-        let mut run = summary();
-        run.demanded.max_mm.value = f64::NAN;
-        assert!(!run.judged().passed);
-    }
-}
+mod tests;

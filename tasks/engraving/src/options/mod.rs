@@ -11,6 +11,8 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use mrroc::launch::{Clock, Launch};
 
+use crate::drawing::Reading;
+use crate::drawing::gcode::{BlockDelete, DEEPEST, Switches};
 use crate::drawing::hershey::Font;
 use crate::placement::{Plate, Sizing};
 use crate::plate::Cutter;
@@ -53,10 +55,12 @@ pub struct Options {
     pub plate: Plate,
     /// The tool's end.
     pub cutter: Cutter,
-    /// Depth of the groove \[mm\], > 0.
-    pub depth: f64,
-    /// Feed \[mm/s\], > 0.
-    pub feed: f64,
+    /// Depth of all grooves \[mm\], > 0; else what the file says.
+    pub depth: Option<f64>,
+    /// Feed along all strokes [mm/s], > 0; else what the file says.
+    pub feed: Option<f64>,
+    /// How a file is read.
+    pub reading: Reading,
     /// The controller's step \[s\], > 0.
     pub step: f64,
     /// Whether the cell runs as processes of the operating system, and in whose time.
@@ -70,6 +74,17 @@ Engraves a drawing with a simulated IRp-6 arm and shows the result.
 
 FILE is a drawing: .svg, .dxf, or G-code (.ngc .nc .gcode .tap). Without a FILE
 and without --text a nameplate that is built in is engraved.";
+
+const CUTS: &str = "\
+What is cut: every visible outline of an SVG drawing and its texts; every line,
+arc, spline and text of a DXF drawing. Of G-code, whose Z0 is the plate's
+surface:
+  1. where a feed move (G1 G2 G3 G5 G6.2, a hole) goes below Z0: of all feed
+     moves what is below Z0, as deep as Z and as fast as F say;
+  2. else, feed moves at Z0 or before any Z while M3 or M4 is on;
+  3. else, all feed moves at Z0 or before any Z.
+G0 is travel. What is read and not obeyed is said as a warning.
+";
 
 /// The command line as it is written.
 #[derive(Debug, Parser)]
@@ -101,6 +116,14 @@ struct Arguments {
     #[arg(long, group = "sizing", help_heading = "Drawing")]
     fit: bool,
 
+    /// Which Z of a G-code program is the plate's surface, in mm.
+    #[arg(long, value_name = "Z", value_parser = number(-1e6, 1e6), default_value = "0")]
+    #[arg(allow_negative_numbers = true, help_heading = "Drawing")]
+    surface: f64,
+    /// Whether lines of G-code that begin with / are left out.
+    #[arg(long, value_name = "on|off", value_parser = switch, default_value = "on", help_heading = "Drawing")]
+    block_delete: BlockDelete,
+
     /// Size of the plate in mm.
     #[arg(long, value_name = "WxH", value_parser = sides, default_value = "200x120")]
     #[arg(help_heading = "Plate and tool")]
@@ -112,14 +135,14 @@ struct Arguments {
     /// The tool's end: v:DEG, a V of this full angle, or ball:MM, a ball of this diameter.
     #[arg(long, value_name = "END", value_parser = tool, default_value = "v:90", help_heading = "Plate and tool")]
     tool: Cutter,
-    /// Depth of the groove.
-    #[arg(long, value_name = "MM", value_parser = number(0.001, 20.0), default_value = "0.3")]
+    /// Depth of all grooves [default: as the file's Z says, else 0.3].
+    #[arg(long, value_name = "MM", value_parser = number(0.001, DEEPEST))]
     #[arg(allow_negative_numbers = true, help_heading = "Plate and tool")]
-    depth: f64,
-    /// Speed along the path.
-    #[arg(long, value_name = "MM/S", value_parser = number(0.01, 1000.0), default_value = "20")]
+    depth: Option<f64>,
+    /// Speed along the path [default: as the file's F says, else 20].
+    #[arg(long, value_name = "MM/S", value_parser = number(0.01, 1000.0))]
     #[arg(allow_negative_numbers = true, help_heading = "Plate and tool")]
-    feed: f64,
+    feed: Option<f64>,
     /// Step of the controller: 0.5, 1 or a multiple of 2.
     #[arg(long = "step-ms", value_name = "MS", value_parser = step, default_value = "2")]
     #[arg(allow_negative_numbers = true, help_heading = "Plate and tool")]
@@ -147,7 +170,8 @@ fn font_help() -> String {
 fn after_help() -> String {
     let launch = Launch::help();
     format!(
-        "{launch}
+        "{CUTS}
+{launch}
 
 Exit status: 0 if all bounds were kept, 1 if not, 2 if the drawing or the
 command line was refused; then nothing has moved.
@@ -189,6 +213,10 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, c
         cutter: read.tool,
         depth: read.depth,
         feed: read.feed,
+        reading: Reading {
+            gcode: Switches { block_delete: read.block_delete, surface: read.surface },
+            ..Reading::default()
+        },
         step: read.step,
         talk: if read.quiet { Talk::Quiet } else { Talk::Normal },
     })
@@ -267,6 +295,14 @@ fn step(text: &str) -> Result<f64, String> {
         .to_owned())
 }
 
+fn switch(text: &str) -> Result<BlockDelete, &'static str> {
+    match text {
+        "on" => Ok(BlockDelete::On),
+        "off" => Ok(BlockDelete::Off),
+        _ => Err("give on or off"),
+    }
+}
+
 fn sides(text: &str) -> Result<Sides, &'static str> {
     let sides: Result<Vec<f64>, _> = text.split(['x', 'X', '×']).map(|side| side.trim().parse()).collect();
     match sides.as_deref() {
@@ -297,99 +333,4 @@ pub fn fonts() -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    fn run(line: &str) -> Result<Options, clap::Error> {
-        parse(line.split_whitespace().map(OsString::from))
-    }
-
-    fn options(line: &str) -> Options {
-        run(line).unwrap()
-    }
-
-    #[test]
-    fn a_text_longer_than_any_plate_is_refused() {
-        let long = "a".repeat(MOST_CHARACTERS + 1);
-        let error = parse(["--text".into(), long.into()]).expect_err("too long");
-        assert!(error.to_string().contains("2001 characters"), "{error}");
-    }
-
-    #[test]
-    fn no_argument_engraves_the_nameplate() {
-        let expected = Options {
-            source: Source::Nameplate,
-            out: PathBuf::from("engraving"),
-            sizing: Sizing::Natural,
-            plate: Plate::default(),
-            cutter: Cutter::default(),
-            depth: 0.3,
-            feed: 20.0,
-            step: 0.002,
-            processes: None,
-            talk: Talk::Normal,
-        };
-        assert_eq!(options(""), expected);
-    }
-
-    #[test]
-    fn all_options_are_read() {
-        let found = options(
-            "a.svg --plate 300x200 --margin 5 --size=100x50 --tool ball:2 --depth 0.5 --feed 30 --step-ms 1 -o x -q",
-        );
-        assert_eq!(found.source, Source::File("a.svg".into()));
-        assert_eq!(found.plate, Plate { width: 300.0, height: 200.0, margin: 5.0 });
-        assert_eq!(found.sizing, Sizing::Within { width: 100.0, height: 50.0 });
-        assert_eq!(found.cutter, Cutter::Ball { radius: 1.0 });
-        assert_eq!((found.depth, found.feed, found.step), (0.5, 30.0, 0.001));
-        assert_eq!((found.out, found.talk), ("x".into(), Talk::Quiet));
-        assert_eq!(found.processes, None);
-        assert_eq!(options("--processes").processes, Some(Clock::Real));
-        for both in ["--virtual", "--processes --virtual", "--virtual --processes"] {
-            assert_eq!(options(both).processes, Some(Clock::Virtual));
-        }
-        assert_eq!(options("--text Hi").sizing, Sizing::Fill);
-        assert_eq!(options("a.svg --fit").sizing, Sizing::Fill);
-        assert_eq!(options("--text Hi --scale 2").sizing, Sizing::Scale(2.0));
-        let text = Source::Text { text: "-5\n6".to_owned(), font: DEFAULT_FONT.to_owned() };
-        assert_eq!(options(r"--text -5\n6").source, text);
-        assert_eq!(options("--depth 1 --depth 2").depth, 2.0);
-        assert_eq!(run("--help").expect_err("help").kind(), ErrorKind::DisplayHelp);
-        assert_eq!(run("-V").expect_err("version").kind(), ErrorKind::DisplayVersion);
-    }
-
-    #[test]
-    fn wrong_options_say_what_to_write() {
-        for (line, part) in [
-            ("--plat 3x4", "a similar argument exists: '--plate'"),
-            ("--zzzzzz", "For more information, try '--help'"),
-            ("--depth -1", "0.001 to 20"),
-            ("--depth nan", "0.001 to 20"),
-            ("--plate 3", "'--plate <WxH>': give width and height in mm up to 2000, as 200x120"),
-            ("--plate 3xx4", "as 200x120"),
-            ("--plate 3x4xy", "as 200x120"),
-            ("--step-ms 3", "a multiple of 2"),
-            ("--step-ms 1.5", "a multiple of 2"),
-            ("--size 3x4 --fit", "'--size <WxH>' cannot be used with '--fit'"),
-            ("a.svg b.svg", "two files"),
-            ("a.svg --text x", "both say what to engrave"),
-            ("--font x", "--font without --text"),
-            ("--feed", "a value is required for '--feed <MM/S>'"),
-            ("--margin 90", "leaves nothing"),
-            ("--tool spoon", "v:90"),
-        ] {
-            let message = run(line).unwrap_err().to_string();
-            assert!(message.contains(part), "{line}: {message}");
-        }
-    }
-
-    #[test]
-    fn the_help_fits_a_terminal_and_names_every_font() {
-        Arguments::command().debug_assert();
-        let help = run("--help").unwrap_err().to_string();
-        assert!(help.lines().all(|line| line.len() <= 80), "{help}");
-        let words: Vec<_> = help.split_whitespace().collect();
-        assert!(words.join(" ").contains(&fonts()), "{help}");
-    }
-}
+mod tests;
