@@ -24,8 +24,10 @@ bench:
     cargo bench -p mrroc-generators --bench jerk
     cargo bench -p mrroc-robots --bench kinematics
 
-# Instructions of a step and of its parts, beside the table that CI compares them with; `--accept` writes it anew.
+# Instructions of a step and of its parts, beside their tables: optimised, and as CI counts them; `--accept` writes both anew.
 instructions *ARGS:
+    cargo run --release -p mrroc-benches --example instructions -- {{ARGS}}
+    cargo test --no-run
     .ci/instructions {{ARGS}}
 
 # What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.

@@ -75,7 +75,10 @@ impl Button {
                 let rest = rest.trim();
                 let percent = rest.strip_suffix('%').unwrap_or(rest).trim_end();
                 return match percent.parse::<f64>() {
-                    Ok(percent) if (0.0..=100.0).contains(&percent) => Ok(Button::Speed(percent / 100.0)),
+                    // As it is written: to nine digits.
+                    Ok(percent) if (0.0..=100.0).contains(&percent) => {
+                        Ok(Button::Speed((percent * 1e9).round() / 1e11))
+                    }
                     _ if rest.is_empty() => {
                         Err(bad("speed needs a value".to_owned(), "write 0% to 100%: speed 50%"))
                     }
@@ -288,6 +291,7 @@ mod tests {
         }
         assert_eq!(Button::read("speed", "12.5 %"), Ok(Button::Speed(0.125)));
         assert_eq!(Button::read("speed", "50"), Ok(Button::Speed(0.5)));
+        assert_eq!(Button::read("speed", "4.63e-200"), Ok(Button::Speed(0.0)));
         assert_eq!(Button::from_words([7, 0]), None);
         for (word, rest, told) in [
             ("speed", "0.5.", "write 0% to 100%"),
