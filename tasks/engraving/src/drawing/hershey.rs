@@ -36,6 +36,9 @@ const LONGEST_GLYPH: usize = 2000;
 /// The longest file \[bytes\]: the largest of Hershey's has 70 thousand.
 const LONGEST_FILE: u64 = 4 << 20;
 
+/// What a letter costs of a budget of curve pieces before it is written.
+pub const PIECES_OF_A_LETTER: usize = 8;
+
 /// A glyph: edges and polylines in font units, y up from the baseline.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Glyph {

@@ -111,7 +111,7 @@ impl Reader<'_> {
         if text::is_text(entity) {
             self.texts += 1;
             // Every letter has its cost before its curves are computed.
-            self.budget.take(text::letters(entity), || entity.place(self.file))?;
+            self.budget.take(text::cost(entity), || entity.place(self.file))?;
             let font = match self.font.take() {
                 Some(font) => font,
                 None => Font::open("futural")?,

@@ -2,7 +2,7 @@
 //! style's own font is not.
 
 use super::entity::Entity;
-use crate::drawing::hershey::Font;
+use crate::drawing::hershey::{Font, PIECES_OF_A_LETTER};
 use crate::drawing::{Affine, Piece, Stroke, Vec2};
 use crate::error::DrawingError;
 use mrroc::console::quoted;
@@ -17,9 +17,10 @@ pub fn is_text(entity: &Entity<'_>) -> bool {
     matches!(entity.kind, "TEXT" | "MTEXT")
 }
 
-/// The characters that a text asks curves for.
-pub fn letters(entity: &Entity<'_>) -> usize {
-    entity.tags.iter().filter(|tag| matches!(tag.code, 1 | 3)).map(|tag| tag.value.len()).sum()
+/// What a text costs of a budget of curve pieces before it is written.
+pub fn cost(entity: &Entity<'_>) -> usize {
+    let letters = entity.tags.iter().filter(|tag| matches!(tag.code, 1 | 3)).map(|tag| tag.value.len());
+    letters.sum::<usize>() * PIECES_OF_A_LETTER
 }
 
 /// The strokes of a TEXT or an MTEXT as chains of pieces.

@@ -7,7 +7,7 @@ use super::characters::Characters;
 use super::expression::Values;
 use super::o_word::Label;
 use super::parameters::Parameters;
-use super::program::{Cursor, Flow, OWord, Program, cost};
+use super::program::{Cursor, Flow, OWord, Program};
 use super::{Stop, block, malformed};
 
 /// What lines that run again may cost \[bytes\].
@@ -46,8 +46,9 @@ impl<'a> Control<'a> {
 
     /// The number and the text of the next line.
     pub fn next(&mut self) -> Result<Option<(usize, &'a str)>, Stop> {
+        let before = self.cursor;
         let Some((number, line)) = self.program.next(&mut self.cursor) else { return Ok(None) };
-        match self.left.checked_sub(cost(line)) {
+        match self.left.checked_sub(self.cursor.cost_since(before)) {
             Some(left) => self.left = left,
             None => {
                 let what = "a program that goes on and on: its loops do not end within a million lines";

@@ -85,11 +85,6 @@ pub struct Program<'a> {
     pub cost: usize,
 }
 
-/// What it costs to run a line \[bytes\]: its length and a little more.
-pub fn cost(line: &str) -> usize {
-    if line.is_empty() { 1 } else { line.len() + 48 }
-}
-
 /// Where a program goes on.
 #[derive(Clone, Copy, Debug)]
 pub struct Cursor {
@@ -98,8 +93,25 @@ pub struct Cursor {
     byte: usize,
 }
 
+impl Cursor {
+    /// What it costs to run the line that has brought the cursor here, with the empty lines before it \[bytes\]: their
+    /// length and a little more.
+    pub fn cost_since(&self, before: Cursor) -> usize {
+        self.byte - before.byte + 48
+    }
+}
+
 /// The most O-words of a program: more than anybody writes, and few enough to be kept in memory.
 const MOST_O_WORDS: usize = 50_000;
+
+/// How many bytes end a line, where they are the next ones: then it is empty.
+fn line_end(bytes: &[u8]) -> Option<usize> {
+    match bytes {
+        [b'\n', ..] => Some(1),
+        [b'\r', b'\n', ..] => Some(2),
+        _ => None,
+    }
+}
 
 /// An opener whose end has not come yet.
 struct Open {
@@ -136,9 +148,11 @@ impl<'a> Program<'a> {
         let mut percent_signs = 0;
         let mut cursor = Self::begin();
         loop {
+            let before = cursor;
+            program.skip_empty(&mut cursor);
             let start = cursor.byte;
             let Some((number, line)) = program.next(&mut cursor) else { break };
-            program.cost += cost(line);
+            program.cost += cursor.cost_since(before);
             if line.trim() == "%" {
                 percent_signs += 1;
                 if percent_signs == 2 {
@@ -175,8 +189,17 @@ impl<'a> Program<'a> {
         Cursor { line: 0, byte: 0 }
     }
 
-    /// The number and the text of the next line.
+    /// Goes on to the next line that is not empty.
+    fn skip_empty(&self, cursor: &mut Cursor) {
+        while let Some(end) = line_end(self.text.as_bytes().get(cursor.byte..).unwrap_or_default()) {
+            cursor.byte += end;
+            cursor.line += 1;
+        }
+    }
+
+    /// The number and the text of the next line that is not empty.
     pub fn next(&self, cursor: &mut Cursor) -> Option<(usize, &'a str)> {
+        self.skip_empty(cursor);
         let rest = self.text.get(cursor.byte..).filter(|rest| !rest.is_empty())?;
         let length = rest.find('\n').map_or(rest.len(), |end| end + 1);
         let number = cursor.line;

@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::tree::{Inherited, Walk};
 use super::visibility::{Visibility, is_switched_off, property};
-use crate::drawing::hershey::Font;
+use crate::drawing::hershey::{Font, PIECES_OF_A_LETTER};
 use crate::drawing::{Affine, Stroke, Vec2};
 use crate::error::DrawingError;
 
@@ -208,7 +208,7 @@ impl<'a> Walk<'a> {
         chunk.pen.x += width * from.lettering.size * CAPITALS;
         if from.visibility == Visibility::Visible {
             // Every letter has its cost before its curves are computed.
-            self.take_budget(letters.len(), node)?;
+            self.take_budget(letters.len() * PIECES_OF_A_LETTER, node)?;
             chunk.runs.push(Run { text: letters, lettering: from.lettering, at });
         }
         Ok(())
