@@ -27,7 +27,7 @@ bench:
 # Instructions of a step and of its parts, beside their tables: optimised, and as CI counts them; `--accept` writes both anew.
 instructions *ARGS:
     cargo run --release -p mrroc-benches --example instructions -- {{ARGS}}
-    cargo test --no-run
+    CARGO_INCREMENTAL=0 cargo test --no-run
     .ci/instructions {{ARGS}}
 
 # What profiles and jerk-limited plans keep, for 256,000 random inputs of each kind.
