@@ -211,33 +211,19 @@ impl<R: Robot> Acceptor<R> {
         all_missed: bool,
     ) -> Result<AcceptedDemand<R>, Fault> {
         let target = self.target(demand)?;
-        let missing = self.track.path.missing;
-        // In step with its path, as nearly always, a robot has nothing to come back to.
-        let accepted = match self.track.is_in_step() {
-            true => self.follow(&target.position, duration),
-            false => self.next(&target.position, duration, all_missed).map(|next| self.take(next, duration)),
-        };
-        let accepted = accepted.map_err(|fault| {
+        let next = self.next(&target.position, duration, all_missed).map_err(|fault| {
             let robot = &self.checks.robot;
             let disagreement = poses::disagreement(robot, demand, &target.position, &target.tool);
             disagreement
                 .unwrap_or_else(|| poses::beside_singularity(robot, demand, &self.state.position, fault))
         })?;
-        self.pace.accept(dt, duration, missing);
+        self.pace.accept(dt, duration, self.track.path.missing);
         self.motion.starting = false;
         self.motion.tool = target.tool;
+        let accepted = self.take(next, duration);
         let (_, velocity) = self.demanded();
         self.pace.learn_path_speed(&velocity);
         Ok(accepted)
-    }
-
-    /// A robot that is in step with its path goes to a demand.
-    fn follow(&mut self, demand: &R::Joints, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
-        let path = self.track.path_to(demand, duration);
-        let velocity = self.velocity_to(demand, Some(&path.velocity), duration)?;
-        self.state.go_to(*demand, velocity, duration);
-        self.track.path = path;
-        Ok(AcceptedDemand::new(*demand))
     }
 
     /// The tool of a demand, and the joint positions that it asks for.

@@ -105,7 +105,7 @@ impl<R: Robot> DemandedPath<R> {
             Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => None,
         };
         let together = law_together(demand, request);
-        self.undone =
+        let undone =
             together.map(|_| Undone { acceptor: self.acceptor.before(), missed, together: self.together });
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let period = self.period.as_secs_f64();
@@ -118,8 +118,8 @@ impl<R: Robot> DemandedPath<R> {
         };
         let first = request.is(flag::FIRST) && !self.is_moving();
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
-        self.screw = None;
-        self.together = together;
+        self.undone = undone;
+        self.move_together(together);
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
     }
@@ -147,13 +147,18 @@ impl<R: Robot> DemandedPath<R> {
         }
         // In a replay the demand that replaces it in its step is known already.
         let missed = if self.next.is_some() { 1 } else { due.saturating_sub(request.header.step) };
-        self.screw = None;
-        self.together = law_together(demand, request);
+        self.move_together(law_together(demand, request));
         let period = self.period.as_secs_f64();
         let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());
         begun.map_err(Fault::of_first_demand)?;
         self.mode = Mode::Moving { missed: u32::try_from(missed).unwrap_or(u32::MAX) };
         Ok(())
+    }
+
+    /// Keeps how the robot brakes with those that it moves together with.
+    fn move_together(&mut self, law: Option<BrakingLaw>) {
+        self.screw = None;
+        self.together = law;
     }
 
     /// Counts the demand that is missing in the step that begins, if one is.

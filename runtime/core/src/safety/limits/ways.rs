@@ -34,6 +34,10 @@ impl<R: Robot> Acceptor<R> {
         duration: f64,
         all_missed: bool,
     ) -> Result<Next<R::Joints>, Fault> {
+        // In step with its path, as nearly always, a robot has nothing to come back to.
+        if self.track.is_in_step() {
+            return self.there(demand, duration);
+        }
         let missed = (self.track.path.missing / duration).round();
         let way = match &self.track.off_path {
             Some(OffPath::Together(way)) if missed == 0.0 || self.track.path.on_screw => Some(way),
