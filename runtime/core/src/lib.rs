@@ -97,7 +97,9 @@ pub mod robot {
     pub use crate::model::image::{RobotImage, RobotState};
     pub use crate::model::joints::{JointVector, MAX_JOINTS};
     pub use crate::model::list::State;
-    pub use crate::model::robot::{CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, Robot};
+    pub use crate::model::robot::{
+        CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, POSITION_ROUND_OFF, Robot,
+    };
 }
 
 /// Virtual sensors: what they read, and how they are ordered.

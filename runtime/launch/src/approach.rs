@@ -13,7 +13,7 @@ use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::{JointLayout, Layout};
 use mrroc_core::observe::witness::{Mode, What, Witness};
-use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::robot::{MAX_JOINTS, POSITION_ROUND_OFF};
 
 /// The extreme values of one joint [rad or m, s].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,8 +138,11 @@ impl Approach {
                 continue;
             }
             // Differences of positions of order 1 are round-off below these.
-            let acceleration = (course.acceleration.abs() - 4e-12 / period.powi(2)) / joint.acceleration;
-            let jerk = joint.jerk.map_or(0.0, |limit| (course.jerk.abs() - 8e-12 / period.powi(3)) / limit);
+            let round_off = [4.0, 8.0].map(|times| times * POSITION_ROUND_OFF);
+            let acceleration =
+                (course.acceleration.abs() - round_off[0] / period.powi(2)) / joint.acceleration;
+            let jerk =
+                joint.jerk.map_or(0.0, |limit| (course.jerk.abs() - round_off[1] / period.powi(3)) / limit);
             let (what, share) =
                 if acceleration > jerk { ("acceleration", acceleration) } else { ("jerk", jerk) };
             if share > PATH_SHARE * (1.0 + 1e-6) {

@@ -28,11 +28,20 @@ pub(super) enum Still {
     ToBeEnded(f64),
 }
 
+/// How far an MP has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct MpProgress {
+    /// Its step.
+    pub step: u64,
+    /// The Moves and Waits that it has begun.
+    pub instructions: u64,
+}
+
 /// What the launcher has seen of its MP.
 pub(super) struct MpWatch {
     patience: Duration,
-    /// Step and instruction at the last look.
-    steps: (u64, u64),
+    /// How far it had come at the last look.
+    progress: MpProgress,
     looked: Option<Instant>,
     /// How long it has stood still.
     still: Duration,
@@ -46,7 +55,7 @@ impl MpWatch {
     pub const fn new(patience: Duration) -> MpWatch {
         MpWatch {
             patience,
-            steps: (0, 0),
+            progress: MpProgress { step: 0, instructions: 0 },
             looked: None,
             still: Duration::ZERO,
             stopping: None,
@@ -64,13 +73,13 @@ impl MpWatch {
         self.stopping.is_some()
     }
 
-    /// Looks at the MP's step and instruction, and at the number of the stop that it has carried out last.
-    pub fn look(&mut self, steps: (u64, u64), stopped: u64, now: Instant) -> Still {
+    /// Looks at how far the MP has come, and at the number of the stop that it has carried out last.
+    pub fn look(&mut self, progress: MpProgress, stopped: u64, now: Instant) -> Still {
         self.stopping = self.stopping.filter(|(number, _)| *number > stopped);
         let passed = self.looked.replace(now).map_or(Duration::ZERO, |last| (now - last).min(LOOK));
-        if self.steps != steps {
+        if self.progress != progress {
             let MpWatch { looked, stopping, .. } = *self;
-            *self = MpWatch { steps, looked, stopping, ..MpWatch::new(self.patience) };
+            *self = MpWatch { progress, looked, stopping, ..MpWatch::new(self.patience) };
             return Still::Moves;
         }
         self.still += passed;
@@ -100,6 +109,10 @@ impl MpWatch {
 mod tests {
     use super::*;
 
+    fn at(step: u64) -> MpProgress {
+        MpProgress { step, instructions: 1 }
+    }
+
     /// Looks ten times a second at an MP that stands still; after how many looks it is told, and ended.
     fn looks(watch: &mut MpWatch, stop_at: Option<u32>) -> (Option<u32>, u32) {
         let begin = Instant::now();
@@ -108,7 +121,7 @@ mod tests {
             if stop_at == Some(i) {
                 watch.note_stop(3);
             }
-            match watch.look((7, 1), 2, begin + i * tenth) {
+            match watch.look(at(7), 2, begin + i * tenth) {
                 Still::Moves | Still::Tolerated => {}
                 Still::ToBeTold(_) => assert_eq!(told.replace(i), None, "told once"),
                 Still::ToBeEnded(_) => return (told, i),
@@ -128,16 +141,16 @@ mod tests {
         let mut watch = MpWatch::new(Duration::from_secs(60));
         assert_eq!(looks(&mut watch, Some(20)), (None, 69));
         // One that begins a step has not carried the stop out yet.
-        assert_eq!(watch.look((8, 1), 2, Instant::now()), Still::Moves);
+        assert_eq!(watch.look(at(8), 2, Instant::now()), Still::Moves);
         assert!(watch.is_stopping());
-        assert_eq!(watch.look((9, 1), 3, Instant::now()), Still::Moves);
+        assert_eq!(watch.look(at(9), 3, Instant::now()), Still::Moves);
         assert!(!watch.is_stopping());
     }
 
     #[test]
     fn a_pause_of_the_launcher_is_not_the_mps() {
         let (mut watch, begin) = (MpWatch::new(Duration::from_secs(60)), Instant::now());
-        let pauses = (0..100).map(|i| watch.look((7, 1), 0, begin + i * Duration::from_secs(600)));
+        let pauses = (0..100).map(|i| watch.look(at(7), 0, begin + i * Duration::from_secs(600)));
         assert!(pauses.into_iter().all(|still| !matches!(still, Still::ToBeEnded(_))));
     }
 }

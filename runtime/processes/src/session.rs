@@ -8,17 +8,22 @@
 //! names of its segments begin with a prefix of the session. Every process of a session holds the session's lock,
 //! shared: if the lock is free, the session is over or has crashed, and the next launch removes its remains.
 
-use std::fs::{self, DirBuilder, DirEntry, File, OpenOptions, TryLockError};
+mod error;
+mod lock;
+
+use std::fs::{self, DirBuilder, DirEntry, File, OpenOptions};
 use std::hash::{BuildHasher, Hasher, RandomState};
-use std::io::{self, Read, Seek, Write};
+use std::io;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use rustix::fs::Mode;
 use rustix::process::umask;
 
-use crate::identity::{CellId, Holder, Names, Taken};
+pub(crate) use error::SessionError;
+pub(super) use lock::CellLock;
+
+use crate::identity::CellId;
 
 /// The folder of the segments of shared memory.
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
@@ -29,186 +34,9 @@ const MAX_ROOT: usize = 50;
 /// Bits of a session's number: few, because its digits are part of the path of each socket, whose length is limited.
 const NUMBER_BITS: u32 = 48;
 
-/// How long processes of a crashed launch may still brake their robots.
-const BRAKING: Duration = Duration::from_secs(3);
-
-/// Why a session could not be made.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum SessionError {
-    /// The cell is running already.
-    #[error("the cell is run by process {0} already\n help: wait for it, or stop it: kill {0}")]
-    Running(u32),
-    /// The cell is running already, for another user.
-    #[error(
-        "the cell is run by process {0} of user {1} already\n help: wait for it, or ask that user to stop it"
-    )]
-    RunningForAnother(u32, u32),
-    /// A process that does not say who it is has taken the cell's name.
-    #[error(
-        "another process of this machine has taken the name of the cell\n help: see `grep @mrroc /proc/net/unix`"
-    )]
-    NameTaken,
-    /// A robot's hardware belongs to another cell that runs.
-    #[error(
-        "{hardware} is driven by another cell{by}\n help: wait for that cell, or stop it; what a driver names is in its `hardware`"
-    )]
-    HardwareTaken {
-        /// What the driver says that it is.
-        hardware: String,
-        /// The process that runs the other cell, in words.
-        by: String,
-    },
-    /// Processes of a launch from another folder that crashed have not ended yet.
-    #[error("processes of an earlier launch of the cell are still there\n help: see `ps -ef`, and stop them")]
-    Parts,
-    /// The names of the cell could not be taken.
-    #[error("the machine has no sockets for the cell's names: {0}")]
-    Names(io::Error),
-    /// Processes of a launch that crashed have not ended yet.
-    #[error(
-        "processes of an earlier launch of the cell are still there, in {0}\n help: see `ps -ef`, and stop them"
-    )]
-    Orphans(PathBuf),
-    /// The folder of sessions could be changed by other users.
-    #[error("{0} must be a folder of yours that nobody else may enter\n help: chmod 700 it, or remove it")]
-    NotPrivate(PathBuf),
-    /// A file in shared memory has a name of the session and is another user's, or no ordinary file.
-    #[error(
-        "{0} was made by user {1} under a name of this cell, which therefore cannot start\n help: start again: each launch takes \
-         new names. If it happens again, somebody does this on purpose: see who is user {1}, and what runs as this user"
-    )]
-    Foreign(PathBuf, u32),
-    /// The path of the session's folder is too long for sockets.
-    #[error(
-        "the path {0} is too long for sockets: at most 28 bytes\n help: set XDG_RUNTIME_DIR to a shorter one"
-    )]
-    TooLong(PathBuf),
-    /// Reading or writing failed.
-    #[error("{0}: {1}{help}", help = super::capacity::remedy(.1))]
-    Io(PathBuf, io::Error),
-}
-
-impl From<Taken> for SessionError {
-    fn from(taken: Taken) -> SessionError {
-        match taken {
-            Taken::Cell(Some(holder)) if holder.is_ours() => SessionError::Running(holder.pid),
-            Taken::Cell(Some(Holder { pid, user })) => SessionError::RunningForAnother(pid, user),
-            Taken::Cell(None) => SessionError::NameTaken,
-            Taken::Hardware(hardware, holder) => {
-                let by =
-                    holder.map(|Holder { pid, user }| format!(", which process {pid} of user {user} runs"));
-                SessionError::HardwareTaken { hardware, by: by.unwrap_or_default() }
-            }
-            Taken::Io(error) => SessionError::Names(error),
-        }
-    }
-}
-
 fn at(path: &Path) -> impl FnOnce(io::Error) -> SessionError {
     let path = path.to_owned();
     move |error| SessionError::Io(path, error)
-}
-
-/// The right to run a cell, which one launcher at a time has.
-#[derive(Debug)]
-pub(super) struct CellLock {
-    base: PathBuf,
-    path: PathBuf,
-    cell: u32,
-    id: CellId,
-    /// The file is locked as long as it is open.
-    _file: File,
-    /// The cell's own file: as long as it is open, no other file gets its identity.
-    _cell: Option<File>,
-    _names: Names,
-}
-
-impl CellLock {
-    /// Takes the lock of the cell in the file at `cell`, in the folder of sessions and for the whole machine, and that of its
-    /// hardware.
-    pub fn take(cell: &Path, hardware: &[String]) -> Result<CellLock, SessionError> {
-        let own = File::open(cell).ok();
-        let base = base()?;
-        let hash = number_of(cell);
-        let path = base.join(format!("{hash:08x}.cell"));
-        loop {
-            let mut file = open(&path).map_err(at(&path))?;
-            match file.try_lock() {
-                Ok(()) => {}
-                Err(TryLockError::WouldBlock) => {
-                    let mut holder = String::new();
-                    file.read_to_string(&mut holder).map_err(at(&path))?;
-                    match holder.trim().parse() {
-                        Ok(holder) => return Err(SessionError::Running(holder)),
-                        // The other launcher has the lock and is about to write its number.
-                        Err(_) => std::thread::sleep(Duration::from_millis(1)),
-                    }
-                    continue;
-                }
-                Err(TryLockError::Error(error)) => return Err(at(&path)(error)),
-            }
-            // The previous holder may have removed the file after this process opened it: such a lock does not count.
-            let ours = file.metadata().map_err(at(&path))?.ino();
-            if fs::metadata(&path).is_ok_and(|now| now.ino() == ours) {
-                file.set_len(0).and_then(|()| file.rewind()).map_err(at(&path))?;
-                write!(file, "{}", std::process::id()).map_err(at(&path))?;
-                let id = CellId::of(cell);
-                let names = Names::take(id, hardware);
-                if names.is_err() {
-                    // As at the end of a run.
-                    drop(fs::remove_file(&path));
-                }
-                return Ok(CellLock { base, path, cell: hash, id, _file: file, _cell: own, _names: names? });
-            }
-        }
-    }
-
-    /// Makes a new session of the cell, after the remains of crashed sessions are removed.
-    pub fn session(&self) -> Result<Session, SessionError> {
-        let patience = Instant::now() + BRAKING;
-        loop {
-            // One launcher at a time does this, so that a folder without a lock is the rest of a crashed launch and not
-            // a folder that is being made.
-            let guard = self.base.join("making");
-            let making = open(&guard).map_err(at(&guard))?;
-            making.lock().map_err(at(&guard))?;
-            match self.remove_crashed()? {
-                None if !self.id.has_parts() => return Session::make(&self.base, self.cell, self.id),
-                Some(alive) if Instant::now() > patience => return Err(SessionError::Orphans(alive)),
-                None if Instant::now() > patience => return Err(SessionError::Parts),
-                // Processes of the crashed session still brake their robots.
-                Some(_) | None => {}
-            }
-            drop(making);
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-
-    /// Removes the sessions that no process is in; returns the folder of a session of this cell that still has
-    /// processes.
-    fn remove_crashed(&self) -> Result<Option<PathBuf>, SessionError> {
-        let mut alive = None;
-        for entry in fs::read_dir(&self.base).map_err(at(&self.base))?.flatten() {
-            let folder = entry.path();
-            let Some((cell, number)) = entry.file_name().to_str().and_then(read_name) else { continue };
-            if is_used(&folder) {
-                if cell == self.cell {
-                    alive = Some(folder);
-                }
-            } else {
-                remove(&folder, number);
-            }
-        }
-        Ok(alive)
-    }
-}
-
-impl Drop for CellLock {
-    fn drop(&mut self) {
-        // The file is removed while it is locked, so that a launcher that opened it meanwhile sees that it is gone. If
-        // it cannot be removed, it does no harm.
-        drop(fs::remove_file(&self.path));
-    }
 }
 
 /// As long as it lives, all that this process makes is its user's alone, whatever mode is asked for: umask 077.

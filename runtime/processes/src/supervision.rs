@@ -15,7 +15,7 @@ use super::control::Frame;
 use super::entry::MpPanel;
 use super::heartbeat::BEAT;
 use super::launcher::{Run, note};
-use super::mp_watch::{MpWatch, Still};
+use super::mp_watch::{MpProgress, MpWatch, Still};
 use super::process_set::{Member, Over, ProcessSet};
 use super::session::is_stopped;
 use super::signals::{Signals, stop_until_continued};
@@ -248,7 +248,8 @@ impl<'a> Supervision<'a> {
         }
         let mp = self.panel().unwrap_or_default();
         let stopped = mp.answers[Button::Stop.kind()].number;
-        match self.mp_watch.look((mp.step, mp.instructions), stopped, Instant::now()) {
+        let progress = MpProgress { step: mp.step, instructions: mp.instructions };
+        match self.mp_watch.look(progress, stopped, Instant::now()) {
             Still::Moves | Still::Tolerated => {}
             Still::ToBeTold(seconds) => complain(&format!(
                 "note: mp: it has begun no step for {seconds} s: {}; its robots stand; after {} s in all the cell is ended",

@@ -46,8 +46,6 @@ mod ways;
 
 /// Relative excess over a limit that is round-off.
 const RELATIVE: f64 = 1e-9;
-/// Round-off of a difference of positions of order 1 [rad or m].
-const ROUND_OFF: f64 = 1e-12;
 
 /// Joint positions that a drive may be given: the limits have been checked.
 #[derive(Clone, Copy, Debug, PartialEq)]

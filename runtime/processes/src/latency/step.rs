@@ -160,11 +160,11 @@ impl Part {
     /// Its lines to the others; `meet` returns when all processes have come to the same point.
     fn connect(self, of: u32, shared: &OwnedFd, meet: &dyn Fn()) -> Box<dyn Topology> {
         match self.kind {
-            "mrroc" => ours((self.place, self.robots), of, meet),
+            "mrroc" => ours(self.place, self.robots, of, meet),
             _ => {
                 meet();
                 meet();
-                bare((self.place, self.robots), shared)
+                bare(self.place, self.robots, shared)
             }
         }
     }

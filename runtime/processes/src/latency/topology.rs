@@ -78,7 +78,7 @@ impl<W: Waiter> Topology for Ours<W> {
 }
 
 /// The process at `place` on this crate's link; `barrier` returns when all processes have come to the same point.
-pub fn ours((place, robots): (usize, usize), of: u32, barrier: &dyn Fn()) -> Box<dyn Topology> {
+pub fn ours(place: usize, robots: usize, of: u32, barrier: &dyn Fn()) -> Box<dyn Topology> {
     let mut fabric = Fabric::new(id(place, robots), Clock::Real);
     for place in 0..=2 * robots {
         fabric.place(id(place, robots));
@@ -163,7 +163,7 @@ impl Topology for Bare {
 }
 
 /// The process at `place` on bare shared memory, new and all zeros.
-pub fn bare((place, robots): (usize, usize), shared: &OwnedFd) -> Box<dyn Topology> {
+pub fn bare(place: usize, robots: usize, shared: &OwnedFd) -> Box<dyn Topology> {
     // SAFETY: a new mapping of a file of that size, which is never unmapped.
     #[allow(unsafe_code)]
     let memory = unsafe {

@@ -5,9 +5,7 @@
 //! (n + 1)(n + 2)/2 times the path's acceleration away: no limit takes that in one step, and none has to.
 
 use crate::model::joints::JointVector;
-use crate::model::robot::Limits;
-
-use super::ROUND_OFF;
+use crate::model::robot::{Limits, POSITION_ROUND_OFF};
 
 /// The least share of an acceleration limit that is planned with for coming back.
 const LEAST_SHARE: f64 = 0.05;
@@ -58,7 +56,7 @@ impl<J: JointVector> CatchingUp<J> {
         for i in 0..J::LEN {
             let limit = limits.acceleration[i];
             let fastest = limits.velocity[i];
-            let round_off = ROUND_OFF * late.demand[i].abs().max(1.0);
+            let round_off = POSITION_ROUND_OFF * late.demand[i].abs().max(1.0);
             // In time, the path's last step began at the demand before.
             let began = if t > h { late.demand[i] - path_velocity[i] * h } else { late.before[i] };
             let offset = late.position[i] - began;

@@ -4,11 +4,11 @@
 
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::joints::JointVector;
-use crate::model::robot::{CoupledLimit, Limits, Robot};
+use crate::model::robot::{CoupledLimit, Limits, POSITION_ROUND_OFF, Robot};
 use crate::safety::braking::{Release, stopping_distance};
 
+use super::RELATIVE;
 use super::state::JointState;
-use super::{RELATIVE, ROUND_OFF};
 
 /// Where a robot would stand if its demands were lost now.
 #[derive(Clone, Copy, Debug)]
@@ -92,7 +92,7 @@ impl<R: Robot> Checks<R> {
             let speed = way[i].abs() / duration;
             let limit = self.robot.limits().velocity[i];
             // A NaN is no small speed.
-            let is_small = speed <= limit * (1.0 + RELATIVE) + ROUND_OFF / duration;
+            let is_small = speed <= limit * (1.0 + RELATIVE) + POSITION_ROUND_OFF / duration;
             if !is_small {
                 let fault = Fault::new(FaultKind::DemandedVelocity).at_joint(i).text("between two demands");
                 return Err(fault.exceeds(speed, limit, self.robot.joint(i).unit(1)));
@@ -157,7 +157,7 @@ impl<R: Robot> Checks<R> {
         let faster = |i: usize| v[i].abs().max(held[i].abs());
         let stop_time = (0..R::Joints::LEN).map(|i| faster(i) / limits.acceleration[i]).fold(0.0, f64::max);
         for i in 0..R::Joints::LEN {
-            let round_off = ROUND_OFF * q[i].abs().max(1.0);
+            let round_off = POSITION_ROUND_OFF * q[i].abs().max(1.0);
             let excess = |kind, actual: f64, limit: f64, unit| {
                 Fault::new(kind).at_joint(i).exceeds(actual, limit, unit)
             };

@@ -3,6 +3,7 @@
 use nalgebra::{Translation3, UnitQuaternion};
 
 use super::*;
+use crate::model::robot::POSITION_ROUND_OFF;
 use crate::safety::braking::stopping_distance;
 
 /// The check of a state whose velocity and acceleration are as they are given.
@@ -33,7 +34,7 @@ fn fault_21_a_velocity_is_taken_up_to_the_limit_and_round_off() {
     assert_eq!(velocity(1.0, 50.0, 1.0 + 5.0e-8), Ok(()));
     assert_eq!(velocity(1.0, 50.0, 1.0 + 5.2e-8), Err(FaultKind::DemandedVelocity));
     // At the bound is within it.
-    assert_eq!(velocity(1.0, 0.5, 1.0 * (1.0 + RELATIVE) + ROUND_OFF * T.recip()), Ok(()));
+    assert_eq!(velocity(1.0, 0.5, 1.0 * (1.0 + RELATIVE) + POSITION_ROUND_OFF * T.recip()), Ok(()));
 }
 
 #[test]
@@ -65,7 +66,7 @@ fn fault_21_an_acceleration_is_taken_up_to_the_limit_and_round_off() {
         assert_eq!(acceleration(sign * (10.0 + 4.1e-6)), Err(FaultKind::DemandedAcceleration));
     }
     let per_second = T.recip();
-    let bound = 10.0 * (1.0 + RELATIVE) + 4.0 * ROUND_OFF * per_second * per_second;
+    let bound = 10.0 * (1.0 + RELATIVE) + 4.0 * POSITION_ROUND_OFF * per_second * per_second;
     assert_eq!(acceleration(bound), Ok(()));
 }
 
@@ -82,7 +83,7 @@ fn fault_21_a_jerk_is_taken_up_to_the_limit_and_round_off() {
         assert_eq!(jerk(sign * (1000.0 + 8.1e-3)), Err(FaultKind::DemandedJerk));
     }
     // The bound itself, in a step of which there are a power of two in a second: no division rounds it.
-    let bound = 1000.0 * (1.0 + RELATIVE) + 8.0 * ROUND_OFF * 1024.0 * 1024.0 * 1024.0;
+    let bound = 1000.0 * (1.0 + RELATIVE) + 8.0 * POSITION_ROUND_OFF * 1024.0 * 1024.0 * 1024.0;
     let a = Two::new(bound / 1024.0, 0.0);
     let acceptor = acceptor(Turntable::with_jerk(1000.0, 1000.0));
     acceptor.check(&ZERO, &ZERO, &ZERO, &a, 1024.0_f64.recip()).expect("at the bound is within it");
@@ -100,7 +101,7 @@ fn fault_20_a_position_is_taken_up_to_the_limit_and_round_off() {
         assert_eq!(at(sign * (0.5 + 0.9e-12), 0.0), Ok(()));
         assert_eq!(at(sign * (0.5 + 1.1e-12), 0.0), Err(FaultKind::DemandOutOfRange));
         // The bound itself, of the position and of where it stops: v²/2a = 1/80 m at 0.5 m/s.
-        let bound = 0.5 + ROUND_OFF;
+        let bound = 0.5 + POSITION_ROUND_OFF;
         assert_eq!(at(sign * bound, 0.0), Ok(()));
         assert_eq!(at(sign * (bound - 0.0125), sign * 0.5), Ok(()));
         assert_eq!(at(sign * (bound - 0.0124), sign * 0.5), Err(FaultKind::DemandOutOfRange));
