@@ -174,10 +174,10 @@ pub fn condition(attribute: TokenStream, item: TokenStream) -> TokenStream {
 
 /// Makes a payload: what travels between processes as an order, a reading or a sensor's configuration.
 ///
-/// An `enum` without data is an order of loose cooperation: one word, the variant's index. A `struct` is an order of
-/// tight cooperation: the words of its fields, each of a type that implements `Wire`, one after another. Both are
-/// checked when they are read back. The layout's hash covers the name of the type, the names of fields or variants,
-/// and the types of fields.
+/// An `enum` is an order of loose cooperation: one word, the variant's index, and the words of the variant's fields if it
+/// has any. A `struct` is an order of tight cooperation: the words of its fields, each of a type that implements `Wire`,
+/// one after another. Both are checked when they are read back. The layout's hash covers the name of the type, the names
+/// of fields and variants, and the types of fields.
 ///
 /// ```
 /// use mrroc::payload::Wire;
@@ -195,7 +195,15 @@ pub fn condition(attribute: TokenStream, item: TokenStream) -> TokenStream {
 ///     step: u64,
 /// }
 ///
-/// assert!(!Phase::TIGHT && Displacement::TIGHT);
+/// /// What an arm does by itself, with a part and a bin that the MP chooses.
+/// #[derive(Clone, Copy, Debug, PartialEq, Payload)]
+/// enum Handle {
+///     Pick { part: u32, at: Pose },
+///     Drop { bin: u8 },
+///     Rest,
+/// }
+///
+/// assert!(!Phase::TIGHT && !Handle::TIGHT && Displacement::TIGHT);
 /// assert_eq!(Phase::get(&[1]), Ok(Phase::Carry));
 /// assert!(Phase::get(&[2]).is_err());
 /// ```

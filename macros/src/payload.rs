@@ -1,9 +1,9 @@
-//! `#[derive(Payload)]`: an enum of unit variants or a struct of plain values becomes words on the wire.
+//! `#[derive(Payload)]`: an enum, with or without data, or a struct of plain values becomes words on the wire.
 
 use proc_macro2::{Ident, TokenStream};
-use quote::{quote, quote_spanned};
+use quote::{format_ident, quote, quote_spanned};
 use syn::spanned::Spanned;
-use syn::{Data, DeriveInput, Fields, Index, Member, Path, Type};
+use syn::{Data, DataEnum, DeriveInput, Fields, Index, Member, Path, Type};
 
 use crate::emit::{placed, where_clause};
 use crate::errors::Errors;
@@ -24,15 +24,11 @@ pub fn expand(item: TokenStream) -> TokenStream {
             if data.variants.is_empty() {
                 errors.at(&input.ident, "an order needs something to say: name at least one variant");
             }
-            for variant in &data.variants {
-                if !matches!(variant.fields, Fields::Unit) {
-                    errors.at(
-                        &variant.fields,
-                        "an order of loose cooperation is a choice without data: write the variant alone; numbers for every step go into a `struct` of their own",
-                    );
-                }
+            if carries_data(data) {
+                variants_body(&krate, &input.ident, data)
+            } else {
+                choice_body(&krate, &input.ident, data)
             }
-            enum_body(&krate, &input.ident, data.variants.iter().map(|variant| &variant.ident))
         }
         Data::Struct(data) => struct_body(&krate, &input.ident, &data.fields),
         Data::Union(data) => {
@@ -55,6 +51,7 @@ pub fn expand(item: TokenStream) -> TokenStream {
     let text = name.to_string();
     let fields = match &input.data {
         Data::Struct(data) if is_valid && !data.fields.is_empty() => Some(fields(&krate, &data.fields)),
+        Data::Enum(data) if is_valid && carries_data(data) => Some(fields_of_variants(&krate, data)),
         _ => None,
     };
     let fits = fields.is_some().then(|| {
@@ -95,14 +92,48 @@ pub fn expand(item: TokenStream) -> TokenStream {
     }
 }
 
-/// The properties of the fields' types, in one constant, so that a type that is no plain value is reported once.
+fn carries_data(data: &DataEnum) -> bool {
+    data.variants.iter().any(|variant| !matches!(variant.fields, Fields::Unit))
+}
+
+/// The properties of the fields' types and the words of a value.
 fn fields(krate: &TokenStream, fields: &Fields) -> TokenStream {
+    let constant = fields_constant(krate, &format_ident!("__FIELDS"), fields);
+    let field = (0..fields.len()).map(Index::from);
+    quote! {
+        #constant
+        const __LEN: usize = #(__FIELDS.#field.len)+*;
+    }
+}
+
+/// The properties of some fields' types in one constant, so that a type that is no plain value is reported once.
+fn fields_constant(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStream {
     let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
     let of_types = types.iter().map(|ty| quote_spanned!(ty.span()=> #krate::__private1::field::<#ty>()));
-    let field = (0..types.len()).map(Index::from);
+    quote!(const #name: (#(#krate::__private1::Field<#types>,)*) = (#(#of_types,)*);)
+}
+
+/// The constant with the fields of the variant at place `i`.
+fn fields_name(i: usize) -> Ident {
+    format_ident!("__FIELDS_{i}")
+}
+
+/// The same for each variant of an enum: a value takes the words of the longest one, and one for the choice.
+fn fields_of_variants(krate: &TokenStream, data: &DataEnum) -> TokenStream {
+    let constants = data
+        .variants
+        .iter()
+        .enumerate()
+        .filter(|(_, variant)| !variant.fields.is_empty())
+        .map(|(i, variant)| fields_constant(krate, &fields_name(i), &variant.fields));
+    let lengths = data.variants.iter().enumerate().map(|(i, variant)| {
+        let name = fields_name(i);
+        let field = (0..variant.fields.len()).map(Index::from);
+        quote!(0 #(+ #name.#field.len)*)
+    });
     quote! {
-        const __FIELDS: (#(#krate::__private1::Field<#types>,)*) = (#(#of_types,)*);
-        const __LEN: usize = #(__FIELDS.#field.len)+*;
+        #(#constants)*
+        const __LEN: usize = 1 + #krate::__private1::longest(&[#(#lengths),*]);
     }
 }
 
@@ -126,13 +157,87 @@ fn krate(input: &DeriveInput, errors: &mut Errors) -> TokenStream {
     krate
 }
 
+/// A choice with data: one word, the variant's index, and the words of the variant's fields; zeros to the longest.
+fn variants_body(krate: &TokenStream, name: &Ident, data: &DataEnum) -> TokenStream {
+    let text = name.to_string();
+    let mut hashes = TokenStream::new();
+    let mut shapes = Vec::new();
+    let mut puts = TokenStream::new();
+    let mut gets = TokenStream::new();
+    for (i, variant) in data.variants.iter().enumerate() {
+        let (ident, constant, tag) = (&variant.ident, fields_name(i), i as u64);
+        let variant_text = ident.to_string();
+        let members = members(&variant.fields);
+        let names: Vec<_> = members.iter().map(text_of).collect();
+        let field: Vec<_> = (0..members.len()).map(Index::from).collect();
+        let values: Vec<_> = (0..members.len()).map(|i| format_ident!("__value_{i}")).collect();
+        hashes.extend(quote! {
+            let hash = #krate::__private1::layout_hash(hash, #variant_text);
+            #(let hash = #krate::__private1::layout_hash(hash ^ #constant.#field.layout, #names);)*
+        });
+        shapes.push(quote! {
+            (#variant_text, &#krate::__private1::Shape::Fields(&[#((#names, #constant.#field.shape)),*]))
+        });
+        puts.extend(quote! {
+            Self::#ident { #(#members: #values),* } => {
+                *choice = #tag;
+                #(let words = #constant.#field.put(#values, words);)*
+                words.fill(0);
+            }
+        });
+        gets.extend(quote! {
+            #tag => ::core::result::Result::Ok(Self::#ident {
+                #(#members: #constant.#field.get(&mut words)?,)*
+            }),
+        });
+    }
+    quote! {
+        const LEN: usize = __LEN;
+        const LAYOUT: u64 = {
+            let hash = #krate::__private1::layout_hash(0, #text);
+            #hashes
+            hash
+        };
+        const SHAPE: &'static #krate::__private1::Shape =
+            &#krate::__private1::Shape::Variants(&[#(#shapes),*]);
+        fn put(&self, words: &mut [u64]) {
+            let [choice, words @ ..] = &mut words[..__LEN] else { ::core::unreachable!() };
+            match self {
+                #puts
+            }
+        }
+        fn get(words: &[u64]) -> ::core::result::Result<Self, #krate::payload::BadWords> {
+            let ::core::option::Option::Some([choice, words @ ..]) = words.get(..__LEN) else {
+                return ::core::result::Result::Err(#krate::payload::BadWords);
+            };
+            let mut words = words;
+            match *choice {
+                #gets
+                _ => ::core::result::Result::Err(#krate::payload::BadWords),
+            }
+        }
+    }
+}
+
+/// The names or places of fields.
+fn members(fields: &Fields) -> Vec<Member> {
+    let member = |(i, field): (usize, &syn::Field)| match &field.ident {
+        Some(ident) => Member::Named(ident.clone()),
+        None => Member::Unnamed(Index::from(i)),
+    };
+    fields.iter().enumerate().map(member).collect()
+}
+
+fn text_of(member: &Member) -> String {
+    match member {
+        Member::Named(ident) => ident.to_string(),
+        Member::Unnamed(index) => index.index.to_string(),
+    }
+}
+
 /// A choice: one word, the variant's index.
-fn enum_body<'a>(
-    krate: &TokenStream,
-    name: &Ident,
-    variants: impl Iterator<Item = &'a Ident>,
-) -> TokenStream {
-    let variants: Vec<_> = variants.collect();
+fn choice_body(krate: &TokenStream, name: &Ident, data: &DataEnum) -> TokenStream {
+    let variants: Vec<_> = data.variants.iter().map(|variant| &variant.ident).collect();
     let names: Vec<_> = variants.iter().map(ToString::to_string).collect();
     let words: Vec<_> = (0..variants.len() as u64).collect();
     let text = name.to_string();
@@ -161,19 +266,8 @@ fn enum_body<'a>(
 /// Plain values: the words of the fields one after another.
 fn struct_body(krate: &TokenStream, name: &Ident, fields: &Fields) -> TokenStream {
     let types: Vec<&Type> = fields.iter().map(|field| &field.ty).collect();
-    let members: Vec<Member> = fields
-        .iter()
-        .enumerate()
-        .map(|(i, field)| match &field.ident {
-            Some(ident) => Member::Named(ident.clone()),
-            None => Member::Unnamed(Index::from(i)),
-        })
-        .collect();
-    let names = members.iter().map(|member| match member {
-        Member::Named(ident) => ident.to_string(),
-        Member::Unnamed(index) => index.index.to_string(),
-    });
-    let names: Vec<_> = names.collect();
+    let members = members(fields);
+    let names: Vec<_> = members.iter().map(text_of).collect();
     let text = name.to_string();
     if types.is_empty() {
         return quote! {

@@ -409,6 +409,13 @@ struct Full {
     words: [u64; WORDS],
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Payload)]
+enum Handle {
+    Rest,
+    Pick { part: u32, at: Pose, how: Phase },
+    Drop(u8, bool),
+}
+
 fn round_trip<P: Payload + PartialEq + core::fmt::Debug>(value: P) {
     let mut words = [u64::MAX; WORDS];
     value.put(&mut words[..P::LEN]);
@@ -424,8 +431,13 @@ fn payloads_come_back_as_they_were_sent() {
     round_trip(Phase::Close);
     round_trip(Displacement { pose: Pose::translation(1.0, -2.0, 0.5), step: u64::MAX });
     round_trip(Pair(255, Phase::Close));
+    round_trip(Handle::Rest);
+    round_trip(Handle::Pick { part: u32::MAX, at: Pose::translation(1.0, -2.0, 0.5), how: Phase::Close });
+    round_trip(Handle::Drop(7, true));
     round_trip(Full { words: core::array::from_fn(|i| i as u64) });
     assert_eq!((Phase::LEN, Displacement::LEN, Pair::LEN, Full::LEN), (1, 8, 2, WORDS));
+    assert_eq!(Handle::LEN, 1 + 1 + 7 + 1, "the choice, and the longest variant");
+    assert_eq!(Handle::SHAPE.len(), Handle::LEN);
 }
 
 #[test]
@@ -434,11 +446,29 @@ fn words_that_spell_no_value_are_refused() {
     assert!(Phase::get(&[]).is_err());
     assert!(Pair::get(&[256, 0]).is_err(), "no u8");
     assert!(Pair::get(&[1, 7]).is_err(), "no phase");
+    let words = |first: [u64; 3]| {
+        let mut words = [0; Handle::LEN];
+        words[..3].copy_from_slice(&first);
+        words
+    };
+    assert_eq!(Handle::get(&words([2, 7, 1])), Ok(Handle::Drop(7, true)));
+    assert!(Handle::get(&words([3, 0, 0])).is_err(), "a fourth variant");
+    assert!(Handle::get(&words([2, 256, 0])).is_err(), "no u8 in a variant");
+    assert!(Handle::get(&words([2, 0, 2])).is_err(), "no bool in a variant");
+}
+
+#[test]
+fn what_a_variant_does_not_say_is_zero() {
+    let mut words = [u64::MAX; Handle::LEN];
+    Handle::Drop(7, true).put(&mut words);
+    assert_eq!(words, [2, 7, 1, 0, 0, 0, 0, 0, 0, 0]);
+    Handle::Rest.put(&mut words);
+    assert_eq!(words, [0; Handle::LEN]);
 }
 
 #[test]
 fn an_enum_is_loose_and_a_struct_is_tight() {
-    const { assert!(!Phase::TIGHT && Displacement::TIGHT && Pair::TIGHT) };
+    const { assert!(!Phase::TIGHT && !Handle::TIGHT && Displacement::TIGHT && Pair::TIGHT) };
     assert_eq!((Phase::NAME, Pair::NAME), ("Phase", "Pair"));
 }
 
@@ -467,6 +497,11 @@ fn payloads_that_differ_in_name_fields_or_types_differ_on_the_wire() {
         h { struct P { a: [f64; 3] } }
         i { struct P(f64, f64); }
         j { struct P; }
+        k { enum P { A(f64), B } }
+        l { enum P { A, B(f64) } }
+        m { enum P { A { a: f64 }, B } }
+        n { enum P { A(u64), B } }
+        o { enum P { A(f64, f64), B } }
     };
     for (i, id) in ids.iter().enumerate() {
         assert!(!ids[..i].contains(id), "payload {i} is taken for another");

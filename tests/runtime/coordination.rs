@@ -43,6 +43,50 @@ fn in_a_loose_motion_each_robot_goes_on_its_own_and_the_early_one_holds() {
     assert!(leaves(&left, 0.2).abs_diff(leaves(&right, -0.2)) <= 1, "the second motions began apart");
 }
 
+/// What an arm does by itself, where the MP says how far.
+#[derive(Clone, Copy, Debug, PartialEq, Payload)]
+enum Errand {
+    Rest,
+    Go { to: f64, duration: f64 },
+}
+
+/// One errand for each arm.
+struct Errands(Errand, Errand);
+
+#[generator(mp)]
+fn errands(c: &mut Errands) -> Always<(Gantry, Gantry), Errand> {
+    Always((c.0, c.1))
+}
+
+#[test]
+fn in_a_loose_motion_the_mp_says_where_and_each_robot_gets_there_on_its_own() {
+    let ((left, left_trace), (right, right_trace)) = (gantry("left"), gantry("right"));
+    let program = |ecp: &mut mrroc::program::Ecp<Gantry>| {
+        ecp.obey_all(|ecp, errand| match errand {
+            Errand::Rest => Ok(()),
+            Errand::Go { to, duration } => ecp.move_robot((), Smooth::to(to, duration)).map(drop),
+        })
+    };
+    let far = Errand::Go { to: 0.125, duration: 0.8 };
+    let near = Errand::Go { to: -0.125, duration: 0.4 };
+    Cell::new(MS)
+        .robot(left.program(program))
+        .robot(right.program(program))
+        .program(move |mp| {
+            let (mut left, mut right) = (mp.robot::<Gantry>("left")?, mp.robot::<Gantry>("right")?);
+            mp.move_robots((&mut left, &mut right), (), Errands(far, near))?;
+            assert_eq!((left.demanded().joints[0], right.demanded().joints[0]), (0.125, -0.125));
+            mp.move_robots((&mut left, &mut right), (), Errands(Errand::Rest, far))?;
+            assert_eq!((left.demanded().joints[0], right.demanded().joints[0]), (0.125, 0.125));
+            Ok(())
+        })
+        .run()
+        .expect("both keep the limits");
+    // The right arm came early to -0.125 and stood there until the left one had come, 0.4 s later.
+    assert!(right_trace.borrow().iter().filter(|q| q[0] == -0.125).count() > 395);
+    assert!(left_trace.borrow().iter().filter(|q| q[0] == 0.125).count() > 795);
+}
+
 /// Numbers for a tight motion: a smoothstep along x.
 struct Numbers {
     t: f64,

@@ -174,6 +174,20 @@ fn an_order_of_loose_cooperation() {
 }
 
 #[test]
+fn an_order_of_loose_cooperation_with_data() {
+    assert_expansion!(
+        "payload_enum_with_data",
+        payload::expand(quote!(
+            enum Handle {
+                Pick { part: u32, at: Pose },
+                Drop(u8),
+                Rest,
+            }
+        ))
+    );
+}
+
+#[test]
 fn an_order_of_tight_cooperation() {
     assert_expansion!(
         "payload_struct",

@@ -54,6 +54,20 @@ impl<T> Field<T> {
     }
 }
 
+/// The largest of the numbers of words that an enum's variants take.
+#[must_use]
+pub const fn longest(lengths: &[usize]) -> usize {
+    let mut longest = 0;
+    let mut i = 0;
+    while i < lengths.len() {
+        if lengths[i] > longest {
+            longest = lengths[i];
+        }
+        i += 1;
+    }
+    longest
+}
+
 /// Whether a payload of `len` words fits a message; the compiler asks.
 ///
 /// # Panics

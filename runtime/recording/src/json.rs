@@ -76,6 +76,19 @@ pub fn value(out: &mut String, shape: &Shape, words: &[u64]) {
             }
             out.write_str(if fields.is_empty() { "{}" } else { "}" })
         }
+        Shape::Variants(variants) => {
+            let chosen = usize::try_from(word).ok().and_then(|word| variants.get(word));
+            let Some((name, shape)) = chosen else {
+                let _ = write!(out, "{{\"choice\":{word}}}");
+                return;
+            };
+            let _ = write!(out, "{{\"choice\":\"{name}\"");
+            if !shape.is_empty() {
+                let _ = write!(out, ",\"{name}\":");
+                value(out, shape, words.get(1..).unwrap_or(&[]));
+            }
+            out.write_str("}")
+        }
         Shape::Demand => return demand(out, words),
         Shape::Words(len) => {
             let word = |i: usize| words.get(i).copied().unwrap_or(0);
@@ -105,6 +118,17 @@ pub fn words(shape: &Shape, value: &Value, out: &mut Vec<u64>) -> Option<()> {
         Shape::Fields(fields) => {
             let found = value.as_object()?;
             fields.iter().try_for_each(|(name, shape)| words(shape, found.get(*name)?, out))?;
+        }
+        Shape::Variants(variants) => {
+            let name = value.get("choice")?.as_str()?;
+            let place = variants.iter().position(|(known, _)| *known == name)?;
+            let end = out.len() + shape.len();
+            out.push(place as u64);
+            let chosen = variants[place].1;
+            if !chosen.is_empty() {
+                words(chosen, value.get(name)?, out)?;
+            }
+            out.resize(end, 0);
         }
         Shape::Words(len) => {
             let items = value.as_array().filter(|items| items.len() == *len)?;
@@ -174,6 +198,15 @@ pub fn schema(shape: &Shape) -> Value {
             json!({"type": "array", "items": schema(item), "minItems": count, "maxItems": count})
         }
         Shape::Fields(fields) => object(fields.iter().map(|(name, shape)| (*name, schema(shape)))),
+        Shape::Variants(variants) => {
+            let names: Vec<_> = variants.iter().map(|(name, _)| *name).collect();
+            let values = variants.iter().filter(|(_, shape)| !shape.is_empty());
+            let choice = ("choice", json!({"type": "string", "enum": names}));
+            let properties = values.map(|(name, shape)| (*name, schema(shape))).chain([choice]);
+            let mut object = object(properties);
+            object["required"] = json!(["choice"]);
+            object
+        }
         Shape::Demand => {
             let numbers = || json!({"type": "array", "items": {"type": "number"}});
             let mut object = object([
@@ -214,6 +247,10 @@ mod tests {
         ("offset", &Shape::Signed),
         ("touches", &Shape::Truth),
         ("phase", &Shape::Choice(&["Out", "Back"])),
+        (
+            "part",
+            &Shape::Variants(&[("Rest", &Shape::Fields(&[])), ("Pick", &Shape::Array(&Shape::Unsigned, 2))]),
+        ),
         ("single", &Shape::Single),
         ("force", &Shape::Array(&Shape::Float, 3)),
         ("pose", Shape::POSE),
@@ -226,6 +263,7 @@ mod tests {
             bits in proptest::array::uniform11(any::<u64>()),
             (count, offset) in any::<(u64, i64)>(),
             (touches, phase, single) in (0..2_u64, 0..2_u64, any::<f32>()),
+            (part, bin) in proptest::option::of(any::<(u64, u64)>()).prop_map(|of| (of.is_some(), of.unwrap_or_default())),
             rest in any::<[u64; 2]>(),
         ) {
             let mut floats = bits.iter().map(|&bits| {
@@ -234,6 +272,7 @@ mod tests {
                 if x.is_nan() { f64::NAN.to_bits() } else { bits }
             });
             let mut given = vec![floats.next().unwrap_or(0), count, offset.cast_unsigned(), touches, phase];
+            given.extend([u64::from(part), bin.0, bin.1]);
             given.push(u64::from(if single.is_nan() { f32::NAN } else { single }.to_bits()));
             given.extend(floats);
             given.extend(rest);

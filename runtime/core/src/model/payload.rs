@@ -5,9 +5,9 @@ use crate::model::wire::{BadWords, WORDS, Wire};
 
 /// What travels between processes as one value: an MP's order, a sensor's reading or its configuration.
 ///
-/// Derive it: `#[derive(Clone, Copy, mrroc::payload::Payload)]`. An `enum` of unit variants is an order of *loose*
-/// cooperation (an ECP acts on it on its own and may finish early); a `struct` of numbers is one of *tight*
-/// cooperation (every step counts; finishing early is a fault).
+/// Derive it: `#[derive(Clone, Copy, mrroc::payload::Payload)]`. An `enum` is an order of *loose* cooperation (an
+/// ECP acts on it on its own and may finish early); its variants may carry data, such as the number of a part and the pose
+/// that it lies in. A `struct` of numbers is one of *tight* cooperation (every step counts; finishing early is a fault).
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no payload",
     label = "cannot travel between processes",

@@ -17,6 +17,8 @@ pub enum Shape {
     Truth,
     /// One word: the place of one of these names.
     Choice(&'static [&'static str]),
+    /// One word, the place of one of these names, and the value that this name chooses; zeros to the longest value.
+    Variants(&'static [(&'static str, &'static Shape)]),
     /// So many values of one shape.
     Array(&'static Shape, usize),
     /// Fields one after another.
@@ -61,6 +63,16 @@ impl Shape {
                     i += 1;
                 }
                 len
+            }
+            Shape::Variants(variants) => {
+                let mut longest = 0;
+                let mut i = 0;
+                while i < variants.len() {
+                    let len = variants[i].1.len();
+                    longest = if len > longest { len } else { longest };
+                    i += 1;
+                }
+                1 + longest
             }
             Shape::Demand => 1 + crate::model::joints::MAX_JOINTS + 7 + 2,
             Shape::Words(len) => *len,

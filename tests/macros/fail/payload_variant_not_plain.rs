@@ -1,5 +1,5 @@
-//! An order of loose cooperation carries data.
-//! says: into a `struct` of their own
+//! A variant of an order carries what is no plain value.
+//! says: plain are numbers
 
 use mistakes::*;
 use mrroc::prelude::*;
@@ -7,7 +7,7 @@ use mrroc::prelude::*;
 #[derive(Clone, Copy, Payload)]
 enum Plan {
     Rest,
-    Go(f64),
+    Fetch { name: &'static str },
 }
 
 fn tells<P: Payload>() -> &'static str {
