@@ -223,3 +223,113 @@ impl mrroc::sensor::VirtualSensor for OfRobot {
 fn known(v: &Reading<(Counter,)>) -> bool {
     v.0.reading().is_some_and(|reading| reading.count == 1)
 }
+
+#[test]
+fn fault_25_a_reading_may_be_as_old_as_its_sensor_says() {
+    let run = |stale_after: Option<u64>| {
+        let (robot, _) = gantry("g");
+        let seen = Rc::new(std::cell::RefCell::new(Vec::new()));
+        let keep = Rc::clone(&seen);
+        let robot = robot.program(move |ecp| {
+            let mut counter = ecp.sensor::<Counter>("counter")?;
+            *keep.borrow_mut() =
+                ecp.move_robot((&mut counter,), Watch { steps: 300, ..Watch::default() })?.seen;
+            Ok(())
+        });
+        let mut sensor = SensorSetup::new("counter", Counting::default()).of("g").mode(VspMode::WithDelay);
+        sensor = sensor.latency(Duration::from_micros(30_500));
+        if let Some(age) = stale_after {
+            sensor = sensor.stale_after(Duration::from_millis(age));
+        }
+        Cell::new(MS).robot(robot).sensor(sensor).run().map(|report| (report, seen.take()))
+    };
+    let told = |stale_after| fault(run(stale_after).map(|(report, _)| report));
+    let (default, short) = (told(None), told(Some(60)));
+    assert_eq!(default.kind(), FaultKind::SensorStale);
+    assert_eq!((default.excess().expect("told").actual, default.excess().expect("told").limit), (21.0, 20.0));
+    assert_eq!((short.excess().expect("told").actual, short.excess().expect("told").limit), (61.0, 60.0));
+    // A reading that is ordered in step k is there in step k + 31, in which the next one is ordered; that is there in step
+    // k + 62, so that the first one is used last when it is 61 steps old.
+    let (_, seen) = run(Some(61)).expect("no reading is older");
+    let oldest = seen.iter().flatten().map(|(_, age)| *age).max();
+    assert_eq!(oldest, Some(61), "{seen:?}");
+}
+
+#[test]
+fn a_sensor_that_is_asked_in_every_third_step_serves_its_last_reading_between() {
+    for mode in [VspMode::Interactive, VspMode::WithDelay] {
+        let (robot, _) = gantry("g");
+        let counting = Counting::default();
+        let count = Rc::clone(&counting.count);
+        let seen = Rc::new(std::cell::RefCell::new(Vec::new()));
+        let keep = Rc::clone(&seen);
+        let robot = robot.program(move |ecp| {
+            let mut counter = ecp.sensor::<Counter>("counter")?;
+            *keep.borrow_mut() =
+                ecp.move_robot((&mut counter,), Watch { steps: 30, ..Watch::default() })?.seen;
+            Ok(())
+        });
+        let sensor = SensorSetup::new("counter", counting).of("g").mode(mode).every(3);
+        Cell::new(MS).robot(robot).sensor(sensor).run().expect("nothing moves");
+        let seen = seen.take();
+        // The step function is called 31 times, twice of it in the first step: 30 steps, of which each third has a new reading.
+        assert_eq!(count.get(), 10, "{mode:?}");
+        let ages: Vec<_> = seen.iter().skip(3).flatten().map(|(_, age)| *age).collect();
+        assert!(ages.iter().all(|age| *age < 3), "{mode:?}: {ages:?}");
+        assert!(ages.windows(3).all(|three| three.iter().sum::<u32>() == 3), "{mode:?}: {ages:?}");
+    }
+}
+
+#[test]
+fn a_free_running_sensor_or_one_whose_readings_would_be_too_old_cannot_be_asked_seldom() {
+    let free = VspMode::NonInteractive(Duration::from_millis(5));
+    for (mode, every, stale) in [(free, 2, 20), (VspMode::Interactive, 21, 20), (VspMode::Interactive, 0, 20)]
+    {
+        let (robot, _) = gantry("g");
+        let sensor = SensorSetup::new("counter", Counting::default()).mode(mode).every(every);
+        let sensor = sensor.stale_after(Duration::from_millis(stale));
+        let refused = Cell::new(MS).robot(robot.program(|_| Ok(()))).sensor(sensor).run();
+        let told = refused.expect_err("refused").to_string();
+        assert!(told.contains(&format!("is asked every {every} steps")), "{told}");
+    }
+}
+
+/// A camera over a belt: the belt's encoder says where things are, and an arm takes them.
+#[test]
+fn an_arm_reads_a_sensor_of_a_belt_which_knows_where_the_belt_is() {
+    for mode in [VspMode::Interactive, VspMode::NonInteractive(Duration::from_millis(1))] {
+        let ((belt, trace), (arm, _)) = (gantry("belt"), gantry("arm"));
+        let belt = belt.program(|ecp| ecp.move_robot((), Smooth::to(0.2, 0.5)).map(drop));
+        let seen = Rc::new(std::cell::RefCell::new(Vec::new()));
+        let keep = Rc::clone(&seen);
+        let arm = arm.program(move |ecp| {
+            let mut camera = ecp.sensor::<Counter>("camera")?;
+            *keep.borrow_mut() =
+                ecp.move_robot((&mut camera,), Watch { steps: 400, ..Watch::default() })?.of_robot;
+            Ok(())
+        });
+        let camera = SensorSetup::new("camera", Counting::default()).of("belt").readers(["arm"]).mode(mode);
+        Cell::new(MS).robot(belt).robot(arm).sensor(camera).run().expect("both keep the limits");
+        let (seen, trace) = (seen.take(), trace.borrow());
+        // Each reading is of a place where the belt was, one step after the last one, and the newest that was measured: the
+        // drives are two steps behind the demands, and a reading is of the step before.
+        let moved: Vec<_> = seen.iter().copied().filter(|x| *x > 0.01).collect();
+        assert!(moved.len() > 200, "{}", moved.len());
+        let place = |x: f64| trace.iter().position(|q| q[0] == x).expect("the belt was there");
+        let places: Vec<_> = moved.iter().map(|x| place(*x)).collect();
+        assert!(places.windows(2).all(|pair| pair[1] == pair[0] + 1), "{mode:?}: {places:?}");
+    }
+}
+
+#[test]
+fn a_sensor_of_a_belt_is_told_to_nobody_else_than_its_readers() {
+    let ((belt, _), (arm, _)) = (gantry("belt"), gantry("arm"));
+    let belt = belt.program(|ecp| ecp.sensor::<Counter>("camera").map(drop));
+    let camera = SensorSetup::new("camera", Counting::default()).of("belt").readers(["arm"]);
+    let fault = fault(Cell::new(MS).robot(belt).robot(arm).sensor(camera).run());
+    assert!(fault.message().contains("readers = [\"belt\"]"), "{fault}");
+    let (arm, _) = gantry("arm");
+    let camera = SensorSetup::new("camera", Counting::default()).readers(["amr"]);
+    let refused = Cell::new(MS).robot(arm.program(|_| Ok(()))).sensor(camera).run().expect_err("a slip");
+    assert!(refused.to_string().contains("shall be read by robot `amr`"), "{refused}");
+}

@@ -154,14 +154,21 @@ impl Table<'_> {
     }
 
     fn sensor(sensor: &SensorLayout, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let SensorLayout { name, kind, latency, .. } = sensor;
+        let SensorLayout { name, kind, latency, stale_after, every, .. } = sensor;
         let of = sensor.of.as_deref().unwrap_or("-");
+        let readers = if sensor.readers.is_empty() { "-".to_owned() } else { sensor.readers.join(", ") };
         let mode = match sensor.mode {
             VspMode::Interactive => "interactive",
             VspMode::WithDelay => "with delay",
             VspMode::NonInteractive(_) => "free running",
         };
-        writeln!(f, "{name:<26}{kind:<16}{of:<26}{mode:<14}{:>8}", ms(*latency))
+        let every = if *every == 1 { "step".to_owned() } else { format!("{every} steps") };
+        writeln!(
+            f,
+            "{name:<26}{kind:<16}{of:<18}{readers:<18}{mode:<14}{every:>9}{:>9}{:>12}",
+            ms(*latency),
+            ms(*stale_after)
+        )
     }
 }
 
@@ -173,7 +180,11 @@ impl Display for Table<'_> {
         if self.layout.sensors.is_empty() {
             return Ok(());
         }
-        writeln!(f, "\n{:<26}{:<16}{:<26}{:<14}{:>8}", "sensor", "kind", "of", "mode", "latency")?;
+        writeln!(
+            f,
+            "\n{:<26}{:<16}{:<18}{:<18}{:<14}{:>9}{:>9}{:>12}",
+            "sensor", "kind", "of", "read by ECP of", "mode", "every", "latency", "stale after"
+        )?;
         self.layout.sensors.iter().try_for_each(|sensor| Table::sensor(sensor, f))
     }
 }

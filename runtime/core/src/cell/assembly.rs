@@ -86,14 +86,15 @@ impl Cell {
             ecps: &ecps,
             mp_sensing: &mut mp_sensing,
             ecp_sensing: &mut ecp_sensing,
+            wanted: Vec::new(),
         };
         for sensor in self.parts.sensors {
             sensor.spawn(&mut requesters)?;
         }
+        let wanted = requesters.wanted;
         let mut ports = Vec::new();
-        for ((robot, name), (&ecp, sensing)) in
-            self.parts.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing))
-        {
+        let robots = self.parts.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing));
+        for (i, ((robot, name), (&ecp, sensing))) in robots.enumerate() {
             let (client, server) = link.port(mp, ecp);
             ports.push(RobotPort::new(
                 *name,
@@ -113,6 +114,7 @@ impl Cell {
                 pace,
                 nudged,
                 witnesses: witnesses.clone(),
+                wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
             };
             robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }

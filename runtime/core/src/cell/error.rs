@@ -19,6 +19,21 @@ pub enum CellError {
     /// A sensor of a robot that the cell does not have.
     #[error("sensor `{0}` belongs to robot `{1}`, which the cell does not have")]
     NoSuchRobot(Name, String),
+    /// A reader of a sensor that the cell does not have.
+    #[error("sensor `{0}` shall be read by robot `{1}`, which the cell does not have")]
+    NoSuchReader(Name, String),
+    /// A sensor that is asked too seldom, or has a period of its own.
+    #[error(
+        "sensor `{sensor}` is asked every {every} steps, and its readings are too old to move by after {max_age}\n help: write every = 1 to {max_age}, or a longer stale_after_ms; a free-running sensor has a period_ms and no `every`"
+    )]
+    AskedEvery {
+        /// The sensor.
+        sensor: Name,
+        /// The steps that one order is for.
+        every: u32,
+        /// Steps after which a reading is too old.
+        max_age: u32,
+    },
     /// A program for the ECP of a robot that the cell does not have.
     #[error(
         "a program is given to the ECP of robot `{0}`, which the cell does not have; it has: {1}\n help: write one of these in `.ecp(..)`, or a table [robots.{0}] in cell.toml"

@@ -20,7 +20,7 @@ impl Cell {
             detection: detection_time(self.timing.step),
             mp_program: self.coordination.program.is_some(),
             robots: self.parts.robots.iter().map(|robot| robot.layout()).collect(),
-            sensors: self.parts.sensors.iter().map(|sensor| sensor.layout()).collect(),
+            sensors: self.parts.sensors.iter().map(|sensor| sensor.layout(self.timing.step)).collect(),
         }
     }
 }

@@ -106,7 +106,7 @@ impl Parts {
     }
 
     /// Checks the sensors of robots with these names.
-    pub fn check_sensors(&self, robots: &[Name], errors: &mut Vec<CellError>) {
+    pub fn check_sensors(&self, robots: &[Name], step: Duration, errors: &mut Vec<CellError>) {
         let mut sensors = Vec::new();
         for sensor in &self.sensors {
             match Name::new(sensor.name()) {
@@ -114,7 +114,7 @@ impl Parts {
                     if sensors.contains(&name) {
                         errors.push(CellError::Twice(name));
                     }
-                    errors.extend(sensor.check(name, robots));
+                    errors.extend(sensor.check(name, robots, step));
                     sensors.push(name);
                 }
                 Err(bad) => errors.push(bad.into()),

@@ -66,7 +66,7 @@ impl Cell {
         let mut errors = core::mem::take(&mut self.parts.errors);
         self.parts.check_size(&mut errors);
         let names = self.parts.check_robots(&self.timing, &mut errors);
-        self.parts.check_sensors(&names, &mut errors);
+        self.parts.check_sensors(&names, self.timing.step, &mut errors);
         let layout = self.watching.recording.as_ref().map(|_| self.layout());
         let unrecorded =
             self.watching.recording.iter().zip(&layout).flat_map(|(asked, layout)| asked.check(layout));

@@ -5,15 +5,16 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use super::CellError;
+use super::robot::StateWanted;
 use crate::control::plant::Site;
 use crate::control::replay::RecordedRun;
-use crate::control::sensing::{Reads, Sensing, SensorPort, Source};
+use crate::control::sensing::{Asking, Reads, Sensing, SensorPort, Source};
 use crate::control::vsp::{Aggregator, Boards, Orders, Vsp};
 use crate::link::{Client, Link, Server};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::image::Sensor;
 use crate::model::name::Name;
-use crate::model::sensor::{CONFIGURATION_WORDS, VirtualSensor, VspMode};
+use crate::model::sensor::{CONFIGURATION_WORDS, MAX_AGE, VirtualSensor, VspMode};
 use crate::model::time::Nanos;
 use crate::model::wire::{WORDS, Wire};
 use crate::observe::layout::SensorLayout;
@@ -24,8 +25,12 @@ pub struct SensorSetup<V: VirtualSensor> {
     sensor: V,
     configuration: <V::Kind as Sensor>::Configuration,
     robot: Option<String>,
+    /// The robots whose ECPs may read it; by default the one that it belongs to.
+    readers: Option<Vec<String>>,
     mode: VspMode,
     latency: Duration,
+    every: u32,
+    stale_after: Option<Duration>,
 }
 
 impl<V: VirtualSensor> SensorSetup<V>
@@ -39,17 +44,49 @@ where
             sensor,
             configuration: Default::default(),
             robot: None,
+            readers: None,
             mode: VspMode::Interactive,
             latency: Duration::ZERO,
+            every: 1,
+            stale_after: None,
         }
     }
 }
 
 impl<V: VirtualSensor> SensorSetup<V> {
-    /// The sensor belongs to a robot: the robot's ECP can read it too, and its state goes with every order.
+    /// The sensor belongs to a robot, whose state goes with every order. The robot's ECP can read it too, unless
+    /// [`readers`](Self::readers) says otherwise.
     #[must_use]
     pub fn of(mut self, robot: &str) -> Self {
         self.robot = Some(robot.to_owned());
+        self
+    }
+
+    /// The robots whose ECPs may read the sensor, whichever robot it belongs to; the MP always may. A camera over a conveyor
+    /// belongs to the conveyor, whose encoder says where the parts are now, and is read by the arm that picks them:
+    /// `.of("belt").readers(["arm"])`.
+    ///
+    /// An order that comes from elsewhere than the robot of the sensor goes with the state that the robot's EDP measured at
+    /// the beginning of its last step.
+    #[must_use]
+    pub fn readers<'n>(mut self, robots: impl IntoIterator<Item = &'n str>) -> Self {
+        self.readers = Some(robots.into_iter().map(str::to_owned).collect());
+        self
+    }
+
+    /// A reading is ordered in every `steps`-th step only, by each process that reads the sensor; the steps between use the
+    /// last one. By default one is ordered in every step. Not for free-running sensors, which have a period of their own.
+    #[must_use]
+    pub fn every(mut self, steps: u32) -> Self {
+        self.every = steps;
+        self
+    }
+
+    /// The age at which a reading is too old to move by, rounded up to whole steps: the Move or Wait that reads it then ends
+    /// with the fault `SensorStale`. By default 20 steps.
+    #[must_use]
+    pub fn stale_after(mut self, age: Duration) -> Self {
+        self.stale_after = Some(age);
         self
     }
 
@@ -81,16 +118,43 @@ impl<V: VirtualSensor> SensorSetup<V> {
         found.map(Some).ok_or(CellError::NoSuchRobot(Name::new(&self.name)?, robot.clone()))
     }
 
+    /// The names of the robots whose ECPs may read it.
+    fn reading_robots(&self) -> &[String] {
+        match &self.readers {
+            Some(readers) => readers,
+            None => self.robot.as_slice(),
+        }
+    }
+
+    /// Their places.
+    fn readers_among(&self, robots: &[Name]) -> Result<Vec<usize>, CellError> {
+        let place = |reader: &String| {
+            let found = robots.iter().position(|name| name.as_str() == reader);
+            found.ok_or(CellError::NoSuchReader(Name::new(&self.name)?, reader.clone()))
+        };
+        self.reading_robots().iter().map(place).collect()
+    }
+
+    /// How often it is asked, and how old its readings may be, in a cell of this step.
+    fn asking(&self, step: Duration) -> Asking {
+        let in_steps = |age: Duration| age.as_nanos().div_ceil(step.as_nanos().max(1));
+        let max_age =
+            self.stale_after.map_or(MAX_AGE, |age| u32::try_from(in_steps(age)).unwrap_or(u32::MAX));
+        Asking { every: self.every.into(), max_age }
+    }
+
     /// In place of a process, what a recording says was collected.
     fn replay(&self, among: &mut Requesters<'_>, recorded: &RecordedRun) -> Result<(), CellError> {
         let name = Name::new(&self.name)?;
-        let robot = self.robot_among(among.robots)?;
-        let port =
-            |by| SensorPort::new(name, Self::reads(), robot, Source::Recorded(recorded.reading(name, by)));
+        // What was collected in every step is there, and the run that was recorded has judged its age.
+        let asking = Asking { every: 1, max_age: u32::MAX };
+        let port = |by| {
+            SensorPort::new(name, Self::reads(), None, Source::Recorded(recorded.reading(name, by)), asking)
+        };
         among.mp_sensing.ports.push(port(ProcessId::MP));
-        if let Some(robot) = robot {
-            let by = ProcessId::new(Role::Ecp, among.robots[robot]);
-            among.ecp_sensing[robot].ports.push(port(by));
+        for reader in self.readers_among(among.robots)? {
+            let by = ProcessId::new(Role::Ecp, among.robots[reader]);
+            among.ecp_sensing[reader].ports.push(port(by));
         }
         Ok(())
     }
@@ -99,12 +163,12 @@ impl<V: VirtualSensor> SensorSetup<V> {
 /// A virtual sensor of any kind.
 pub(super) trait AnySensor {
     fn name(&self) -> &str;
-    fn layout(&self) -> SensorLayout;
-    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError>;
+    fn layout(&self, step: Duration) -> SensorLayout;
+    fn check(&self, name: Name, robots: &[Name], step: Duration) -> Vec<CellError>;
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError>;
 }
 
-/// Who may read a sensor, and where: the MP, and the ECP of the robot that it belongs to.
+/// Who may read a sensor, and where: the MP and ECPs.
 pub(super) struct Requesters<'a> {
     /// What a replay says was collected.
     pub recorded: Option<Rc<RecordedRun>>,
@@ -116,6 +180,8 @@ pub(super) struct Requesters<'a> {
     pub ecps: &'a [usize],
     pub mp_sensing: &'a mut Sensing,
     pub ecp_sensing: &'a mut [Sensing],
+    /// Sensors that want the state of a robot from the robot's EDP.
+    pub wanted: Vec<StateWanted>,
 }
 
 impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
@@ -123,18 +189,21 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         &self.name
     }
 
-    fn layout(&self) -> SensorLayout {
+    fn layout(&self, step: Duration) -> SensorLayout {
         SensorLayout {
             name: self.name.clone(),
             kind: V::Kind::KIND,
             of: self.robot.clone(),
+            readers: self.reading_robots().to_vec(),
+            every: self.every,
+            stale_after: step.saturating_mul(self.asking(step).max_age),
             mode: self.mode,
             latency: self.latency,
             reading: Self::reads().shape,
         }
     }
 
-    fn check(&self, name: Name, robots: &[Name]) -> Vec<CellError> {
+    fn check(&self, name: Name, robots: &[Name], step: Duration) -> Vec<CellError> {
         let mut errors = Vec::new();
         if <<V::Kind as Sensor>::Configuration as Wire>::LEN > CONFIGURATION_WORDS
             || <<V::Kind as Sensor>::Reading as Wire>::LEN > WORDS
@@ -149,6 +218,16 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         {
             errors.push(CellError::NoSuchRobot(name, robot.clone()));
         }
+        if let Some(readers) = &self.readers {
+            let strangers =
+                readers.iter().filter(|reader| robots.iter().all(|name| name.as_str() != **reader));
+            errors.extend(strangers.map(|reader| CellError::NoSuchReader(name, reader.clone())));
+        }
+        let asking = self.asking(step);
+        let is_free = matches!(self.mode, VspMode::NonInteractive(_));
+        if asking.every == 0 || is_free && asking.every > 1 || asking.every > u64::from(asking.max_age) {
+            errors.push(CellError::AskedEvery { sensor: name, every: self.every, max_age: asking.max_age });
+        }
         errors
     }
 
@@ -156,17 +235,19 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         if let Some(recorded) = among.recorded.clone() {
             return self.replay(among, &recorded);
         }
-        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, .. } = among;
+        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, wanted, .. } = among;
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, name);
         let place = link.place(process);
         let reads = Self::reads();
-        let clients = [Some(*mp), robot.map(|robot| ecps[robot])];
+        let readers = self.readers_among(robots)?;
+        let asking = self.asking(*step);
+        let clients = core::iter::once(*mp).chain(readers.iter().map(|&reader| ecps[reader]));
         let mut servers: Vec<Box<dyn Server>> = Vec::new();
         let mut sources = Vec::new();
         let mut boards = Vec::new();
-        for client in clients.into_iter().flatten() {
+        for client in clients {
             let mut ask = |wrap: fn(Box<dyn Client>) -> Source| {
                 let (client, server) = link.port(client, place);
                 servers.push(server);
@@ -185,11 +266,18 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         }
         let mut sources = sources.into_iter();
         if let Some(source) = sources.next() {
-            mp_sensing.ports.push(SensorPort::new(name, reads, robot, source));
+            mp_sensing.ports.push(SensorPort::new(name, reads, robot, source, asking));
         }
-        if let (Some(robot), Some(source)) = (robot, sources.next()) {
-            ecp_sensing[robot].ports.push(SensorPort::new(name, reads, Some(robot), source));
+        for (reader, source) in readers.into_iter().zip(sources) {
+            // An ECP knows the state of its own robot only.
+            let of = robot.filter(|robot| *robot == reader);
+            ecp_sensing[reader].ports.push(SensorPort::new(name, reads, of, source, asking));
         }
+        let state = robot.filter(|_| self.readers.is_some()).map(|robot| {
+            let board = Rc::default();
+            wanted.push(StateWanted { robot, vsp: place, board: Rc::clone(&board) });
+            board
+        });
         let sensor = self.sensor;
         let configuration = self.configuration;
         let latency = self.latency.as_nanos() as Nanos;
@@ -202,7 +290,8 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         link.body(
             place,
             Box::new(move |host| {
-                Vsp { sensors, configuration, host, orders, latency, step }.run();
+                let state = state.and_then(|board| board.get().map(Rc::clone));
+                Vsp { sensors, configuration, host, orders, state, latency, step }.run();
             }),
         )?;
         Ok(())

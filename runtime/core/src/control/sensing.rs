@@ -14,7 +14,7 @@ use crate::model::image::{Sensor, SensorImage};
 use crate::model::list::Reading;
 use crate::model::list::{Owner, SensorHandle, SensorList, SensorsOf};
 use crate::model::name::Name;
-use crate::model::sensor::{CONFIGURATION_WORDS, MAX_AGE};
+use crate::model::sensor::CONFIGURATION_WORDS;
 use crate::model::shape::Shape;
 use crate::model::time::Nanos;
 use crate::observe::witness::{ReadingState, What, Witnesses};
@@ -32,13 +32,23 @@ pub(crate) enum Source {
     Recorded(Rc<RecordedReadings>),
 }
 
+/// How often a sensor is asked, and how old its readings may be.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asking {
+    /// A reading is ordered in every step, in every second step, ..
+    pub every: u64,
+    /// Steps after which a reading is too old to move by.
+    pub max_age: u32,
+}
+
 /// One virtual sensor as a process sees it.
 pub(crate) struct SensorPort {
     pub name: Name,
     pub kind: TypeId,
-    /// Place of the robot that the sensor belongs to.
+    /// Place of the robot whose state goes with an order of this process.
     pub robot: Option<usize>,
     pub source: Source,
+    asking: Asking,
     /// What its readings' words say.
     shape: &'static Shape,
     pub taken: bool,
@@ -46,9 +56,11 @@ pub(crate) struct SensorPort {
     reply: Message,
     awaiting: bool,
     read: bool,
-    /// The step of the last order, and of the last one after a pause.
+    /// The step in which a reading was asked for last, and that of the last question after a pause.
     asked: Option<u64>,
     since: u64,
+    /// The step of the last order: where not every step orders a reading, it is before the last question.
+    ordered: Option<u64>,
 }
 
 /// What the readings of a sensor are.
@@ -60,12 +72,13 @@ pub(crate) struct Reads {
 }
 
 impl SensorPort {
-    pub fn new(name: Name, reads: Reads, robot: Option<usize>, source: Source) -> SensorPort {
+    pub fn new(name: Name, reads: Reads, robot: Option<usize>, source: Source, asking: Asking) -> SensorPort {
         SensorPort {
             name,
             kind: reads.kind,
             robot,
             source,
+            asking,
             shape: reads.shape,
             taken: false,
             order: Message::new(Kind::Read),
@@ -74,11 +87,19 @@ impl SensorPort {
             read: false,
             asked: None,
             since: 0,
+            ordered: None,
         }
     }
 
-    /// Orders a reading in `step`, with the state of the robot that the sensor belongs to.
+    /// Orders a reading in `step` if one is due, with the state of the robot that the sensor belongs to.
     fn order(&mut self, step: u64, robot: Option<&[u64]>) {
+        // A step may ask more than once, before and after a motion begins: each gets the answer of that step.
+        let is_due =
+            self.ordered.is_none_or(|ordered| step == ordered || step >= ordered + self.asking.every);
+        if !is_due && !self.awaiting {
+            self.asked = Some(step);
+            return;
+        }
         self.order.header.step = step;
         self.order.header.len = CONFIGURATION_WORDS as u32;
         if let Some(words) = robot {
@@ -95,7 +116,7 @@ impl SensorPort {
                 }
                 if self.awaiting {
                     client.send_again();
-                } else {
+                } else if is_due {
                     if self.asked.is_none_or(|asked| step > asked + 1) {
                         self.since = step;
                     }
@@ -112,6 +133,9 @@ impl SensorPort {
             Source::Recorded(_) => {}
         }
         self.asked = Some(step);
+        if is_due {
+            self.ordered = Some(step);
+        }
     }
 
     /// The step from which the age of the last reading counts. A reading from before a pause is too old only when
@@ -131,6 +155,8 @@ impl SensorPort {
     /// Collects the reading ordered, or with delay the latest that is there.
     fn collect(&mut self, waiter: &dyn Waiter, mut waiting: Waiting) -> Result<(), Fault> {
         match &self.source {
+            // None was ordered in this step: the last one counts.
+            Source::Interactive(_) if self.asked != self.ordered => {}
             Source::Interactive(client) => {
                 // An answer to an order that was given up does not answer this one.
                 while !(client.receive(&mut self.reply) && self.reply.header.step == self.order.header.step) {
@@ -209,7 +235,9 @@ impl Sensing {
         let Some(index) = self.ports.iter().position(|port| port.name.as_str() == name) else {
             let names: Vec<_> = self.ports.iter().map(|port| port.name.as_str()).collect();
             let there = match (names.as_slice(), process.name) {
-                ([], Some(robot)) => format!("write of = \"{robot}\" in its table of cell.toml"),
+                ([], Some(robot)) => {
+                    format!("write of = \"{robot}\", or readers = [\"{robot}\"], in its table of cell.toml")
+                }
                 ([], None) => "write its table in cell.toml, and give the cell its VSP".to_owned(),
                 (names, _) => suggestion(name, names, "there are"),
             };
@@ -284,9 +312,9 @@ impl Sensing {
             port.show(&collected, step, &self.witnesses, waiter.now());
             collected?;
             let age = |from: u64| u32::try_from(step.saturating_sub(from)).unwrap_or(u32::MAX);
-            if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > MAX_AGE) {
+            if let Some(age) = port.age_counts_from().map(age).filter(|&age| age > port.asking.max_age) {
                 let stale = port.fault(FaultKind::SensorStale);
-                return Err(stale.exceeds(f64::from(age), f64::from(MAX_AGE), "step"));
+                return Err(stale.exceeds(f64::from(age), f64::from(port.asking.max_age), "step"));
             }
             if port.read {
                 let age = age(port.reply.header.step);

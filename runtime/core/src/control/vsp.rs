@@ -36,6 +36,8 @@ pub(crate) struct Vsp<'w, V: VirtualSensor> {
     pub configuration: <V::Kind as Sensor>::Configuration,
     pub host: Host<'w>,
     pub orders: Orders,
+    /// Shows the newest state of the sensor's robot, for orders that come without it.
+    pub state: Option<Rc<dyn Board>>,
     /// Time that one aggregation takes \[ns\].
     pub latency: Nanos,
     pub step: Nanos,
@@ -61,6 +63,7 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                 loop {
                     for port in &ports {
                         if port.receive(request) {
+                            self.add_state(request);
                             // Requesters of one step that ask for the same share one aggregation.
                             let mut configuration = [0; CONFIGURATION_WORDS];
                             configuration.copy_from_slice(&request.body[..CONFIGURATION_WORDS]);
@@ -121,8 +124,23 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                 request.body[CONFIGURATION_WORDS..].copy_from_slice(&state[CONFIGURATION_WORDS..]);
                 request.header.len = len;
             }
+        } else {
+            requests.iter_mut().for_each(|request| self.add_state(request));
         }
         requests.iter_mut().for_each(|request| request.header.step = step);
+    }
+
+    /// Gives an order that came without the state of the sensor's robot the one that the robot's EDP showed last.
+    fn add_state(&self, request: &mut Message) {
+        let Some(board) = self.state.as_ref().filter(|_| request.words().len() == CONFIGURATION_WORDS) else {
+            return;
+        };
+        let mut shown = Message::empty();
+        if board.read(&mut shown) {
+            let words = shown.words();
+            request.body[CONFIGURATION_WORDS..CONFIGURATION_WORDS + words.len()].copy_from_slice(words);
+            request.header.len += words.len() as u32;
+        }
     }
 
     fn work(&self) -> Result<(), Closed> {

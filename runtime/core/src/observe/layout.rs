@@ -89,6 +89,12 @@ pub struct SensorLayout {
     pub kind: &'static str,
     /// The robot that it belongs to.
     pub of: Option<String>,
+    /// The robots whose ECPs may read it.
+    pub readers: Vec<String>,
+    /// How many steps one order for a reading is for.
+    pub every: u32,
+    /// The age at which a reading is too old to move by.
+    pub stale_after: Duration,
     /// How it and its requesters keep step.
     pub mode: VspMode,
     /// Time that one aggregation takes, under the virtual clock.

@@ -128,6 +128,9 @@ impl RobotEntry {
 pub(super) struct SensorEntry {
     pub name: String,
     pub of: Option<String>,
+    pub readers: Option<Vec<String>>,
+    pub every: Option<u32>,
+    pub stale_after: Option<Duration>,
     pub mode: VspMode,
     pub latency: Duration,
 }

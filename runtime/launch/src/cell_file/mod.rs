@@ -18,10 +18,13 @@
 //! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
 //!
 //! [sensors.touch]    # a virtual sensor of this name
-//! of = "arm"         # the robot whose ECP may read it, and whose state goes with every order
+//! of = "arm"         # the robot that it belongs to, whose state goes with every order
+//! readers = ["arm"]  # the robots whose ECPs may read it; the robot that it belongs to unless it is said
 //! mode = "interactive"   # or "with delay", "free running"; interactive unless it is said
 //! period_ms = 5      # of a free-running sensor
 //! latency_ms = 2     # time that one aggregation takes under the virtual clock; none unless it is said
+//! every = 4          # a reading is ordered in every fourth step; in every step unless it is said
+//! stale_after_ms = 100   # a reading of that age is too old to move by; 20 steps unless it is said
 //!
 //! [realtime]         # what the cell asks of the machine when it runs as processes; nothing unless the table is there
 //! priority = 50      # of every process under SCHED_FIFO, 1 to 95
@@ -159,10 +162,19 @@ impl CellFile {
         let Some(entry) = self.sensors.iter().find(|entry| entry.name == name) else {
             return Err(self.source.missing("sensors", name, self.sensors.iter().map(|s| &*s.name)).into());
         };
-        let setup = SensorSetup::new(name, sensor).mode(entry.mode).latency(entry.latency);
-        Ok(match &entry.of {
-            Some(robot) => setup.of(robot),
-            None => setup,
-        })
+        let mut setup = SensorSetup::new(name, sensor).mode(entry.mode).latency(entry.latency);
+        if let Some(robot) = &entry.of {
+            setup = setup.of(robot);
+        }
+        if let Some(readers) = &entry.readers {
+            setup = setup.readers(readers.iter().map(String::as_str));
+        }
+        if let Some(steps) = entry.every {
+            setup = setup.every(steps);
+        }
+        if let Some(age) = entry.stale_after {
+            setup = setup.stale_after(age);
+        }
+        Ok(setup)
     }
 }

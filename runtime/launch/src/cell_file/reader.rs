@@ -31,7 +31,8 @@ pub(super) const CELL_KEYS: [&str; 8] =
 pub(super) const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
 pub(super) const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
 pub(super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
-pub(super) const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
+pub(super) const SENSOR_KEYS: [&str; 7] =
+    ["of", "readers", "mode", "period_ms", "latency_ms", "every", "stale_after_ms"];
 /// What to write in place of a line that is no TOML.
 const TOML: &str = "write key = value, texts in \"quotes\", lists in [1.0, 2.0], tables as [robots.arm]; a bracket or a quote may be \
                     missing in the line above";
@@ -389,6 +390,14 @@ impl Reader {
             }
             Some(robot)
         });
+        let readers = table.get("readers").and_then(|value| self.names(value, "robots", robots));
+        let stale_after = table.get("stale_after_ms").and_then(|value| self.duration(value));
+        let every = table.get("every").and_then(|value| {
+            let range = "a whole number of steps from 1 to 1000";
+            let every = self.number(value, range)?;
+            self.whole(&every, 1..=1000, range)
+        });
+        let every = every.and_then(|steps| u32::try_from(steps).ok());
         let latency = table.get("latency_ms").and_then(|value| self.duration(value));
         let period = table.get("period_ms").map(|value| (value, self.duration(value)));
         let mode = match table.get("mode") {
@@ -421,6 +430,7 @@ impl Reader {
             ("with delay", None) => VspMode::WithDelay,
             (_, None) => VspMode::Interactive,
         };
-        Some(SensorEntry { name: name.value, of, mode, latency: latency.unwrap_or_default() })
+        let latency = latency.unwrap_or_default();
+        Some(SensorEntry { name: name.value, of, readers, every, stale_after, mode, latency })
     }
 }

@@ -24,7 +24,7 @@ use crate::observe::shown::{AnyShown, Shown};
 
 pub use any::AnyRobot;
 pub(super) use any::SharedObserver;
-pub use spawning::Place;
+pub use spawning::{Place, StateWanted};
 use stand_in::StandIn;
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;

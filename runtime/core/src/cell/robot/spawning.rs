@@ -1,5 +1,6 @@
 //! How the ECP and the EDP of a robot come to life on a link.
 
+use core::cell::OnceCell;
 use core::time::Duration;
 use std::rc::Rc;
 
@@ -13,7 +14,7 @@ use crate::control::overruns::Timed;
 use crate::control::plant::Site;
 use crate::control::sensing::Sensing;
 use crate::link::memory::Stuck;
-use crate::link::{Host, Link, Server};
+use crate::link::{Board, Host, Link, Server};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::payload::Nudge;
@@ -32,6 +33,19 @@ pub struct Place {
     pub pace: Pace,
     pub nudged: bool,
     pub witnesses: Witnesses,
+    /// The virtual sensors that want its state from its EDP.
+    pub wanted: Vec<StateWanted>,
+}
+
+/// A virtual sensor wants the state of a robot from the robot's EDP, which has no place on the link yet.
+#[derive(Clone)]
+pub struct StateWanted {
+    /// Place of the robot in the cell.
+    pub robot: usize,
+    /// Place of the VSP on the link.
+    pub vsp: usize,
+    /// Where the state will be shown.
+    pub board: Rc<OnceCell<Rc<dyn Board>>>,
 }
 
 impl<R: Robot> RobotSetup<R> {
@@ -50,6 +64,11 @@ impl<R: Robot> RobotSetup<R> {
         let process = ProcessId::new(Role::Edp, name);
         let edp = link.place(process);
         let (client, server) = link.port(place.ecp, edp);
+        let show_to = |wanted: &StateWanted| {
+            let board = link.board(edp, wanted.vsp);
+            Rc::clone(wanted.board.get_or_init(|| board))
+        };
+        let states: Vec<_> = place.wanted.iter().map(show_to).collect();
         let mut observers = setup.observers;
         let replayed = setup.replayed.clone();
         let ended = Rc::clone(&outcomes);
@@ -86,6 +105,7 @@ impl<R: Robot> RobotSetup<R> {
                     stop_steps: place.pace.stop_steps,
                     observers,
                     witnesses,
+                    states,
                     replayed,
                 };
                 if let Err(fault) = Edp::new(config, host, server).behind(gate).run() {

@@ -130,7 +130,7 @@ impl<R: Robot> Ecp<'_, R> {
     /// Orders the readings of a step, with the state that the robot had last.
     pub(super) fn order_readings<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) {
         let robot = self.driver.effector_state();
-        self.sensing.order(sensors, self.orders.header().step, |_| robot);
+        self.sensing.order(sensors, self.orders.header().step, |of| of.and(robot));
     }
 
     /// Collects them.

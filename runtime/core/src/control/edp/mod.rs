@@ -27,7 +27,7 @@ use std::rc::Rc;
 use crate::control::drive::Drive;
 use crate::control::guarded::guarded;
 use crate::control::replay::RecordedRobot;
-use crate::link::{Closed, Host, Sample, Server};
+use crate::link::{Board, Closed, Host, Sample, Server};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
@@ -59,6 +59,8 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub observers: Vec<Observer<R>>,
     /// Where each step is shown.
     pub witnesses: Witnesses,
+    /// Where the measured state is shown to virtual sensors of this robot that others read.
+    pub states: Vec<Rc<dyn Board>>,
     /// What it replays.
     pub replayed: Option<Rc<RecordedRobot>>,
 }
@@ -91,7 +93,7 @@ impl<'w, R: Robot> Edp<'w, R> {
             path: DemandedPath::new(config.robot, config.tool, servo.measured.position, period),
             servo,
             clock,
-            shown: Shown { observers: config.observers, witnesses: config.witnesses },
+            shown: Shown { observers: config.observers, witnesses: config.witnesses, states: config.states },
             period,
             stop_steps: config.stop_steps,
             replayed: config.replayed,

@@ -1,9 +1,13 @@
-//! Who watches an EDP: observers of its servo periods, and witnesses of its steps and faults.
+//! Who watches an EDP: observers of its servo periods, witnesses of its steps and faults, and virtual sensors.
 //!
 //! In: servo periods, steps that begin, the fault that it stops for. Out: the same to those who watch; nothing that the EDP
 //! acts on.
 
+use std::rc::Rc;
+
 use crate::control::guarded::guarded;
+use crate::link::Board;
+use crate::link::message::{Kind, Message};
 use crate::model::fault::Fault;
 use crate::model::image::{RobotState, STATE_WORDS};
 use crate::model::robot::Robot;
@@ -19,6 +23,7 @@ use super::path::Mode;
 pub(super) struct Shown<R: Robot> {
     pub observers: Vec<Observer<R>>,
     pub witnesses: Witnesses,
+    pub states: Vec<Rc<dyn Board>>,
 }
 
 impl<R: Robot> Shown<R> {
@@ -38,6 +43,15 @@ impl<R: Robot> Shown<R> {
             observers.clear();
         }
         shown
+    }
+
+    /// Shows the measured state to the virtual sensors that want it.
+    pub fn show_state(&self, step: u64, state: &RobotState<R>) {
+        let mut message = Message::new(Kind::Read);
+        message.header.step = step;
+        message.header.len = STATE_WORDS as u32;
+        state.put(&mut message.body);
+        self.states.iter().for_each(|board| board.write(&message));
     }
 
     /// Shows that a demand came too late for its step.

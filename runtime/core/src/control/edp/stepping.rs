@@ -27,6 +27,7 @@ impl<R: Robot> Edp<'_, R> {
             }
         }
         self.show_step();
+        self.show_state();
         self.clock.due += 1;
     }
 
@@ -95,6 +96,17 @@ impl<R: Robot> Edp<'_, R> {
         // Kinematics are the user's code.
         match guarded(|| image_words(&self.path.acceptor, &self.measured_state())) {
             Ok(words) => self.shown.witnesses.show(self.host.waiter.now(), &what, &words),
+            Err(panic) => self.stop_for(panic, self.clock.due),
+        }
+    }
+
+    /// Shows the measured state to virtual sensors.
+    fn show_state(&mut self) {
+        if self.shown.states.is_empty() {
+            return;
+        }
+        match guarded(|| self.measured_state()) {
+            Ok(state) => self.shown.show_state(self.clock.due, &state),
             Err(panic) => self.stop_for(panic, self.clock.due),
         }
     }

@@ -55,6 +55,7 @@ fn config(servo: Duration) -> EdpConfig<Slide> {
         stop_steps: 200,
         observers: Vec::new(),
         witnesses: crate::observe::witness::Witnesses::to(Vec::new()),
+        states: Vec::new(),
         replayed: None,
     }
 }
