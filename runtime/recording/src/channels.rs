@@ -198,7 +198,10 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
             out.write_str("}")
         }
         What::Abort { step } => return write_event(out, step, record.by, "abort", ""),
-        What::Late { step } => return write_event(out, step, record.by, "late", ""),
+        What::Late { step, due } => {
+            let due = due.map_or_else(String::new, |due| due.to_string());
+            return write_event(out, step, record.by, "late", &due);
+        }
         What::Found { step } => return write_event(out, step, record.by, "found", &record.time.to_string()),
         What::Fault { step } => {
             let what = if comes_from_outside(words) { "fault from outside" } else { "fault" };

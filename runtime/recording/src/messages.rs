@@ -3,7 +3,7 @@
 //! In: the metadata, then messages with their topics. Out: for each robot its images without a gap, for each process
 //! the readings that it collected of each sensor, and the steps of the MP.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use mcap::records::Metadata;
@@ -78,7 +78,7 @@ impl Messages {
                 found: None,
                 first: 0,
                 images: Vec::new(),
-                missed: BTreeSet::new(),
+                missed: BTreeMap::new(),
                 put_off: BTreeSet::new(),
             });
         }
@@ -140,7 +140,11 @@ impl Messages {
         match json["what"].as_str()? {
             "fault from outside" => self.end_before(step, text.to_owned()),
             "late" => match self.robots.iter_mut().find(|robot| Some(robot.name) == by.name) {
-                Some(robot) if self.real_time && by.role == Role::Edp => drop(robot.missed.insert(step)),
+                // A recording of before says no more than that it was late.
+                Some(robot) if self.real_time && by.role == Role::Edp => {
+                    let due = text.parse().unwrap_or(step + 1);
+                    robot.missed.entry(step).or_insert(due);
+                }
                 Some(robot) if self.real_time => drop(robot.put_off.insert(step)),
                 // Under the virtual clock a replay is late in the same steps by itself.
                 Some(_) => {}

@@ -48,6 +48,8 @@ pub enum What {
     Late {
         /// The step.
         step: u64,
+        /// Of a demand that came too late: the step for which demands could be taken when it came.
+        due: Option<u64>,
     },
     /// The MP orders; the words of the order, if it has one.
     Order {

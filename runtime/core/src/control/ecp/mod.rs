@@ -231,7 +231,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
         let was_late = self.replayed.as_ref().is_some_and(|recorded| recorded.put_off.contains(&step));
         let is_late = was_late || now > began && now >= step * self.pace.period + self.pace.grace;
         if is_late {
-            self.witnesses.show(now, &What::Late { step }, &[]);
+            self.witnesses.show(now, &What::Late { step, due: None }, &[]);
         }
         is_late
     }

@@ -79,6 +79,8 @@ pub(crate) struct Edp<'w, R: Robot> {
     stop_steps: u64,
     /// What it replays.
     replayed: Option<Rc<RecordedRobot>>,
+    /// The last request waits for the step in which it came in the run that is replayed.
+    is_held_back: bool,
 }
 
 impl<'w, R: Robot> Edp<'w, R> {
@@ -97,6 +99,7 @@ impl<'w, R: Robot> Edp<'w, R> {
             period,
             stop_steps: config.stop_steps,
             replayed: config.replayed,
+            is_held_back: false,
         };
         // Where encoders give no numbers, there is nothing to hold: the drives get no demand at all.
         let unread = || edp.check_following(edp.servo.interpolation.goal(), FaultKind::FollowingError).err();
@@ -134,11 +137,12 @@ impl<'w, R: Robot> Edp<'w, R> {
         while self.host.waiter.wait(Some(self.clock.next())) != Err(Closed) {
             let woke = self.host.waiter.now();
             let first = self.clock.next_tick;
-            while self.answers.receive() {
-                self.serve();
-            }
+            self.serve_requests();
             while self.host.waiter.now() >= self.clock.next() {
                 self.advance();
+                if self.is_held_back {
+                    self.serve_requests();
+                }
             }
             if self.clock.next_tick > first {
                 self.host.meter.sample(Sample::Worked(self.host.waiter.now().saturating_sub(woke)));

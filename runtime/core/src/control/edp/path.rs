@@ -145,8 +145,7 @@ impl<R: Robot> DemandedPath<R> {
         if !begins {
             return self.acceptor.note_late(demand);
         }
-        // In a replay the demand that replaces it in its step is known already.
-        let missed = if self.next.is_some() { 1 } else { due.saturating_sub(request.header.step) };
+        let missed = due.saturating_sub(request.header.step);
         self.move_together(law_together(demand, request));
         let period = self.period.as_secs_f64();
         let begun = self.acceptor.begin_late(demand, period, missed as f64, self.together.is_some());

@@ -17,6 +17,30 @@ use super::Edp;
 use super::path::Mode;
 
 impl<R: Robot> Edp<'_, R> {
+    /// Serves what has been asked for.
+    pub(super) fn serve_requests(&mut self) {
+        while self.is_held_back || self.answers.receive() {
+            self.is_held_back = self.came_later();
+            if self.is_held_back {
+                return;
+            }
+            self.serve();
+        }
+    }
+
+    /// Whether the request came in a later step in the run that is replayed: what bridged it until then, the robot's state at
+    /// that time and all that the answer says depend on it.
+    fn came_later(&self) -> bool {
+        let Some(replayed) = &self.replayed else { return false };
+        let moves = match self.answers.kind() {
+            Some(RequestKind::Demand) => true,
+            Some(RequestKind::Brake | RequestKind::Stop) => self.path.is_moving(),
+            Some(RequestKind::Query | RequestKind::Reset) | None => false,
+        };
+        let due = replayed.missed.get(&self.answers.request.header.step);
+        moves && due.is_some_and(|due| self.clock.due < *due)
+    }
+
     pub(super) fn serve(&mut self) {
         let at_standstill = self.is_at_standstill();
         let admission = self.answers.admit(at_standstill);
@@ -63,7 +87,7 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     /// A motion whose end comes too late for its step has gone on.
-    fn go_on_until(&mut self, step: u64) {
+    fn go_on_until(&self, step: u64) {
         if self.path.is_moving() {
             self.is_late(step);
         }
@@ -106,17 +130,11 @@ impl<R: Robot> Edp<'_, R> {
         Ok(())
     }
 
-    /// Whether a request came too late for its step, or did so in the run that is replayed: then what replaces its demand
-    /// is found now.
-    fn is_late(&mut self, step: u64) -> bool {
-        let was_late = self.replayed.as_ref().is_some_and(|recorded| recorded.missed.contains(&step));
-        if was_late && step >= self.clock.due {
-            let replacement = self.next_demand();
-            self.path.next = Some(replacement);
-        }
-        let is_late = was_late || step < self.clock.due;
+    /// Whether a request came too late for its step.
+    fn is_late(&self, step: u64) -> bool {
+        let is_late = step < self.clock.due;
         if is_late {
-            self.shown.show_late(self.host.waiter.now(), step);
+            self.shown.show_late(self.host.waiter.now(), step, self.clock.due);
         }
         is_late
     }

@@ -78,7 +78,7 @@ impl Mp<'_> {
             self.clock.spend();
         }
         if self.clock.is_spent() {
-            self.witnesses.show(self.host.waiter.now(), &What::Late { step }, &[]);
+            self.witnesses.show(self.host.waiter.now(), &What::Late { step, due: None }, &[]);
         }
     }
 

@@ -8,7 +8,7 @@ pub mod drives;
 pub mod readings;
 pub mod script;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use crate::model::driver::Measured;
@@ -42,8 +42,8 @@ pub struct RecordedRobot {
     pub first: u64,
     /// Its images, one per step.
     pub images: Vec<RecordedImage>,
-    /// Steps whose demand did not come in time.
-    pub missed: BTreeSet<u64>,
+    /// Steps whose demand did not come in time, and the step for which demands could be taken when it came.
+    pub missed: BTreeMap<u64, u64>,
     /// Steps in which its ECP found no time to begin a motion.
     pub put_off: BTreeSet<u64>,
 }
