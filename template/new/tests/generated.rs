@@ -36,10 +36,15 @@ fn projects_of_all_choices_pass_their_tests_and_are_tidy() {
     check("all-projects", &all());
 }
 
+/// The length of a step is a line of `cell.toml`: no file depends on it.
 #[test]
 fn every_combination_has_its_files() {
-    let projects: Vec<(String, BTreeSet<String>)> = all()
+    let all = all();
+    let step_of = |chosen: &Chosen| chosen.iter().find(|(name, _)| name == "step_ms").cloned();
+    let step = |chosen: &&Chosen| step_of(chosen) == step_of(&all[0]);
+    let projects: Vec<(String, BTreeSet<String>)> = all
         .iter()
+        .filter(step)
         .map(|chosen| {
             (label(chosen), generated(Folder::new(), "my-task", chosen).files().into_iter().collect())
         })
