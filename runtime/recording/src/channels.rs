@@ -93,6 +93,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
         What::Reading { sensor, shape, .. } => (Topic::Sensor(sensor), Some(shape)),
         What::Abort { .. }
         | What::Late { .. }
+        | What::LateRequest { .. }
         | What::Found { .. }
         | What::Fault { .. }
         | What::End { .. } => (Topic::Events, None),
@@ -198,9 +199,10 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
             out.write_str("}")
         }
         What::Abort { step } => return write_event(out, step, record.by, "abort", ""),
-        What::Late { step, due } => {
-            let due = due.map_or_else(String::new, |due| due.to_string());
-            return write_event(out, step, record.by, "late", &due);
+        What::Late { step } => return write_event(out, step, record.by, "late", ""),
+        What::LateRequest { step, nth, due } => {
+            let came = format!("request {nth} in step {due}");
+            return write_event(out, step, record.by, "late request", &came);
         }
         What::Found { step } => return write_event(out, step, record.by, "found", &record.time.to_string()),
         What::Fault { step } => {

@@ -7,8 +7,8 @@ use core::cell::{Cell, RefCell};
 use core::fmt;
 use std::rc::Rc;
 
-use mrroc_core::fault::Name;
 use mrroc_core::fault::ProcessId;
+use mrroc_core::fault::{Fault, Name};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::witness::{What, Witness};
 
@@ -59,6 +59,8 @@ pub struct Compared {
     pub difference: Option<Difference>,
     /// The last step of the recording, if the replay's programs ended before it.
     pub longer: Option<u64>,
+    /// The fault that ended the replay, if one did.
+    pub fault: Option<String>,
     /// The fault from outside, such as a drive's fault, at which the comparison ended.
     pub outside: Option<String>,
     /// How the recorded run ended: `Some(None)` without a fault, `Some(Some(text))` with a fault, `None` if the
@@ -81,7 +83,8 @@ impl Comparison {
         Comparison { recorded, last, begun, compared, first }
     }
 
-    pub fn outcome(&self) -> Compared {
+    /// What has been found, of a replay that ended with this fault or without one.
+    pub fn outcome(&self, fault: Option<&Fault>) -> Compared {
         let difference = *self.first.borrow();
         let steps =
             self.recorded.script.0.iter().filter(|scripted| scripted.step <= self.begun.get()).count();
@@ -93,6 +96,7 @@ impl Comparison {
             images: self.compared.get(),
             difference,
             longer: is_short.then_some(self.last),
+            fault: fault.map(ToString::to_string),
             outside: self.recorded.outside.as_ref().map(|(_, text)| text.clone()),
             end: self.recorded.end.clone(),
         }
@@ -126,6 +130,7 @@ impl Witness for Comparison {
             What::Step { step, .. } => self.begun.set(step),
             What::Abort { .. }
             | What::Late { .. }
+            | What::LateRequest { .. }
             | What::Order { .. }
             | What::Found { .. }
             | What::Reading { .. }

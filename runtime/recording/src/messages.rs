@@ -3,13 +3,12 @@
 //! In: the metadata, then messages with their topics. Out: for each robot its images without a gap, for each process
 //! the readings that it collected of each sensor, and the steps of the MP.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use mcap::records::Metadata;
 use serde_json::Value;
 
-use super::file::REAL_TIME;
 use super::json::{as_number, words};
 use super::reader::{CutOff, Wrong};
 use mrroc_core::console::quoted;
@@ -21,7 +20,7 @@ use mrroc_core::observe::witness::ReadingState;
 use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
 use mrroc_core::replay::script::ScriptedStep;
-use mrroc_core::replay::{RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
+use mrroc_core::replay::{LateRequest, RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
 use mrroc_core::robot::{MAX_JOINTS, Measured};
 
 /// The messages read so far.
@@ -30,8 +29,6 @@ pub(super) struct Messages {
     sensors: Vec<(Name, &'static Shape)>,
     readings: Vec<RecordedReadings>,
     steps: Vec<ScriptedStep>,
-    /// Whether the run was in real time, where demands may come too late for reasons that a replay does not have.
-    real_time: bool,
     late: BTreeSet<u64>,
     aborts: BTreeSet<u64>,
     outside: Option<(u64, String)>,
@@ -78,7 +75,7 @@ impl Messages {
                 found: None,
                 first: 0,
                 images: Vec::new(),
-                missed: BTreeMap::new(),
+                late: Vec::new(),
                 put_off: BTreeSet::new(),
             });
         }
@@ -91,8 +88,7 @@ impl Messages {
             sensors.push((of_cell(&sensor.name)?, sensor.reading));
         }
         let (readings, steps, late, aborts) = (Vec::new(), Vec::new(), BTreeSet::new(), BTreeSet::new());
-        let real_time = text("link") == REAL_TIME;
-        Ok(Messages { robots, sensors, readings, steps, real_time, late, aborts, outside: None, end: None })
+        Ok(Messages { robots, sensors, readings, steps, late, aborts, outside: None, end: None })
     }
 
     /// The last step of the MP read so far.
@@ -140,16 +136,15 @@ impl Messages {
         match json["what"].as_str()? {
             "fault from outside" => self.end_before(step, text.to_owned()),
             "late" => match self.robots.iter_mut().find(|robot| Some(robot.name) == by.name) {
-                // A recording of before says no more than that it was late.
-                Some(robot) if self.real_time && by.role == Role::Edp => {
-                    let due = text.parse().unwrap_or(step + 1);
-                    robot.missed.entry(step).or_insert(due);
-                }
-                Some(robot) if self.real_time => drop(robot.put_off.insert(step)),
-                // Under the virtual clock a replay is late in the same steps by itself.
-                Some(_) => {}
+                Some(robot) => drop(robot.put_off.insert(step)),
                 None => drop(self.late.insert(step)),
             },
+            "late request" => {
+                let (nth, due) = text.strip_prefix("request ")?.split_once(" in step ")?;
+                let late = LateRequest { step, nth: nth.parse().ok()?, due: due.parse().ok()? };
+                let robot = self.robots.iter_mut().find(|robot| Some(robot.name) == by.name)?;
+                robot.late.push(late);
+            }
             "abort" => drop(self.aborts.insert(step)),
             "end" => self.end = Some((!text.is_empty()).then(|| text.to_owned())),
             "found" => {
@@ -231,6 +226,9 @@ impl Messages {
         }
         if self.steps.is_empty() {
             return Err(Wrong::new("has no step: nothing ran", "record a run that moves something"));
+        }
+        for robot in &mut self.robots {
+            robot.late.sort_by_key(|late| (late.step, late.nth));
         }
         let empty = self.robots.iter().find(|robot| robot.images.is_empty());
         if let Some(robot) = empty.filter(|_| cut_off == CutOff::Refused) {

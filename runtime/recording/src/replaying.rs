@@ -47,7 +47,8 @@ impl Replay for Cell {
         match self.replaying(recorded).witnessed_by(witness).run_on_memory(&names) {
             // A fault is no error here: the comparison tells how the replay ended, and a recording may end before its
             // programs do.
-            Ok(_) | Err(CellError::Fault(_)) => Ok(comparison.outcome()),
+            Ok(_) => Ok(comparison.outcome(None)),
+            Err(CellError::Fault(fault)) => Ok(comparison.outcome(Some(&fault))),
             Err(error) => Err(error.into()),
         }
     }
@@ -70,8 +71,9 @@ pub fn replay_command(cell: Cell, file: &Path, partial: bool, quiet: bool) -> Ex
         (Some(difference), _) => report(&format!("{}: {difference}", file.display())),
         (None, Some(last)) => {
             let file = file.display();
+            let with = compared.fault.as_ref().map(|fault| format!(" with: {fault}")).unwrap_or_default();
             report(&format!(
-                "{file}: the program ends after {steps} steps, the recording goes on to step {last}"
+                "{file}: the program ends after {steps} steps{with}; the recording goes on to step {last}"
             ));
         }
         (None, None) => report(&format!("{}: no demand was made", file.display())),

@@ -99,7 +99,7 @@ impl RunRecorder {
     ) -> io::Result<RunRecorder> {
         let (mut ring, mut taken) = RingBuffer::new(LENGTH);
         // Filling the ring once makes all its pages resident before the first step.
-        let blank = Record::new(0, ProcessId::MP, &What::Late { step: 0, due: None }, &[]);
+        let blank = Record::new(0, ProcessId::MP, &What::Late { step: 0 }, &[]);
         while ring.push(blank).is_ok() {}
         while taken.pop().is_ok() {}
         let shared = Arc::new(Shared::default());
@@ -124,6 +124,7 @@ impl RunRecorder {
             What::Step { .. }
             | What::Abort { .. }
             | What::Late { .. }
+            | What::LateRequest { .. }
             | What::Found { .. }
             | What::Fault { .. }
             | What::End { .. } => true,

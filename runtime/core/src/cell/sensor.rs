@@ -146,10 +146,11 @@ impl<V: VirtualSensor> SensorSetup<V> {
     /// In place of a process, what a recording says was collected.
     fn replay(&self, among: &mut Requesters<'_>, recorded: &RecordedRun) -> Result<(), CellError> {
         let name = Name::new(&self.name)?;
-        // What was collected in every step is there, and the run that was recorded has judged its age.
-        let asking = Asking { every: 1, max_age: u32::MAX };
+        // What was collected is there for every step, also for those without an order.
+        let asking = Asking { every: 1, ..self.asking(among.step) };
         let port = |by| {
-            SensorPort::new(name, Self::reads(), None, Source::Recorded(recorded.reading(name, by)), asking)
+            let source = Source::Recorded(recorded.reading(name, by), self.mode);
+            SensorPort::new(name, Self::reads(), None, source, asking)
         };
         among.mp_sensing.ports.push(port(ProcessId::MP));
         for reader in self.readers_among(among.robots)? {

@@ -14,7 +14,7 @@ use crate::model::image::{Sensor, SensorImage};
 use crate::model::list::Reading;
 use crate::model::list::{Owner, SensorHandle, SensorList, SensorsOf};
 use crate::model::name::Name;
-use crate::model::sensor::CONFIGURATION_WORDS;
+use crate::model::sensor::{CONFIGURATION_WORDS, VspMode};
 use crate::model::shape::Shape;
 use crate::model::time::Nanos;
 use crate::observe::witness::{ReadingState, What, Witnesses};
@@ -28,8 +28,8 @@ pub(crate) enum Source {
     WithDelay(Box<dyn Client>),
     /// Free-running: the latest reading, and where it looks for orders.
     NonInteractive(Boards),
-    /// In a replay: what the recording says was collected.
-    Recorded(Rc<RecordedReadings>),
+    /// In a replay: what the recording says was collected, of a sensor in this mode.
+    Recorded(Rc<RecordedReadings>, VspMode),
 }
 
 /// How often a sensor is asked, and how old its readings may be.
@@ -130,7 +130,20 @@ impl SensorPort {
                 }
                 boards.orders.write(&self.order);
             }
-            Source::Recorded(_) => {}
+            // An order of before the pause may have been awaited still.
+            Source::Recorded(_, VspMode::WithDelay) => {
+                let is_answered =
+                    self.ordered.is_none_or(|ordered| self.read && self.reply.header.step >= ordered);
+                if is_answered && self.asked.is_none_or(|asked| step > asked + 1) {
+                    self.since = step;
+                }
+            }
+            Source::Recorded(_, VspMode::NonInteractive(_)) => {
+                if self.asked.is_none() {
+                    self.since = step;
+                }
+            }
+            Source::Recorded(_, VspMode::Interactive) => {}
         }
         self.asked = Some(step);
         if is_due {
@@ -143,12 +156,14 @@ impl SensorPort {
     fn age_counts_from(&self) -> Option<u64> {
         let read = self.read.then_some(self.reply.header.step);
         match &self.source {
-            Source::WithDelay(_) => Some(read.map_or(self.since, |read| read.max(self.since))),
+            Source::WithDelay(_) | Source::Recorded(_, VspMode::WithDelay) => {
+                Some(read.map_or(self.since, |read| read.max(self.since)))
+            }
             // One that has never read is as old as the first order.
-            Source::NonInteractive(_) => read.or(Some(self.since)),
-            Source::Interactive(_) => read,
-            // The run that was recorded has judged it.
-            Source::Recorded(_) => None,
+            Source::NonInteractive(_) | Source::Recorded(_, VspMode::NonInteractive(_)) => {
+                read.or(Some(self.since))
+            }
+            Source::Interactive(_) | Source::Recorded(_, VspMode::Interactive) => read,
         }
     }
 
@@ -176,7 +191,7 @@ impl SensorPort {
             Source::NonInteractive(boards) => {
                 self.read = boards.readings.read(&mut self.reply) || self.read;
             }
-            Source::Recorded(recorded) => match recorded.collect(self.order.header.step) {
+            Source::Recorded(recorded, _) => match recorded.collect(self.order.header.step) {
                 None | Some(RecordedReading { state: ReadingState::Lost, .. }) => {
                     return Err(self.fault(FaultKind::PeerLost).text("no reading in time"));
                 }

@@ -43,13 +43,20 @@ pub enum What {
         /// The step.
         step: u64,
     },
-    /// What took place in the step left no time for more: an MP or ECP could not begin a motion in it, or a demand came
-    /// too late to its EDP. No words.
+    /// What took place in the step left no time for more: an MP or ECP could not begin a motion in it. No
+    /// words.
     Late {
         /// The step.
         step: u64,
-        /// Of a demand that came too late: the step for which demands could be taken when it came.
-        due: Option<u64>,
+    },
+    /// A request came too late to its EDP for its step. No words.
+    LateRequest {
+        /// The step.
+        step: u64,
+        /// Its place among the requests of that step, from 0.
+        nth: u32,
+        /// The step for which demands could be taken when it came.
+        due: u64,
     },
     /// The MP orders; the words of the order, if it has one.
     Order {

@@ -228,10 +228,13 @@ impl<'w, R: Robot> Ecp<'w, R> {
     fn is_late_since(&self, began: Nanos) -> bool {
         let now = self.host.waiter.now();
         let step = self.orders.header().step;
-        let was_late = self.replayed.as_ref().is_some_and(|recorded| recorded.put_off.contains(&step));
-        let is_late = was_late || now > began && now >= step * self.pace.period + self.pace.grace;
+        let is_late = match &self.replayed {
+            // The recorded run has found that out, and the time of a replay does not tell it.
+            Some(recorded) => recorded.put_off.contains(&step),
+            None => now > began && now >= step * self.pace.period + self.pace.grace,
+        };
         if is_late {
-            self.witnesses.show(now, &What::Late { step, due: None }, &[]);
+            self.witnesses.show(now, &What::Late { step }, &[]);
         }
         is_late
     }

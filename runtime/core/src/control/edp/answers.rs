@@ -17,6 +17,8 @@ pub(super) struct Answers {
     pub fault: Option<Fault>,
     /// The last request.
     pub request: Message,
+    /// Its place among the requests of its step, from 0.
+    pub nth: u32,
     /// The last reply.
     pub reply: Message,
 }
@@ -29,6 +31,7 @@ impl Answers {
             gate: Gate::default(),
             fault: None,
             request: Message::empty(),
+            nth: 0,
             reply: Message::empty(),
         }
     }
@@ -40,7 +43,12 @@ impl Answers {
 
     /// Takes the next request, if one is there.
     pub fn receive(&mut self) -> bool {
-        self.port.receive(&mut self.request)
+        let last = self.request.header.step;
+        let is_there = self.port.receive(&mut self.request);
+        if is_there {
+            self.nth = if self.request.header.step == last { self.nth + 1 } else { 0 };
+        }
+        is_there
     }
 
     /// What the request asks for; `None` for a message that is no request.

@@ -32,16 +32,12 @@ impl<R: Robot> Edp<'_, R> {
     /// that time and all that the answer says depend on it.
     fn came_later(&self) -> bool {
         let Some(replayed) = &self.replayed else { return false };
-        let moves = match self.answers.kind() {
-            Some(RequestKind::Demand) => true,
-            Some(RequestKind::Brake | RequestKind::Stop) => self.path.is_moving(),
-            Some(RequestKind::Query | RequestKind::Reset) | None => false,
-        };
-        let due = replayed.missed.get(&self.answers.request.header.step);
-        moves && due.is_some_and(|due| self.clock.due < *due)
+        let due = replayed.came_late(self.answers.request.header.step, self.answers.nth);
+        due.is_some_and(|due| self.clock.due < due)
     }
 
     pub(super) fn serve(&mut self) {
+        self.show_if_late();
         let at_standstill = self.is_at_standstill();
         let admission = self.answers.admit(at_standstill);
         if admission == Admission::Ignored {
@@ -55,6 +51,14 @@ impl<R: Robot> Edp<'_, R> {
             self.stop_for(fault, self.answers.request.header.step);
             // With a fault there is no image to compute.
             self.answer();
+        }
+    }
+
+    /// Shows a request that came too late for its step: a motion has gone on, or has been bridged.
+    fn show_if_late(&self) {
+        let step = self.answers.request.header.step;
+        if step < self.clock.due {
+            self.shown.show_late(self.host.waiter.now(), step, self.answers.nth, self.clock.due);
         }
     }
 
@@ -72,24 +76,15 @@ impl<R: Robot> Edp<'_, R> {
             RequestKind::Query => self.check_standing_start(),
             RequestKind::Demand => self.demand(),
             RequestKind::Brake => {
-                self.go_on_until(self.answers.request.header.step);
                 self.path.come_to_hold();
                 Ok(())
             }
             RequestKind::Stop => {
-                self.go_on_until(self.answers.request.header.step);
                 self.path.brake();
                 self.switch_off();
                 Ok(())
             }
             RequestKind::Reset => self.reset(),
-        }
-    }
-
-    /// A motion whose end comes too late for its step has gone on.
-    fn go_on_until(&self, step: u64) {
-        if self.path.is_moving() {
-            self.is_late(step);
         }
     }
 
@@ -122,21 +117,12 @@ impl<R: Robot> Edp<'_, R> {
         }
         // A step that is over has been bridged, and its demand is never made up for. The tool and the regulators that
         // were chosen with it are in force all the same, and a path that ends with this demand ends there.
-        if self.is_late(step) {
+        if step < self.clock.due {
             return self.path.note_late(&demand, &self.answers.request, self.clock.due);
         }
         self.path.accept(&demand, &self.answers.request)?;
         self.servo.accept(&demand.coordinates);
         Ok(())
-    }
-
-    /// Whether a request came too late for its step.
-    fn is_late(&self, step: u64) -> bool {
-        let is_late = step < self.clock.due;
-        if is_late {
-            self.shown.show_late(self.host.waiter.now(), step, self.clock.due);
-        }
-        is_late
     }
 
     fn answer(&mut self) {

@@ -54,9 +54,9 @@ impl<R: Robot> Shown<R> {
         self.states.iter().for_each(|board| board.write(&message));
     }
 
-    /// Shows that a demand came too late for its step: demands could be taken for step `due`.
-    pub fn show_late(&self, now: Nanos, step: u64, due: u64) {
-        self.witnesses.show(now, &What::Late { step, due: Some(due) }, &[]);
+    /// Shows that a request came too late for its step: demands could be taken for step `due`.
+    pub fn show_late(&self, now: Nanos, step: u64, nth: u32, due: u64) {
+        self.witnesses.show(now, &What::LateRequest { step, nth, due }, &[]);
     }
 
     /// Shows the fault that is latched.

@@ -72,13 +72,15 @@ impl Mp<'_> {
 
     /// What took place in this step moved nothing: what comes next may take place in it, unless it is too late for that.
     pub(super) fn keep_unless_late(&mut self) {
-        self.clock.keep_unless_late(self.host.waiter);
         let step = self.clock.step();
-        if self.script.as_ref().is_some_and(|script| script.was_late(step)) {
-            self.clock.spend();
+        match &self.script {
+            // The recorded run has found that out, and the time of a replay does not tell it.
+            Some(script) if script.was_late(step) => self.clock.spend(),
+            Some(_) => self.clock.keep(),
+            None => self.clock.keep_unless_late(self.host.waiter),
         }
         if self.clock.is_spent() {
-            self.witnesses.show(self.host.waiter.now(), &What::Late { step, due: None }, &[]);
+            self.witnesses.show(self.host.waiter.now(), &What::Late { step }, &[]);
         }
     }
 

@@ -8,7 +8,7 @@ pub mod drives;
 pub mod readings;
 pub mod script;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use crate::model::driver::Measured;
@@ -29,6 +29,17 @@ pub struct RecordedImage {
     pub measured: Measured<[f64; MAX_JOINTS]>,
 }
 
+/// A request that came too late for its step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LateRequest {
+    /// The step.
+    pub step: u64,
+    /// Its place among the requests of that step, from 0.
+    pub nth: u32,
+    /// The step for which demands could be taken when it came.
+    pub due: u64,
+}
+
 /// The steps of one robot, without a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedRobot {
@@ -42,8 +53,8 @@ pub struct RecordedRobot {
     pub first: u64,
     /// Its images, one per step.
     pub images: Vec<RecordedImage>,
-    /// Steps whose demand did not come in time, and the step for which demands could be taken when it came.
-    pub missed: BTreeMap<u64, u64>,
+    /// The requests that came too late to its EDP, in the order of their steps.
+    pub late: Vec<LateRequest>,
     /// Steps in which its ECP found no time to begin a motion.
     pub put_off: BTreeSet<u64>,
 }
@@ -58,6 +69,12 @@ impl RecordedRobot {
     pub fn nearest(&self, step: u64) -> Option<&RecordedImage> {
         let last = (self.first + self.images.len() as u64).checked_sub(1)?;
         self.image(step.clamp(self.first, last))
+    }
+
+    /// The step for which demands could be taken when this request came, if it came too late.
+    pub fn came_late(&self, step: u64, nth: u32) -> Option<u64> {
+        let found = self.late.binary_search_by_key(&(step, nth), |late| (late.step, late.nth));
+        found.ok().map(|found| self.late[found].due)
     }
 
     /// The last step that is recorded.
