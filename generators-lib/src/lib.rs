@@ -2,6 +2,7 @@
 //!
 //! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
 //! - [`combinators`]: generators made of these;
+//! - [`conditions`]: conditions made of conditions, for a Wait;
 //! - [`profile`]: the distance along a path as a function of time;
 //! - [`jerk`]: jerk-limited motion from any state, on many axes at once;
 //! - [`mod@line`]: straight lines of joints and of the tool;
@@ -24,6 +25,7 @@ extern crate self as mrroc_generators;
 
 pub mod bspline;
 pub mod combinators;
+pub mod conditions;
 pub mod conformance;
 pub mod cooperation;
 pub mod curve;
