@@ -14,6 +14,7 @@
 //! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
+//! - [`rehearsal`]: what a generator demands, without a cell;
 //! - [`mod@conformance`]: tests that every generator must pass.
 //!
 //! All units are SI. Lengths are in metres unless a path says otherwise. Functions that are called in a step neither
@@ -35,6 +36,7 @@ pub mod generators;
 pub mod jerk;
 pub mod line;
 pub mod profile;
+pub mod rehearsal;
 pub mod teach;
 pub mod timing;
 pub mod via;

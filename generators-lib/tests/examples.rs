@@ -1,5 +1,7 @@
 //! The numbered examples do what they say: each asserts its own outcome.
 
+#[path = "../examples/06_conditions.rs"]
+pub mod conditions;
 #[path = "../examples/05_force.rs"]
 pub mod force;
 #[path = "../examples/01_jerk_limited_plan.rs"]
@@ -34,4 +36,9 @@ fn example_04_keeps_two_arms_on_one_body() {
 #[test]
 fn example_05_presses_on_a_table() {
     force::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_06_waits_for_what_holds_together() {
+    conditions::main().expect("runs without a fault");
 }
