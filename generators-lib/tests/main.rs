@@ -15,6 +15,7 @@ mod jerk_plan;
 mod jerk_properties;
 mod jerk_reference;
 mod memory;
+mod pages;
 mod pictures;
 mod profile_properties;
 mod profiles;
