@@ -20,7 +20,9 @@ impl Sensor for Fixture {
 /// What it says.
 #[derive(Clone, Copy, Payload)]
 pub struct Inputs {
+    /// The switch below the part is closed.
     pub switch: bool,
+    /// The door is open.
     pub door: bool,
 }
 

@@ -308,7 +308,7 @@ impl<R: Robot> fmt::Debug for RobotHandle<R> {
 /// Handles of the robots of the list `L`, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`.
 #[diagnostic::on_unimplemented(
     message = "these are not the robots of the list `{L}`",
-    label = "the list asks for `{L}`; this is `{Self}`",
+    label = "the list asks for `{L}`",
     note = "pass one `&mut` handle for each robot of the list, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`; a single robot needs a comma: `(&mut rnt,)`",
     note = "a handle is asked for once, by `let mut rnt = mp.robot::<Rnt>(\"rnt\")?`; a motion of one robot, whose list is `Rnt` alone, is moved by `move_robot`: `mp.move_robot(&mut rnt, (), motion)`; such motions of several robots at once by `mp.move_robots((&mut a, &mut b), (), Each::of((motion, motion)))`"
 )]

@@ -87,7 +87,7 @@ impl<S: Sensor> fmt::Debug for SensorHandle<S> {
 /// Handles of the sensors of the list `L`, in its order: `(&mut force,)` for `(WristForce,)`.
 #[diagnostic::on_unimplemented(
     message = "these are not the sensors of the list `{L}`",
-    label = "the list asks for `{L}`; this is `{Self}`",
+    label = "the list asks for `{L}`",
     note = "pass one `&mut` handle for each sensor of the list, in its order: `(&mut force,)` for `(WristForce,)`, `()` for none",
     note = "a handle is asked for once, by `let mut force = mp.sensor::<WristForce>(\"force\")?`"
 )]
