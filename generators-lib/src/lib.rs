@@ -2,6 +2,7 @@
 //!
 //! - [`generators`]: what a program hands to a Move, each in one file to be copied and changed;
 //! - [`combinators`]: generators made of these;
+//! - [`conditions`]: conditions made of conditions, for a Wait;
 //! - [`profile`]: the distance along a path as a function of time;
 //! - [`jerk`]: jerk-limited motion from any state, on many axes at once;
 //! - [`mod@line`]: straight lines of joints and of the tool;
@@ -13,6 +14,7 @@
 //! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
+//! - [`rehearsal`]: what a generator demands, without a cell;
 //! - [`mod@conformance`]: tests that every generator must pass.
 //!
 //! All units are SI. Lengths are in metres unless a path says otherwise. Functions that are called in a step neither
@@ -24,6 +26,7 @@ extern crate self as mrroc_generators;
 
 pub mod bspline;
 pub mod combinators;
+pub mod conditions;
 pub mod conformance;
 pub mod cooperation;
 pub mod curve;
@@ -33,6 +36,7 @@ pub mod generators;
 pub mod jerk;
 pub mod line;
 pub mod profile;
+pub mod rehearsal;
 pub mod teach;
 pub mod timing;
 pub mod via;

@@ -1,5 +1,7 @@
 //! The numbered examples do what they say: each asserts its own outcome.
 
+#[path = "../examples/06_conditions.rs"]
+pub mod conditions;
 #[path = "../examples/05_force.rs"]
 pub mod force;
 #[path = "../examples/01_jerk_limited_plan.rs"]
@@ -34,4 +36,30 @@ fn example_04_keeps_two_arms_on_one_body() {
 #[test]
 fn example_05_presses_on_a_table() {
     force::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_06_waits_for_what_holds_together() {
+    conditions::main().expect("runs without a fault");
+}
+
+/// `cargo test --doc` runs them.
+#[test]
+fn every_generator_combinator_and_condition_has_an_example_with_an_outcome() {
+    for folder in ["generators", "combinators", "conditions"] {
+        let folder = format!("{}/src/{folder}", env!("CARGO_MANIFEST_DIR"));
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            let file = path.file_name().and_then(|name| name.to_str()).expect("a plain name");
+            if ["mod.rs", "group.rs", "stopwatch.rs"].contains(&file) {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).expect("a file");
+            let documented = text.split_once("#[cfg(test)]").map_or(text.as_str(), |(code, _)| code);
+            // An example that runs has neither a language nor a word that keeps it from running behind its fence.
+            let mut parts = documented.split("/// ```");
+            let runs = parts.any(|part| part.starts_with('\n') && part.contains("/// assert"));
+            assert!(runs, "{file} has no example that runs");
+        }
+    }
 }

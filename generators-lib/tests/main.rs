@@ -1,6 +1,7 @@
 //! All tests of the library but those that stand in a generator's file: one executable, as each takes its time to link.
 
 mod classes;
+mod conditions;
 mod conformance;
 mod contact;
 mod cooperation;
@@ -14,6 +15,7 @@ mod jerk_plan;
 mod jerk_properties;
 mod jerk_reference;
 mod memory;
+mod pages;
 mod pictures;
 mod profile_properties;
 mod profiles;

@@ -6,6 +6,7 @@ use syn::{ExprPath, Signature, Type};
 
 use crate::attribute::{Arguments, Kind};
 use crate::class::{Level, Role, Uses};
+use crate::demands;
 use crate::emit::{self, Call, GeneratorImpl, Source, Target};
 use crate::errors::Errors;
 use crate::fallback;
@@ -26,6 +27,7 @@ fn of_function(
     mut errors: Errors,
     item: &TokenStream,
 ) -> TokenStream {
+    let item = &demands::alone(arguments.level, item, &mut errors);
     let signature = &function.signature;
     let (roles, mistakes) = analyse(
         signature,
@@ -93,6 +95,7 @@ fn of_function(
 
 /// The front end for `impl` blocks.
 fn of_block(arguments: &Arguments, block: &Block, mut errors: Errors, item: &TokenStream) -> TokenStream {
+    let item = &demands::alone(arguments.level, item, &mut errors);
     for (key, method) in [(&arguments.first, "first_step"), (&arguments.until, "until")] {
         if let Some(path) = key {
             errors

@@ -17,6 +17,7 @@ use proc_macro::TokenStream;
 mod attribute;
 mod class;
 mod condition;
+mod demands;
 mod emit;
 mod errors;
 mod fallback;

@@ -28,6 +28,39 @@ pub struct CorrectionLimits {
 /// `X_WE X_EE'`. The sensor of the correction is the last.
 /// The correction `X_EE'` goes towards what `correct` makes of a reading, at a limited speed and acceleration; without a
 /// reading it stays. The generator knows nothing of it.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc::sensor::SensorImage;
+/// use mrroc_generators::combinators::{Corrected, CorrectionLimits};
+/// use mrroc_generators::cooperation::Displacement;
+/// use mrroc_generators::generators::ToolOffset;
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # struct Camera;
+/// # impl Sensor for Camera {
+/// #     const KIND: &'static str = "camera";
+/// #     type Reading = Displacement;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let line = ToolOffset::<Irp6>::by(Pose::translation(0.2, 0.0, 0.0), limits);
+/// let within = CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, way: 0.02, angle: 0.1, oldest: 1 };
+/// let motion = Corrected::<_, Camera>::by(line, |seam| seam.pose, within);
+/// // The seam that the camera sees is 1 cm beside the line.
+/// let seam = Displacement { pose: Pose::translation(0.0, 0.01, 0.0) };
+/// let demands = rehearse_with(motion, &Irp6::nominal(), start, 0.002, |_| {
+///     (Order::new(()), Reading::new((SensorImage::new(seam, 0),)))
+/// })?;
+/// let end = demands.last().and_then(Demand::as_displacement).map(|end| end.translation.vector);
+/// assert!(end.is_some_and(|end| (end - nalgebra::Vector3::new(0.2, 0.01, 0.0)).norm() < 1e-6));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct Corrected<G, S: Sensor> {
     generator: G,
     correct: fn(&S::Reading) -> Pose,

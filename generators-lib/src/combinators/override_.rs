@@ -5,6 +5,43 @@ use mrroc::prelude::*;
 
 /// Runs `A`; when the condition on the readings holds, brakes it *on its path*, by taking its path time away within a given time,
 /// and then runs `B` from where it stands. If `A` is done before, so is the motion.
+///
+/// ```
+/// use mrroc::{pose::Wrench, sensor::SensorImage};
+/// use mrroc::prelude::*;
+/// use mrroc_generators::combinators::Override;
+/// use mrroc_generators::force::{Behaviour, ForceControl, Give};
+/// use mrroc_generators::generators::{ForceLaw, GuardedApproach};
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # struct Wrist;
+/// # impl Sensor for Wrist {
+/// #     const KIND: &'static str = "wrist";
+/// #     type Reading = Wrench;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // Along z until something is felt, braked within 0.1 s; then the tool presses with 10 N.
+/// let along = GuardedApproach::<Irp6, Wrist>::along(-Vector3::z_axis(), 0.05, 0.25, 0.2, |_| false);
+/// let felt = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.norm() > 1.0);
+/// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+/// let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+/// let motion = Override::of(along, felt, 0.1, ForceLaw::lasting(law, 3.0, 1));
+/// let irp6 = Irp6::nominal();
+/// // A spring of 2 N/mm, 2 cm below the tool.
+/// let force = |pose: Pose| 2000.0 * (irp6.forward(&start).translation.z - 0.02 - pose.translation.z).max(0.0);
+/// let demands = rehearse_with(motion, &irp6, start, 0.002, |arm| {
+///     let pose = arm.measured().pose;
+///     let push = pose.rotation.inverse_transform_vector(&(Vector3::z() * force(pose)));
+///     (Order::new(()), Reading::new((SensorImage::new(Wrench::new(push, Vector3::zeros()), 0),)))
+/// })?;
+/// let end = demands.last().and_then(Demand::as_pose).map(force);
+/// assert!(end.is_some_and(|end| (end - 10.0).abs() < 0.01), "{end:?}");
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct Override<A: Generator, B> {
     usual: A,
     other: B,

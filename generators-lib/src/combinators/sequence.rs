@@ -8,6 +8,24 @@ use mrroc::prelude::*;
 ///
 /// What ends at rest and what starts at rest go together; a generator that ends while moving is a step in velocity, which the
 /// limits refuse. Displacements count from the start of the whole motion: a generator of these may come first, not second.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::combinators::Sequence;
+/// use mrroc_generators::generators::{JointMove, Sleep};
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let goal = start + Six::x() * 0.2;
+/// let to = |q| JointMove::to(q, Six::repeat(0.4), Six::repeat(0.8));
+/// let there_and_back = Sequence::of(to(goal), Sequence::of(Sleep::lasting(0.1), to(start)));
+/// let demands = rehearse(there_and_back, &Irp6::nominal(), start, 0.002)?;
+/// // Twice 2 sqrt(0.2 / 0.8) s, and the sleep; no step is lost between them.
+/// assert_eq!(demands.len(), 500 + 50 + 500);
+/// assert_eq!(demands[499].as_joints(), Some(goal));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct Sequence<A, B> {
     first: A,
     second: B,

@@ -7,6 +7,24 @@ use mrroc::prelude::*;
 /// Holds the robot until a function that it calls in every step returns true: for example the state of a button, or the
 /// answer of a dialog that another thread stores in an `AtomicBool`. While the cell is suspended it does not call the
 /// function.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::AwaitOperator;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // A button that is pressed after 100 steps.
+/// let mut asked = 0;
+/// let pressed = || {
+///     asked += 1;
+///     asked > 100
+/// };
+/// let demands = rehearse(AwaitOperator::until(pressed), &Irp6::nominal(), start, 0.002)?;
+/// assert_eq!(demands, vec![Demand::hold(); 100]);
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct AwaitOperator<R, F> {
     confirmed: F,
     of: PhantomData<R>,

@@ -14,6 +14,29 @@ use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 ///
 /// Starts from the pose demanded last, at rest. The limits hold along the circle; the acceleration across it is
 /// `v^2 / r`.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::CircularMove;
+/// use mrroc_generators::line::SmoothToolLimits;
+/// use mrroc_generators::profile::JerkLimits;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// let limits = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
+/// let limits = SmoothToolLimits { translation: limits, rotation: limits };
+/// // Half a circle of 5 cm radius beside the tool.
+/// let at = |x, y| irp6.forward(&start) * Pose::translation(x, y, 0.0);
+/// let arc = CircularMove::through(at(0.05, 0.05).translation.vector, at(0.1, 0.0), limits);
+/// let demands = rehearse(arc, &irp6, start, 0.002)?;
+/// // D / V + V / A + A / J = (1.5708 + 0.2 + 0.1) s, in steps of 2 ms.
+/// assert_eq!(demands.len(), 936);
+/// let radius = |pose: Pose| (pose.translation.vector - at(0.05, 0.0).translation.vector).norm();
+/// assert!(demands.iter().filter_map(Demand::as_pose).all(|pose| (radius(pose) - 0.05).abs() < 1e-9));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct CircularMove<R> {
     via: Vector3<f64>,
     goal: Pose,

@@ -11,6 +11,38 @@ use mrroc_generators::cooperation::{Correction, Displacement, SqueezeLaw};
 /// The ECP's half of tight cooperation by displacements for an arm that inserts, wipes or carries with others. By an
 /// admittance its tool yields to the load that the wrist sensor reads. It is a fault if that would displace the tool by
 /// more than the bounds of the law. The MP does not learn of the displacement.
+///
+/// ```
+/// use mrroc::generator::Generator;
+/// use mrroc::{pose::Wrench, sensor::SensorImage};
+/// use mrroc::prelude::*;
+/// use mrroc_generators::cooperation::{Displacement, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw};
+/// use mrroc_generators::generators::CompliantTransmit;
+/// use mrroc_generators::rehearsal::at_rest;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # struct Wrist;
+/// # impl Sensor for Wrist {
+/// #     const KIND: &'static str = "wrist";
+/// #     type Reading = Wrench;
+/// #     type Configuration = ();
+/// # }
+/// let stiffness = GraspStiffness { force: 2000.0, torque: 20.0 };
+/// let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
+/// let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, way: 0.1, angle: 0.1 };
+/// let law = SqueezeLaw::new(gains, bounds, 0.01).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+/// let mut transmit = CompliantTransmit::<Irp6, Wrist>::by(law, 1);
+/// // Ordered 10 mm along z and pushed back by 20 N, the tool yields at a F / K = 5 * 20 / 2000 m/s: 0.1 mm in a step.
+/// let order = Order::new(Displacement { pose: Pose::translation(0.0, 0.0, 0.01) });
+/// let felt = Wrench::new(nalgebra::Vector3::z() * -20.0, nalgebra::Vector3::zeros());
+/// let v = Reading::new((SensorImage::new(felt, 0),));
+/// let t = Tick { step: 0, dt: 0.002, duration: 0.002 };
+/// # let e = State::new(at_rest(&Irp6::nominal(), Six::zeros()));
+/// let Step::Next(demand) = transmit.next_step(&order, &e, &v, t)? else { unreachable!() };
+/// let z = demand.as_displacement().map(|pose| pose.translation.z);
+/// assert!(z.is_some_and(|z| (z - 0.0099).abs() < 1e-12));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct CompliantTransmit<R, S> {
     law: SqueezeLaw,
     oldest: u32,

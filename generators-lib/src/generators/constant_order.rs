@@ -6,6 +6,27 @@ use mrroc::prelude::*;
 
 /// Orders or demands the same in every step, `f**() = const`: a phase of loose cooperation, a force to be kept, a
 /// demand. Each robot of the list may get another order. The motion ends when every ECP of the list has finished.
+///
+/// ```
+/// use mrroc::generator::Generator;
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::ConstantOrder;
+/// use mrroc_generators::rehearsal::at_rest;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// #[derive(Clone, Copy, Debug, PartialEq, Payload)]
+/// enum Phase {
+///     Approach,
+///     Grasp,
+/// }
+///
+/// let mut order = ConstantOrder::<[Irp6; 2], Phase>::separate([Phase::Grasp, Phase::Approach]);
+/// # let e = State::new([at_rest(&Irp6::nominal(), Six::zeros()); 2]);
+/// # let t = Tick { step: 0, dt: 0.002, duration: 0.002 };
+/// let told = order.next_step(&Order::new(()), &e, &Reading::new(()), t)?;
+/// assert_eq!(told, Step::Next([Phase::Grasp, Phase::Approach]));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct ConstantOrder<L: Robots<O>, O = Motion>(L::Demands);
 
 impl<L: Robots<O>, O: 'static> ConstantOrder<L, O> {

@@ -7,6 +7,19 @@ use mrroc::prelude::*;
 /// Holds the robot for a time by the clock, whatever the operator's speed: while glue dries, or a tool runs up to
 /// speed. The time goes on while the cell is suspended; that of a [`Sleep`](mrroc_generators::generators::Sleep) does
 /// not.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::Delay;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // 0.5 s are 250 steps of 2 ms.
+/// let demands = rehearse(Delay::lasting(0.5), &Irp6::nominal(), start, 0.002)?;
+/// assert_eq!(demands, vec![Demand::hold(); 250]);
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct Delay<R> {
     duration: f64,
     time: f64,

@@ -31,6 +31,36 @@ pub struct Servoing {
 /// Moves the tool to a place beside an object, by the pose of the object in the camera: `X_WG = X_WE X_EC X_CO X_OG`.
 /// `X_WE` is the *measured* pose of the tool, not the demanded one, because the camera was there. While nothing is
 /// seen, the tool goes on to where the object was last.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc::sensor::SensorImage;
+/// use mrroc_generators::cooperation::Displacement;
+/// use mrroc_generators::generators::{EyeInHand, Servoing};
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # struct Camera;
+/// # impl Sensor for Camera {
+/// #     const KIND: &'static str = "camera";
+/// #     type Reading = Displacement;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// let object = irp6.forward(&start) * Pose::translation(0.1, 0.05, 0.1);
+/// let (speed, turning, tolerance, angle_tolerance) = (0.1, 0.5, 1e-4, 1e-3);
+/// let how = Servoing { speed, turning, ramp: 0.2, gain: 4.0, tolerance, angle_tolerance, oldest: 1 };
+/// // The camera is at the origin of the tool.
+/// let to_it = EyeInHand::<Irp6, Camera>::to(Pose::identity(), Pose::identity(), |seen| Some(seen.pose), how);
+/// let demands = rehearse_with(to_it, &irp6, start, 0.002, |arm| {
+///     let pose = arm.measured().pose.inv_mul(&object);
+///     (Order::new(()), Reading::new((SensorImage::new(Displacement { pose }, 0),)))
+/// })?;
+/// let end = demands.last().and_then(Demand::as_pose);
+/// assert!(end.is_some_and(|end| (end.translation.vector - object.translation.vector).norm() <= 1e-4));
+/// # Ok::<(), Fault>(())
+/// ```
 #[allow(non_snake_case)]
 pub struct EyeInHand<R, S: Sensor> {
     see: fn(&S::Reading) -> Option<Pose>,

@@ -14,6 +14,39 @@ use mrroc_generators::cooperation::{BodyPath, Grasps, Placed, Smoothed};
 /// slave add their delay, and the smoothing of encoder counts adds `lag`. At 0.1 m/s, with steps of 2 ms and a lag of
 /// 20 ms, that is 2.4 mm and more. To move arms on one rigid body, or slaves that shall follow the demands of the
 /// master, use one path for all arms.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc::robot::{RobotImage, RobotState};
+/// use mrroc_generators::conformance::Given;
+/// use mrroc_generators::cooperation::StraightBody;
+/// use mrroc_generators::generators::FollowMaster;
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let path = StraightBody::by(Pose::translation(0.05, 0.0, -0.05), limits);
+/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// // Arms that are where they are demanded to be.
+/// let image = |i: usize, demand: &Demand<Irp6>| {
+///     let pose = demand.as_pose().unwrap_or(arms[i].demanded().pose);
+///     let state = RobotState { pose, ..*arms[i].demanded() };
+///     RobotImage::new(state, state)
+/// };
+/// let follow = FollowMaster::<[Irp6; 2], _>::along(path, 0.02);
+/// let demands = rehearse_all(follow, 0.002, |last| {
+///     let e = State::new(last.map_or(arms, |told| [image(0, &told[0]), image(1, &told[1])]));
+///     Ok(Given { order: Order::new(()), e, v: Reading::new(()) })
+/// })?;
+/// // In the end, the slave is as far from its master as at the start.
+/// let ends = demands[demands.len() - 1].map(|told| told.as_pose().map(|pose| pose.translation.vector));
+/// assert!(ends[0].zip(ends[1]).is_some_and(|(master, slave)| ((slave - master).y - 0.5).abs() < 1e-5));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct FollowMaster<L: RobotList, P, O = Motion> {
     path: P,
     lag: f64,

@@ -11,6 +11,39 @@ use mrroc_generators::line::LinePath;
 /// Moves the tool onto `X_WF X_FG` and keeps it there. The frame F moves by itself, such as a part on a conveyor.
 /// Readings tell where it was; a [`TrackedFrame`] computes from them where it is. The approach is that of
 /// [`MovingFrame`](super::MovingFrame) and begins with the first reading; until then the tool holds.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc::sensor::SensorImage;
+/// use mrroc_generators::cooperation::{Displacement, Tracking};
+/// use mrroc_generators::generators::FollowedFrame;
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # struct Camera;
+/// # impl Sensor for Camera {
+/// #     const KIND: &'static str = "camera";
+/// #     type Reading = Displacement;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// // A part that moves along y at 0.05 m/s; 5 cm above it after 1 s, and with it until 1.5 s have passed.
+/// let mut part = irp6.forward(&start) * Pose::translation(0.0, 0.0, 0.1);
+/// let how = Tracking { rate: 15.0, acceleration: 1.0, turning: 5.0 };
+/// let above = Pose::translation(0.0, 0.0, -0.05);
+/// let follow = FollowedFrame::<Irp6, Camera>::to(|seen| Some(seen.pose), above, how, 1.0, 1.5, 1);
+/// let demands = rehearse_with(follow, &irp6, start, 0.002, |_| {
+///     part.translation.y += 0.05 * 0.002;
+///     (Order::new(()), Reading::new((SensorImage::new(Displacement { pose: part }, 0),)))
+/// })?;
+/// assert_eq!(demands.len(), 750);
+/// let end = demands.last().and_then(Demand::as_pose);
+/// // The part has moved on by 0.1 mm in the step that ended the motion.
+/// let off = end.map(|end| (end.translation.vector - (part * above).translation.vector).norm());
+/// assert!(off.is_some_and(|off| off < 1.01e-4), "{off:?}");
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct FollowedFrame<R, S: Sensor> {
     see: fn(&S::Reading) -> Option<Pose>,
     place: Pose,

@@ -13,6 +13,37 @@ use mrroc_generators::force::ForceControl;
 ///
 /// Starts from the pose demanded last, at rest, and ends after a path time. Without a reading nothing moves; a reading
 /// that is too old is a fault.
+///
+/// ```
+/// use mrroc::{pose::Wrench, sensor::SensorImage};
+/// use mrroc::prelude::*;
+/// use mrroc_generators::force::{Behaviour, ForceControl, Give};
+/// use mrroc_generators::generators::ForceLaw;
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # struct Wrist;
+/// # impl Sensor for Wrist {
+/// #     const KIND: &'static str = "wrist";
+/// #     type Reading = Wrench;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // Along its z axis the tool presses with 10 N on a spring of 2 N/mm; along the others it stays.
+/// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+/// let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+/// let irp6 = Irp6::nominal();
+/// let depth = |arm: Pose| irp6.forward(&start).inv_mul(&arm).translation.z;
+/// let demands = rehearse_with(ForceLaw::<Irp6, Wrist>::lasting(law, 3.0, 1), &irp6, start, 0.002, |arm| {
+///     let push = Vector3::z() * -2000.0 * depth(arm.measured().pose);
+///     (Order::new(()), Reading::new((SensorImage::new(Wrench::new(push, Vector3::zeros()), 0),)))
+/// })?;
+/// let end = demands.last().and_then(Demand::as_pose);
+/// assert!(end.is_some_and(|end| (2000.0 * depth(end) - 10.0).abs() < 1e-3));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct ForceLaw<R, S> {
     law: ForceControl,
     duration: f64,

@@ -9,6 +9,37 @@ use nalgebra::{Translation3, Unit, Vector3};
 ///
 /// Ends in the step after the contact; the runtime brings the tool to a standstill. Throws a fault if there is no
 /// contact within `way`.
+///
+/// ```
+/// use mrroc::{pose::Wrench, sensor::SensorImage};
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::GuardedApproach;
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # struct Wrist;
+/// # impl Sensor for Wrist {
+/// #     const KIND: &'static str = "wrist";
+/// #     type Reading = Wrench;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // Down at 0.05 m/s, by 0.2 m at most, until the sensor feels more than 5 N.
+/// let down = -Vector3::z_axis();
+/// let approach = GuardedApproach::<Irp6, Wrist>::along(down, 0.05, 0.5, 0.2, |felt| felt.force.norm() > 5.0);
+/// let irp6 = Irp6::nominal();
+/// let table = irp6.forward(&start).translation.z - 0.02;
+/// let demands = rehearse_with(approach, &irp6, start, 0.002, |arm| {
+///     let touches = arm.measured().pose.translation.z < table;
+///     let felt = Wrench::new(Vector3::z() * if touches { 10.0 } else { 0.0 }, Vector3::zeros());
+///     (Order::new(()), Reading::new((SensorImage::new(felt, 0),)))
+/// })?;
+/// // It ends in the step after the one that touches: 0.1 mm a step.
+/// let end = demands.last().and_then(Demand::as_pose);
+/// assert!(end.is_some_and(|end| (table - 1.01e-4..table).contains(&end.translation.z)));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct GuardedApproach<R, S: Sensor> {
     direction: Unit<Vector3<f64>>,
     speed: f64,

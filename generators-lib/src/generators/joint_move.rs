@@ -8,6 +8,21 @@ use mrroc_generators::profile::ProfileCursor;
 /// Moves all joints to their goals together, by one trapezoidal profile.
 ///
 /// Starts from the joint positions demanded last, at rest.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::JointMove;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let goal = start + Six::new(0.2, 0.1, 0.0, 0.0, 0.0, 0.0);
+/// let motion = JointMove::to(goal, Six::repeat(0.4), Six::repeat(0.8));
+/// let demands = rehearse(motion, &Irp6::nominal(), start, 0.002)?;
+/// // The first joint just reaches its velocity: 2 sqrt(0.2 / 0.8) = 1 s. The second one arrives with it.
+/// assert_eq!((demands.len(), demands[499].as_joints()), (500, Some(goal)));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct JointMove<R: Robot> {
     goal: R::Joints,
     velocity: R::Joints,

@@ -10,6 +10,23 @@ use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 ///
 /// The speed along the spline keeps every joint within its velocity and acceleration: with `|q'|`, `|q''|` the largest on
 /// the spline, `u' <= V / |q'|` and `u'^2 |q''| + u'' |q'| <= A`, half of it for either.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::JointSpline;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let points = vec![start + Six::repeat(0.1), start + Six::new(0.2, 0.1, 0.1, 0.0, -0.1, 0.3)];
+/// let motion = JointSpline::through(points.clone(), Six::repeat(0.4), Six::repeat(0.8), 0.1);
+/// let demands = rehearse(motion, &Irp6::nominal(), start, 0.002)?;
+/// // It passes the first point within half a step at 0.4 rad/s, and ends at the last one.
+/// let past = |point: Six| demands.iter().filter_map(Demand::as_joints).any(|q| (q - point).amax() <= 4e-4);
+/// assert!(past(points[0]));
+/// assert_eq!(demands.last().and_then(Demand::as_joints), Some(points[1]));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct JointSpline<R: Robot> {
     points: Vec<R::Joints>,
     velocity: R::Joints,

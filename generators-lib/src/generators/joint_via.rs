@@ -12,6 +12,28 @@ use mrroc_generators::via::ViaJoints;
 /// [`through`](JointVia::through) plans in the first step of the motion, and must finish before the next step: it plans
 /// about ten points in a millisecond. For more points in real time, plan before the Move, while the robots hold, and
 /// use [`along`](JointVia::along).
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::JointVia;
+/// use mrroc_generators::jerk::JointLimits;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = JointLimits { velocity: Six::repeat(0.4), acceleration: Six::repeat(0.8), jerk: Six::repeat(8.0) };
+/// // There, and on at a right angle: past the via point within 0.01 rad.
+/// let via = start + Six::x() * 0.2;
+/// let goal = via + Six::y() * 0.2;
+/// let motion = JointVia::through(vec![via, goal], Six::repeat(0.01), limits);
+/// let demands = rehearse(motion, &Irp6::nominal(), start, 0.002)?;
+/// let off = demands.iter().filter_map(Demand::as_joints).map(|q| (q - via).amax()).fold(1.0, f64::min);
+/// // Of the positions demanded, the nearest may be half a step at 0.4 rad/s before or behind the nearest of the path.
+/// assert!(off > 1e-4 && off <= 0.01 + 4e-4, "{off}");
+/// let end = demands.last().and_then(Demand::as_joints);
+/// assert!(end.is_some_and(|end| (end - goal).amax() < 1e-12));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct JointVia<R: Robot> {
     plan: Plan<R::Joints>,
     time: f64,

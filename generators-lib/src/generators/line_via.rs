@@ -12,6 +12,33 @@ use mrroc_generators::via::{PoseDeviation, ViaPoses};
 ///
 /// The tool passes a pose at a distance and an angle of at most the deviation; the smaller the deviation, the slower
 /// the corner. It uses no joint coordinates, so it serves every robot.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::LineVia;
+/// use mrroc_generators::line::SmoothToolLimits;
+/// use mrroc_generators::profile::JerkLimits;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_generators::via::PoseDeviation;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// let limits = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
+/// let limits = SmoothToolLimits { translation: limits, rotation: limits };
+/// let at = |x, y| irp6.forward(&start) * Pose::translation(x, y, 0.0);
+/// // Round a corner, which may be cut by 5 mm.
+/// let within = PoseDeviation { distance: 0.005, angle: 0.05 };
+/// let motion = LineVia::through(vec![at(0.08, 0.0), at(0.08, 0.08)], within, limits);
+/// let demands = rehearse(motion, &irp6, start, 0.002)?;
+/// let off = |pose: Pose| (pose.translation.vector - at(0.08, 0.0).translation.vector).norm();
+/// let nearest = demands.iter().filter_map(Demand::as_pose).map(off).fold(1.0, f64::min);
+/// // The nearest pose demanded may be half a step at 0.1 m/s before or behind the nearest of the path.
+/// assert!(nearest > 1e-4 && nearest <= 0.005 + 1e-4, "{nearest}");
+/// // Sooner than with a stop at the corner: twice D / V + V / A + A / J.
+/// assert!(demands.len() < 2 * 550);
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct LineVia<R> {
     poses: Vec<Pose>,
     deviation: PoseDeviation,

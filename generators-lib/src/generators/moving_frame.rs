@@ -14,6 +14,26 @@ use mrroc_generators::line::LinePath;
 ///
 /// The frame moves by path time, so it stands still while the cell is suspended. For a frame that moves by itself use
 /// [`FollowedFrame`](super::FollowedFrame).
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::cooperation::Functional;
+/// use mrroc_generators::generators::MovingFrame;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// // A belt at 0.05 m/s carries a part; the tool is above it after 1 s, and goes on with it for 0.5 s.
+/// let part = irp6.forward(&start) * Pose::translation(0.0, 0.0, 0.1);
+/// let belt = move |age: f64| Pose::translation(0.0, 0.05 * age, 0.0) * part;
+/// let above = Pose::translation(0.0, 0.0, -0.05);
+/// let demands = rehearse(MovingFrame::to(Functional::new(belt), above, 1.0, 1.5), &irp6, start, 0.002)?;
+/// assert_eq!(demands.len(), 750);
+/// let end = demands[749].as_pose().map(|end| (belt(1.5) * above).inv_mul(&end).translation.vector.norm());
+/// assert!(end.is_some_and(|off| off < 1e-12));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct MovingFrame<R, F> {
     frame: F,
     place: Pose,

@@ -20,6 +20,37 @@ pub struct Pressing {
 /// Keeps the ordered force along the tool's z axis while it moves across as ordered, without turning; ends with the
 /// coordinator's motion. The sensor also feels the weight of the tool; the *measured* orientation tells its component
 /// along each axis.
+///
+/// ```
+/// use mrroc::generator::Generator;
+/// use mrroc::{pose::Wrench, sensor::SensorImage};
+/// use mrroc::prelude::*;
+/// use mrroc_generators::force::Give;
+/// use mrroc_generators::generators::{OrderedForce, Pressing};
+/// use mrroc_generators::rehearsal::at_rest;
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # struct Wrist;
+/// # impl Sensor for Wrist {
+/// #     const KIND: &'static str = "wrist";
+/// #     type Reading = Wrench;
+/// #     type Configuration = ();
+/// # }
+/// // A tool of 13.18 N that hangs down freely and is ordered to press with 10 N: the law is m dv/dt + v / b = 10 N.
+/// let mut press = OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give { reciprocal_damping: 0.005, inertia: 0.0 });
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let arm = at_rest(&Irp6::nominal(), start);
+/// let order = Order::new(Pressing { force: 10.0, across: [0.0, 0.0] });
+/// let weight = arm.measured().pose.rotation.inverse_transform_vector(&(Vector3::z() * -13.18));
+/// let v = Reading::new((SensorImage::new(Wrench::new(weight, Vector3::zeros()), 0),));
+/// let t = Tick { step: 0, dt: 0.002, duration: 0.002 };
+/// let Step::Next(demand) = press.first_step(&order, &State::new(arm), &v, t)? else { unreachable!() };
+/// // Without inertia v = b F, which makes 0.005 * 10 * 0.002 m = 0.1 mm in a step.
+/// let way = demand.as_pose().map(|pose| arm.demanded().pose.inv_mul(&pose).translation.z);
+/// assert!(way.is_some_and(|way| (way - 1e-4).abs() < 1e-9), "{way:?}");
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct OrderedForce<R, S> {
     weight: f64,
     law: Result<ForceControl, Fault>,

@@ -16,6 +16,28 @@ const TURN: f64 = 0.1;
 ///
 /// The speed along the spline keeps the tool within its velocities and accelerations: with `|x'|`, `|x''|` the largest on it,
 /// `u' <= V / |x'|` and `u'^2 |x''| + u'' |x'| <= A`, half of it for either. Jerk is limited along the spline.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::PoseSplineMove;
+/// use mrroc_generators::line::SmoothToolLimits;
+/// use mrroc_generators::profile::JerkLimits;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// let limits = JerkLimits { velocity: 0.1, acceleration: 0.5, jerk: 5.0 };
+/// let limits = SmoothToolLimits { translation: limits, rotation: limits };
+/// let at = |x, y| irp6.forward(&start) * Pose::translation(x, y, 0.0);
+/// let motion = PoseSplineMove::through(vec![at(0.08, 0.0), at(0.08, 0.08)], limits);
+/// let demands = rehearse(motion, &irp6, start, 0.002)?;
+/// // It passes the first pose within half a step at 0.1 m/s, and ends at the last one.
+/// let off = |pose: Pose, x, y| (pose.translation.vector - at(x, y).translation.vector).norm();
+/// assert!(demands.iter().filter_map(Demand::as_pose).any(|pose| off(pose, 0.08, 0.0) <= 1e-4));
+/// assert!(demands.last().and_then(Demand::as_pose).is_some_and(|pose| off(pose, 0.08, 0.08) < 1e-9));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct PoseSplineMove<R> {
     poses: Vec<Pose>,
     limits: SmoothToolLimits,

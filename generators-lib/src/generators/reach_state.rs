@@ -16,6 +16,32 @@ pub struct JointOrder {
 ///
 /// A new target is taken up in the step in which it comes, from the state of motion reached, without a step in velocity
 /// or acceleration (Kröger's on-line trajectory generation). At the target it holds; it ends when the MP ends.
+///
+/// ```
+/// use mrroc::{generator::Generator, robot::MAX_JOINTS};
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::{JointOrder, ReachState};
+/// use mrroc_generators::jerk::JointLimits;
+/// use mrroc_generators::rehearsal::at_rest;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = JointLimits { velocity: Six::repeat(0.5), acceleration: Six::repeat(1.0), jerk: Six::repeat(10.0) };
+/// let mut reach = ReachState::<Irp6>::within(limits);
+/// // The coordinator wants the first joint 0.5 rad on.
+/// let mut joints = [0.0; MAX_JOINTS];
+/// joints[..6].copy_from_slice((start + Six::x() * 0.5).as_slice());
+/// let (order, e) = (Order::new(JointOrder { joints }), State::new(at_rest(&Irp6::nominal(), start)));
+/// let (v, t) = (Reading::new(()), Tick { step: 0, dt: 0.002, duration: 0.002 });
+/// let mut step = reach.first_step(&order, &e, &v, t)?;
+/// for _ in 1..800 {
+///     step = reach.next_step(&order, &e, &v, t)?;
+/// }
+/// // D / V + V / A + A / J = 1.6 s are 800 steps of 2 ms.
+/// let Step::Next(demand) = step else { unreachable!() };
+/// assert!(demand.as_joints().is_some_and(|q| (q[0] - start[0] - 0.5).abs() < 1e-9));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct ReachState<R: Robot> {
     limits: JointLimits<R::Joints>,
     motion: Option<MoveCursor<R::Joints>>,

@@ -9,6 +9,31 @@ use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
 
 /// Moves from pose to pose of a [`Taught`] sequence, each from rest to rest by one trapezoidal profile: straight in
 /// joint space to a pose that was taught in joints, straight in space to one that was taught as a pose of the tool.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::Replay;
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_generators::teach::{Reference, Space, Taught, TaughtPose};
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // Taught: by 0.2 rad of the first joint, at the whole velocity and acceleration, and back at half of either.
+/// let leg = |(share, q)| TaughtPose::new(share, share, &[q, 0.0, 0.0, 0.0, 0.0, 0.0]);
+/// let legs = [(1.0, 0.2), (0.5, -0.2)].map(leg);
+/// let poses = legs.into_iter().flatten().collect();
+/// let taught = Taught { space: Space::Joint, reference: Reference::Relative, poses };
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let replay = Replay::of(taught, Six::repeat(0.4), Six::repeat(0.8), limits);
+/// let demands = rehearse(replay, &Irp6::nominal(), start, 0.002)?;
+/// // D / V + V / A = 1 s there and 0.2 / 0.2 + 0.2 / 0.4 = 1.5 s back.
+/// assert_eq!(demands.len(), 500 + 750);
+/// assert!(demands[1249].as_joints().is_some_and(|q| (q - start).amax() < 1e-12));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct Replay<R: Robot> {
     taught: Taught,
     velocity: R::Joints,

@@ -14,6 +14,34 @@ use mrroc_generators::cooperation::{BodyFrame, BodyPath, Grasps, Placed};
 /// transparent ECPs; in the language [`Displacement`](mrroc_generators::cooperation::Displacement) it orders
 /// displacements, which [`TransmitDisplacement`](mrroc_generators::generators::TransmitDisplacement) or a program's own
 /// generator passes on.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::conformance::Given;
+/// use mrroc_generators::cooperation::{BodyFrame, StraightBody};
+/// use mrroc_generators::generators::RigidCarry;
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let path = StraightBody::by(Pose::new(Vector3::z() * 0.1, Vector3::z() * 0.1), limits);
+/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// let carry = RigidCarry::<[Irp6; 2], _>::along(BodyFrame::Centroid, path);
+/// let demands = rehearse_all(carry, 0.002, |_| {
+///     Ok(Given { order: Order::new(()), e: State::new(arms), v: Reading::new(()) })
+/// })?;
+/// // The tools keep their distance on the way, and the body takes D / V + V / A = 1.2 s.
+/// let poses = demands.iter().map(|told| told.map(|demand| demand.as_pose().unwrap_or_default()));
+/// let far = |[a, b]: [Pose; 2]| (b.translation.vector - a.translation.vector).norm();
+/// assert!(poses.into_iter().all(|both| (far(both) - 0.5).abs() < 1e-12));
+/// assert_eq!(demands.len(), 600);
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct RigidCarry<L: RobotList, P, O = Motion> {
     body: BodyFrame,
     path: P,

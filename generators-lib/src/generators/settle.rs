@@ -7,6 +7,21 @@ use mrroc::robot::JointVector;
 /// Holds until every joint, as measured, stays near its demand for a while: before a measurement or a grasp.
 ///
 /// A robot that does not settle in time is a fault.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::Settle;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // Within 1 mrad for 0.2 s, which must happen within a second.
+/// let settle = Settle::within(Six::repeat(1e-3), 0.2, 1.0);
+/// // A robot that obeys to the letter is there at once: it is done in its hundredth step.
+/// let demands = rehearse(settle, &Irp6::nominal(), start, 0.002)?;
+/// assert_eq!(demands, vec![Demand::hold(); 99]);
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct Settle<R: Robot> {
     tolerance: R::Joints,
     dwell: f64,

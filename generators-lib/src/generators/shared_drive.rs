@@ -14,6 +14,34 @@ use mrroc_generators::profile::ProfileCursor;
 /// First the arms are asynchronous: each goes straight from where it was demanded to where its loop closes, in the time
 /// that it needs itself. When the last has arrived, all are engaged: the drive frame D starts along its path, and all
 /// tools with it. Functional transforms of the loops count their age from then on.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::conformance::Given;
+/// use mrroc_generators::cooperation::{KinematicLoop, StraightBody};
+/// use mrroc_generators::generators::SharedDrive;
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// // Each arm goes to its place 2 cm above where it is, by itself; then both move with the drive by 10 cm.
+/// let loops = arms.map(|arm| {
+///     KinematicLoop::held(&Pose::identity(), &(Pose::translation(0.0, 0.0, 0.02) * arm.demanded().pose))
+/// });
+/// let path = StraightBody::by(Pose::translation(0.1, 0.0, 0.0), limits);
+/// let drive = SharedDrive::<[Irp6; 2], _>::from(Pose::identity(), path, loops, limits);
+/// let demands = rehearse_all(drive, 0.002, |_| {
+///     Ok(Given { order: Order::new(()), e: State::new(arms), v: Reading::new(()) })
+/// })?;
+/// // 0.02 / 0.1 + 0.2 s, then 0.1 / 0.1 + 0.2 s.
+/// assert_eq!(demands.len(), 200 + 600);
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct SharedDrive<L: RobotList, P, D: Copy = Pose, E: Copy = Pose, O = Motion> {
     drive: Pose,
     path: P,

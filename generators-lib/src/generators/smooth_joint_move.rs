@@ -8,6 +8,22 @@ use mrroc_generators::jerk::{JointLimits, JointState, JointTarget, MoveCursor, S
 ///
 /// The joints arrive together. They move along a straight line in joint space if the profile of the slowest joint is
 /// within the limits of the others. Starts from the joint positions demanded last, at rest.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::SmoothJointMove;
+/// use mrroc_generators::jerk::JointLimits;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = JointLimits { velocity: Six::repeat(0.5), acceleration: Six::repeat(1.0), jerk: Six::repeat(10.0) };
+/// let goal = start + Six::new(0.5, 0.1, 0.0, 0.0, 0.0, 0.0);
+/// let demands = rehearse(SmoothJointMove::to(goal, limits), &Irp6::nominal(), start, 0.002)?;
+/// // The first joint has the longest way: D / V + V / A + A / J = 1.6 s.
+/// assert_eq!((demands.len(), demands[799].as_joints()), (800, Some(goal)));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct SmoothJointMove<R: Robot> {
     goal: R::Joints,
     limits: JointLimits<R::Joints>,

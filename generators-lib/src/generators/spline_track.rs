@@ -12,6 +12,30 @@ use mrroc_generators::feed::{FedPath, FeedError, FeedLimits};
 ///
 /// The curve is computed from eight points at a time. Only its piece between the first two is used before this window
 /// moves on by one point, so memory does not grow with the path. The tool must stand at the first point.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::bspline::SplineSettings;
+/// use mrroc_generators::feed::FeedLimits;
+/// use mrroc_generators::generators::SplineTrack;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::{UnitQuaternion, Vector3};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// // Points of a wave, in the coordinates of the tool as it stands; they may come from any iterator.
+/// let point = |i: i32| Vector3::new(0.002 * f64::from(i), 0.01 * (0.2 * f64::from(i)).sin(), 0.0);
+/// let (tangential, normal, chord_error, jerk) = (0.5, 0.5, f64::INFINITY, f64::INFINITY);
+/// let feed = FeedLimits { feed: 0.1, tangential, normal, step: 0.002, chord_error, jerk };
+/// let irp6 = Irp6::nominal();
+/// let (at, upright) = (irp6.forward(&start), UnitQuaternion::identity());
+/// let track = SplineTrack::through((0..=50).map(point), SplineSettings::default(), feed, at, upright);
+/// let track = track.map_err(|bad| Fault::thrown(&bad.to_string()))?;
+/// let demands = rehearse(track, &irp6, start, 0.002)?;
+/// let end = demands.last().and_then(Demand::as_pose).map(|end| at.inv_mul(&end).translation.vector);
+/// assert!(end.is_some_and(|end| (end - point(50)).norm() < 1e-6), "{end:?}");
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct SplineTrack<R, I> {
     path: FedPath<SpanStream<I>>,
     frame: Pose,

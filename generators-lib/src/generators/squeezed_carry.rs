@@ -16,6 +16,49 @@ use mrroc_generators::cooperation::{InternalForce, Placed, Sharing, SqueezeLaw, 
 ///
 /// A reading counts until the next one comes. These are faults: a reading that is too old, a sensor that has read
 /// nothing for as long, and a correction beyond the bounds of the law. At standstill nothing is corrected.
+///
+/// ```
+/// use mrroc::{pose::Wrench, sensor::SensorImage};
+/// use mrroc::prelude::*;
+/// use mrroc_generators::conformance::Given;
+/// use mrroc_generators::cooperation::{BodyFrame, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw, StraightBody};
+/// use mrroc_generators::generators::SqueezedCarry;
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::{at_rest, rehearse_all};
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # struct Wrist;
+/// # impl Sensor for Wrist {
+/// #     const KIND: &'static str = "wrist";
+/// #     type Reading = Wrench;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let stiffness = GraspStiffness { force: 2000.0, torque: 20.0 };
+/// let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.0 };
+/// let bounds = SqueezeBounds { speed: 0.2, turning: 0.2, way: 0.1, angle: 0.1 };
+/// let law = SqueezeLaw::new(gains, bounds, 0.01).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let path = StraightBody::by(Pose::translation(0.1, 0.0, 0.0), limits);
+/// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// let carry = SqueezedCarry::<[Irp6; 2], [Wrist; 2], _>::along(BodyFrame::Centroid, path, law, 0.0, 1);
+/// // Both feel in every step that they are pulled apart by 20 N, along y.
+/// let felt = [0, 1].map(|i| {
+///     let pull = Vector3::y() * if i == 0 { 20.0 } else { -20.0 };
+///     let force = arms[i].measured().pose.rotation.inverse_transform_vector(&pull);
+///     SensorImage::<Wrist>::new(Wrench::new(force, Vector3::zeros()), 0)
+/// });
+/// let demands = rehearse_all(carry, 0.002, |_| {
+///     Ok(Given { order: Order::new(()), e: State::new(arms), v: Reading::new(felt) })
+/// })?;
+/// // Each yields at a F / K = 0.05 m/s, so they come nearer by 0.2 mm in each of the 600 steps.
+/// let y = |i: usize| demands[599][i].as_pose().map_or(0.0, |pose| pose.translation.y);
+/// assert!((y(1) - y(0) - (0.5 - 600.0 * 2e-4)).abs() < 1e-9, "{}", y(1) - y(0));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct SqueezedCarry<L: RobotList, V, P, O = Motion> {
     body: BodyFrame,
     path: P,

@@ -11,6 +11,27 @@ use mrroc_generators::profile::ProfileCursor;
 /// limits decides which: `ToolLimits` give a trapezoidal profile, `SmoothToolLimits` limit its jerk, too.
 ///
 /// Starts from the pose demanded last, at rest. It uses no joint coordinates, so it serves every robot.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::StraightLine;
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.1 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let along_z = StraightLine::by(Pose::translation(0.0, 0.0, 0.1), limits);
+/// let demands = rehearse(along_z, &irp6, start, 0.002)?;
+/// // D / V + V / A = 2 s.
+/// assert_eq!(demands.len(), 1000);
+/// let end = demands[999].as_pose().map(|end| irp6.forward(&start).inv_mul(&end).translation.vector);
+/// assert!(end.is_some_and(|end| (end - nalgebra::Vector3::z() * 0.1).norm() < 1e-12));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct StraightLine<R, L: MotionLimits = ToolLimits> {
     goal: Goal,
     limits: L,

@@ -12,6 +12,28 @@ use mrroc_generators::timing::{PathLimits, TimeOptimal, grid, joint_spline};
 ///
 /// The displacements of the curve from its start are along the axes of the world. The demands are joint positions on a
 /// spline, which is less than 1e-6 rad or m off the curve midway between its points.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::curve::Helix;
+/// use mrroc_generators::generators::TimeOptimalCurve;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_generators::timing::PathLimits;
+/// use mrroc_robots::{Irp6, Six};
+/// use nalgebra::Vector3;
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let helix = Helix::about(Vector3::zeros(), Vector3::x() * 0.05, Vector3::z_axis(), 3.0, 0.02);
+/// let helix = helix.map_err(|bad| Fault::thrown(&bad.to_string()))?;
+/// let limits = PathLimits { velocity: Six::repeat(0.2), acceleration: Six::repeat(1.0), speed: f64::INFINITY };
+/// let irp6 = Irp6::nominal();
+/// let demands = rehearse(TimeOptimalCurve::along(irp6.clone(), helix, limits), &irp6, start, 0.002)?;
+/// // No joint is faster than its limit, and in the least time one of them is that fast.
+/// let joints: Vec<Six> = demands.iter().filter_map(Demand::as_joints).collect();
+/// let fastest = joints.windows(2).map(|q| (q[1] - q[0]).amax() / 0.002).fold(0.0, f64::max);
+/// assert!(fastest <= 0.2 * (1.0 + 1e-6) && fastest > 0.199, "{fastest}");
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct TimeOptimalCurve<R: Robot, C> {
     robot: R,
     curve: C,

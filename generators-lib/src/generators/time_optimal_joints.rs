@@ -10,6 +10,23 @@ use mrroc_generators::timing::{PathLimits, TimeOptimal, grid};
 /// Moves the joints from where they are through all points without a stop, on the natural cubic spline, as fast as the
 /// velocity and acceleration limits of all joints allow at every place: one of them is always reached. Jerk is not
 /// limited.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc_generators::generators::TimeOptimalJoints;
+/// use mrroc_generators::rehearsal::rehearse;
+/// use mrroc_generators::timing::PathLimits;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let limits = PathLimits { velocity: Six::repeat(1.0), acceleration: Six::repeat(0.8), speed: f64::INFINITY };
+/// let goal = start + Six::x() * 0.2;
+/// let demands = rehearse(TimeOptimalJoints::through(vec![goal], limits), &Irp6::nominal(), start, 0.002)?;
+/// // One joint, from rest to rest: 2 sqrt(D / A) = 1 s, within what the grid of the plan costs.
+/// assert!((500..=510).contains(&demands.len()), "{}", demands.len());
+/// assert!(demands.last().and_then(Demand::as_joints).is_some_and(|q| (q - goal).amax() < 1e-9));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct TimeOptimalJoints<R: Robot> {
     points: Vec<R::Joints>,
     limits: PathLimits<R::Joints>,

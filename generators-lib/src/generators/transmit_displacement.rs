@@ -7,6 +7,23 @@ use mrroc::prelude::*;
 use mrroc_generators::cooperation::Displacement;
 
 /// The ECP's half of tight cooperation by displacements: demands what the MP orders, and ends when the MP ends.
+///
+/// ```
+/// use mrroc::generator::Generator;
+/// use mrroc::prelude::*;
+/// use mrroc_generators::cooperation::Displacement;
+/// use mrroc_generators::generators::TransmitDisplacement;
+/// use mrroc_generators::rehearsal::at_rest;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// let pose = Pose::translation(0.0, 0.0, 0.01);
+/// let mut transmit = TransmitDisplacement::<Irp6>::new();
+/// # let e = State::new(at_rest(&Irp6::nominal(), Six::zeros()));
+/// # let t = Tick { step: 0, dt: 0.002, duration: 0.002 };
+/// let step = transmit.next_step(&Order::new(Displacement { pose }), &e, &Reading::new(()), t)?;
+/// assert_eq!(step, Step::Next(Demand::displacement(pose)));
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct TransmitDisplacement<R>(PhantomData<R>);
 
 impl<R: Robot> TransmitDisplacement<R> {

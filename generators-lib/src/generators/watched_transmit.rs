@@ -10,6 +10,33 @@ use mrroc_generators::cooperation::Displacement;
 /// The ECP's half of tight cooperation by displacements where something may be in the way. If the measured tool is
 /// farther behind its demand than the lag of the drives explains, it has touched something, and a fault stops all arms.
 /// This detects contact without a sensor.
+///
+/// ```
+/// use mrroc::generator::Generator;
+/// use mrroc::prelude::*;
+/// use mrroc::robot::RobotImage;
+/// use mrroc_generators::cooperation::Displacement;
+/// use mrroc_generators::generators::WatchedTransmit;
+/// use mrroc_generators::rehearsal::at_rest;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// let irp6 = Irp6::nominal();
+/// let at = *at_rest(&irp6, start).demanded();
+/// let mut watch = WatchedTransmit::<Irp6>::within(5e-3, 0.05);
+/// let pose = Pose::translation(0.0, 0.0, 0.01);
+/// let (order, v) = (Order::new(Displacement { pose }), Reading::new(()));
+/// # let t = Tick { step: 0, dt: 0.002, duration: 0.002 };
+/// // The tool is 4.9 mm behind its demand, and then 5.1 mm.
+/// let mut measured = at;
+/// measured.pose *= Pose::translation(0.0, 0.0, -4.9e-3);
+/// let e = State::new(RobotImage::new(measured, at));
+/// assert_eq!(watch.next_step(&order, &e, &v, t)?, Step::Next(Demand::displacement(pose)));
+/// measured.pose *= Pose::translation(0.0, 0.0, -0.2e-3);
+/// let e = State::new(RobotImage::new(measured, at));
+/// assert!(watch.next_step(&order, &e, &v, t).is_err());
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct WatchedTransmit<R> {
     way: f64,
     angle: f64,

@@ -10,6 +10,29 @@ use mrroc_generators::cooperation::{Arm, ArmModel, Displacement, FreeDirection};
 ///
 /// A pose that the arm still cannot take is a fault that names the direction;
 /// [`dry_run`](mrroc_generators::cooperation::dry_run) finds it before anything moves.
+///
+/// ```
+/// use mrroc::generator::Generator;
+/// use mrroc::prelude::*;
+/// use mrroc_generators::cooperation::{Displacement, FreeDirection};
+/// use mrroc_generators::generators::YieldingTransmit;
+/// use mrroc_generators::rehearsal::at_rest;
+/// use mrroc_robots::{Five, Irp6FiveDof};
+/// use nalgebra::Vector3;
+///
+/// // An arm of five joints, whose grasp may turn about the x axis of the tool.
+/// let arm = Irp6FiveDof::nominal();
+/// let start = Five::new(0.0, -1.5, 0.1, -0.170_796_326_794_896_6, 0.0);
+/// let mut transmit = YieldingTransmit::by(arm.clone(), FreeDirection::Turn(Vector3::x_axis()));
+/// let pose = Pose::translation(0.0, 0.01, 0.0);
+/// let (e, t) = (State::new(at_rest(&arm, start)), Tick { step: 0, dt: 0.002, duration: 0.002 });
+/// let step = transmit.first_step(&Order::new(Displacement { pose }), &e, &Reading::new(()), t)?;
+/// // It demands joints, which put the origin of the tool where it is ordered to be.
+/// let Step::Next(demand) = step else { unreachable!() };
+/// let reached = demand.as_joints().map(|q| (arm.forward(&start) * pose).inv_mul(&arm.forward(&q)));
+/// assert!(reached.is_some_and(|off| off.translation.vector.norm() < 1e-6), "{reached:?}");
+/// # Ok::<(), Fault>(())
+/// ```
 pub struct YieldingTransmit<R: Robot> {
     robot: R,
     free: FreeDirection,

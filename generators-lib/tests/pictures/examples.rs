@@ -2,10 +2,16 @@
 
 use std::error::Error;
 
+use mrroc::generator::{Condition, RobotList};
+use mrroc::prelude::*;
+use mrroc::sensor::SensorImage;
+use mrroc_generators::conditions::{ConditionExt, all, any, elapsed, elapsed_since, not};
 use nalgebra::Vector3;
 
 use super::sheet::{Chart, Paths, Sheet, Trace};
-use crate::examples::{force, jerk_limited_plan, spline_through_points, two_arms_carry, via_points};
+use crate::examples::{
+    conditions, force, jerk_limited_plan, spline_through_points, two_arms_carry, via_points,
+};
 
 /// Every second servo period: enough for a picture.
 const EVERY: usize = 2;
@@ -122,6 +128,42 @@ fn press() -> Result<Sheet, Box<dyn Error>> {
     Ok(Sheet { title, axes: vec![""], dashed: "", charts, paths: None, duration })
 }
 
+/// In which steps conditions hold, one below the other.
+fn logic() -> Result<Sheet, Box<dyn Error>> {
+    use conditions::{door_open, seated};
+    const STEPS: usize = 500;
+    const DT: f64 = 2e-3;
+    fn chart<C>(heading: &str, mut condition: C) -> Result<Chart, Fault>
+    where
+        C: Condition<Sensors = (conditions::Fixture,), Order = ()>,
+    {
+        let mut fixture = conditions::Simulated(0);
+        let mut values = Trace::new();
+        for step in 0..STEPS {
+            let inputs =
+                fixture.aggregate(&ReadingOrder { configuration: (), robot: None, step: step as u64 })?;
+            let v = Reading::new((SensorImage::new(inputs, 0),));
+            let t = Tick { step: step as u64, dt: DT, duration: DT };
+            let e = State::new(<C::Robots as RobotList>::unknown());
+            let met = condition.is_met(&Order::new(()), &e, &v, t)?;
+            values.push(Vector3::x() * f64::from(u8::from(met)));
+        }
+        Ok(Chart { heading: heading.to_owned(), values: vec![values], rounding: 1e-9, lines: Vec::new() })
+    }
+    let ready = || all((seated {}.held_for(0.1), not(door_open {})));
+    let charts = vec![
+        chart("seated {}: the switch bounces", seated {})?,
+        chart("seated {}.held_for(0.1)", seated {}.held_for(0.1))?,
+        chart("elapsed_since(seated {}, 0.3)", elapsed_since(seated {}, 0.3))?,
+        chart("not(door_open {})", not(door_open {}))?,
+        chart("all((seated {}.held_for(0.1), not(door_open {})))", ready())?,
+        chart("any((all(..), elapsed(0.8)))", any((ready(), elapsed(0.8))))?,
+    ];
+    let duration = DT * (STEPS - 1) as f64;
+    let title = "When conditions hold".to_owned();
+    Ok(Sheet { title, axes: vec![""], dashed: "1: holds, 0: does not", charts, paths: None, duration })
+}
+
 /// A name and a sheet for every example.
 pub fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
     let spline = past(
@@ -138,5 +180,6 @@ pub fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
         ("03_via_points", via),
         ("04_two_arms_carry", carry()?),
         ("05_force", press()?),
+        ("06_conditions", logic()?),
     ])
 }

@@ -118,8 +118,8 @@ pub mod generator {
     pub use crate::model::each::{Each, Joined, Repeated};
     pub use crate::model::generator::{Condition, Generator};
     pub use crate::model::list::{
-        AnyRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, SensorHandle,
-        SensorList, SensorsEach, SensorsOf,
+        AnyRobots, JoinedRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf,
+        SensorHandle, SensorList, SensorsEach, SensorsOf, SharedRobots, SharedSensors,
     };
     pub use crate::model::step::{Always, Step, Tick};
 }

@@ -21,7 +21,7 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
     let witness: Rc<Approach> = Rc::clone(&approach);
     cell = cell.unrecorded().witnessed_by(witness);
     if !quiet {
-        cell = cell.also_on_step(Patience::begin().notes());
+        cell = cell.also_on_step(Patience::begin_dry().notes());
     }
     match cell.run() {
         Ok(ran) => {

@@ -8,9 +8,20 @@ use std::time::{Duration, Instant};
 
 use super::outcome::note;
 use mrroc_core::operator::Operator;
+use mrroc_core::operator::button::CellState;
+
+/// What is waited for.
+#[derive(Clone, Copy)]
+enum Awaited {
+    /// The end of a run.
+    Run,
+    /// The end of a dry run, in which nothing moves.
+    DryRun,
+}
 
 /// Prints notes about a run that may never end, at growing intervals.
 pub struct Patience {
+    awaited: Awaited,
     since: Instant,
     next: Duration,
 }
@@ -18,13 +29,23 @@ pub struct Patience {
 impl Patience {
     /// Begins to wait; the first note is due after 10 s.
     pub fn begin() -> Patience {
-        Patience { since: Instant::now(), next: Duration::from_secs(10) }
+        Patience::of(Awaited::Run)
+    }
+
+    /// The same for a dry run.
+    pub(super) fn begin_dry() -> Patience {
+        Patience::of(Awaited::DryRun)
+    }
+
+    fn of(awaited: Awaited) -> Patience {
+        Patience { awaited, since: Instant::now(), next: Duration::from_secs(10) }
     }
 
     /// The hook for every step, which looks at the wall clock from time to time and prints the notes.
     pub fn notes(mut self) -> impl FnMut(u64, &Operator) {
-        move |step, _| {
+        move |step, operator| {
             if step % 1024 == 0
+                && !waits_for_something_else(operator)
                 && let Some(text) = self.after(self.since.elapsed(), step)
             {
                 note(&text);
@@ -38,11 +59,25 @@ impl Patience {
             return None;
         }
         self.next = elapsed * 2;
-        Some(format!(
-            "still running after {} s, in step {step}: a motion ends where its step function returns `Step::Done`, a Wait \
-             where its condition holds; stop the program by Ctrl-C",
-            elapsed.as_secs()
-        ))
+        let seconds = elapsed.as_secs();
+        Some(match self.awaited {
+            Awaited::Run => format!(
+                "still running after {seconds} s, in step {step}: a motion ends where its step function returns `Step::Done`, a \
+                 Wait where its condition holds; stop the program by Ctrl-C"
+            ),
+            Awaited::DryRun => format!("the dry run is in step {step} after {seconds} s; nothing moves"),
+        })
+    }
+}
+
+/// Whether no motion and no Wait of the program is at work: robots look for their reference marks, or the cell stands with a
+/// fault until it is reset.
+fn waits_for_something_else(operator: &Operator) -> bool {
+    match operator.state() {
+        CellState::Stopping | CellState::Latched | CellState::Acknowledged | CellState::Resetting => true,
+        CellState::Idle | CellState::Running | CellState::Suspended | CellState::Aborting => {
+            operator.is_homing()
+        }
     }
 }
 
@@ -59,5 +94,23 @@ mod tests {
         assert_eq!(told, [10, 20, 40, 80]);
         let text = patience.after(Duration::from_secs(160), 80_000).expect("160 s is twice 80 s");
         assert!(text.contains("160 s, in step 80000") && text.contains("`Step::Done`"), "{text}");
+    }
+
+    #[test]
+    fn a_dry_run_is_told_of_without_advice_to_stop_it() {
+        let mut patience = Patience::begin_dry();
+        let text = patience.after(Duration::from_secs(10), 80_000).expect("due");
+        assert!(text.contains("dry run is in step 80000") && !text.contains("Ctrl-C"), "{text}");
+    }
+
+    #[test]
+    fn homing_is_waited_for_in_silence() {
+        let operator = Operator::new();
+        operator.begin();
+        assert!(!waits_for_something_else(&operator), "a motion is at work");
+        operator.show_homing(true);
+        assert!(waits_for_something_else(&operator));
+        operator.show_homing(false);
+        assert!(!waits_for_something_else(&operator));
     }
 }

@@ -23,6 +23,26 @@ impl Entry {
         self.source.lines().next().unwrap_or_default().trim_start_matches("//!").trim()
     }
 
+    /// What is copied: its text without the examples of its documentation, which use it as the library's.
+    #[must_use]
+    pub fn copied(&self) -> String {
+        let mut copied = String::with_capacity(self.source.len());
+        let mut example = false;
+        for line in self.source.split_inclusive('\n') {
+            let of_example = example;
+            if line.trim() == "/// ```" {
+                example = !example;
+                if example && copied.ends_with("///\n") {
+                    copied.truncate(copied.len() - "///\n".len());
+                }
+            }
+            if !of_example && !example {
+                copied.push_str(line);
+            }
+        }
+        copied
+    }
+
     /// Whether it moves one robot, in the program of its ECP.
     #[must_use]
     pub fn is_of_an_ecp(&self) -> bool {
@@ -175,8 +195,23 @@ mod tests {
         for entry in CATALOGUE {
             assert!(entry.source.starts_with("//! ") && entry.summary().ends_with('.'), "{}", entry.name);
             assert!(entry.source.contains(&format!("pub struct {}", entry.type_name)), "{}", entry.name);
-            let (generator, tests) = entry.source.split_once("#[cfg(test)]").expect("its test");
+            let copied = entry.copied();
+            let (generator, tests) = copied.split_once("#[cfg(test)]").expect("its test");
             assert!(generator.lines().count() < 100 && tests.contains("#[test]"), "{}", entry.name);
+        }
+    }
+
+    /// An example names the library's type, which a copy is not, and robots that a project may not have.
+    #[test]
+    fn every_entry_has_an_example_which_is_not_copied() {
+        for entry in CATALOGUE {
+            let (generator, _) = entry.source.split_once("#[cfg(test)]").expect("its test");
+            let uses = "/// use mrroc_generators::generators::";
+            assert!(generator.contains(uses) && generator.contains("/// assert"), "{}", entry.name);
+            let copied = entry.copied();
+            assert!(!copied.contains("```") && !copied.contains("/// assert"), "{}", entry.name);
+            let code = |text: &str| text.lines().filter(|line| !line.starts_with("///")).count();
+            assert_eq!(code(&copied), code(entry.source), "{}", entry.name);
         }
     }
 }

@@ -54,7 +54,7 @@ impl Copy {
         })?;
         let name = if name == entry.type_name { entry.name } else { name };
         let type_name = type_name(name)?;
-        if type_name != entry.type_name && words(entry.source).any(|word| word == type_name) {
+        if type_name != entry.type_name && words(&entry.copied()).any(|word| word == type_name) {
             let what = format!("`{name}` would be the type `{type_name}`, which the generator itself uses");
             return Err(Error::refused(what, format!("take another name, such as `my_{name}`")));
         }
@@ -96,8 +96,8 @@ impl Copy {
     }
 
     fn check_dependencies(&self) -> Result<(), Error> {
-        let (generator, tests) =
-            self.entry.source.split_once("#[cfg(test)]").unwrap_or((self.entry.source, ""));
+        let copied = self.entry.copied();
+        let (generator, tests) = copied.split_once("#[cfg(test)]").unwrap_or((&copied, ""));
         let always = self.dependencies(&["dependencies"]);
         let in_tests = self.dependencies(&["dev-dependencies"]);
         for name in ["mrroc", "mrroc-generators", "mrroc-robots", "nalgebra"] {
@@ -301,8 +301,9 @@ fn is_of_word(c: char) -> bool {
 
 /// The entry's source with its type, its own name, and names that begin with it, replaced.
 fn renamed(entry: &Entry, name: &str, type_name: &str) -> String {
-    let mut text = String::with_capacity(entry.source.len());
-    let mut rest = entry.source;
+    let copied = entry.copied();
+    let mut text = String::with_capacity(copied.len());
+    let mut rest = copied.as_str();
     while !rest.is_empty() {
         let end = rest.find(|c| !is_of_word(c)).unwrap_or(rest.len());
         let (word, after) = rest.split_at(end);

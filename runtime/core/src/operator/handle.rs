@@ -41,6 +41,8 @@ struct Shared {
     /// The fault that is latched. It is written only while the robots stand.
     report: Mutex<Report>,
     given_up: AtomicBool,
+    /// Robots look for their reference marks.
+    homing: AtomicBool,
     /// A protective stop that the MP has not seen yet.
     protective: AtomicBool,
 }
@@ -228,6 +230,16 @@ impl Operator {
     /// Whether the operator aborts the instruction that is carried out.
     pub fn is_aborting(&self) -> bool {
         self.shared.stage.load(Ordering::Acquire) == ABORTING
+    }
+
+    /// Robots look for their reference marks, or no longer do.
+    pub fn show_homing(&self, homing: bool) {
+        self.shared.homing.store(homing, Ordering::Release);
+    }
+
+    /// Whether robots look for their reference marks, before the programs begin.
+    pub fn is_homing(&self) -> bool {
+        self.shared.homing.load(Ordering::Acquire)
     }
 
     /// An instruction begins, or takes over from the one before it with its abort.

@@ -52,7 +52,10 @@ impl Mp<'_> {
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
             self.operating.show_instruction(Doing::Homing, "");
-            self.instruction(Self::home)?;
+            self.operating.operator.show_homing(true);
+            let homed = self.instruction(Self::home);
+            self.operating.operator.show_homing(false);
+            homed?;
             program(self)
         });
         let outcome = match std::panic::catch_unwind(run) {

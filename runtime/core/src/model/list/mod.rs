@@ -7,6 +7,7 @@
 mod images;
 mod robots;
 mod sensors;
+mod shared;
 mod tuples;
 
 pub use images::{Reading, State};
@@ -14,3 +15,4 @@ pub use images::{Reading, State};
 pub use robots::PayloadType;
 pub use robots::{AnyRobots, Language, Motion, Owner, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf};
 pub use sensors::{SensorHandle, SensorList, SensorsEach, SensorsOf};
+pub use shared::{JoinedRobots, SharedRobots, SharedSensors};

@@ -1,0 +1,254 @@
+//! The programs of the book's pages about URDF arms, grippers and belts, blending and conditions: shown there word for word.
+
+use std::cell::RefCell;
+use std::error::Error;
+use std::rc::Rc;
+use std::time::Duration;
+
+use mrroc::cell::RunReport;
+use mrroc::observe::ServoRecord;
+use mrroc::prelude::*;
+use mrroc_generators::conditions::{ConditionExt, all, any, elapsed, elapsed_since, not};
+use mrroc_generators::cooperation::Functional;
+use mrroc_generators::generators::{JointMove, MovingFrame, StraightLine};
+use mrroc_generators::line::ToolLimits;
+use mrroc_generators::profile::{ProfileLimits, Trapezoid};
+use mrroc_robots::{Conveyor, Gripper, Irp6, One, Serial, Simulated, SimulatedIrp6, Six};
+
+fn start() -> Six {
+    Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0)
+}
+
+fn limits(velocity: f64, acceleration: f64) -> ToolLimits {
+    let limits = ProfileLimits { velocity, acceleration };
+    ToolLimits { translation: limits, rotation: limits }
+}
+
+const URDF: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/tests/reference/urdf/ortho_parallel.urdf");
+
+// ANCHOR: urdf
+fn urdf_arm(path: &str) -> Result<RunReport, Box<dyn Error>> {
+    let arm = Serial::<6>::from_urdf_file(path, "base_link", "tool0")? // links of the file: the base, and the flange
+        .with_acceleration(Six::repeat(15.0))? // [rad/s²]: a URDF does not say it
+        .with_base(Pose::translation(0.0, 0.0, 0.5)); // where the base stands in the world
+    let start = Six::new(0.1, -0.3, 0.4, 0.2, 0.7, -0.1);
+    let drives = Simulated::new(arm.clone(), &start);
+    let robot = RobotSetup::new("arm", arm, drives).program(|ecp| {
+        let down = Pose::translation(0.0, 0.0, 0.1); // along the z axis of the tool
+        ecp.move_robot((), StraightLine::by(down, limits(0.2, 0.5))).map(drop)
+    });
+    Ok(Cell::new(Duration::from_millis(2)).robot(robot).run()?)
+}
+// ANCHOR_END: urdf
+
+#[test]
+fn an_arm_of_a_urdf_goes_along_a_line() {
+    let report = urdf_arm(URDF).expect("nothing is wrong");
+    // D / V + V / A.
+    let time = report.time.as_secs_f64();
+    assert!((0.9..0.93).contains(&time), "{time} s");
+}
+
+// ANCHOR: gripper
+fn grip(gripper: &mut Ecp<Gripper>) -> Result<(), Fault> {
+    let to = |opening| JointMove::to(One::new(opening), One::new(0.008), One::new(0.018));
+    gripper.move_robot((), to(0.06))?; // [m] between the fingers
+    gripper.wait_until((), closed {}.held_for(0.05))?;
+    gripper.move_robot((), to(0.09)).map(drop)
+}
+
+/// The fingers have come to within 1 mm of what they are told, or stand still at what they hold.
+#[condition(ecp)]
+fn closed(e: &State<Gripper>) -> bool {
+    let off = e.measured().joints[0] - e.demanded().joints[0];
+    off.abs() < 1e-3 || e.measured().velocity[0].abs() < 1e-4
+}
+// ANCHOR_END: gripper
+
+// ANCHOR: gripper_setup
+fn gripper(start: f64) -> RobotSetup<Gripper> {
+    let fingers = Gripper::new();
+    let limits = *fingers.limits();
+    let drives = Simulated::new(fingers.clone(), &One::new(start));
+    // The fingers may stay behind their demand by as much as they open: what they hold stops them.
+    RobotSetup::new("gripper", fingers, drives).following_error(limits.upper - limits.lower)
+}
+// ANCHOR_END: gripper_setup
+
+#[test]
+fn a_gripper_closes_and_opens() {
+    let cell = Cell::new(Duration::from_millis(2)).robot(gripper(0.08).program(grip));
+    let time = cell.run().expect("nothing is wrong").time.as_secs_f64();
+    // 0.02 and 0.03 m at 0.008 m/s and 0.018 m/s²: D / V + V / A each, and 25 steps of the condition at least.
+    let moves = (0.02 + 0.03) / 0.008 + 2.0 * 0.008 / 0.018;
+    assert!((moves + 0.05..moves + 0.2).contains(&time), "{time} s, not {moves} s");
+}
+
+// ANCHOR: belt
+fn follow_the_belt(mp: &mut Mp) -> Result<(), Fault> {
+    let (mut arm, mut belt) = (mp.robot::<Irp6>("irp6")?, mp.robot::<Conveyor>("belt")?);
+    // The belt runs by 0.125 m: it speeds up for a second, runs at 0.05 m/s, and slows down for a second.
+    let (way, limits) = (0.125, ProfileLimits { velocity: 0.05, acceleration: 0.05 });
+    let run = JointMove::to(One::new(way), One::new(limits.velocity), One::new(limits.acceleration));
+    // The part lies below the tool at the start, and moves with the belt along y.
+    let belts = Trapezoid::new(way, limits).map_err(|bad| Fault::thrown(&bad.to_string()))?;
+    let above = arm.demanded().pose;
+    let part = Functional::new(move |age| Pose::translation(0.0, belts.at(age).s, 0.0) * above);
+    // The tool is above the part after 2 s, and goes on with it until the belt stands.
+    let follow = MovingFrame::to(part, Pose::identity(), 2.0, belts.duration());
+    mp.move_robots((&mut arm, &mut belt), (), Each::of((follow, run))).map(drop)
+}
+// ANCHOR_END: belt
+
+#[test]
+fn a_tool_goes_on_with_a_belt() {
+    let irp6 = Irp6::nominal();
+    let seen = Rc::new(RefCell::new(Vec::new()));
+    let (of_belt, of_arm) = (Rc::clone(&seen), Rc::new(RefCell::new(Vec::new())));
+    let arm_seen = Rc::clone(&of_arm);
+    let model = irp6.clone();
+    let arm = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6.clone(), &start())).observe(
+        move |record: &ServoRecord<Irp6>| {
+            arm_seen.borrow_mut().push(model.forward(&record.demanded).translation.y);
+        },
+    );
+    let belt = Conveyor::new();
+    let belt = RobotSetup::new("belt", belt.clone(), Simulated::new(belt, &One::new(0.0)))
+        .observe(move |record: &ServoRecord<Conveyor>| of_belt.borrow_mut().push(record.demanded[0]));
+    let cell = Cell::new(Duration::from_millis(2)).stop_time(Duration::from_secs(5)); // 0.2 m/s at 0.05 m/s²
+    let cell = cell.robot(arm).robot(belt).program(follow_the_belt);
+    cell.run().expect("within the limits");
+    let (belt, arm) = (seen.borrow(), of_arm.borrow());
+    // Between 2.1 s and 2.4 s the tool moves as the belt does.
+    let way = |of: &[f64]| of[1200] - of[1050];
+    assert!((way(&belt) - 0.05 * 0.3).abs() < 1e-5, "{}", way(&belt));
+    assert!((way(&arm) - way(&belt)).abs() < 1e-5, "{} {}", way(&arm), way(&belt));
+}
+
+// ANCHOR: blend
+/// Joint 1 speeds up to 0.2 rad/s in 0.2 s, and is not stopped: its last step is as fast as the one before.
+struct SpeedUp {
+    q: Six,
+    speed: f64,
+}
+
+#[generator(ecp, first = from_here)]
+fn speed_up(c: &mut SpeedUp, t: Tick) -> Step<Irp6> {
+    if c.speed >= 0.2 - 1e-9 {
+        return Step::Done;
+    }
+    c.speed += 1.0 * t.dt;
+    c.q[0] += c.speed * t.dt;
+    Step::Next(Demand::joints(c.q))
+}
+
+fn from_here(c: &mut SpeedUp, e: &State<Irp6>, t: Tick) -> Step<Irp6> {
+    c.q = e.demanded().joints;
+    speed_up(c, t)
+}
+
+/// It goes on at the speed that it finds, for a time.
+struct GoOn {
+    q: Six,
+    speed: f64,
+    left: f64,
+}
+
+#[generator(ecp, first = take_over)]
+fn go_on(c: &mut GoOn, t: Tick) -> Step<Irp6> {
+    c.left -= t.dt;
+    if c.left < 0.0 {
+        return Step::Done; // the runtime brakes it
+    }
+    c.q[0] += c.speed * t.dt;
+    Step::Next(Demand::joints(c.q))
+}
+
+fn take_over(c: &mut GoOn, e: &State<Irp6>, t: Tick) -> Step<Irp6> {
+    let now = e.demanded(); // the end of the motion before, with its velocity
+    (c.q, c.speed) = (now.joints, now.velocity[0]);
+    go_on(c, t)
+}
+
+fn two_motions(ecp: &mut Ecp<Irp6>) -> Result<(), Fault> {
+    ecp.blend_robot((), SpeedUp { q: Six::zeros(), speed: 0.0 })?;
+    ecp.move_robot((), GoOn { q: Six::zeros(), speed: 0.0, left: 0.5 }).map(drop)
+}
+// ANCHOR_END: blend
+
+#[test]
+fn a_motion_takes_a_moving_robot_over() {
+    let irp6 = Irp6::nominal();
+    let recorded = Rc::new(RefCell::new(Vec::new()));
+    let recorder = Rc::clone(&recorded);
+    let robot = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6, &start()))
+        .observe(move |record: &ServoRecord<Irp6>| recorder.borrow_mut().push(record.demanded[0]))
+        .program(two_motions);
+    Cell::new(Duration::from_millis(2)).robot(robot).run().expect("within the limits");
+    let q = recorded.borrow();
+    let speed: Vec<f64> = q.windows(2).map(|q| (q[1] - q[0]) / 2e-3).collect();
+    // From the first step at 0.2 rad/s to the last: the end of the first motion, and the whole second one.
+    let at_speed = speed.iter().filter(|v| (**v - 0.2).abs() < 1e-6).count();
+    assert!((250..=252).contains(&at_speed), "{at_speed} steps");
+    let first = speed.iter().position(|v| *v > 0.2 - 1e-6).expect("it speeds up");
+    assert!(speed[first..first + at_speed].iter().all(|v| (v - 0.2).abs() < 1e-6), "no dip between them");
+}
+
+struct Camera;
+
+impl Sensor for Camera {
+    const KIND: &'static str = "camera";
+    type Reading = Seen;
+    type Configuration = ();
+}
+
+#[derive(Clone, Copy, Payload)]
+struct Seen {
+    part: bool,
+    jam: bool,
+}
+
+// ANCHOR: conditions
+#[condition(mp)]
+fn part_seen(v: &Reading<(Camera,)>) -> bool {
+    v.0.reading().is_some_and(|seen| seen.part)
+}
+
+#[condition(mp)]
+fn jammed(v: &Reading<(Camera,)>) -> bool {
+    v.0.reading().is_some_and(|seen| seen.jam)
+}
+
+#[condition(mp)]
+fn fingers_closed(e: &State<(Gripper,)>) -> bool {
+    e.0.measured().joints[0] < 0.07
+}
+
+fn wait_for_a_part(mp: &mut Mp) -> Result<(), Fault> {
+    let (mut gripper, mut camera) = (mp.robot::<Gripper>("gripper")?, mp.sensor::<Camera>("camera")?);
+    let held = all((part_seen {}, fingers_closed {}.held_for(0.2), not(jammed {})));
+    let dry = elapsed_since(part_seen {}, 1.5); // glue: 1.5 s after a part was seen first
+    mp.wait_until((&mut gripper,), (&mut camera,), any((all((held, dry)), elapsed(10.0)))).map(drop)
+}
+// ANCHOR_END: conditions
+
+/// A part from the 501st reading on, after a second.
+struct Looks(u32);
+
+impl VirtualSensor for Looks {
+    type Kind = Camera;
+    fn aggregate(&mut self, _: &ReadingOrder<()>) -> Result<Seen, Fault> {
+        self.0 += 1;
+        Ok(Seen { part: self.0 > 500, jam: false })
+    }
+}
+
+#[test]
+fn a_wait_takes_as_long_as_its_conditions_say() {
+    for (opening, seconds) in [(0.06, 1.0 + 1.5), (0.08, 10.0)] {
+        let cell = Cell::new(Duration::from_millis(2)).robot(gripper(opening));
+        let cell = cell.sensor(SensorSetup::new("camera", Looks(0))).program(wait_for_a_part);
+        let time = cell.run().expect("nothing is wrong").time.as_secs_f64();
+        assert!((seconds..seconds + 0.02).contains(&time), "{time} s");
+    }
+}
