@@ -14,15 +14,15 @@ use proptest::{prop_assert_eq, proptest};
 
 /// Holds in the steps that are told to it, and never after them.
 #[derive(Clone, Debug)]
-struct Told(std::vec::IntoIter<bool>);
+struct Told(std::collections::VecDeque<bool>);
 
 #[condition(ecp)]
 fn told(c: &mut Told) -> bool {
-    c.0.next().unwrap_or(false)
+    c.0.pop_front().unwrap_or(false)
 }
 
 fn holds(in_steps: &[bool]) -> Told {
-    Told(in_steps.to_vec().into_iter())
+    Told(in_steps.iter().copied().collect())
 }
 
 const DT: f64 = 2e-3;
@@ -61,7 +61,7 @@ fn truth_tables_of_two_three_and_four_parts() {
     assert_eq!(asked(any([a.clone(), b]), 4), [NO, YES, YES, YES]);
     assert_eq!(asked(not(a), 4), [YES, YES, NO, NO]);
     // All the rows of four parts: part i holds where bit i of the row is set.
-    let part = |i: usize| Told((0..16).map(|row| row >> i & 1 == 1).collect::<Vec<_>>().into_iter());
+    let part = |i: usize| Told((0..16).map(|row| row >> i & 1 == 1).collect());
     let row = |of: fn(usize) -> bool| (0..16).map(of).collect::<Vec<_>>();
     assert_eq!(asked(all((part(0), part(1), part(2))), 16), row(|row| row & 7 == 7));
     assert_eq!(asked(any((part(0), part(1), part(2))), 16), row(|row| row & 7 != 0));

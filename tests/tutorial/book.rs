@@ -207,7 +207,10 @@ fn what_is_tested_is_what_a_newcomer_gets() {
     assert_eq!(circle, without_anchors("1_line/point_to_point.rs"));
 
     let library = read(root().join("generators-lib/src/generators/straight_line.rs"));
-    let copy = library.replace("StraightLine", "MyLine").replace("straight_line", "my_line");
+    // A copy has no example, which would use the library's.
+    let (about, example) = library.split_once("///\n/// ```\n").expect("an example");
+    let (_, code) = example.split_once("/// ```\n").expect("its end");
+    let copy = format!("{about}{code}").replace("StraightLine", "MyLine").replace("straight_line", "my_line");
     let bow = edit("4-own.md", "src/generators/my_line.rs").apply(&copy).expect("it fits");
     let generator = |text: &str| text.split("#[cfg(test)]").next().expect("a part").trim_end().to_owned();
     assert_eq!(generator(&bow), generator(&without_anchors("4_own/my_line.rs")));
