@@ -23,6 +23,7 @@ mod singularities;
 mod support;
 mod transmission;
 mod urdf_allocation;
+mod urdf_closed;
 mod urdf_conformance;
 mod urdf_drives;
 mod urdf_errors;
