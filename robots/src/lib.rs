@@ -47,6 +47,6 @@ pub use kinds::simulated;
 pub use models::{
     Conveyor, Driven, Encoder, Five, Gains, Gripper, Irp6, Irp6FiveDof, Irp6Track, Jacobian, Kinematics,
     Linear, LinkState, MotorData, MotorLimits, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder,
-    SerialOutline, Seven, Shafts, Six, Transmission, UrdfError,
+    SerialOutline, Seven, Shafts, Six, Transmission, UrdfError, UrdfText,
 };
 pub use simulation::{Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Unhomed, grasp};

@@ -10,6 +10,7 @@ mod gripper;
 mod homing;
 mod irp6_variants;
 mod kinds;
+mod kinds_urdf;
 mod kinematics;
 mod loads;
 mod memory;

@@ -45,5 +45,5 @@ pub use kinematics::{Jacobian, Kinematics};
 pub use polycrank::Polycrank;
 pub use rnt::Rnt;
 pub use shape::{Capsule, Link, Motion, Outline};
-pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError};
+pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError, UrdfText};
 pub use vectors::{Five, One, Seven, Six};

@@ -12,6 +12,7 @@
 mod body;
 mod chain;
 mod closed;
+mod description;
 mod document;
 mod drives;
 mod error;
@@ -21,6 +22,7 @@ mod outline;
 mod recognition;
 mod serial;
 
+pub use description::UrdfText;
 pub use error::UrdfError;
 pub use outline::SerialOutline;
 pub use serial::{Serial, SerialBuilder};

@@ -1,16 +1,15 @@
 //! A serial chain as a robot.
 
-use std::io::Read;
 use std::path::Path;
 
 use mrroc::prelude::*;
 use mrroc::robot::{JointKind, Limits, NoInverse};
-use mrroc_launch::files;
 use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
 use super::closed::{Closed, joints};
-use super::document::{LONGEST, Tree, parsed, shown};
+use super::description::text_of;
+use super::document::{Tree, parsed, shown};
 use super::drives::Drives;
 use super::error::UrdfError;
 use super::motion::Linkage;
@@ -121,6 +120,16 @@ impl<const N: usize> SerialBuilder<N> {
         Ok(Serial { movers, segments, linkage, drives, X_BJ, X_tip, limits, reach, closed })
     }
 
+    /// The accelerations that a file of URDF 1.2 states for all joints [rad/s² or m/s²]; `None` where it leaves one out.
+    #[must_use]
+    pub fn stated_acceleration(&self) -> Option<SVector<f64, N>> {
+        let mut stated = SVector::<f64, N>::zeros();
+        for (mover, value) in self.chain.movers.iter().zip(stated.iter_mut()) {
+            *value = mover.acceleration?;
+        }
+        Some(stated)
+    }
+
     /// Names of the moving joints, from base to tip.
     pub fn joint_names(&self) -> impl ExactSizeIterator<Item = &str> {
         self.chain.movers.iter().map(|mover| mover.name.as_str())
@@ -168,7 +177,7 @@ impl<const N: usize> Serial<N> {
     /// [`UrdfError`] for everything that would make another robot than the one written.
     pub fn from_urdf(text: &str, base: &str, tip: &str) -> Result<SerialBuilder<N>, UrdfError> {
         let document = parsed(text)?;
-        let chain = Chain::between(&Tree::of(&document)?, base, tip, N)?;
+        let chain = Chain::between(&Tree::of(&document)?, base, tip, Some(N))?;
         Ok(SerialBuilder { chain })
     }
 
@@ -181,12 +190,7 @@ impl<const N: usize> Serial<N> {
         base: &str,
         tip: &str,
     ) -> Result<SerialBuilder<N>, UrdfError> {
-        let path = path.as_ref();
-        let failed = |why| UrdfError::File { path: path.to_owned(), why };
-        let mut text = String::new();
-        let file = files::open(path).map_err(failed)?;
-        file.take(LONGEST as u64 + 1).read_to_string(&mut text).map_err(failed)?;
-        Self::from_urdf(&text, base, tip)
+        Self::from_urdf(&text_of(path.as_ref())?, base, tip)
     }
 
     /// The same robot with its base link at `X_WB` in the world.

@@ -17,6 +17,14 @@
 //! base = { position = [0.0, 0.5, 0.0] }           # X_WB; the world's origin unless it is said
 //! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
 //!
+//! [robots.ur]        # an arm that a URDF describes, with a kind that reads one
+//! kind = "urdf"
+//! file = "ur.urdf"   # in the folder of this file
+//! base_link = "base" # the link that is the base; the one on which all others hang unless it is said
+//! tip = "tool0"      # the link that is the flange
+//! acceleration = [15.0, 15.0, 15.0, 15.0, 15.0, 15.0]   # of each joint [rad/s² or m/s²], where the URDF states none
+//! start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
+//!
 //! [sensors.touch]    # a virtual sensor of this name
 //! of = "arm"         # the robot whose ECP may read it, and whose state goes with every order
 //! mode = "interactive"   # or "with delay", "free running"; interactive unless it is said
@@ -54,9 +62,9 @@ use mrroc_core::observe::Recording;
 use mrroc_core::sensor::Sensor;
 use mrroc_core::sensor::VirtualSensor;
 
-pub use entry::RobotEntry;
+pub use entry::{EntryKey, RobotEntry};
 pub use error::CellFileError;
-pub use kinds::Kinds;
+pub use kinds::{AnySetup, Kinds};
 
 use crate::files;
 use entry::SensorEntry;

@@ -20,7 +20,7 @@ use mrroc_core::pose::{Pose, Zyz};
 use mrroc_core::sensor::VspMode;
 
 use super::CellFile;
-use super::entry::{At, RobotEntry, SensorEntry};
+use super::entry::{At, Description, RobotEntry, SensorEntry};
 use super::error::{CellFileError, Source};
 use mrroc_core::suggestion::suggestion;
 
@@ -29,7 +29,8 @@ type Value<'t> = Spanned<DeValue<'t>>;
 pub(super) const CELL_KEYS: [&str; 8] =
     ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime", "dry_run", "recording"];
 pub(super) const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
-pub(super) const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
+pub(super) const ROBOT_KEYS: [&str; 9] =
+    ["kind", "start", "homed", "base", "tool", "file", "base_link", "tip", "acceleration"];
 pub(super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 pub(super) const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
 /// What to write in place of a line that is no TOML.
@@ -247,6 +248,7 @@ impl Reader {
         let homed = table.get("homed").and_then(|value| self.truth(value, "true or false"));
         let base = table.get("base").and_then(|value| self.pose(value));
         let tool = table.get("tool").and_then(|value| self.pose(value));
+        let description = self.description(table);
         let Some(kind) = table.get("kind") else {
             let what = format!("robot `{}` has no `kind`", name.value);
             self.complain(&name.span, what, "write kind = \"irp6\" or another kind".to_owned());
@@ -254,7 +256,24 @@ impl Reader {
         };
         let text = self.text(kind, "the name of a kind of robot, in quotes")?.to_owned();
         let kind = At { value: text, span: kind.span() };
-        Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, homed, base, tool })
+        let source = Rc::clone(&self.source);
+        Some(RobotEntry { source, name, kind, start, homed, base, tool, description })
+    }
+
+    /// Reads what an entry says of a robot that another file describes.
+    fn description(&mut self, table: &DeTable<'_>) -> Description {
+        let mut text = |key: &str, expected: &str| {
+            let value = table.get(key)?;
+            let text = self.text(value, expected)?.to_owned();
+            Some(At { value: text, span: value.span() })
+        };
+        let file = text("file", "the name of a file, in quotes");
+        let base_link = text("base_link", "the name of a link, in quotes");
+        let tip = text("tip", "the name of a link, in quotes");
+        let acceleration = table
+            .get("acceleration")
+            .and_then(|value| self.numbers(value, "a list of accelerations [rad/s² or m/s²]"));
+        Description { file, base_link, tip, acceleration, asked: Rc::default() }
     }
 
     /// Reads `{ position = [x, y, z], zyz = [a, b, c] }` [m, rad]; each is zero by default.
