@@ -27,7 +27,7 @@ use crate::simulation::{Simulated, Unhomed};
 /// | `rnt` | [`Rnt`] | rad, 2 x m, 3 x rad |
 /// | `polycrank` | [`Polycrank`] | 7 x rad |
 /// | `gripper` | [`Gripper`], which an object may stop anywhere | m |
-/// | `conveyor` | [`Conveyor`]; it needs `stop_ms = 5000` | m |
+/// | `conveyor` | [`Conveyor`]; it needs `stop_ms = 5000` in its table | m |
 /// | `urdf` | [`Serial`], read from the `file` of the entry, from its `base_link` to its `tip`, with its `acceleration` | a rad or m for each joint |
 ///
 /// With `homed = false` the drives do not know where the robot is, which is near `start`, and look for their marks first

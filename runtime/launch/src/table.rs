@@ -136,14 +136,20 @@ impl Table<'_> {
             "T_stop",
             "limit"
         )?;
-        robot.joints.iter().enumerate().try_for_each(|(i, joint)| self.joint(i, joint, f))
+        robot.joints.iter().enumerate().try_for_each(|(i, joint)| self.joint(i, joint, robot.stop_time, f))
     }
 
-    fn joint(&self, i: usize, joint: &JointLayout, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn joint(
+        &self,
+        i: usize,
+        joint: &JointLayout,
+        limit: Duration,
+        f: &mut fmt::Formatter<'_>,
+    ) -> fmt::Result {
         let JointLayout { lower, upper, velocity, acceleration, following_error, braking, .. } = joint;
         let jerk = joint.jerk.map_or_else(|| "-".to_owned(), |jerk| format!("{jerk:.1}"));
         let name = format!("{} {}", i + 1, joint.kind.unit(0));
-        let (stop, limit) = (self.layout.detection + braking, self.layout.stop_time.as_secs_f64());
+        let (stop, limit) = (self.layout.detection + braking, limit.as_secs_f64());
         writeln!(
             f,
             "{name:<9}{lower:>10.4}{upper:>10.4}{velocity:>10.4}{acceleration:>14.4}{jerk:>10}{following_error:>11.4}{:>9}{:>9}{:>9}",

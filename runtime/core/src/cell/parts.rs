@@ -142,6 +142,6 @@ fn check_robot(robot: &dyn AnyRobot, name: Name, timing: &Timing) -> Vec<CellErr
         errors.push(CellError::Period { robot: name, servo, step });
     }
     errors.extend(robot.check_space(name));
-    errors.extend(robot.check_limits(name, step, timing.stop_time));
+    errors.extend(robot.check_limits(name, step, robot.stop_time(timing.stop_time)));
     errors
 }

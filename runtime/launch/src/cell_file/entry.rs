@@ -31,6 +31,7 @@ pub struct RobotEntry {
     pub(super) homed: Option<At<bool>>,
     pub(super) base: Option<Pose>,
     pub(super) tool: Option<Pose>,
+    pub(super) stop_time: Option<Duration>,
     pub(super) description: Description,
 }
 
@@ -69,6 +70,13 @@ impl RobotEntry {
     #[must_use]
     pub fn tool(&self) -> Pose {
         self.tool.unwrap_or_else(Pose::identity)
+    }
+
+    /// `stop_ms`: the longest stop that the robot may take, if it is not that of the cell. The robot gets it even if the set-up
+    /// does not use it.
+    #[must_use]
+    pub fn stop_time(&self) -> Option<Duration> {
+        self.stop_time
     }
 
     /// `homed`: whether the drives know where the robot is when the cell starts; true by default.

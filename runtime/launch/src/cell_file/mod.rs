@@ -25,6 +25,8 @@
 //! acceleration = [15.0, 15.0, 15.0, 15.0, 15.0, 15.0]   # of each joint [rad/s² or m/s²], where the URDF states none
 //! start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
 //!
+//! stop_ms = 800      # the longest stop that this robot may take [ms]; that of the cell unless it is said
+//!
 //! [sensors.touch]    # a virtual sensor of this name
 //! of = "arm"         # the robot whose ECP may read it, and whose state goes with every order
 //! mode = "interactive"   # or "with delay", "free running"; interactive unless it is said

@@ -29,8 +29,8 @@ type Value<'t> = Spanned<DeValue<'t>>;
 pub(super) const CELL_KEYS: [&str; 8] =
     ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime", "dry_run", "recording"];
 pub(super) const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
-pub(super) const ROBOT_KEYS: [&str; 9] =
-    ["kind", "start", "homed", "base", "tool", "file", "base_link", "tip", "acceleration"];
+pub(super) const ROBOT_KEYS: [&str; 10] =
+    ["kind", "start", "homed", "base", "tool", "stop_ms", "file", "base_link", "tip", "acceleration"];
 pub(super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 pub(super) const SENSOR_KEYS: [&str; 4] = ["of", "mode", "period_ms", "latency_ms"];
 /// What to write in place of a line that is no TOML.
@@ -248,6 +248,7 @@ impl Reader {
         let homed = table.get("homed").and_then(|value| self.truth(value, "true or false"));
         let base = table.get("base").and_then(|value| self.pose(value));
         let tool = table.get("tool").and_then(|value| self.pose(value));
+        let stop_time = table.get("stop_ms").and_then(|value| self.duration(value));
         let description = self.description(table);
         let Some(kind) = table.get("kind") else {
             let what = format!("robot `{}` has no `kind`", name.value);
@@ -257,7 +258,7 @@ impl Reader {
         let text = self.text(kind, "the name of a kind of robot, in quotes")?.to_owned();
         let kind = At { value: text, span: kind.span() };
         let source = Rc::clone(&self.source);
-        Some(RobotEntry { source, name, kind, start, homed, base, tool, description })
+        Some(RobotEntry { source, name, kind, start, homed, base, tool, stop_time, description })
     }
 
     /// Reads what an entry says of a robot that another file describes.

@@ -38,6 +38,8 @@ pub struct RobotSetup<R: Robot> {
     tool: Pose,
     space: InterpolationSpace,
     following_error: R::Joints,
+    /// The longest stop that it may take; the cell's where it says nothing.
+    stop_time: Option<Duration>,
     program: Option<EcpProgram<R>>,
     observers: Vec<Observer<R>>,
     /// What its program shows to observers.
@@ -96,6 +98,7 @@ impl<R: Robot> RobotSetup<R> {
             tool: Pose::identity(),
             space: InterpolationSpace::Joints,
             following_error,
+            stop_time: None,
             program: None,
             observers: Vec::new(),
             shown: Vec::new(),
@@ -123,6 +126,16 @@ impl<R: Robot> RobotSetup<R> {
     #[must_use]
     pub fn following_error(mut self, limit: R::Joints) -> Self {
         self.following_error = limit;
+        self
+    }
+
+    /// The longest time from the cause of a stop to a standstill that this robot may take, in the place of that of
+    /// [the cell](super::Cell::stop_time): longer for a slow belt, shorter for an arm. A robot that would take longer is
+    /// refused, and a protective stop leaves the path in time for every robot. Robots that move together along one screw
+    /// brake as the slowest of them does.
+    #[must_use]
+    pub fn stop_time(mut self, limit: Duration) -> Self {
+        self.stop_time = Some(limit);
         self
     }
 
