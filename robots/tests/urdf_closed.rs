@@ -308,3 +308,31 @@ fn what_cannot_be_reached_is_refused_with_the_distance() {
     assert!(robot.inverse(&pose, &q).is_err());
     assert!(robot.solutions(&pose, &q, &mut |_| panic!("it was visited")).is_err());
 }
+
+/// The UR5e that `mrroc-new` gives a project: the product of `R_z(q) T_z(d) T_x(a) R_x(alpha)` by the parameters that Universal
+/// Robots publishes.
+#[test]
+fn the_ur5e_of_the_template_has_the_poses_of_its_denavit_hartenberg_parameters() {
+    let text = include_str!("../../template/sets/ur5e/ur5e.urdf");
+    let robot = Serial::<6>::from_urdf(text, "base", "tool0")
+        .and_then(|robot| robot.with_acceleration(SVector::repeat(10.0)))
+        .expect("the URDF is sound");
+    assert!(robot.is_closed_form());
+    let rows = [
+        (0.1625, 0.0, 0.5 * PI),
+        (0.0, -0.425, 0.0),
+        (0.0, -0.3922, 0.0),
+        (0.1333, 0.0, 0.5 * PI),
+        (0.0997, 0.0, -0.5 * PI),
+        (0.0996, 0.0, 0.0),
+    ];
+    let mut random = Random(SEED);
+    for _ in 0..1000 {
+        let q = positions(&robot, &mut random);
+        let expected = rows.iter().zip(&q).fold(Pose::identity(), |pose, ((d, a, alpha), q)| {
+            let turn = Pose::rotation(Vector3::z() * *q);
+            pose * turn * Pose::translation(*a, 0.0, *d) * Pose::rotation(Vector3::x() * *alpha)
+        });
+        assert!(error_between(&robot.forward(&q), &expected) < 1e-13, "{q}");
+    }
+}

@@ -108,7 +108,9 @@ impl Table<'_> {
             InterpolationSpace::Task => "the task space",
         };
         let homed = if robot.homed { "knows where it is" } else { "looks for its reference marks first" };
-        writeln!(f, "\n{}: {}, {homed}, interpolates in {space}", robot.name, robot.kind)?;
+        let mounted =
+            robot.mounted_on.as_ref().map(|on| format!(", on the flange of {on}")).unwrap_or_default();
+        writeln!(f, "\n{}: {}{mounted}, {homed}, interpolates in {space}", robot.name, robot.kind)?;
         match &robot.drives {
             DrivesLayout::Hardware(hardware) => {
                 let hardware = quoted(hardware, 120);

@@ -128,6 +128,24 @@ pub enum CellError {
         /// Its unit.
         unit: &'static str,
     },
+    /// A robot that is mounted on none of the cell.
+    #[error("robot `{robot}` is mounted on `{on}`, which is not there: {there}")]
+    NoCarrier {
+        /// The robot.
+        robot: Name,
+        /// What it should be mounted on.
+        on: String,
+        /// What to write.
+        there: String,
+    },
+    /// A robot that is mounted on itself, perhaps through others.
+    #[error("robot `{robot}` is mounted on `{on}`, and that on it: one of them must stand in the world")]
+    MountedOnItself {
+        /// The robot.
+        robot: Name,
+        /// What it is mounted on.
+        on: String,
+    },
     /// A joint that could not stop in the time that the cell allows its robot, by
     /// [`Cell::stop_time`](crate::cell::Cell::stop_time) or [`RobotSetup::stop_time`](crate::cell::RobotSetup::stop_time).
     #[error(

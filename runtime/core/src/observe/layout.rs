@@ -44,6 +44,8 @@ pub struct RobotLayout {
     pub ecp_program: bool,
     /// Where its EDP interpolates between two demands.
     pub space: InterpolationSpace,
+    /// The robot on whose flange it is mounted.
+    pub mounted_on: Option<String>,
     /// The longest stop that it is allowed.
     pub stop_time: Duration,
     /// Its joints, from the base on.

@@ -31,6 +31,7 @@ pub struct RobotEntry {
     pub(super) homed: Option<At<bool>>,
     pub(super) base: Option<Pose>,
     pub(super) tool: Option<Pose>,
+    pub(super) mounted_on: Option<At<String>>,
     pub(super) stop_time: Option<Duration>,
     pub(super) description: Description,
 }
@@ -59,7 +60,14 @@ impl RobotEntry {
         &self.kind.value
     }
 
-    /// `base`: the pose of the robot's base in the world, `X_WB` [m, rad]; the world's origin by default.
+    /// `mounted_on`: the robot on whose flange this one is mounted. The robot gets it even if the set-up does not use it.
+    #[must_use]
+    pub fn mounted_on(&self) -> Option<&str> {
+        self.mounted_on.as_ref().map(|on| &*on.value)
+    }
+
+    /// `base`: the pose of the robot's base in the world, `X_WB` [m, rad]; the world's origin by default. Of a robot that
+    /// is mounted on another the pose in the flange of that.
     #[must_use]
     pub fn base(&self) -> Pose {
         self.base.unwrap_or_else(Pose::identity)

@@ -83,6 +83,9 @@ impl<R: Robot> From<RobotSetup<R>> for AnySetup {
             setup.rename(entry.name());
             let of = entry.clone();
             setup = setup.stand_in_of(move |robot, period| stand_in(replaced.as_ref(), &of, robot, period));
+            if let Some(on) = entry.mounted_on() {
+                setup = setup.mounted_on(on);
+            }
             if let Some(limit) = entry.stop_time() {
                 setup = setup.stop_time(limit);
             }

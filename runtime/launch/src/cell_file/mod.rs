@@ -17,6 +17,11 @@
 //! base = { position = [0.0, 0.5, 0.0] }           # X_WB; the world's origin unless it is said
 //! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
 //!
+//! [robots.hand]      # a gripper on the flange of the arm
+//! kind = "gripper"
+//! mounted_on = "arm" # base is then its pose in that flange, X_FB; it stands in the world unless it is said
+//! start = [0.07]
+//!
 //! [robots.ur]        # an arm that a URDF describes, with a kind that reads one
 //! kind = "urdf"
 //! file = "ur.urdf"   # in the folder of this file

@@ -70,6 +70,8 @@ pub trait AnyRobot {
     fn braking_time(&self) -> f64;
     /// The least that it leaves at this rate for changes of the rate, in steps of this length.
     fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom;
+    /// The robot that it is mounted on.
+    fn mounted_on(&self) -> Option<&str>;
     /// The longest stop that it may take, in a cell that allows others `cell`.
     fn stop_time(&self, cell: Duration) -> Duration;
     /// What is wrong with its limits, in a cell of this step that allows a stop of this robot to take `stop_time`.
@@ -99,6 +101,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     fn watch(&mut self, observer: SharedObserver) {
         let name = self.name.clone();
         let robot = self.robot.clone();
+        let mounted_on = self.mounted_on.clone();
         let joints: Vec<_> = (0..R::Joints::LEN).map(|i| robot.joint(i)).collect();
         self.observers.push(Box::new(move |record| {
             let measured = &record.measured.position;
@@ -109,6 +112,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                 demanded: record.demanded.as_slice(),
                 measured: measured.as_slice(),
                 joints: &joints,
+                mounted_on: mounted_on.as_deref(),
                 frames: &|visit| robot.frames(measured, visit),
                 tool: robot.forward(measured) * record.tool,
             };
@@ -152,6 +156,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             homed: self.is_homed(),
             ecp_program: self.program.is_some(),
             space: self.space,
+            mounted_on: self.mounted_on.clone(),
             stop_time: self.stop_time.unwrap_or(stop_time),
             joints: joints(&self.robot, &self.following_error),
         }
@@ -201,6 +206,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             Drives::Homed(driver) => driver.simulation().is_some(),
             Drives::Unhomed(_) => false,
         }
+    }
+
+    fn mounted_on(&self) -> Option<&str> {
+        self.mounted_on.as_deref()
     }
 
     fn stop_time(&self, cell: Duration) -> Duration {

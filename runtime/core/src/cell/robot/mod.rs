@@ -38,6 +38,8 @@ pub struct RobotSetup<R: Robot> {
     tool: Pose,
     space: InterpolationSpace,
     following_error: R::Joints,
+    /// The robot on whose flange it is mounted.
+    mounted_on: Option<String>,
     /// The longest stop that it may take; the cell's where it says nothing.
     stop_time: Option<Duration>,
     program: Option<EcpProgram<R>>,
@@ -98,6 +100,7 @@ impl<R: Robot> RobotSetup<R> {
             tool: Pose::identity(),
             space: InterpolationSpace::Joints,
             following_error,
+            mounted_on: None,
             stop_time: None,
             program: None,
             observers: Vec::new(),
@@ -126,6 +129,14 @@ impl<R: Robot> RobotSetup<R> {
     #[must_use]
     pub fn following_error(mut self, limit: R::Joints) -> Self {
         self.following_error = limit;
+        self
+    }
+
+    /// Mounts it, a gripper say, on the flange of another robot of the cell. The world of its model is then that flange: its
+    /// base stands in it, and its poses are in it. Pictures draw it there.
+    #[must_use]
+    pub fn mounted_on(mut self, robot: &str) -> Self {
+        self.mounted_on = Some(robot.to_owned());
         self
     }
 
