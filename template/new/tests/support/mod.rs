@@ -168,7 +168,10 @@ fn values(placeholder: &Placeholder) -> Vec<Value> {
                 Value::List(in_set.map(|(_, choice)| choice.value.clone()).collect())
             })
             .collect(),
-        Kind::Text(_) => vec![placeholder.default().expect("a text has a default")],
+        // Of the file of an arm there is none: then one that is here.
+        Kind::Text(_) => vec![placeholder.default().unwrap_or_else(|_| {
+            Value::Text(checkout().join("template/sets/ur5e/ur5e.urdf").display().to_string())
+        })],
     }
 }
 
