@@ -16,7 +16,7 @@ pub mod generators;
 pub mod orders;
 #[path = "../../template/sets/own/arm.rs"]
 pub mod own_arm;
-#[path = "../../template/sets/urdf/arm.rs"]
-pub mod urdf_arm;
 #[path = "../../template/src/touch.rs"]
 pub mod touch;
+#[path = "../../template/sets/urdf/arm.rs"]
+pub mod urdf_arm;

@@ -192,9 +192,9 @@ pub fn covering(combinations: &[Chosen]) -> Vec<Chosen> {
     covering
 }
 
-/// What was chosen, but for where mrroc comes from.
+/// What was chosen, but for where mrroc and the file of an arm come from.
 pub fn label(chosen: &Chosen) -> String {
-    let own = chosen.iter().filter(|(name, _)| !name.starts_with("mrroc_"));
+    let own = chosen.iter().filter(|(name, _)| !name.starts_with("mrroc_") && name != "urdf");
     let words: Vec<_> = own.map(|(name, value)| format!("{name}={value}")).collect();
     words.join(" ")
 }
