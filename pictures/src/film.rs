@@ -82,10 +82,8 @@ impl RunPicture for Film {
         cell.watch(move |observation| {
             let drawn = left_out.iter().all(|name| name != observation.robot);
             observe(&histories, &flanges, observation, drawn);
-            if drawn {
-                if let Ok(mut blocks) = blocks.try_borrow_mut() {
-                    blocks.iter_mut().for_each(|block| block.observe(observation.time));
-                }
+            if drawn && let Ok(mut blocks) = blocks.try_borrow_mut() {
+                blocks.iter_mut().for_each(|block| block.observe(observation.time));
             }
         })
     }
