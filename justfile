@@ -37,7 +37,7 @@ sweep-profiles:
 
 # Inverse kinematics of the arms read from URDF, for 100,000 poses each.
 test-urdf:
-    cargo test --release -p mrroc-robots --test robots urdf_inverse -- --nocapture
+    cargo test --release -p mrroc-robots --test robots -- urdf_inverse urdf_closed --nocapture
 
 # Kinematics beside KDL, Pinocchio and rs-opw-kinematics, motions beside KDL and Ruckig, all installed into target/peers.
 bench-peers:

@@ -31,6 +31,8 @@ use crate::page;
 #[derive(Debug, Default)]
 pub struct Film {
     histories: Rc<RefCell<Vec<History>>>,
+    /// Where the flanges of the robots are, for those that are mounted on them.
+    flanges: Rc<RefCell<Vec<(String, Pose)>>>,
     blocks: Rc<RefCell<Vec<Block>>>,
     left_out: Rc<Vec<String>>,
 }
@@ -74,14 +76,14 @@ impl Film {
 impl RunPicture for Film {
     fn watch(&mut self, cell: Cell) -> Cell {
         let histories = Rc::clone(&self.histories);
+        let flanges = Rc::clone(&self.flanges);
         let blocks = Rc::clone(&self.blocks);
         let left_out = Rc::clone(&self.left_out);
         cell.watch(move |observation| {
-            if left_out.iter().all(|name| name != observation.robot) {
-                observe(&histories, observation);
-                if let Ok(mut blocks) = blocks.try_borrow_mut() {
-                    blocks.iter_mut().for_each(|block| block.observe(observation.time));
-                }
+            let drawn = left_out.iter().all(|name| name != observation.robot);
+            observe(&histories, &flanges, observation, drawn);
+            if drawn && let Ok(mut blocks) = blocks.try_borrow_mut() {
+                blocks.iter_mut().for_each(|block| block.observe(observation.time));
             }
         })
     }
@@ -91,13 +93,104 @@ impl RunPicture for Film {
     }
 }
 
-fn observe(histories: &RefCell<Vec<History>>, observation: &Observation<'_>) {
-    let Ok(mut histories) = histories.try_borrow_mut() else { return };
-    if let Some(history) = histories.iter_mut().find(|history| history.name == observation.robot) {
-        history.observe(observation);
-    } else {
-        let mut history = History::new(observation.robot, observation.kind, observation.joints);
-        history.observe(observation);
-        histories.push(history);
+#[allow(non_snake_case)]
+fn observe(
+    histories: &RefCell<Vec<History>>,
+    flanges: &RefCell<Vec<(String, Pose)>>,
+    observation: &Observation<'_>,
+    drawn: bool,
+) {
+    let (Ok(mut histories), Ok(mut flanges)) = (histories.try_borrow_mut(), flanges.try_borrow_mut()) else {
+        return;
+    };
+    let flange_of = |robot: &str| flanges.iter().find(|(name, _)| name == robot).map(|(_, flange)| *flange);
+    let X_WM = match observation.mounted_on {
+        None => Pose::identity(),
+        // What carries it is observed in the same servo period, but perhaps after it.
+        Some(carrier) => match flange_of(carrier) {
+            Some(flange) => flange,
+            None => return,
+        },
+    };
+    let mut unseen = History::new(observation.robot, observation.kind, observation.joints);
+    let known = histories.iter().position(|history| history.name == observation.robot);
+    let flange = match known {
+        Some(place) => histories[place].observe(observation, &X_WM),
+        None => unseen.observe(observation, &X_WM),
+    };
+    if drawn && known.is_none() {
+        histories.push(unseen);
+    }
+    match flanges.iter_mut().find(|(name, _)| name == observation.robot) {
+        Some((_, place)) => *place = flange,
+        None => flanges.push((observation.robot.to_owned(), flange)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc::robot::JointKind;
+    use nalgebra::Vector3;
+
+    fn seen(film: &Film, robot: &str, mounted_on: Option<&str>, time: f64, frames: &[Pose], drawn: bool) {
+        let tool = frames[frames.len() - 1] * Pose::translation(0.0, 0.0, 0.1);
+        let observation = Observation {
+            robot,
+            kind: "kind",
+            time,
+            demanded: &[0.0],
+            measured: &[0.0],
+            joints: &[JointKind::Revolute],
+            mounted_on,
+            frames: &|visit| frames.iter().for_each(&mut *visit),
+            tool,
+        };
+        observe(&film.histories, &film.flanges, &observation, drawn);
+    }
+
+    fn places(film: &Film, robot: &str) -> Vec<Vec<Vector3<f64>>> {
+        let histories = film.histories.borrow();
+        let history = histories.iter().find(|history| history.name == robot);
+        history.map_or_else(Vec::new, |history| {
+            history.samples().iter().map(|sample| sample.links.clone()).collect()
+        })
+    }
+
+    /// A quarter of a turn about z takes the hand's x to y: the hand stands on the flange, the finger on the hand.
+    #[test]
+    fn a_hand_is_drawn_on_the_flange_that_carries_it_as_soon_as_that_was_seen() {
+        let film = Film::new();
+        let at = |x: f64| {
+            Pose::translation(x, 0.0, 1.0) * Pose::rotation(Vector3::z() * core::f64::consts::FRAC_PI_2)
+        };
+        let hand = [Pose::translation(0.0, 0.0, 0.05), Pose::translation(0.04, 0.0, 0.05)];
+        seen(&film, "hand", Some("arm"), 0.0, &hand, true);
+        assert!(places(&film, "hand").is_empty(), "where the arm is, nobody knows yet");
+        for (step, x) in [(1.0, 0.5), (2.0, 0.6)] {
+            seen(&film, "arm", None, step, &[Pose::identity(), at(x)], true);
+            seen(&film, "hand", Some("arm"), step, &hand, true);
+            // On the hand's finger, a second one.
+            seen(&film, "finger", Some("hand"), step, &[Pose::translation(0.0, 0.0, 0.01)], true);
+        }
+        let near = |found: &[Vector3<f64>], expected: &[[f64; 3]]| {
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - Vector3::from(*expected)).norm() < 1e-12, "{found} {expected:?}");
+            }
+        };
+        let hand = places(&film, "hand");
+        near(&hand[0], &[[0.5, 0.0, 1.05], [0.5, 0.04, 1.05]]);
+        near(&hand[1], &[[0.6, 0.0, 1.05], [0.6, 0.04, 1.05]]);
+        near(&places(&film, "finger")[1], &[[0.6, 0.04, 1.06]]);
+    }
+
+    #[test]
+    fn an_arm_that_is_not_drawn_carries_a_hand_that_is() {
+        let film = Film::new();
+        seen(&film, "arm", None, 1.0, &[Pose::identity(), Pose::translation(0.3, 0.0, 0.0)], false);
+        seen(&film, "hand", Some("arm"), 1.0, &[Pose::identity()], true);
+        assert!(places(&film, "arm").is_empty());
+        assert_eq!(places(&film, "hand"), [[Vector3::new(0.3, 0.0, 0.0)]]);
     }
 }

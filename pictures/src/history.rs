@@ -146,13 +146,15 @@ impl History {
         }
     }
 
-    /// The robot was observed at the end of a servo period.
-    pub fn observe(&mut self, observation: &Observation<'_>) {
+    /// The robot was observed at the end of a servo period; what it is mounted on stands at `X_WM`. The pose of its flange.
+    #[allow(non_snake_case)]
+    pub fn observe(&mut self, observation: &Observation<'_>, X_WM: &Pose) -> Pose {
         let mut links = Vec::with_capacity(8);
-        let mut tool = Pose::identity();
+        let (mut flange, mut tool) = (Pose::identity(), Pose::identity());
         observation.frames(&mut |frame| {
-            links.push(frame.translation.vector);
-            tool = *frame;
+            flange = tool;
+            tool = X_WM * frame;
+            links.push(tool.translation.vector);
         });
         // The last frame is the tool's.
         links.pop();
@@ -164,6 +166,7 @@ impl History {
             tool,
             rates: None,
         });
+        flange
     }
 
     /// The next sample; its rates are found here.

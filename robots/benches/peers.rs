@@ -114,7 +114,10 @@ fn main() {
     urdf::<6>("ortho_parallel", "base_link", "tool0");
     urdf::<6>("offset_arm", "foot", "tool");
     urdf::<6>("three_parallel", "base", "wrist_3");
+    urdf::<6>("three_parallel_beside", "foot", "tool");
     urdf::<7>("seven_axes", "world_foot", "flange");
+    urdf::<7>("offset_elbow", "foot", "tool");
+    urdf::<7>("offset_wrist", "link0", "flange");
     urdf::<4>("scara", "base", "tool");
     urdf::<4>("gantry", "bed", "tool");
     urdf::<4>("palletiser", "base", "tool");

@@ -1,15 +1,17 @@
 //! The kinds of robots that a `cell.toml` may name, simulated.
 
 use core::f64::consts::PI;
+use std::path::Path;
 
 use mrroc::fault::Excess;
 use mrroc::prelude::*;
 use mrroc::robot::CoupledLimit;
-use mrroc_launch::cell_file::{Kinds, RobotEntry};
+use mrroc_launch::cell_file::{AnySetup, EntryKey, Kinds, RobotEntry};
 use nalgebra::SVector;
 
 use crate::models::{
-    Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt,
+    Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Serial,
+    UrdfError, UrdfText,
 };
 use crate::simulation::{Simulated, Unhomed};
 
@@ -25,7 +27,8 @@ use crate::simulation::{Simulated, Unhomed};
 /// | `rnt` | [`Rnt`] | rad, 2 x m, 3 x rad |
 /// | `polycrank` | [`Polycrank`] | 7 x rad |
 /// | `gripper` | [`Gripper`], which an object may stop anywhere | m |
-/// | `conveyor` | [`Conveyor`]; it needs `stop_ms = 5000` | m |
+/// | `conveyor` | [`Conveyor`]; it needs `stop_ms = 5000` in its table | m |
+/// | `urdf` | [`Serial`], read from the `file` of the entry, from its `base_link` to its `tip`, with its `acceleration` | a rad or m for each joint |
 ///
 /// With `homed = false` the drives do not know where the robot is, which is near `start`, and look for their marks first
 /// ([`Unhomed`]).
@@ -60,6 +63,91 @@ pub fn simulated() -> Kinds {
             Ok(set_up(entry, robot, [0.07])?.following_error(stroke))
         })
         .with("conveyor", |entry| set_up(entry, Conveyor::new().with_base(entry.base()), [0.0]))
+        .with_any("urdf", urdf)
+}
+
+/// An arm read from a URDF, whose number of joints that file says.
+fn urdf(entry: &RobotEntry) -> Result<AnySetup, CellError> {
+    let path = entry.file()?;
+    let tip = entry.tip()?;
+    let refuse = |why: &UrdfError| refused(entry, &path, why);
+    let urdf = UrdfText::read(&path).map_err(|why| refuse(&why))?;
+    let base_link = match entry.base_link() {
+        Some(link) => link.to_owned(),
+        None => urdf.root().map_err(|why| refuse(&why))?,
+    };
+    let joints = urdf.joints(&base_link, tip).map_err(|why| refuse(&why))?;
+    let text = urdf.as_str();
+    match joints.len() {
+        1 => serial::<1>(entry, &path, text, &base_link, tip),
+        2 => serial::<2>(entry, &path, text, &base_link, tip),
+        3 => serial::<3>(entry, &path, text, &base_link, tip),
+        4 => serial::<4>(entry, &path, text, &base_link, tip),
+        5 => serial::<5>(entry, &path, text, &base_link, tip),
+        6 => serial::<6>(entry, &path, text, &base_link, tip),
+        7 => serial::<7>(entry, &path, text, &base_link, tip),
+        8 => serial::<8>(entry, &path, text, &base_link, tip),
+        count => {
+            let what = format!("the chain from `{base_link}` to `{tip}` has {count} joints that move");
+            let help = "choose another `tip` or `base_link`: a robot has 1 to 8 of them".to_owned();
+            Err(entry.refuse(EntryKey::Tip, what, help))
+        }
+    }
+}
+
+/// The arm of `N` joints with its simulated drives.
+fn serial<const N: usize>(
+    entry: &RobotEntry,
+    path: &Path,
+    text: &str,
+    base_link: &str,
+    tip: &str,
+) -> Result<AnySetup, CellError> {
+    let refuse = |why: &UrdfError| refused(entry, path, why);
+    let builder = Serial::<N>::from_urdf(text, base_link, tip).map_err(|why| refuse(&why))?;
+    let given = entry.acceleration(N)?.map(|given| SVector::<f64, N>::from_column_slice(&given));
+    let Some(acceleration) = given.or(builder.stated_acceleration()) else {
+        let what =
+            format!("robot `{}` has no `acceleration`, and {} states none", entry.name(), path.display());
+        let help =
+            format!("write acceleration = [..], the largest one of each of its {N} joints [rad/s² or m/s²]");
+        return Err(entry.refuse(EntryKey::Acceleration, what, help));
+    };
+    let robot = builder.with_acceleration(acceleration).map_err(|why| refuse(&why))?;
+    let middle = (robot.limits().lower + robot.limits().upper) * 0.5;
+    set_up(entry, robot.with_base(entry.base()), middle.into()).map(AnySetup::from)
+}
+
+/// What is wrong with a URDF, at the key of the entry that can mend it.
+fn refused(entry: &RobotEntry, path: &Path, why: &UrdfError) -> CellError {
+    let file = path.display();
+    let (key, what, help) = match why {
+        UrdfError::File { why, .. } => (
+            EntryKey::File,
+            format!("{file} cannot be read: {why}"),
+            "write the name of a URDF, as seen from the folder of this file",
+        ),
+        UrdfError::NoSuchLink { role: "tip", .. } => {
+            (EntryKey::Tip, format!("{file}: {why}"), "write the link that is the flange")
+        }
+        UrdfError::NoSuchLink { .. } | UrdfError::NoRoot { .. } => (
+            EntryKey::BaseLink,
+            format!("{file}: {why}"),
+            "write base_link = \"..\", the link that is the base",
+        ),
+        UrdfError::NotBelow { .. } | UrdfError::WrongCount { .. } | UrdfError::TooManyJoints { .. } => {
+            (EntryKey::Tip, format!("{file}: {why}"), "write other links as `base_link` and `tip`")
+        }
+        UrdfError::AboveFile { .. } | UrdfError::BadCallerLimit { .. } => {
+            (EntryKey::Acceleration, format!("{file}: {why}"), "write what the drives of the robot can do")
+        }
+        _ => (
+            EntryKey::File,
+            format!("{file}: {why}"),
+            "mend the URDF, or choose a chain without this by `tip`",
+        ),
+    };
+    entry.refuse(key, what, help.to_owned())
 }
 
 /// A robot with its simulated drives at the `start` of its entry; `example` is one that they can take.

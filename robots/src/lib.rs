@@ -20,7 +20,7 @@
 //! | [`Rnt`], with assumed dimensions | 6, two of them linear actuators | closed form through three closed loops |
 //! | [`Polycrank`] | 7, endless | closed form, 8 families; the stretch is that of the seed, or is given |
 //! | [`Gripper`], [`Conveyor`] | 1 | one solution |
-//! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms with a spherical wrist, else iteration |
+//! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms, UR-type arms and seven axes with spherical shoulder and wrist, else iteration |
 //!
 //! ```
 //! use mrroc::robot::{Driver, Robot};
@@ -47,6 +47,6 @@ pub use kinds::simulated;
 pub use models::{
     Conveyor, Driven, Encoder, Five, Gains, Gripper, Irp6, Irp6FiveDof, Irp6Track, Jacobian, Kinematics,
     Linear, LinkState, MotorData, MotorLimits, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder,
-    SerialOutline, Seven, Shafts, Six, Transmission, UrdfError,
+    SerialOutline, Seven, Shafts, Six, Transmission, UrdfError, UrdfText,
 };
 pub use simulation::{Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Unhomed, grasp};

@@ -39,7 +39,7 @@ fn walk<const N: usize, R: Kinematics<N>>(
             return (gone, Some(format!("{} of joint {}: {}", why.what, why.joint, why.excess.actual)));
         }
         let step = (q - near).amax();
-        assert!(step < 0.05, "{}: a jump of {step} rad after {gone} m", R::KIND);
+        assert!(step < 0.05, "{}: a jump of {step} rad after {gone} m from {near} to {q}", R::KIND);
         near = q;
     }
     (way.norm(), None)

@@ -40,6 +40,21 @@ kinematics_conformance!(
     SVector::<f64, 7>::from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7])
 );
 kinematics_conformance!(
+    three_parallel_beside,
+    arm::<6>("three_parallel_beside", "foot", "tool"),
+    SVector::<f64, 6>::from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
+);
+kinematics_conformance!(
+    offset_elbow,
+    arm::<7>("offset_elbow", "foot", "tool"),
+    SVector::<f64, 7>::from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7])
+);
+kinematics_conformance!(
+    offset_wrist,
+    arm::<7>("offset_wrist", "link0", "flange"),
+    SVector::<f64, 7>::from([0.1, 0.2, 0.3, -1.4, 0.5, 1.6, 0.7])
+);
+kinematics_conformance!(
     scara,
     arm::<4>("scara", "base", "tool"),
     SVector::<f64, 4>::from([0.1, 0.2, 0.3, 0.1])

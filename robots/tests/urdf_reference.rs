@@ -68,3 +68,18 @@ fn an_arm_with_mimic_joints_agrees_with_pinocchio() {
 fn an_arm_without_a_spherical_wrist_agrees_with_pinocchio() {
     agrees_with_pinocchio::<6>("three_parallel", "base", "wrist_3");
 }
+
+#[test]
+fn an_arm_with_three_parallel_axes_beside_each_other_agrees_with_pinocchio() {
+    agrees_with_pinocchio::<6>("three_parallel_beside", "foot", "tool");
+}
+
+#[test]
+fn an_arm_with_seven_joints_and_an_offset_elbow_agrees_with_pinocchio() {
+    agrees_with_pinocchio::<7>("offset_elbow", "foot", "tool");
+}
+
+#[test]
+fn an_arm_with_seven_joints_and_an_offset_wrist_agrees_with_pinocchio() {
+    agrees_with_pinocchio::<7>("offset_wrist", "link0", "flange");
+}

@@ -373,3 +373,53 @@ fn turn(c: &mut Turn, e: &State<(Irp6, Irp6)>) -> Step<(Irp6, Irp6)> {
     let way = Six::new(angle(c.0) - angle(c.0 - 1), 0.0, 0.0, 0.0, 0.0, 0.0);
     Step::Next((Demand::joints(e.0.demanded().joints + way), Demand::joints(e.1.demanded().joints + way)))
 }
+
+/// The hand stands on the arm's flange, 0.1 m ahead; in its own world its finger is half of its opening aside.
+#[test]
+fn a_gripper_is_mounted_on_an_arm() {
+    const HAND: &str = r#"
+step_ms = 2
+[robots.hand]
+kind = "gripper"
+mounted_on = "arm"
+base = { position = [0.0, 0.0, 0.1] }
+start = [0.07]
+[robots.arm]
+kind = "irp6"
+start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
+"#;
+    let file = CellFile::parse("cell.toml", HAND).expect("nothing is wrong");
+    assert_eq!(file.robots()[0].mounted_on(), Some("arm"));
+    let cell = file.cell(&simulated()).expect("kinds are known");
+    assert_eq!(cell.layout().robots[0].mounted_on.as_deref(), Some("arm"));
+    let report = cell.program(|mp| {
+        let mut hand = mp.robot::<mrroc_robots::Gripper>("hand")?;
+        mp.wait_at_most((&mut hand,), (), never {}, 2).unwrap_err();
+        let finger = hand.demanded().pose.translation.vector;
+        assert!((finger - nalgebra::Vector3::new(0.035, 0.0, 0.1)).norm() < 1e-4, "{finger}");
+        Ok(())
+    });
+    report.run().expect("it runs");
+    for (on, told) in [
+        ("am", "cell.toml:5:14: robot `hand` is mounted on `am`, which is no other robot of the cell"),
+        ("hand", "cell.toml:5:14: robot `hand` is mounted on `hand`, which is no other robot of the cell"),
+    ] {
+        let why = complaints(&HAND.replace("mounted_on = \"arm\"", &format!("mounted_on = \"{on}\"")));
+        assert!(why.contains(told) && why.contains("arm"), "{why}");
+    }
+    let circle = format!("{HAND}mounted_on = \"hand\"\n");
+    let cell = CellFile::parse("cell.toml", &circle).expect("well-formed").cell(&simulated()).expect("known");
+    let why = cell.program(hold).run().expect_err("a circle").to_string();
+    assert!(why.contains("robot `hand` is mounted on `arm`, and that on it"), "{why}");
+}
+
+/// Set up in Rust, what a robot is mounted on is checked with the cell.
+#[test]
+fn a_robot_that_is_mounted_on_none_is_refused() {
+    let hand = mrroc_robots::Gripper::new();
+    let drives = mrroc_robots::Simulated::new(hand.clone(), &nalgebra::Vector1::new(0.07));
+    let hand = RobotSetup::new("hand", hand, drives).mounted_on("arm");
+    let why =
+        Cell::new(Duration::from_millis(2)).robot(hand).program(hold).run().expect_err("no arm").to_string();
+    assert!(why.contains("robot `hand` is mounted on `arm`, which is not there"), "{why}");
+}

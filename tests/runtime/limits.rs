@@ -159,6 +159,28 @@ fn a_joint_that_could_not_stop_in_time_is_refused_unless_the_cell_allows_it() {
 }
 
 #[test]
+fn a_robot_s_own_stop_time_takes_the_place_of_the_cell_s() {
+    // T_stop is 0.621 s.
+    let slow = || Bench::with(|limits| limits.acceleration = Q::repeat(1.0 / 0.6));
+    let millis = Duration::from_millis;
+    let cell = |own: Duration, cell: Duration| {
+        let robot = RobotSetup::new("slow", slow(), ExactDrive::<3>::at_origin()).stop_time(own);
+        Cell::new(MS).stop_time(cell).robot(robot).program(|_| Ok(()))
+    };
+    cell(millis(622), millis(100)).run().expect("its own time is long enough");
+    assert_eq!(cell(millis(622), millis(100)).stop_limit(), millis(622));
+    assert_eq!(cell(millis(622), millis(100)).layout().robots[0].stop_time, millis(622));
+    let why = cell(millis(620), millis(5000)).run().expect_err("its own time is too short").to_string();
+    assert!(why.contains("`slow` joint 1: a stop may take 0.621 s, limit 0.620 s"), "{why}");
+    assert!(why.contains("stop_ms = 621 in [robots.slow] of cell.toml"), "{why}");
+    // Others keep the cell's.
+    let both =
+        cell(millis(700), millis(600)).robot(RobotSetup::new("other", slow(), ExactDrive::<3>::at_origin()));
+    let why = both.run().expect_err("the other has no time of its own").to_string();
+    assert!(why.contains("`other` joint 1") && !why.contains("`slow`"), "{why}");
+}
+
+#[test]
 fn the_limits_of_the_irp6_pass_at_its_step() {
     let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
     let setup = || RobotSetup::new("irp6", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &start));

@@ -18,3 +18,5 @@ pub mod orders;
 pub mod own_arm;
 #[path = "../../template/src/touch.rs"]
 pub mod touch;
+#[path = "../../template/sets/urdf/arm.rs"]
+pub mod urdf_arm;

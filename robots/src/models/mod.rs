@@ -11,7 +11,8 @@
 //! | [`Outline`] | its links as [`Capsule`]s, and what moves them |
 //!
 //! A robot is a file, or a folder where it is one of a family or has more to say: `irp6/`, `rnt.rs`, `polycrank.rs`,
-//! `gripper.rs`, `conveyor.rs`; `urdf/` reads any serial chain, and `opw.rs` solves ortho-parallel arms in closed form.
+//! `gripper.rs`, `conveyor.rs`; `urdf/` reads any serial chain. Three families of arms are solved in closed form: `opw.rs` (ortho-parallel),
+//! `three_parallel.rs` (UR type) and `spherical.rs` (seven axes); `planar.rs` is what these have in common.
 //! They share `base.rs` (where a robot stands), `xml.rs` (what is read of XML), `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
 //! `singular.rs` and `sines.rs`.
 
@@ -22,11 +23,14 @@ mod gripper;
 mod irp6;
 mod kinematics;
 mod opw;
+mod planar;
 mod polycrank;
 mod rnt;
 mod shape;
 mod sines;
 mod singular;
+mod spherical;
+mod three_parallel;
 mod urdf;
 mod vectors;
 pub mod xml;
@@ -41,5 +45,5 @@ pub use kinematics::{Jacobian, Kinematics};
 pub use polycrank::Polycrank;
 pub use rnt::Rnt;
 pub use shape::{Capsule, Link, Motion, Outline};
-pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError};
+pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError, UrdfText};
 pub use vectors::{Five, One, Seven, Six};

@@ -27,22 +27,10 @@ use mrroc::robot::NoInverse;
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::models::kinematics::{closest, doubled};
+use crate::models::planar::{
+    self, Direction, Elbow, Links, NEAR, ROUND_OFF, Shoulder, WRIST_SINGULAR, Wanted, distinct, nearer_first,
+};
 use crate::models::sines::{atan2, sin_cos};
-
-/// Distance of the wrist centre from axis 1, or from axis 2, below which these joints are undetermined \[m\].
-const CENTRE_SINGULAR: f64 = 1e-9;
-
-/// Sine of theta5 below which theta4 is undetermined; the pose then errs by no more than this \[rad\].
-const WRIST_SINGULAR: f64 = 1e-10;
-
-/// How far beyond its reach an arm may be asked to stretch, as a part of its length: round-off.
-const STRETCH: f64 = 1e-13;
-
-/// Largest round-off of the cosine of an angle between two directions.
-const ROUND_OFF: f64 = 1e-14;
-
-/// Sine of an angle, or part of the arm's length, below which a singularity counts as near.
-const NEAR: f64 = 0.1;
 
 /// Joint positions \[rad\].
 pub(crate) type Joints = [f64; 6];
@@ -73,50 +61,6 @@ pub(crate) struct OrthoParallel {
     pub(crate) delta: f64,
     /// Sine and cosine of `delta`.
     pub(crate) delta_sin_cos: (f64, f64),
-}
-
-/// The demanded pose of the wrist, in O.
-struct Wanted {
-    /// The wrist centre \[m\].
-    centre: Vector3<f64>,
-    /// The columns of the rotation matrix of C.
-    columns: [Vector3<f64>; 3],
-}
-
-/// An angle as a direction.
-#[derive(Clone, Copy, PartialEq)]
-struct Direction {
-    sine: f64,
-    cosine: f64,
-}
-
-impl Direction {
-    #[inline(always)]
-    fn of(angle: f64) -> Self {
-        let [(sine, cosine)] = sin_cos([angle]);
-        Self { sine, cosine }
-    }
-
-    /// Cosine of the angle between two directions.
-    #[inline(always)]
-    fn along(self, other: Self) -> f64 {
-        self.cosine * other.cosine + self.sine * other.sine
-    }
-}
-
-/// One position of the first joint.
-#[derive(Clone, Copy, PartialEq)]
-struct Shoulder {
-    theta1: Direction,
-    /// How far the wrist centre lies in front of axis 1 in the plane of the arm \[m\], of either sign.
-    forward: f64,
-}
-
-/// One position of the upper arm and the forearm.
-#[derive(Clone, Copy, PartialEq)]
-struct Elbow {
-    phi2: Direction,
-    phi3: Direction,
 }
 
 impl OrthoParallel {
@@ -250,77 +194,22 @@ impl OrthoParallel {
         }
     }
 
-    /// The pose of the wrist's frame that puts the flange at `X_WF`, in O.
     #[inline(always)]
     #[allow(non_snake_case)]
     fn wanted(&self, X_WF: &Pose) -> Wanted {
-        let R_OW = self.X_WO.rotation.inverse();
-        let R_OC = R_OW * X_WF.rotation * self.R_CF.inverse();
-        let p_OF = R_OW * (X_WF.translation.vector - self.X_WO.translation.vector);
-        let matrix = R_OC.to_rotation_matrix().into_inner();
-        let columns = [0, 1, 2].map(|i| Vector3::new(matrix[(0, i)], matrix[(1, i)], matrix[(2, i)]));
-        Wanted { centre: p_OF - matrix * self.p_CF, columns }
+        Wanted::of(X_WF, &self.X_WO, &self.R_CF, &self.p_CF)
     }
 
-    /// Both positions of the first joint, which is undetermined on axis 1 and then stays at `at`; `None` where the
-    /// wrist centre is nearer to axis 1 than the arm's plane.
+    /// Both positions of the first joint, which is undetermined on axis 1 and then stays at `at`.
     #[inline(always)]
     fn shoulders(&self, centre: &Vector3<f64>, at: Direction) -> Option<[Shoulder; 2]> {
-        let (x, y, b) = (centre.x, centre.y, self.b);
-        let square = x * x + y * y;
-        let under_root = square - b * b;
-        if under_root.is_nan() || under_root < -STRETCH * (self.l + self.k).powi(2) {
-            return None;
-        }
-        if square < CENTRE_SINGULAR * CENTRE_SINGULAR {
-            return Some([Shoulder { theta1: at, forward: x * at.cosine + y * at.sine }; 2]);
-        }
-        let root = under_root.max(0.0).sqrt();
-        let inverse = 1.0 / square;
-        let shoulder = |forward: f64| Shoulder {
-            theta1: Direction {
-                sine: (forward * y - b * x) * inverse,
-                cosine: (forward * x + b * y) * inverse,
-            },
-            forward,
-        };
-        Some([shoulder(root), shoulder(-root)])
+        planar::shoulders(centre, self.b, self.l + self.k, at)
     }
 
-    /// Both positions of the upper arm and the forearm; with the wrist centre on axis 2 the upper arm is undetermined
-    /// and stays at `at`; `None` out of reach.
+    /// Both positions of the upper arm and the forearm.
     #[inline(always)]
     fn elbows(&self, shoulder: &Shoulder, height: f64, at: Direction) -> Option<[Elbow; 2]> {
-        let Self { l, k, a1, .. } = *self;
-        let across = shoulder.forward - a1;
-        let square = across * across + height * height;
-        let distance = square.sqrt();
-        // Heron: 16 times the square of the area between upper arm, forearm and their span.
-        let heron = (l + k - distance) * (l + k + distance) * (distance - l + k) * (distance + l - k);
-        if heron.is_nan() || heron < -STRETCH * (l + k).powi(4) {
-            return None;
-        }
-        let inverse_k = 1.0 / k;
-        let elbow = |phi2: Direction| Elbow {
-            phi2,
-            phi3: Direction {
-                sine: (across - l * phi2.sine) * inverse_k,
-                cosine: (height - l * phi2.cosine) * inverse_k,
-            },
-        };
-        if distance < CENTRE_SINGULAR {
-            return Some([elbow(at); 2]);
-        }
-        let along = 0.5 * (square + (l - k) * (l + k)) / l;
-        let root = 0.5 * heron.max(0.0).sqrt() / l;
-        let inverse = 1.0 / square;
-        let upper = |root: f64| {
-            elbow(Direction {
-                sine: (along * across - root * height) * inverse,
-                cosine: (along * height + root * across) * inverse,
-            })
-        };
-        Some([upper(root), upper(-root)])
+        planar::elbows(Links { l: self.l, k: self.k }, shoulder.forward - self.a1, height, at)
     }
 
     /// Both solutions for one position of shoulder and elbow, which differ in the wrist; on its singularity, where
@@ -382,12 +271,6 @@ impl OrthoParallel {
     }
 }
 
-/// The one of two whose measure is larger, then the other.
-#[inline(always)]
-fn nearer_first<T: Copy>([a, b]: [T; 2], measure: impl Fn(&T) -> f64) -> (T, T) {
-    if measure(&b) > measure(&a) { (b, a) } else { (a, b) }
-}
-
 /// The nearer of two solutions, and the sum of the squares by which it is off \[rad²\].
 #[inline(always)]
 fn nearest([a, b]: [Joints; 2], near: &Joints) -> (Joints, f64) {
@@ -398,9 +281,4 @@ fn nearest([a, b]: [Joints; 2], near: &Joints) -> (Joints, f64) {
     let off_a = off(&a);
     let off_b = off(&b);
     if off_b < off_a { (b, off_b) } else { (a, off_a) }
-}
-
-/// Both of two solutions, or one where they are the same.
-fn distinct<T: PartialEq>(both: &[T; 2]) -> &[T] {
-    if both[0] == both[1] { &both[..1] } else { both }
 }

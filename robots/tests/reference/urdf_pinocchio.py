@@ -22,6 +22,9 @@ ARMS = {
     "gantry": "tool",
     "palletiser": "tool",
     "three_parallel": "wrist_3",
+    "three_parallel_beside": "tool",
+    "offset_elbow": "tool",
+    "offset_wrist": "flange",
 }
 POSES = 40
 

@@ -214,6 +214,8 @@ mod tests {
             homed: true,
             ecp_program: false,
             space: InterpolationSpace::Joints,
+            mounted_on: None,
+            stop_time: Duration::from_millis(600),
             joints: vec![joint],
         }
     }

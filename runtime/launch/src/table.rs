@@ -108,7 +108,9 @@ impl Table<'_> {
             InterpolationSpace::Task => "the task space",
         };
         let homed = if robot.homed { "knows where it is" } else { "looks for its reference marks first" };
-        writeln!(f, "\n{}: {}, {homed}, interpolates in {space}", robot.name, robot.kind)?;
+        let mounted =
+            robot.mounted_on.as_ref().map(|on| format!(", on the flange of {on}")).unwrap_or_default();
+        writeln!(f, "\n{}: {}{mounted}, {homed}, interpolates in {space}", robot.name, robot.kind)?;
         match &robot.drives {
             DrivesLayout::Hardware(hardware) => {
                 let hardware = quoted(hardware, 120);
@@ -136,14 +138,20 @@ impl Table<'_> {
             "T_stop",
             "limit"
         )?;
-        robot.joints.iter().enumerate().try_for_each(|(i, joint)| self.joint(i, joint, f))
+        robot.joints.iter().enumerate().try_for_each(|(i, joint)| self.joint(i, joint, robot.stop_time, f))
     }
 
-    fn joint(&self, i: usize, joint: &JointLayout, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn joint(
+        &self,
+        i: usize,
+        joint: &JointLayout,
+        limit: Duration,
+        f: &mut fmt::Formatter<'_>,
+    ) -> fmt::Result {
         let JointLayout { lower, upper, velocity, acceleration, following_error, braking, .. } = joint;
         let jerk = joint.jerk.map_or_else(|| "-".to_owned(), |jerk| format!("{jerk:.1}"));
         let name = format!("{} {}", i + 1, joint.kind.unit(0));
-        let (stop, limit) = (self.layout.detection + braking, self.layout.stop_time.as_secs_f64());
+        let (stop, limit) = (self.layout.detection + braking, limit.as_secs_f64());
         writeln!(
             f,
             "{name:<9}{lower:>10.4}{upper:>10.4}{velocity:>10.4}{acceleration:>14.4}{jerk:>10}{following_error:>11.4}{:>9}{:>9}{:>9}",

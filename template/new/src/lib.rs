@@ -3,6 +3,7 @@
 //! - [`options`]: what was asked for;
 //! - [`template`]: the template and the choices that it offers;
 //! - [`choices`]: which of them are asked for, and what was chosen; [`source`]: the three about mrroc itself;
+//! - [`urdf`]: an arm from a file of the user's;
 //! - [`prompt`]: asking on the terminal;
 //! - [`project`]: the project, made by cargo-generate;
 //! - [`generator`]: the copy of a generator of the [`catalogue`].
@@ -20,3 +21,4 @@ pub mod shell;
 pub mod source;
 mod suggestion;
 pub mod template;
+pub mod urdf;

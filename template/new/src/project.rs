@@ -15,6 +15,7 @@ use toml::Table;
 use crate::choices::Chosen;
 use crate::error::{Error, FULL};
 use crate::template::FILES;
+use crate::urdf::Arm;
 use crate::{name, shell};
 
 /// The first argument by which this program starts itself for the generation.
@@ -27,12 +28,15 @@ pub const GENERATION: &str = "--as-cargo-generate";
 /// written. Nothing is left behind.
 pub fn make(name: &str, into: &Path, chosen: &Chosen) -> Result<PathBuf, Error> {
     let project = place(name, into)?;
+    let arm = Arm::of(chosen)?;
     let parts = tempfile::tempdir().map_err(|error| no_room(&env::temp_dir(), &error))?;
-    unpack(parts.path(), chosen).map_err(|error| no_room(parts.path(), &error))?;
+    unpack(parts.path(), chosen, arm.as_ref()).map_err(|error| no_room(parts.path(), &error))?;
     let workshop = tempfile::Builder::new().prefix(".mrroc-new-").tempdir_in(into);
     let workshop = workshop.map_err(|error| unwritable(into, &error))?;
     generate_apart(name, parts.path(), workshop.path())?;
-    fs::rename(workshop.path().join(name), &project).map_err(|error| unwritable(&project, &error))?;
+    let made = workshop.path().join(name);
+    arm.map_or(Ok(()), |arm| add(&arm, &made)).map_err(|error| unwritable(&made, &error))?;
+    fs::rename(made, &project).map_err(|error| unwritable(&project, &error))?;
     Ok(project)
 }
 
@@ -69,16 +73,25 @@ const TEMPLATE: &str = "template";
 const VALUES: &str = "values.toml";
 const SETTINGS: &str = "settings.toml";
 
+/// Adds an arm from a file of the user's: the file, and its number of joints.
+fn add(arm: &Arm, project: &Path) -> io::Result<()> {
+    fs::write(project.join("arm.urdf"), &arm.text)?;
+    let kind = project.join("src/arm.rs");
+    let text = fs::read_to_string(&kind)?.replace("Serial<6>", &format!("Serial<{}>", arm.joints.len()));
+    fs::write(kind, text)
+}
+
 /// Writes what cargo-generate reads.
-fn unpack(parts: &Path, chosen: &Chosen) -> io::Result<()> {
+fn unpack(parts: &Path, chosen: &Chosen, arm: Option<&Arm>) -> io::Result<()> {
     let template = parts.join(TEMPLATE);
     for (name, content) in FILES {
         let file = template.join(name);
         fs::create_dir_all(file.parent().unwrap_or(&template))?;
         fs::write(file, content)?;
     }
-    let values =
-        chosen.iter().map(|(name, value)| (name.clone(), value.to_string().into())).collect::<Table>();
+    let chosen = chosen.iter().map(|(name, value)| (name.clone(), value.to_string()));
+    let read = arm.map(Arm::values).into_iter().flatten();
+    let values = chosen.chain(read).map(|(name, value)| (name, value.into())).collect::<Table>();
     fs::write(parts.join(VALUES), Table::from_iter([("values".to_owned(), values.into())]).to_string())?;
     // Not those of the user's own cargo-generate.
     fs::write(parts.join(SETTINGS), "")

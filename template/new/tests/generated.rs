@@ -10,9 +10,22 @@ use mrroc_new::choices::{Chosen, Given};
 use mrroc_new::project::GENERATION;
 use mrroc_new::template::Template;
 
+/// Arms from files differ from an IRp-6 in one file and in cell.toml: they are made with the defaults of the other choices.
 fn all() -> Vec<Chosen> {
     let template = Template::built_in().expect("the template's description");
-    combinations(&template, &this_checkout(&template))
+    let is_default = |name: &str, value: &str| {
+        let own = ["robot", "urdf", "tip"].contains(&name) || name.starts_with("mrroc_");
+        let default = || template.all().find(|(placeholder, _)| placeholder.name == name)?.0.default().ok();
+        own || default().is_none_or(|default| default.to_string() == value)
+    };
+    let mut all = combinations(&template, &this_checkout(&template));
+    all.retain(|chosen| {
+        let from_file = chosen
+            .iter()
+            .any(|(name, value)| name == "robot" && ["ur5e", "urdf"].contains(&value.to_string().as_str()));
+        !from_file || chosen.iter().all(|(name, value)| is_default(name, &value.to_string()))
+    });
+    all
 }
 
 /// Each in this folder, one after the other.

@@ -81,7 +81,7 @@ struct Found<'a, 'i> {
 }
 
 impl Chain {
-    /// The chain from `base` to `tip`, whose number of coordinates must be `asked`.
+    /// The chain from `base` to `tip`, whose number of coordinates must be `asked` where a number is.
     ///
     /// # Errors
     /// See [`UrdfError`].
@@ -89,7 +89,7 @@ impl Chain {
         tree: &Tree<'_, '_>,
         base: &str,
         tip: &str,
-        asked: usize,
+        asked: Option<usize>,
     ) -> Result<Self, UrdfError> {
         let mut found: Vec<Found<'_, '_>> = Vec::new();
         let mut bodies: Vec<Body> = Vec::new();
@@ -114,7 +114,7 @@ impl Chain {
             bodies.push(Body::default().with_link(tree, child, &fixed)?);
         }
         let movers: Vec<usize> = (0..found.len()).filter(|i| found[*i].mimic.is_none()).collect();
-        if movers.len() != asked {
+        if let Some(asked) = asked.filter(|asked| movers.len() != *asked) {
             let names = movers.iter().map(|i| shown(found[*i].joint.name)).collect();
             return Err(wrong_count(base, tip, names, asked));
         }

@@ -285,6 +285,20 @@ impl<'a, 'i> Tree<'a, 'i> {
         Some(Element { node, called: format!("link \"{}\"", shown(name)) })
     }
 
+    /// The link that hangs on no other.
+    ///
+    /// # Errors
+    /// There is none, or there are several.
+    pub(super) fn root(&self) -> Result<&'a str, UrdfError> {
+        let mut roots: Vec<_> =
+            self.links.keys().copied().filter(|link| !self.parents.contains_key(link)).collect();
+        roots.sort_unstable();
+        match roots.as_slice() {
+            [root] => Ok(root),
+            roots => Err(UrdfError::NoRoot { roots: roots.iter().map(|root| shown(root)).collect() }),
+        }
+    }
+
     /// The joints from `base` to `tip`, in that order.
     ///
     /// # Errors

@@ -205,6 +205,12 @@ pub enum UrdfError {
         /// What to write.
         help: String,
     },
+    /// No link, or several, on which all others hang, and no base was asked for.
+    #[error("{} links of the URDF hang on no other ({}): name the base link of the arm", roots.len(), roots.join(", "))]
+    NoRoot {
+        /// The links that hang on no other.
+        roots: Vec<String>,
+    },
     /// The tip does not hang on the base.
     #[error("link \"{tip}\" does not hang on link \"{base}\": {help}")]
     NotBelow {

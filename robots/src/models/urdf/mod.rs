@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! text -> document (XML, strictly) -> chain (base to tip) -> Serial<N>: Robot
-//!                                                              |-- closed form, for ortho-parallel 6R arms
+//!                                                              |-- closed form, for three families of arms
 //!                                                              |-- Newton iteration, for all others
 //!                                                              '-- assumed motors, for simulation
 //! ```
@@ -11,6 +11,8 @@
 
 mod body;
 mod chain;
+mod closed;
+mod description;
 mod document;
 mod drives;
 mod error;
@@ -20,6 +22,7 @@ mod outline;
 mod recognition;
 mod serial;
 
+pub use description::UrdfText;
 pub use error::UrdfError;
 pub use outline::SerialOutline;
 pub use serial::{Serial, SerialBuilder};

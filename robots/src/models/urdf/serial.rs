@@ -1,22 +1,20 @@
 //! A serial chain as a robot.
 
-use std::io::Read;
 use std::path::Path;
 
 use mrroc::prelude::*;
 use mrroc::robot::{JointKind, Limits, NoInverse};
-use mrroc_launch::files;
 use nalgebra::{SVector, Vector3};
 
 use super::chain::{Chain, Mover, Segment};
-use super::document::{LONGEST, Tree, parsed, shown};
+use super::closed::{Closed, joints};
+use super::description::text_of;
+use super::document::{Tree, parsed, shown};
 use super::drives::Drives;
 use super::error::UrdfError;
 use super::motion::Linkage;
 use super::newton;
-use super::recognition::ortho_parallel;
 use crate::models::kinematics::{Jacobian, Kinematics};
-use crate::models::opw::{Joints, OrthoParallel};
 
 /// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
 ///
@@ -47,9 +45,22 @@ use crate::models::opw::{Joints, OrthoParallel};
 /// never wrapped: inverse kinematics stays on the turn of the seed. [`Serial::with_positions`] narrows the limits. URDF
 /// before 1.2 knows no acceleration limits: [`SerialBuilder::with_acceleration`] demands them.
 ///
-/// **Inverse kinematics.** An arm of six revolute joints that is ortho-parallel with a spherical wrist (to 1e-12) is
-/// recognised from its axes and solved in closed form: [`Robot::inverse`] then gives the nearest of up to eight
-/// solutions, whatever the limits. All other chains are solved by iteration from the seed, within the limits. Of poses
+/// **Inverse kinematics.** Three families of arms whose joints all turn are recognised from their axes (to 1e-12) and solved
+/// in closed form; [`Robot::inverse`] then gives the solution nearest to the seed, whatever the limits:
+///
+/// | joints | axes | solutions |
+/// |---|---|---|
+/// | 6 | ortho-parallel with a spherical wrist: most industrial arms | 8 |
+/// | 6 | axes 2, 3, 4 parallel, axes 5 and 6 meeting: UR3 to UR30 and their like | 8 |
+/// | 7 | spherical shoulder and spherical wrist, axis 4 with the same nearest point to both: KUKA LBR iiwa | 16 at an arm angle |
+///
+/// With seven joints a path keeps the **arm angle** ([`Serial::arm_angle`]) of the seed, so a closed path of the flange is a
+/// closed path of the joints; the nearest solution may turn axis 4 the other way round, which is half a turn of that
+/// angle. `Demand::with_redundancy` demands an arm angle. With the wrist on axis 1 the angle is not determined, and axis 4
+/// stays as it was as nearly as it can; beside it the elbow may have to swing, and `near_singularity` names the shoulder.
+///
+/// All other chains, among them seven axes without a spherical wrist (Franka's arms: their wrist is offset by 88 mm), are
+/// solved by iteration from the seed, within the limits. Of poses
 /// drawn from the whole range, all are found from seeds within 0.01 of every joint [rad or m], and at least 9,999 of
 /// 10,000 from seeds within 0.1 (`tests/urdf_inverse.rs`). A pose that is not found is refused as
 /// [`NoInverse::NotConverged`], after at most 24 starts of at most 40 steps (some 0.1 ms); one that is farther from the
@@ -75,7 +86,7 @@ pub struct Serial<const N: usize> {
     /// Largest possible distance of the tip from the first joint \[m\].
     reach: f64,
     /// The closed form, where there is one.
-    closed: Option<OrthoParallel>,
+    closed: Option<Closed>,
 }
 
 /// A chain that still lacks its limits of acceleration, which a URDF does not give.
@@ -103,10 +114,20 @@ impl<const N: usize> SerialBuilder<N> {
             jerk: None,
         };
         let X_BJ = segments.first().map_or_else(Pose::identity, |first| first.X_before);
-        let closed = ortho_parallel(&segments, &X_tip);
+        let closed = Closed::of(&segments, &X_tip);
         let reach = reach(&movers, &segments, &X_tip);
         let linkage = Linkage::new(&segments, &X_tip);
         Ok(Serial { movers, segments, linkage, drives, X_BJ, X_tip, limits, reach, closed })
+    }
+
+    /// The accelerations that a file of URDF 1.2 states for all joints [rad/s² or m/s²]; `None` where it leaves one out.
+    #[must_use]
+    pub fn stated_acceleration(&self) -> Option<SVector<f64, N>> {
+        let mut stated = SVector::<f64, N>::zeros();
+        for (mover, value) in self.chain.movers.iter().zip(stated.iter_mut()) {
+            *value = mover.acceleration?;
+        }
+        Some(stated)
     }
 
     /// Names of the moving joints, from base to tip.
@@ -156,7 +177,7 @@ impl<const N: usize> Serial<N> {
     /// [`UrdfError`] for everything that would make another robot than the one written.
     pub fn from_urdf(text: &str, base: &str, tip: &str) -> Result<SerialBuilder<N>, UrdfError> {
         let document = parsed(text)?;
-        let chain = Chain::between(&Tree::of(&document)?, base, tip, N)?;
+        let chain = Chain::between(&Tree::of(&document)?, base, tip, Some(N))?;
         Ok(SerialBuilder { chain })
     }
 
@@ -169,12 +190,7 @@ impl<const N: usize> Serial<N> {
         base: &str,
         tip: &str,
     ) -> Result<SerialBuilder<N>, UrdfError> {
-        let path = path.as_ref();
-        let failed = |why| UrdfError::File { path: path.to_owned(), why };
-        let mut text = String::new();
-        let file = files::open(path).map_err(failed)?;
-        file.take(LONGEST as u64 + 1).read_to_string(&mut text).map_err(failed)?;
-        Self::from_urdf(&text, base, tip)
+        Self::from_urdf(&text_of(path.as_ref())?, base, tip)
     }
 
     /// The same robot with its base link at `X_WB` in the world.
@@ -185,7 +201,7 @@ impl<const N: usize> Serial<N> {
             first.X_before = X_WB * self.X_BJ;
         }
         self.linkage = Linkage::new(&self.segments, &self.X_tip);
-        self.closed = ortho_parallel(&self.segments, &self.X_tip);
+        self.closed = Closed::of(&self.segments, &self.X_tip);
         self
     }
 
@@ -247,11 +263,19 @@ impl<const N: usize> Serial<N> {
             .map_err(|error| NoInverse::NotConverged { error, tolerance: newton::GOOD })
     }
 
-    /// Whether the arm was recognised as ortho-parallel with a spherical wrist. If so, its inverse kinematics is in closed
-    /// form and finds all solutions; if not, it iterates from the seed and finds one.
+    /// Whether the arm was recognised as one with a closed form. If so, its inverse kinematics finds all solutions; if not,
+    /// it iterates from the seed and finds one.
     #[must_use]
     pub fn is_closed_form(&self) -> bool {
         self.closed.is_some()
+    }
+
+    /// The arm angle \[rad\] at `q` \[rad\], -pi to pi, of a seven-axis arm with a spherical shoulder and a spherical wrist:
+    /// by how much axis 4 is turned about the line from shoulder to wrist, by the right hand, from where the elbow lies
+    /// in the plane through axis 1 and the wrist. `None` for other chains, and in closed form only.
+    #[must_use]
+    pub fn arm_angle(&self, q: &SVector<f64, N>) -> Option<f64> {
+        self.closed.as_ref().and_then(|arm| arm.redundancy(q))
     }
 }
 
@@ -270,7 +294,7 @@ impl<const N: usize> Robot for Serial<N> {
 
     fn forward(&self, q: &Self::Joints) -> Pose {
         match &self.closed {
-            Some(arm) if N == 6 => arm.forward(&six(q)),
+            Some(Closed::OrthoParallel(arm)) => arm.forward(&joints(q)),
             _ => self.linkage.forward(q),
         }
     }
@@ -298,13 +322,27 @@ impl<const N: usize> Robot for Serial<N> {
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
         match &self.closed {
-            Some(arm) if N == 6 => arm.inverse(X_WF, &six(near)).map(|q| SVector::from_fn(|i, _| q[i])),
-            _ => self.iterate(X_WF, near),
+            Some(arm) => arm.inverse(X_WF, near),
+            None => self.iterate(X_WF, near),
+        }
+    }
+
+    /// Of an arm with seven joints in closed form the solution at this arm angle \[rad\] ([`Serial::arm_angle`]).
+    #[allow(non_snake_case)]
+    fn inverse_at(
+        &self,
+        X_WF: &Pose,
+        redundancy: f64,
+        near: &Self::Joints,
+    ) -> Result<Self::Joints, NoInverse> {
+        match &self.closed {
+            Some(arm) => arm.inverse_at(X_WF, redundancy, near),
+            None => Err(NoInverse::NotRedundant),
         }
     }
 
     fn near_singularity(&self, q: &Self::Joints) -> Option<&'static str> {
-        self.closed.as_ref().and_then(|arm| arm.near_singularity(&six(q)))
+        self.closed.as_ref().and_then(|arm| arm.near_singularity(q))
     }
 }
 
@@ -329,13 +367,8 @@ impl<const N: usize> Kinematics<N> for Serial<N> {
         visit: &mut dyn FnMut(&SVector<f64, N>),
     ) -> Result<(), NoInverse> {
         match &self.closed {
-            Some(arm) if N == 6 => arm.solutions(X_WF, &six(near), |q| visit(&SVector::from_fn(|i, _| q[i]))),
-            _ => self.inverse(X_WF, near).map(|q| visit(&q)),
+            Some(arm) => arm.solutions(X_WF, near, visit),
+            None => self.iterate(X_WF, near).map(|q| visit(&q)),
         }
     }
-}
-
-/// The coordinates of an arm with six joints; for other arms the first six, filled up by 0.
-fn six<const N: usize>(q: &SVector<f64, N>) -> Joints {
-    core::array::from_fn(|i| if i < N { q[i] } else { 0.0 })
 }

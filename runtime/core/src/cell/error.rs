@@ -143,9 +143,28 @@ pub enum CellError {
         /// Its unit.
         unit: &'static str,
     },
-    /// A joint that could not stop in the time that the cell allows, [`Cell::stop_time`](crate::cell::Cell::stop_time).
+    /// A robot that is mounted on none of the cell.
+    #[error("robot `{robot}` is mounted on `{on}`, which is not there: {there}")]
+    NoCarrier {
+        /// The robot.
+        robot: Name,
+        /// What it should be mounted on.
+        on: String,
+        /// What to write.
+        there: String,
+    },
+    /// A robot that is mounted on itself, perhaps through others.
+    #[error("robot `{robot}` is mounted on `{on}`, and that on it: one of them must stand in the world")]
+    MountedOnItself {
+        /// The robot.
+        robot: Name,
+        /// What it is mounted on.
+        on: String,
+    },
+    /// A joint that could not stop in the time that the cell allows its robot, by
+    /// [`Cell::stop_time`](crate::cell::Cell::stop_time) or [`RobotSetup::stop_time`](crate::cell::RobotSetup::stop_time).
     #[error(
-        "robot `{robot}` joint {}: a stop may take {time:.3} s, limit {limit:.3} s: lower its velocity limit or allow longer stops, stop_ms = {} in cell.toml",
+        "robot `{robot}` joint {}: a stop may take {time:.3} s, limit {limit:.3} s: lower its velocity limit or allow it longer stops, stop_ms = {} in [robots.{robot}] of cell.toml",
         joint + 1,
         (time * 1e3).ceil()
     )]

@@ -19,7 +19,7 @@ impl Cell {
             protective_stop: self.timing.step * u32::try_from(self.path_stop_steps()).unwrap_or(u32::MAX),
             detection: detection_time(self.timing.step),
             mp_program: self.coordination.program.is_some(),
-            robots: self.parts.robots.iter().map(|robot| robot.layout()).collect(),
+            robots: self.parts.robots.iter().map(|robot| robot.layout(self.timing.stop_time)).collect(),
             sensors: self.parts.sensors.iter().map(|sensor| sensor.layout(self.timing.step)).collect(),
         }
     }

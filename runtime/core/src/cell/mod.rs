@@ -81,7 +81,8 @@ impl Cell {
 
     /// Sets the longest time that the cell allows any joint from the cause of a stop to a standstill; 600 ms by
     /// default. A joint needs the time to notice a lost peer and to brake from the velocity limit, `v / a + 2.5 a / j`.
-    /// A cell with a joint that would take longer does not run.
+    /// A cell with a joint that would take longer does not run. A robot may have
+    /// [a time of its own](RobotSetup::stop_time).
     #[must_use]
     pub fn stop_time(mut self, limit: Duration) -> Cell {
         self.timing.stop_time = limit;
@@ -270,8 +271,11 @@ impl Cell {
     /// Steps after which a protective stop leaves the path.
     fn path_stop_steps(&self) -> u64 {
         let delay = self.delay().unwrap_or_default();
-        let braking = self.parts.robots.iter().map(|robot| robot.braking_time()).fold(0.0, f64::max);
-        path_stop_steps(self.timing.stop_time, braking, self.timing.step, delay)
+        let steps = self.parts.robots.iter().map(|robot| {
+            let stop_time = robot.stop_time(self.timing.stop_time);
+            path_stop_steps(stop_time, robot.braking_time(), self.timing.step, delay)
+        });
+        steps.min().unwrap_or(0)
     }
 
     /// The number of steps in which the rate of path time falls from the planned one to 0.
@@ -280,8 +284,9 @@ impl Cell {
     }
 
     /// The longest stop that the cell allows its robots.
-    pub const fn stop_limit(&self) -> Duration {
-        self.timing.stop_time
+    pub fn stop_limit(&self) -> Duration {
+        let cell = self.timing.stop_time;
+        self.parts.robots.iter().map(|robot| robot.stop_time(cell)).max().unwrap_or(cell)
     }
 
     /// What its processes ask of the machine.

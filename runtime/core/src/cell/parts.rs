@@ -11,6 +11,7 @@ use crate::link::places::MAX_PROCESSES;
 use crate::model::fault::Fault;
 use crate::model::name::Name;
 use crate::model::robot::Robot;
+use crate::suggestion::suggestion;
 
 use super::CellError;
 use super::robot::{AnyRobot, RobotSetup};
@@ -80,7 +81,26 @@ impl Parts {
             }
             names.push(name);
         }
+        self.check_mountings(&names, errors);
         names
+    }
+
+    /// Checks that robots are mounted on robots of the cell, and none on itself, not even through others.
+    fn check_mountings(&self, names: &[Name], errors: &mut Vec<CellError>) {
+        let carrier = |name: &str| self.robots.iter().find(|robot| robot.name() == name)?.mounted_on();
+        for &robot in names {
+            let Some(on) = carrier(robot.as_str()) else { continue };
+            if !names.iter().any(|name| name.as_str() == on) {
+                let names: Vec<_> = names.iter().map(Name::as_str).collect();
+                let there = suggestion(on, &names, "the cell has");
+                errors.push(CellError::NoCarrier { robot, on: on.to_owned(), there });
+                continue;
+            }
+            let chain = core::iter::successors(Some(on), |on| carrier(on)).take(names.len());
+            if chain.into_iter().any(|on| on == robot.as_str()) {
+                errors.push(CellError::MountedOnItself { robot, on: on.to_owned() });
+            }
+        }
     }
 
     /// Refuses drives that cannot follow the virtual clock.
@@ -142,6 +162,6 @@ fn check_robot(robot: &dyn AnyRobot, name: Name, timing: &Timing) -> Vec<CellErr
         errors.push(CellError::Period { robot: name, servo, step });
     }
     errors.extend(robot.check_space(name));
-    errors.extend(robot.check_limits(name, step, timing.stop_time));
+    errors.extend(robot.check_limits(name, step, robot.stop_time(timing.stop_time)));
     errors
 }

@@ -11,7 +11,7 @@ use crate::model::shape::Shape;
 pub struct Layout {
     /// Length of a step.
     pub step: Duration,
-    /// The longest stop that it allows.
+    /// The longest stop that it allows a robot that says nothing else.
     pub stop_time: Duration,
     /// The longest time that a suspension or an abort takes on the path.
     pub path_stop: Duration,
@@ -44,6 +44,10 @@ pub struct RobotLayout {
     pub ecp_program: bool,
     /// Where its EDP interpolates between two demands.
     pub space: InterpolationSpace,
+    /// The robot on whose flange it is mounted.
+    pub mounted_on: Option<String>,
+    /// The longest stop that it is allowed.
+    pub stop_time: Duration,
     /// Its joints, from the base on.
     pub joints: Vec<JointLayout>,
 }

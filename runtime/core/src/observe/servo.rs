@@ -33,6 +33,8 @@ pub struct Observation<'a> {
     pub measured: &'a [f64],
     /// What kind each joint is.
     pub joints: &'a [JointKind],
+    /// The robot on whose flange it is mounted: its frames and its tool then stand in that flange, not in the world.
+    pub mounted_on: Option<&'a str>,
     /// Shows a visitor the frames of its links; see [`frames`](Observation::frames).
     pub frames: &'a Frames<'a>,
     /// The pose of its tool at the measured joints, `X_WE`.

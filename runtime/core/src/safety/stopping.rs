@@ -51,7 +51,8 @@ pub(crate) fn stop_steps<J: JointVector>(limits: &Limits<J>, step: Duration, del
 }
 
 /// Steps that a protective stop may take on the path, where a stop may take `stop_time` in all: what is left is for the
-/// order that ends it, and for a stop as above without its detection. `braking` \[s\] is that of the slowest robot.
+/// order that ends it, and for a stop as above without its detection. Both times are a robot's; a cell keeps to the least
+/// number of steps of its robots.
 pub(crate) fn path_stop_steps(stop_time: Duration, braking: f64, step: Duration, delay: Duration) -> u64 {
     let after = braking / SHARE + delay.max(2 * step).as_secs_f64() + 2.0 * step.as_secs_f64();
     // `as` saturates: what is below 0 is 0.

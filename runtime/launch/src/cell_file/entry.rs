@@ -1,7 +1,9 @@
 //! A robot and a sensor as the cell file describes them.
 
+use core::cell::Cell;
 use core::ops::Range;
 use core::time::Duration;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use mrroc_core::cell::CellError;
@@ -29,6 +31,20 @@ pub struct RobotEntry {
     pub(super) homed: Option<At<bool>>,
     pub(super) base: Option<Pose>,
     pub(super) tool: Option<Pose>,
+    pub(super) mounted_on: Option<At<String>>,
+    pub(super) stop_time: Option<Duration>,
+    pub(super) description: Description,
+}
+
+/// What an entry says of a robot that another file describes. Only some kinds ask for it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Description {
+    pub file: Option<At<String>>,
+    pub base_link: Option<At<String>>,
+    pub tip: Option<At<String>>,
+    pub acceleration: Option<At<Vec<At<f64>>>>,
+    /// Whether the kind asked for any of it.
+    pub asked: Rc<Cell<bool>>,
 }
 
 impl RobotEntry {
@@ -44,7 +60,14 @@ impl RobotEntry {
         &self.kind.value
     }
 
-    /// `base`: the pose of the robot's base in the world, `X_WB` [m, rad]; the world's origin by default.
+    /// `mounted_on`: the robot on whose flange this one is mounted. The robot gets it even if the set-up does not use it.
+    #[must_use]
+    pub fn mounted_on(&self) -> Option<&str> {
+        self.mounted_on.as_ref().map(|on| &*on.value)
+    }
+
+    /// `base`: the pose of the robot's base in the world, `X_WB` [m, rad]; the world's origin by default. Of a robot that
+    /// is mounted on another the pose in the flange of that.
     #[must_use]
     pub fn base(&self) -> Pose {
         self.base.unwrap_or_else(Pose::identity)
@@ -55,6 +78,13 @@ impl RobotEntry {
     #[must_use]
     pub fn tool(&self) -> Pose {
         self.tool.unwrap_or_else(Pose::identity)
+    }
+
+    /// `stop_ms`: the longest stop that the robot may take, if it is not that of the cell. The robot gets it even if the set-up
+    /// does not use it.
+    #[must_use]
+    pub fn stop_time(&self) -> Option<Duration> {
+        self.stop_time
     }
 
     /// `homed`: whether the drives know where the robot is when the cell starts; true by default.
@@ -108,6 +138,93 @@ impl RobotEntry {
         Ok(R::Joints::from_joints(|i| start.value[i].value))
     }
 
+    /// `file`: the file that describes the robot, such as a URDF. A relative path is looked for in the folder of the cell file.
+    ///
+    /// # Errors
+    /// The cell file has no `file`.
+    pub fn file(&self) -> Result<PathBuf, CellError> {
+        let file = self.asked(&self.description.file, "file", "\"arm.urdf\", the file that describes it")?;
+        let folder = Path::new(&self.source.file).parent().unwrap_or(Path::new(""));
+        Ok(folder.join(&file.value))
+    }
+
+    /// `tip`: the link of that description that is the flange.
+    ///
+    /// # Errors
+    /// The cell file has no `tip`.
+    pub fn tip(&self) -> Result<&str, CellError> {
+        self.asked(&self.description.tip, "tip", "\"tool0\", the link of its file that is the flange")
+            .map(|tip| &*tip.value)
+    }
+
+    /// `base_link`: the link of that description that is the base; `None` by default, which is the one on which all
+    /// others hang.
+    #[must_use]
+    pub fn base_link(&self) -> Option<&str> {
+        self.description.asked.set(true);
+        self.description.base_link.as_ref().map(|link| &*link.value)
+    }
+
+    /// `acceleration`: the largest acceleration of each joint [rad/s² or m/s²], for a description that states none; `None`
+    /// if the cell file has none.
+    ///
+    /// # Errors
+    /// Another number of values than `joints`.
+    pub fn acceleration(&self, joints: usize) -> Result<Option<Vec<f64>>, CellError> {
+        self.description.asked.set(true);
+        let Some(given) = &self.description.acceleration else { return Ok(None) };
+        if given.value.len() != joints {
+            let what =
+                format!("`acceleration` has {} numbers, the robot has {joints} joints", given.value.len());
+            let help = format!("write one acceleration for each: {joints} numbers [rad/s² or m/s²]");
+            return Err(self.source.complain(&given.span, what, help).into());
+        }
+        Ok(Some(given.value.iter().map(|number| number.value).collect()))
+    }
+
+    /// Refuses what a key of this entry says, or that it is not there: `what` is wrong with it, and `help` says what to write.
+    #[must_use]
+    pub fn refuse(&self, key: EntryKey, what: String, help: String) -> CellError {
+        let Description { file, base_link, tip, acceleration, .. } = &self.description;
+        let span = match key {
+            EntryKey::File => file.as_ref().map(|file| &file.span),
+            EntryKey::BaseLink => base_link.as_ref().map(|link| &link.span),
+            EntryKey::Tip => tip.as_ref().map(|tip| &tip.span),
+            EntryKey::Acceleration => acceleration.as_ref().map(|given| &given.span),
+        };
+        self.source.complain(span.unwrap_or(&self.name.span), what, help).into()
+    }
+
+    fn asked<'a, T>(
+        &self,
+        value: &'a Option<At<T>>,
+        key: &str,
+        example: &str,
+    ) -> Result<&'a At<T>, CellError> {
+        self.description.asked.set(true);
+        value.as_ref().ok_or_else(|| {
+            let what = format!("robot `{}` has no `{key}`", self.name());
+            self.source.complain(&self.name.span, what, format!("write {key} = {example}")).into()
+        })
+    }
+
+    /// Refuses what describes the robot if its kind has not asked for it, and so has not read it.
+    pub(super) fn all_read(&self) -> Result<(), CellError> {
+        let Description { file, base_link, tip, acceleration, asked } = &self.description;
+        let texts = [("file", file), ("base_link", base_link), ("tip", tip)];
+        let texts = texts.into_iter().filter_map(|(key, text)| text.as_ref().map(|text| (key, &text.span)));
+        let mut given = texts.chain(acceleration.as_ref().map(|given| ("acceleration", &given.span)));
+        match given.next().filter(|_| !asked.get()) {
+            None => Ok(()),
+            Some((key, span)) => {
+                let what = format!("the kind `{}` does not read `{key}`", self.kind());
+                let help =
+                    "leave it out, or write kind = \"urdf\" for an arm that a file describes".to_owned();
+                Err(self.source.complain(span, what, help).into())
+            }
+        }
+    }
+
     /// Refuses the `start` for a reason that limits of single joints cannot express, such as motors that several joints
     /// share: `what` is wrong with it, and `help` says what to write.
     #[must_use]
@@ -121,6 +238,19 @@ impl RobotEntry {
         let help = mrroc_core::suggestion::suggestion(self.kind(), known, "the program knows");
         self.source.complain(&self.kind.span, what, help).into()
     }
+}
+
+/// A key of an entry that says what another file describes, for [`RobotEntry::refuse`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EntryKey {
+    /// `file`.
+    File,
+    /// `base_link`.
+    BaseLink,
+    /// `tip`.
+    Tip,
+    /// `acceleration`.
+    Acceleration,
 }
 
 /// A sensor of a cell file.

@@ -31,24 +31,26 @@ impl Kinds {
     /// else [ideal ones](IdealDrives). The latter two begin at the `start` of the file.
     #[must_use]
     pub fn with<R: Robot>(
-        mut self,
+        self,
         name: &str,
         set_up: impl Fn(&RobotEntry) -> Result<RobotSetup<R>, CellError> + 'static,
     ) -> Kinds {
+        self.with_any(name, move |entry| set_up(entry).map(AnySetup::from))
+    }
+
+    /// As [`Kinds::with`], for a kind whose robots have different types in Rust: which one an entry makes, it says itself,
+    /// such as by a file that describes an arm of any number of joints.
+    #[must_use]
+    pub fn with_any(
+        mut self,
+        name: &str,
+        set_up: impl Fn(&RobotEntry) -> Result<AnySetup, CellError> + 'static,
+    ) -> Kinds {
         let replaced = self.0.extract_if(.., |(known, _)| known == name).next().map(|(_, make)| make);
         let make: Make = Rc::new(move |entry| {
-            let mut setup = set_up(entry)?;
-            if !entry.is_homed() && setup.is_homed() {
-                return Err(entry.refuse_unhomed());
-            }
-            // The name of a robot comes from the file and not from its set-up.
-            setup.rename(entry.name());
-            let (simulated, of) = (replaced.clone(), entry.clone());
-            setup = setup.stand_in_of(move |robot, period| stand_in(simulated.as_ref(), &of, robot, period));
-            Ok(Box::new(match entry.tool {
-                Some(tool) => setup.tool(tool),
-                None => setup,
-            }))
+            let AnySetup(setup) = set_up(entry)?;
+            entry.all_read()?;
+            setup(entry, replaced.clone())
         });
         self.0.push((name.to_owned(), make));
         self
@@ -62,6 +64,36 @@ impl Kinds {
                 Err(entry.unknown_kind(&known))
             }
         }
+    }
+}
+
+/// A set-up of a robot of any type, for [`Kinds::with_any`]: `setup.into()`.
+pub struct AnySetup(Box<Finish>);
+
+/// Makes a robot of an entry, whose kind took the place of another one.
+type Finish = dyn FnOnce(&RobotEntry, Option<Make>) -> Result<Box<dyn AnyRobot>, CellError>;
+
+impl<R: Robot> From<RobotSetup<R>> for AnySetup {
+    fn from(mut setup: RobotSetup<R>) -> AnySetup {
+        AnySetup(Box::new(move |entry, replaced| {
+            if !entry.is_homed() && setup.is_homed() {
+                return Err(entry.refuse_unhomed());
+            }
+            // The name of a robot comes from the file and not from its set-up.
+            setup.rename(entry.name());
+            let of = entry.clone();
+            setup = setup.stand_in_of(move |robot, period| stand_in(replaced.as_ref(), &of, robot, period));
+            if let Some(on) = entry.mounted_on() {
+                setup = setup.mounted_on(on);
+            }
+            if let Some(limit) = entry.stop_time() {
+                setup = setup.stop_time(limit);
+            }
+            Ok(Box::new(match entry.tool {
+                Some(tool) => setup.tool(tool),
+                None => setup,
+            }))
+        }))
     }
 }
 

@@ -17,6 +17,21 @@
 //! base = { position = [0.0, 0.5, 0.0] }           # X_WB; the world's origin unless it is said
 //! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
 //!
+//! [robots.hand]      # a gripper on the flange of the arm
+//! kind = "gripper"
+//! mounted_on = "arm" # base is then its pose in that flange, X_FB; it stands in the world unless it is said
+//! start = [0.07]
+//!
+//! [robots.ur]        # an arm that a URDF describes, with a kind that reads one
+//! kind = "urdf"
+//! file = "ur.urdf"   # in the folder of this file
+//! base_link = "base" # the link that is the base; the one on which all others hang unless it is said
+//! tip = "tool0"      # the link that is the flange
+//! acceleration = [15.0, 15.0, 15.0, 15.0, 15.0, 15.0]   # of each joint [rad/s² or m/s²], where the URDF states none
+//! start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
+//!
+//! stop_ms = 800      # the longest stop that this robot may take [ms]; that of the cell unless it is said
+//!
 //! [sensors.touch]    # a virtual sensor of this name
 //! of = "arm"         # the robot that it belongs to, whose state goes with every order
 //! readers = ["arm"]  # the robots whose ECPs may read it; the robot that it belongs to unless it is said
@@ -57,9 +72,9 @@ use mrroc_core::observe::Recording;
 use mrroc_core::sensor::Sensor;
 use mrroc_core::sensor::VirtualSensor;
 
-pub use entry::RobotEntry;
+pub use entry::{EntryKey, RobotEntry};
 pub use error::CellFileError;
-pub use kinds::Kinds;
+pub use kinds::{AnySetup, Kinds};
 
 use crate::files;
 use entry::SensorEntry;

@@ -20,7 +20,7 @@ use mrroc_core::pose::{Pose, Zyz};
 use mrroc_core::sensor::VspMode;
 
 use super::CellFile;
-use super::entry::{At, RobotEntry, SensorEntry};
+use super::entry::{At, Description, RobotEntry, SensorEntry};
 use super::error::{CellFileError, Source};
 use mrroc_core::suggestion::suggestion;
 
@@ -29,7 +29,19 @@ type Value<'t> = Spanned<DeValue<'t>>;
 pub(super) const CELL_KEYS: [&str; 8] =
     ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime", "dry_run", "recording"];
 pub(super) const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
-pub(super) const ROBOT_KEYS: [&str; 5] = ["kind", "start", "homed", "base", "tool"];
+pub(super) const ROBOT_KEYS: [&str; 11] = [
+    "kind",
+    "start",
+    "homed",
+    "base",
+    "tool",
+    "mounted_on",
+    "stop_ms",
+    "file",
+    "base_link",
+    "tip",
+    "acceleration",
+];
 pub(super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 pub(super) const SENSOR_KEYS: [&str; 7] =
     ["of", "readers", "mode", "period_ms", "latency_ms", "every", "stale_after_ms"];
@@ -69,7 +81,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let after_fault = table.get("after_fault").and_then(|value| reader.after_fault(value));
     let robots = reader.entries(table, "robots");
     let names: Vec<_> = robots.iter().map(|entry| entry.name.value.clone()).collect();
-    let robots: Vec<_> = robots.into_iter().filter_map(|entry| reader.robot(entry)).collect();
+    let robots: Vec<_> = robots.into_iter().filter_map(|entry| reader.robot(entry, &names)).collect();
     if robots.is_empty() && reader.errors.is_empty() {
         let help = "write a table [robots.arm] with the kind of a robot that you will call arm";
         reader.complain(&(0..0), "the cell has no robot".to_owned(), help.to_owned());
@@ -241,13 +253,16 @@ impl Reader {
         entries
     }
 
-    fn robot(&mut self, Entry { name, table }: Entry<'_>) -> Option<RobotEntry> {
+    fn robot(&mut self, Entry { name, table }: Entry<'_>, robots: &[String]) -> Option<RobotEntry> {
         self.known(table, &ROBOT_KEYS, "a robot has");
         let start =
             table.get("start").and_then(|value| self.numbers(value, "a list of joint positions [rad or m]"));
         let homed = table.get("homed").and_then(|value| self.truth(value, "true or false"));
         let base = table.get("base").and_then(|value| self.pose(value));
         let tool = table.get("tool").and_then(|value| self.pose(value));
+        let mounted_on = table.get("mounted_on").and_then(|value| self.carrier(value, &name.value, robots));
+        let stop_time = table.get("stop_ms").and_then(|value| self.duration(value));
+        let description = self.description(table);
         let Some(kind) = table.get("kind") else {
             let what = format!("robot `{}` has no `kind`", name.value);
             self.complain(&name.span, what, "write kind = \"irp6\" or another kind".to_owned());
@@ -255,7 +270,36 @@ impl Reader {
         };
         let text = self.text(kind, "the name of a kind of robot, in quotes")?.to_owned();
         let kind = At { value: text, span: kind.span() };
-        Some(RobotEntry { source: Rc::clone(&self.source), name, kind, start, homed, base, tool })
+        let source = Rc::clone(&self.source);
+        Some(RobotEntry { source, name, kind, start, homed, base, tool, mounted_on, stop_time, description })
+    }
+
+    /// Reads the name of the robot on which `robot` is mounted.
+    fn carrier(&mut self, value: &Value<'_>, robot: &str, robots: &[String]) -> Option<At<String>> {
+        let on = self.text(value, "the name of a robot, in quotes")?.to_owned();
+        let others: Vec<_> = robots.iter().map(String::as_str).filter(|other| *other != robot).collect();
+        if !others.contains(&on.as_str()) {
+            let what = format!("robot `{robot}` is mounted on `{on}`, which is no other robot of the cell");
+            self.complain(&value.span(), what, suggestion(&on, &others, "the others are"));
+            return None;
+        }
+        Some(At { value: on, span: value.span() })
+    }
+
+    /// Reads what an entry says of a robot that another file describes.
+    fn description(&mut self, table: &DeTable<'_>) -> Description {
+        let mut text = |key: &str, expected: &str| {
+            let value = table.get(key)?;
+            let text = self.text(value, expected)?.to_owned();
+            Some(At { value: text, span: value.span() })
+        };
+        let file = text("file", "the name of a file, in quotes");
+        let base_link = text("base_link", "the name of a link, in quotes");
+        let tip = text("tip", "the name of a link, in quotes");
+        let acceleration = table
+            .get("acceleration")
+            .and_then(|value| self.numbers(value, "a list of accelerations [rad/s² or m/s²]"));
+        Description { file, base_link, tip, acceleration, asked: Rc::default() }
     }
 
     /// Reads `{ position = [x, y, z], zyz = [a, b, c] }` [m, rad]; each is zero by default.

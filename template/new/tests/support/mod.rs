@@ -168,7 +168,10 @@ fn values(placeholder: &Placeholder) -> Vec<Value> {
                 Value::List(in_set.map(|(_, choice)| choice.value.clone()).collect())
             })
             .collect(),
-        Kind::Text(_) => vec![placeholder.default().expect("a text has a default")],
+        // Of the file of an arm there is none: then one that is here.
+        Kind::Text(_) => vec![placeholder.default().unwrap_or_else(|_| {
+            Value::Text(checkout().join("template/sets/ur5e/ur5e.urdf").display().to_string())
+        })],
     }
 }
 
@@ -189,9 +192,9 @@ pub fn covering(combinations: &[Chosen]) -> Vec<Chosen> {
     covering
 }
 
-/// What was chosen, but for where mrroc comes from.
+/// What was chosen, but for where mrroc and the file of an arm come from.
 pub fn label(chosen: &Chosen) -> String {
-    let own = chosen.iter().filter(|(name, _)| !name.starts_with("mrroc_"));
+    let own = chosen.iter().filter(|(name, _)| !name.starts_with("mrroc_") && name != "urdf");
     let words: Vec<_> = own.map(|(name, value)| format!("{name}={value}")).collect();
     words.join(" ")
 }

@@ -46,7 +46,7 @@ pub trait AnyRobot {
     /// Its kind's name, for messages.
     fn kind_name(&self) -> &'static str;
     /// What it is made of, in plain numbers.
-    fn layout(&self) -> RobotLayout;
+    fn layout(&self, stop_time: Duration) -> RobotLayout;
     /// Whether its ECP has a program of its own.
     fn has_program(&self) -> bool;
     /// How often its drives take a position.
@@ -70,7 +70,11 @@ pub trait AnyRobot {
     fn braking_time(&self) -> f64;
     /// The least that it leaves at this rate for changes of the rate, in steps of this length.
     fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom;
-    /// What is wrong with its limits, in a cell of this step that allows a stop to take `stop_time`.
+    /// The robot that it is mounted on.
+    fn mounted_on(&self) -> Option<&str>;
+    /// The longest stop that it may take, in a cell that allows others `cell`.
+    fn stop_time(&self, cell: Duration) -> Duration;
+    /// What is wrong with its limits, in a cell of this step that allows a stop of this robot to take `stop_time`.
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
     /// Steps within which it must stand after a stop began, in a cell whose drives are `delay` behind their demands.
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
@@ -97,6 +101,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
     fn watch(&mut self, observer: SharedObserver) {
         let name = self.name.clone();
         let robot = self.robot.clone();
+        let mounted_on = self.mounted_on.clone();
         let joints: Vec<_> = (0..R::Joints::LEN).map(|i| robot.joint(i)).collect();
         self.observers.push(Box::new(move |record| {
             let measured = &record.measured.position;
@@ -107,6 +112,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                 demanded: record.demanded.as_slice(),
                 measured: measured.as_slice(),
                 joints: &joints,
+                mounted_on: mounted_on.as_deref(),
                 frames: &|visit| robot.frames(measured, visit),
                 tool: robot.forward(measured) * record.tool,
             };
@@ -137,7 +143,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         R::KIND
     }
 
-    fn layout(&self) -> RobotLayout {
+    fn layout(&self, stop_time: Duration) -> RobotLayout {
         RobotLayout {
             name: self.name.clone(),
             kind: R::KIND,
@@ -150,6 +156,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             homed: self.is_homed(),
             ecp_program: self.program.is_some(),
             space: self.space,
+            mounted_on: self.mounted_on.clone(),
+            stop_time: self.stop_time.unwrap_or(stop_time),
             joints: joints(&self.robot, &self.following_error),
         }
     }
@@ -198,6 +206,14 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             Drives::Homed(driver) => driver.simulation().is_some(),
             Drives::Unhomed(_) => false,
         }
+    }
+
+    fn mounted_on(&self) -> Option<&str> {
+        self.mounted_on.as_deref()
+    }
+
+    fn stop_time(&self, cell: Duration) -> Duration {
+        self.stop_time.unwrap_or(cell)
     }
 
     fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {

@@ -38,6 +38,10 @@ pub struct RobotSetup<R: Robot> {
     tool: Pose,
     space: InterpolationSpace,
     following_error: R::Joints,
+    /// The robot on whose flange it is mounted.
+    mounted_on: Option<String>,
+    /// The longest stop that it may take; the cell's where it says nothing.
+    stop_time: Option<Duration>,
     program: Option<EcpProgram<R>>,
     observers: Vec<Observer<R>>,
     /// What its program shows to observers.
@@ -96,6 +100,8 @@ impl<R: Robot> RobotSetup<R> {
             tool: Pose::identity(),
             space: InterpolationSpace::Joints,
             following_error,
+            mounted_on: None,
+            stop_time: None,
             program: None,
             observers: Vec::new(),
             shown: Vec::new(),
@@ -123,6 +129,24 @@ impl<R: Robot> RobotSetup<R> {
     #[must_use]
     pub fn following_error(mut self, limit: R::Joints) -> Self {
         self.following_error = limit;
+        self
+    }
+
+    /// Mounts it, a gripper say, on the flange of another robot of the cell. The world of its model is then that flange: its
+    /// base stands in it, and its poses are in it. Pictures draw it there.
+    #[must_use]
+    pub fn mounted_on(mut self, robot: &str) -> Self {
+        self.mounted_on = Some(robot.to_owned());
+        self
+    }
+
+    /// The longest time from the cause of a stop to a standstill that this robot may take, in the place of that of
+    /// [the cell](super::Cell::stop_time): longer for a slow belt, shorter for an arm. A robot that would take longer is
+    /// refused, and a protective stop leaves the path in time for every robot. Robots that move together along one screw
+    /// brake as the slowest of them does.
+    #[must_use]
+    pub fn stop_time(mut self, limit: Duration) -> Self {
+        self.stop_time = Some(limit);
         self
     }
 

@@ -11,6 +11,7 @@ use crate::link::Client;
 use crate::link::message::{Header, Message, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::RobotImage;
+use crate::model::joints::JointVector;
 use crate::model::list::State;
 use crate::model::list::{Owner, PayloadType, RobotHandle, RobotList};
 use crate::model::name::Name;
@@ -160,6 +161,14 @@ impl RobotPorts {
             return Err(config(&format!("there is no robot `{name}`: {there}")));
         };
         let port = &mut self.ports[index];
+        if port.kind != TypeId::of::<R>() && port.kind_name == R::KIND {
+            let joints = R::Joints::LEN;
+            let text = format!(
+                "robot `{name}` is of the kind {} and has not {joints} joints: name its own number of them in `robot::<..>`",
+                R::KIND
+            );
+            return Err(config(&text));
+        }
         if port.kind != TypeId::of::<R>() {
             let text = format!(
                 "robot `{name}` is of another kind than {}: name its own, {}, in `robot::<..>`",
