@@ -77,6 +77,7 @@ test-kills KILLS="2000":
 # All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, damaged inputs.
 test-whole:
     MRROC_WHOLE=1 cargo test -p transfer -p mrroc-tests --test all
+    MRROC_WHOLE=1 cargo test -p engraving every_sample_drawing
 
 # The engraving of the nameplate and the transfer, whole, on both links: the same demands to the bit.
 test-both-links:

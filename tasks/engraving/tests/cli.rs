@@ -75,6 +75,11 @@ fn every_sample_drawing_is_engraved_within_the_bounds() {
         ["svg", "dxf", "gcode", "ngc"].contains(&ending.as_str())
     });
     assert!(files.len() >= 10, "{files:?}");
+    if std::env::var_os("MRROC_WHOLE").is_none() {
+        // They take as long as all others together, and the nameplate is engraved by other tests.
+        let long = ["nameplate.svg", "gcodecrate_circle_a.gcode"];
+        files.retain(|path| long.iter().all(|long| !path.ends_with(long)));
+    }
     // The largest of them take most of the time: two at once.
     let next = std::sync::atomic::AtomicUsize::new(0);
     std::thread::scope(|scope| {

@@ -116,7 +116,7 @@ fn start(joint: Node<'_, '_>, bent: f64) -> (f64, f64) {
         _ => (number("lower").unwrap_or(0.0), number("upper").unwrap_or(0.0)),
     };
     let middle = 0.5 * (lower + upper);
-    let start = if joint.attribute("type") == Some("prismatic") || !(lower < upper) {
+    let start = if joint.attribute("type") == Some("prismatic") || lower >= upper {
         middle
     } else {
         // A joint that cannot bend this way bends as far the other, or stands in its middle.

@@ -288,7 +288,7 @@ mod tests {
     }
 
     proptest::proptest! {
-        #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(3000) })]
+        #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(1000) })]
 
         #[test]
         fn no_font_panics(text in "([ 0-9]{8}[ -~]{0,40}\n){0,4}|.{0,60}", say in ".{0,6}") {

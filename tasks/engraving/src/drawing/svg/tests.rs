@@ -179,7 +179,7 @@ fn numbers_beyond_any_plate_are_refused() {
 }
 
 proptest::proptest! {
-    #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(3000) })]
+    #![proptest_config(proptest::prelude::ProptestConfig { failure_persistence: None, ..proptest::prelude::ProptestConfig::with_cases(1000) })]
 
     #[test]
     fn no_document_panics(body in "[ -~\n]{0,120}", d in "[MmLlHhVvCcSsQqTtAaZz0-9eE., +-]{0,60}", t in "[a-zX0-9(), .-]{0,30}") {
