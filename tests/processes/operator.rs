@@ -24,8 +24,14 @@ pub fn operate<T>(
 ) {
     for _ in 0..ATTEMPTS {
         let mut launch = place.start("operated", REAL);
+        let mut looks = 0;
         while launch.record("left").len() < 100 && launch.end_if_over().is_none() {
             launch.let_run(Duration::from_millis(1));
+            looks += 1;
+            // A cell that awaits its reset is latched for ever, if the machine was late before the arms moved.
+            if looks % 100 == 0 && ask(place, &["status"]).1.starts_with("latched: ") {
+                break;
+            }
         }
         let seen = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| operate(&mut launch)));
         if seen.is_err() {
