@@ -179,6 +179,15 @@ mod tests {
                 assert!((found - Vector3::from(*expected)).norm() < 1e-12, "{found} {expected:?}");
             }
         };
+        // What is mounted has no foot on the floor.
+        let mounted = |robot: &str| {
+            film.histories
+                .borrow()
+                .iter()
+                .find(|history| history.name == robot)
+                .is_some_and(|found| found.is_mounted)
+        };
+        assert_eq!(["arm", "hand", "finger"].map(mounted), [false, true, true]);
         let hand = places(&film, "hand");
         near(&hand[0], &[[0.5, 0.0, 1.05], [0.5, 0.04, 1.05]]);
         near(&hand[1], &[[0.6, 0.0, 1.05], [0.6, 0.04, 1.05]]);

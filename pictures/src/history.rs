@@ -110,6 +110,8 @@ pub(crate) struct History {
     pub kind: &'static str,
     /// What kind each joint is.
     pub joints: Vec<JointKind>,
+    /// Whether it is mounted on another robot, and not on the floor.
+    pub is_mounted: bool,
     /// What each joint did in all periods.
     pub ranges: Vec<JointRange>,
     /// Servo periods left out because something in them was not a finite number.
@@ -134,6 +136,7 @@ impl History {
             name: name.to_owned(),
             kind,
             joints: joints.to_vec(),
+            is_mounted: false,
             ranges: vec![JointRange::NONE; joints.len()],
             not_finite: 0,
             tool_speed: 0.0,
@@ -149,6 +152,7 @@ impl History {
     /// The robot was observed at the end of a servo period; what it is mounted on stands at `X_WM`. The pose of its flange.
     #[allow(non_snake_case)]
     pub fn observe(&mut self, observation: &Observation<'_>, X_WM: &Pose) -> Pose {
+        self.is_mounted = observation.mounted_on.is_some();
         let mut links = Vec::with_capacity(8);
         let (mut flange, mut tool) = (Pose::identity(), Pose::identity());
         observation.frames(&mut |frame| {

@@ -202,10 +202,10 @@ impl Scene<'_> {
         });
     }
 
-    /// Where the robots stand: a plate on the floor, and a post when the first frame is above it. A robot that shows its
+    /// Where the robots stand that are not mounted on others: a plate on the floor, and a post when the first frame is above it. A robot that shows its
     /// flange alone stands nowhere; a plumb line tells how high it is.
     fn feet(&self, svg: &mut Svg, on: &Projection, floor: f64) {
-        for actor in self.actors {
+        for actor in self.actors.iter().filter(|actor| !actor.motion.is_mounted) {
             let (Some(first), Some(tool)) = (actor.motion.sticks.first(), actor.motion.tool.last()) else {
                 continue;
             };
@@ -293,7 +293,7 @@ impl Scene<'_> {
         }
     }
 
-    /// The robots' names below their feet.
+    /// The robots' names below their feet, or beside what they are mounted on.
     fn names(&self, svg: &mut Svg, on: &Projection, floor: f64, area: Area) {
         let mut taken: Vec<(Vector2<f64>, f64)> = Vec::new();
         for actor in self.actors {
@@ -301,7 +301,11 @@ impl Scene<'_> {
             let Some(base) = stick.and_then(|stick| stick.links.first()) else { continue };
             let name = shortened(actor.name, 28);
             let half = 4.2 * name.chars().count() as f64;
-            let mut at = on.at(Vector3::new(base.x, base.y, floor)) + Vector2::new(0.0, 30.0);
+            let mut at = if actor.motion.is_mounted {
+                on.at(*base) + Vector2::new(half + 14.0, 4.0)
+            } else {
+                on.at(Vector3::new(base.x, base.y, floor)) + Vector2::new(0.0, 30.0)
+            };
             at.x =
                 at.x.clamp(area.x + half + 6.0, (area.x + area.width - half - 6.0).max(area.x + half + 6.0));
             let hits = |at: Vector2<f64>, taken: &[(Vector2<f64>, f64)]| {

@@ -69,6 +69,8 @@ pub(crate) struct Motion {
     pub sticks: Vec<Stick>,
     /// Where the tool is at each \[m\].
     pub tool: Vec<Vector3<f64>>,
+    /// Whether the robot is mounted on another one, and not on the floor.
+    pub is_mounted: bool,
 }
 
 impl Motion {
@@ -79,6 +81,7 @@ impl Motion {
             times: samples.iter().map(|sample| sample.time).collect(),
             sticks: samples.iter().map(|sample| Stick::of(sample, size)).collect(),
             tool: samples.iter().map(|sample| sample.tool.translation.vector).collect(),
+            is_mounted: history.is_mounted,
         }
     }
 
