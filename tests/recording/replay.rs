@@ -1,9 +1,16 @@
 //! A replay demands what was demanded, or tells where it does not.
 
-use mrroc::recording::{CutOff, Replay};
+use std::path::Path;
+use std::time::Duration;
+
+use mrroc::prelude::*;
+use mrroc::recording::{self, CutOff, Replay};
+use mrroc::sensor::VspMode;
+use mrroc_tests::{MS, gantry};
 
 use crate::recording::cell::{Change, arms};
 use crate::recording::recorded;
+use crate::runtime::kit::{Counter, Counting, Smooth, Watch};
 
 #[test]
 fn the_same_programs_demand_the_same_to_the_bit() {
@@ -66,4 +73,33 @@ fn a_program_that_ends_sooner_is_told() {
     let compared = arms(Change::NoSwing).replay(&file, CutOff::Refused).expect("a recording of this cell");
     assert!(!compared.is_identical());
     assert!(compared.difference.is_some() || compared.longer.is_some(), "{compared:?}");
+}
+
+/// A sensor with delay is read, left alone for 0.3 s, and read again: the reading from before the pause is not too old.
+#[test]
+fn a_sensor_that_was_left_alone_is_read_again_as_it_was() {
+    let cell = |latency: Duration| {
+        let (robot, _) = gantry("g");
+        let robot = robot.program(|ecp| {
+            let mut counter = ecp.sensor::<Counter>("counter")?;
+            ecp.move_robot((&mut counter,), Watch { steps: 30, ..Watch::default() })?;
+            ecp.move_robot((), Smooth::to(0.1, 0.3))?;
+            ecp.move_robot((&mut counter,), Watch { steps: 30, ..Watch::default() }).map(drop)
+        });
+        let sensor = SensorSetup::new("counter", Counting::default()).of("g").mode(VspMode::WithDelay);
+        Cell::new(MS).robot(robot).sensor(sensor.latency(latency))
+    };
+    // One that answers in time, and one whose first reading is too old: that is found again.
+    for (micros, fault) in [(3500, None), (30_500, Some("too old"))] {
+        let latency = Duration::from_micros(micros);
+        let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("left-alone-{micros}.mcap"));
+        let ran = cell(latency).record(recording::to(&file)).run();
+        assert_eq!(ran.is_err(), fault.is_some(), "{ran:?}");
+        let compared = cell(latency).replay(&file, CutOff::Refused).expect("a recording of this cell");
+        assert!(compared.is_identical(), "{compared:?}");
+        assert_eq!(compared.end.as_ref().map(Option::is_some), Some(fault.is_some()), "{compared:?}");
+        if let Some(fault) = fault {
+            assert!(compared.fault.is_some_and(|told| told.contains(fault)), "{micros}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ mod handles;
 mod handover;
 mod homing;
 mod jerk;
-mod kit;
+pub mod kit;
 mod lateness;
 mod limits;
 mod moves;

@@ -130,11 +130,9 @@ impl SensorPort {
                 }
                 boards.orders.write(&self.order);
             }
-            // An order of before the pause may have been awaited still.
+            // Whether an order of before a pause was still awaited then is not recorded; in a pause it is answered.
             Source::Recorded(_, VspMode::WithDelay) => {
-                let is_answered =
-                    self.ordered.is_none_or(|ordered| self.read && self.reply.header.step >= ordered);
-                if is_answered && self.asked.is_none_or(|asked| step > asked + 1) {
+                if self.asked.is_none_or(|asked| step > asked + 1) {
                     self.since = step;
                 }
             }

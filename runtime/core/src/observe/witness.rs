@@ -43,8 +43,7 @@ pub enum What {
         /// The step.
         step: u64,
     },
-    /// What took place in the step left no time for more: an MP or ECP could not begin a motion in it. No
-    /// words.
+    /// What took place in the step left no time for more: an MP or ECP could not begin a motion in it. No words.
     Late {
         /// The step.
         step: u64,
