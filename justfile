@@ -1,13 +1,20 @@
 # Mirrors CI; the README's two commands need none of it.
 
-# What CI runs: its first part, and what compares with other software.
+# What CI runs, in two parts: the tests, and what compares with other software or needs much of it.
 ci:
     .ci/run
+
+# Its second part alone.
+peers:
     .ci/peers
 
-# All tests.
+# All tests but those of `mrroc-new`.
 test:
     cargo test
+
+# Those of `mrroc-new`: the projects and copies that it makes.
+test-new:
+    tests/peers/new/run
 
 # All tests by cargo-nextest, which runs those of all executables at once; doc tests are not among them.
 nextest:

@@ -109,7 +109,7 @@ enum Came {
 fn fault_87_launches_under_disturbances_leave_no_robot_moving_and_the_next_one_works() {
     let place = Place::new(90);
     let mut random = Random::new();
-    let launches = std::env::var("MRROC_LAUNCHES").ok().and_then(|count| count.parse().ok()).unwrap_or(5);
+    let launches = std::env::var("MRROC_LAUNCHES").ok().and_then(|count| count.parse().ok()).unwrap_or(3);
     println!("{launches} launches, MRROC_SEED={}", random.seed);
     let mut tally = BTreeMap::<Came, u32>::new();
     let only = std::env::var("MRROC_DISTURBANCE").unwrap_or_default();
