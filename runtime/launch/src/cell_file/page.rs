@@ -1,7 +1,10 @@
 //! Compares the page of the book about `cell.toml` with the keys that the reader knows.
 
 use super::CellFile;
-use super::reader::{CELL_KEYS, POSE_KEYS, REALTIME_KEYS, RECORDING_KEYS, ROBOT_KEYS, SENSOR_KEYS};
+use super::reader::cell::{CELL_KEYS, REALTIME_KEYS, RECORDING_KEYS};
+use super::reader::robot::ROBOT_KEYS;
+use super::reader::sensor::SENSOR_KEYS;
+use super::reader::value::POSE_KEYS;
 
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
