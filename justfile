@@ -90,6 +90,10 @@ test-whole:
 test-both-links:
     MRROC_WHOLE=1 cargo test --release -p mrroc-tests --test processes -- --nocapture both_links
 
+# Two robots on clocks of their own, 200 ppm apart, in one motion for so many seconds of the virtual clock.
+pacing SECONDS="600":
+    MRROC_PACING={{SECONDS}} cargo test -p mrroc-tests --test all runtime::pacing
+
 # So many launches in real time, each under a disturbance that is drawn; MRROC_SEED chooses others. Six seconds each.
 launches N="200":
     MRROC_LAUNCHES={{N}} cargo test -p mrroc-tests --test processes -- --nocapture fault_87

@@ -16,6 +16,7 @@ mod lateness;
 mod limits;
 mod moves;
 mod opening;
+mod pacing;
 mod pairing;
 mod panics;
 mod path_stops;

@@ -6,7 +6,7 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use mrroc::prelude::*;
-use mrroc::robot::{DriveFault, Driver, JointVector, Measured, Regulators, SimulatedDrives};
+use mrroc::robot::{DriveFault, Driver, JointVector, Measured, Pace, Pulse, Regulators, SimulatedDrives};
 
 use super::driver::read;
 use super::{Violation, ensure};
@@ -38,6 +38,14 @@ impl<R: Robot, D> Lent<R, D> {
 impl<R: Robot, D: Driver<R>> Driver<R> for Lent<R, D> {
     fn period(&self) -> Duration {
         self.0.borrow().driver.period()
+    }
+
+    fn pace(&self) -> Pace {
+        self.0.borrow().driver.pace()
+    }
+
+    fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {
+        self.0.borrow_mut().driver.pulse(now)
     }
 
     fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {

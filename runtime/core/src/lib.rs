@@ -97,6 +97,7 @@ pub mod robot {
     pub use crate::model::image::{RobotImage, RobotState};
     pub use crate::model::joints::{JointVector, MAX_JOINTS};
     pub use crate::model::list::State;
+    pub use crate::model::pace::{Pace, Pulse};
     pub use crate::model::robot::{
         CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, POSITION_ROUND_OFF, Robot,
     };

@@ -7,7 +7,7 @@ use core::time::Duration;
 use mrroc_core::fault::Excess;
 use mrroc_core::robot::JointVector;
 use mrroc_core::robot::Robot;
-use mrroc_core::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
+use mrroc_core::robot::{DriveFault, Driver, Measured, Pace, Pulse, Regulators, SimulatedDrives};
 
 /// How a joint's drive fails. Joints are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,14 @@ impl<R: Robot, D: Driver<R>> FaultyDrive<R, D> {
 impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
     fn period(&self) -> Duration {
         self.drives.period()
+    }
+
+    fn pace(&self) -> Pace {
+        self.drives.pace()
+    }
+
+    fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {
+        self.drives.pulse(now)
     }
 
     fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {

@@ -74,7 +74,7 @@ impl Cell {
         };
         let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
-        let servo = self.parts.robots.iter().map(|robot| robot.servo_period()).min();
+        let servo = self.parts.robots.iter().map(|robot| robot.servo_period().length).min();
         let grace = (servo.unwrap_or(self.timing.step).min(self.timing.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
             recorded: self.watching.recorded.clone(),

@@ -10,6 +10,7 @@ use crate::control::guarded::guarded;
 use crate::link::places::MAX_PROCESSES;
 use crate::model::fault::Fault;
 use crate::model::name::Name;
+use crate::model::pace::{Pace, ServoPeriod};
 use crate::model::robot::Robot;
 use crate::suggestion::suggestion;
 
@@ -154,11 +155,11 @@ impl Parts {
 fn check_robot(robot: &dyn AnyRobot, name: Name, timing: &Timing) -> Vec<CellError> {
     let mut errors = Vec::new();
     let step = timing.step;
-    let servo = robot.servo_period();
+    let ServoPeriod { length: servo, pace } = robot.servo_period();
     let divides = |a: Duration, b: Duration| b.as_nanos().is_multiple_of(a.as_nanos());
     if servo.is_zero() {
         errors.push(CellError::NoServo(name));
-    } else if !divides(servo, step) && !divides(step, servo) {
+    } else if pace == Pace::Cell && !divides(servo, step) && !divides(step, servo) {
         errors.push(CellError::Period { robot: name, servo, step });
     }
     errors.extend(robot.check_space(name));

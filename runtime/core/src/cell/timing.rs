@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use crate::control::interpolation;
+use crate::model::pace::ServoPeriod;
 use crate::safety::rate::DEFAULT_CHANGE;
 use crate::safety::stopping::STOP_TIME;
 
@@ -38,7 +39,7 @@ impl Timing {
     }
 
     /// How far drives are behind their demands, of robots with these servo periods; `None`: each takes every demand as it is.
-    pub fn delay(&self, servos: impl Iterator<Item = Duration> + Clone) -> Option<Duration> {
+    pub fn delay(&self, servos: impl Iterator<Item = ServoPeriod> + Clone) -> Option<Duration> {
         interpolation::delay(self.step, servos)
     }
 

@@ -6,6 +6,7 @@
 use core::time::Duration;
 
 use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::model::pace::{Pace, Pulse};
 use crate::model::robot::Robot;
 
 /// Drives that are connected as soon as they exist, such as those of a manufacturer's library. A set-up gets this in their
@@ -27,6 +28,7 @@ use crate::model::robot::Robot;
 pub struct Connecting<D, F> {
     hardware: String,
     period: Duration,
+    pace: Pace,
     connect: F,
     drives: Option<D>,
 }
@@ -34,7 +36,14 @@ pub struct Connecting<D, F> {
 impl<D, F: FnMut() -> Result<D, DriveFault>> Connecting<D, F> {
     /// Drives of this [hardware](Driver::hardware), with this servo period.
     pub fn to(hardware: &str, period: Duration, connect: F) -> Self {
-        Connecting { hardware: hardware.to_owned(), period, connect, drives: None }
+        Connecting { hardware: hardware.to_owned(), period, pace: Pace::Cell, connect, drives: None }
+    }
+
+    /// The same, [paced](Pace) as said here.
+    #[must_use]
+    pub fn paced(mut self, pace: Pace) -> Self {
+        self.pace = pace;
+        self
     }
 
     fn connected(&mut self) -> Result<&mut D, DriveFault> {
@@ -47,14 +56,24 @@ impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for 
         self.period
     }
 
+    fn pace(&self) -> Pace {
+        self.pace
+    }
+
+    fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {
+        self.connected()?.pulse(now)
+    }
+
     fn open(&mut self) -> Result<(), DriveFault> {
         // Hardware that one connection at a time may have is let go before.
         self.drives = None;
         let mut drives = (self.connect)()?;
         drives.open()?;
-        if drives.period() != self.period {
+        if (drives.period(), drives.pace()) != (self.period, self.pace) {
             drives.close();
-            return Err(DriveFault::Other("the drives have another servo period than their set-up says"));
+            return Err(DriveFault::Other(
+                "the drives have another servo period or pace than their set-up says",
+            ));
         }
         self.drives = Some(drives);
         Ok(())
@@ -139,6 +158,6 @@ mod tests {
     fn drives_with_another_servo_period_than_the_set_up_says_are_refused() {
         let mut driver = Connecting::to("a controller", 2 * MS, || Ok(Exact::new(MS)));
         let refused = Driver::<Slide>::open(&mut driver).expect_err("1 ms");
-        assert_eq!(refused.what(), "the drives have another servo period than their set-up says");
+        assert_eq!(refused.what(), "the drives have another servo period or pace than their set-up says");
     }
 }

@@ -12,6 +12,7 @@ use crate::link::{Board, Client, Waiter};
 use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::joints::JointVector;
+use crate::model::pace::{Pace, Pulse};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
@@ -43,6 +44,7 @@ pub(crate) struct Unopened<R: Robot> {
     /// There, but while a reset tries again; `None`: nobody can.
     driver: Option<Box<dyn Driver<R>>>,
     period: Duration,
+    pace: Pace,
     fault: Fault,
 }
 
@@ -64,13 +66,14 @@ impl<R: Robot> Drive<R> {
     }
 
     fn closed(driver: Box<dyn Driver<R>>, fault: Fault) -> Self {
-        let period = driver.period();
-        Drive::Closed(Unopened { driver: Some(driver), period, fault })
+        let (period, pace) = (driver.period(), driver.pace());
+        Drive::Closed(Unopened { driver: Some(driver), period, pace, fault })
     }
 
     /// Simulated drives that cannot be read, in the plant, which alone has them.
     pub fn unread_in_plant(driver: &dyn Driver<R>, trip: &DriveFault) -> Self {
-        Drive::Closed(Unopened { driver: None, period: driver.period(), fault: Fault::of_drive(trip) })
+        let (period, pace) = (driver.period(), driver.pace());
+        Drive::Closed(Unopened { driver: None, period, pace, fault: Fault::of_drive(trip) })
     }
 
     /// What the encoders read first, and the drives. Those that cannot be read are let go, to be opened again at a reset.
@@ -107,6 +110,29 @@ impl<R: Robot> Drive<R> {
             Drive::Here(driver) => driver.period(),
             Drive::Closed(unopened) => unopened.period,
             Drive::Plant(drive) => drive.period,
+        }
+    }
+
+    /// Who says when the servo periods begin. Simulated drives in the plant are paced by the cell.
+    pub fn pace(&self) -> Pace {
+        match self {
+            Drive::Here(driver) => driver.pace(),
+            Drive::Closed(unopened) => unopened.pace,
+            Drive::Plant(_) => Pace::Cell,
+        }
+    }
+
+    /// The beginning of a servo period that the robot has told by `now`.
+    ///
+    /// # Errors
+    /// The drives' fault.
+    pub fn pulse(&mut self, now: Nanos) -> Result<Option<Pulse>, Fault> {
+        match self {
+            Drive::Here(driver) => {
+                driver.pulse(Duration::from_nanos(now)).map_err(|trip| Fault::of_drive(&trip))
+            }
+            Drive::Closed(unopened) => Err(unopened.fault.clone()),
+            Drive::Plant(_) => Ok(None),
         }
     }
 

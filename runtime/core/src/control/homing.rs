@@ -10,6 +10,7 @@ use crate::link::message::{Kind, Message, RequestKind, flag};
 use crate::link::{Server, Waiter};
 use crate::model::driver::{DriveFault, Driver, Homing, Search};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::pace::{Pace, ServoPeriod};
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::safety::latch::{Admission, Asked, Gate};
@@ -24,9 +25,13 @@ pub(crate) enum Drives<R: Robot> {
 
 impl<R: Robot> Drives<R> {
     pub fn period(&self) -> Duration {
+        self.servo_period().length
+    }
+
+    pub fn servo_period(&self) -> ServoPeriod {
         match self {
-            Drives::Homed(driver) => driver.period(),
-            Drives::Unhomed(homing) => homing.period(),
+            Drives::Homed(driver) => ServoPeriod { length: driver.period(), pace: driver.pace() },
+            Drives::Unhomed(homing) => homing.period().into(),
         }
     }
 
@@ -111,9 +116,12 @@ pub(crate) fn home<R: Robot>(
                 State::Searching if suspended => {}
                 State::Searching => match guarded(|| homing.search()) {
                     Ok(Ok(None)) => {}
-                    Ok(Ok(Some(driver))) if driver.period() == period => return Some((driver, gate)),
+                    Ok(Ok(Some(driver))) if driver.period() == period && driver.pace() == Pace::Cell => {
+                        return Some((driver, gate));
+                    }
                     Ok(Ok(Some(_))) => {
-                        let text = "the drives that homing found have another servo period than homing";
+                        let text =
+                            "the drives that homing found have another servo period or pace than homing";
                         state.end(Some(Fault::thrown(text).in_process(process)));
                     }
                     Ok(Err(trip)) => state.end(Some(Fault::of_drive(&trip).in_process(process))),

@@ -18,6 +18,7 @@ use core::time::Duration;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::model::joints::JointVector;
+use crate::model::pace::{Pace, ServoPeriod};
 use crate::model::pose::Pose;
 use crate::model::time::Nanos;
 
@@ -25,13 +26,20 @@ use crate::model::time::Nanos;
 /// that each of them needs have come when its servo period begins. `None` where each takes every demand as it is.
 ///
 /// A demand of step `k` stands for the time `k T`. Ticks begin half a servo period after the steps; by then the demands
-/// of the steps whose half is over, or half a servo period, if that is shorter, are known.
-pub(crate) fn delay(period: Duration, servos: impl Iterator<Item = Duration> + Clone) -> Option<Duration> {
-    if servos.clone().all(|servo| servo == period) {
+/// of the steps whose half is over, or half a servo period, if that is shorter, are known. Those of a robot that paces itself
+/// begin at any time: at worst just before a step's demand is known.
+pub(crate) fn delay(
+    period: Duration,
+    servos: impl Iterator<Item: Into<ServoPeriod>> + Clone,
+) -> Option<Duration> {
+    let servos = servos.map(Into::into);
+    if servos.clone().all(|servo| servo == ServoPeriod::from(period)) {
         return None;
     }
-    let needs = |servo: Duration| {
-        if servo <= period {
+    let needs = |ServoPeriod { length: servo, pace }: ServoPeriod| {
+        if pace != Pace::Cell {
+            servo + (period * 3 + servo.min(period)) / 2
+        } else if servo <= period {
             // The step's last tick ends half a period into the next step; the spline ends half a step before the demand.
             (period * 3 + servo) / 2
         } else {

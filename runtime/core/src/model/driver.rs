@@ -8,6 +8,7 @@ use core::time::Duration;
 
 use crate::model::excess::Excess;
 use crate::model::joints::MAX_JOINTS;
+use crate::model::pace::{Pace, Pulse};
 use crate::model::robot::Robot;
 
 /// Joint state as the encoders give it.
@@ -21,8 +22,25 @@ pub struct Measured<J> {
 
 /// The drives of one robot. The EDP calls [`tick`](Driver::tick) once per servo period.
 pub trait Driver<R: Robot> {
-    /// The servo period; it divides the step, or the step divides it.
+    /// The servo period; it divides the step, or the step divides it, unless the [robot](Pace::Robot) says when it begins.
     fn period(&self) -> Duration;
+
+    /// Who says when the servo periods begin; by default the cell. Known before [`open`](Driver::open), and always the
+    /// same.
+    fn pace(&self) -> Pace {
+        Pace::Cell
+    }
+
+    /// What the robot has told of the beginning of its present period, if that has come by `now`, the time since the cell
+    /// started. It returns at once. Of several that have come it is the last. Asked when the next one should be there, and
+    /// then again until it is; [`tick`](Driver::tick) follows, except while the robot is without power.
+    /// Only drives that are paced by their [robot](Pace::Robot) implement this.
+    ///
+    /// # Errors
+    /// [`DriveFault`] when the connection is lost, or the robot has stopped for a reason of its own.
+    fn pulse(&mut self, _now: Duration) -> Result<Option<Pulse>, DriveFault> {
+        Ok(None)
+    }
 
     /// Connects to the drives. Only the robot's EDP calls this: once when it starts, before any method but
     /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at

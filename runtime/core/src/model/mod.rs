@@ -13,6 +13,7 @@ pub(crate) mod image;
 pub(crate) mod joints;
 pub(crate) mod list;
 pub(crate) mod name;
+pub(crate) mod pace;
 pub(crate) mod payload;
 pub(crate) mod plausible;
 pub(crate) mod pose;

@@ -19,6 +19,7 @@ use crate::link::memory::Stuck;
 use crate::link::{Link, Server};
 use crate::model::joints::JointVector;
 use crate::model::name::Name;
+use crate::model::pace::ServoPeriod;
 use crate::model::robot::{InterpolationSpace, NoInverse, Robot};
 use crate::observe::layout::{DrivesLayout, RobotLayout};
 use crate::observe::servo::Observation;
@@ -49,8 +50,8 @@ pub trait AnyRobot {
     fn layout(&self, stop_time: Duration) -> RobotLayout;
     /// Whether its ECP has a program of its own.
     fn has_program(&self) -> bool;
-    /// How often its drives take a position.
-    fn servo_period(&self) -> Duration;
+    /// When its drives take a position.
+    fn servo_period(&self) -> ServoPeriod;
     /// Whether its drives know where it is.
     fn is_homed(&self) -> bool;
     /// What its drives are, for the whole machine.
@@ -166,8 +167,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.program.is_some()
     }
 
-    fn servo_period(&self) -> Duration {
-        self.drives.period()
+    fn servo_period(&self) -> ServoPeriod {
+        self.drives.servo_period()
     }
 
     fn check_space(&self, name: Name) -> Option<CellError> {

@@ -3,8 +3,9 @@
 //! In: demands of the ECP, one per step. Out: the joint positions that the drives get, one per servo period,
 //! and the robot's image in every reply. Servo periods begin half a period after the steps, so that the demand of a step
 //! is there before the drives ask for it; each gets the position for its end, interpolated in joints or in the task
-//! space. The reply to a demand leaves as soon as the demand is accepted: the next one is computed
-//! while the robot moves.
+//! space. Servo periods of a robot that paces itself begin when it says so, at any phase to the steps, and get the positions
+//! for their own ends. The reply to a demand leaves as soon as the demand is accepted: the next one is computed while the
+//! robot moves.
 //!
 //! Its parts own their state: [`answers`] is the ECP's side, [`path`] the demands and what replaces them, [`servo`] the drives,
 //! [`clock`] the time, [`shown`] those who watch. What takes all of them is here, in [`serving`], [`stepping`] and
@@ -13,6 +14,7 @@
 mod answers;
 mod clock;
 mod path;
+mod phase_lock;
 mod resetting;
 mod serving;
 mod servo;
@@ -36,7 +38,7 @@ use crate::observe::witness::Witnesses;
 use crate::safety::latch::Gate;
 
 use answers::Answers;
-use clock::ServoClock;
+use clock::{Period, ServoClock};
 use path::{DemandedPath, Mode};
 use servo::{Servo, Timing};
 use shown::Shown;
@@ -86,7 +88,7 @@ pub(crate) struct Edp<'w, R: Robot> {
 impl<'w, R: Robot> Edp<'w, R> {
     pub fn new(config: EdpConfig<R>, host: Host<'w>, port: Box<dyn Server>) -> Self {
         let period = config.period;
-        let clock = ServoClock::new(host.waiter.now(), period, config.drive.period());
+        let clock = ServoClock::new(host.waiter.now(), period, config.drive.period(), config.drive.pace());
         let timing = Timing { due: clock.due, period, delay: config.delay };
         let servo = Servo::new(config.drive, config.space, config.following_error, &timing);
         let mut edp = Edp {
@@ -197,14 +199,25 @@ impl<'w, R: Robot> Edp<'w, R> {
             self.clock.end_step();
             return;
         }
-        if self.clock.misses_tick(now) {
-            self.host.meter.sample(Sample::Skipped(1));
-        } else {
-            let tick = self.clock.next_tick;
-            self.host.meter.sample(Sample::Late(now.saturating_sub(tick)));
-            self.tick(tick);
+        if self.clock.is_paced_by_robot() {
+            let pulse = self.pulse(now);
+            if let Some(period) = self.clock.told_period(now, pulse) {
+                self.begin_period(period);
+            }
+            return;
         }
-        self.clock.end_tick();
+        match self.clock.next_period(now) {
+            Some(period) => self.begin_period(period),
+            None => self.host.meter.sample(Sample::Skipped(1)),
+        }
+    }
+
+    fn begin_period(&mut self, period: Period) {
+        if period.lost > 0 {
+            self.host.meter.sample(Sample::Skipped(period.lost));
+        }
+        self.host.meter.sample(Sample::Late(period.late));
+        self.tick(period);
     }
 
     /// Whether the joints are where they were told to be.

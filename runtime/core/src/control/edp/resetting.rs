@@ -27,7 +27,7 @@ impl<R: Robot> Edp<'_, R> {
     /// # Errors
     /// What is still wrong: the robot stays latched.
     pub(super) fn reset(&mut self) -> Result<(), Fault> {
-        self.clock.forget_late_steps();
+        self.clock.forget(self.host.waiter.now());
         let before = self.answers.fault.take();
         if self.servo.lost {
             return Err(before.unwrap_or_else(|| Fault::new(FaultKind::Panicked)));

@@ -14,6 +14,7 @@ use crate::model::demand::Coordinates;
 use crate::model::driver::{Measured, Regulators};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::joints::JointVector;
+use crate::model::pace::Pulse;
 use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
 use crate::model::time::Nanos;
@@ -196,6 +197,19 @@ impl<R: Robot> Servo<R> {
         let way = *joints + difference - self.commanded;
         acceptor.check_way(&way, seconds)?;
         Ok(difference)
+    }
+
+    /// The beginning of a servo period that the robot has told by `now`.
+    ///
+    /// # Errors
+    /// The fault of drives that have no power now. One that panicked is asked nothing more.
+    pub fn pulse(&mut self, now: Nanos) -> Result<Option<Pulse>, Fault> {
+        if self.lost {
+            return Ok(None);
+        }
+        let pulse = guarded(|| self.drive.pulse(now));
+        self.lost = pulse.is_err();
+        pulse?
     }
 
     /// One servo period, which begins at `now`, with the tool in force. The position that the drives had been told for what

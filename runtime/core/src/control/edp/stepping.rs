@@ -6,6 +6,7 @@
 use crate::control::guarded::guarded;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotState;
+use crate::model::pace::Pulse;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::observe::servo::ServoRecord;
@@ -13,6 +14,7 @@ use crate::observe::witness::What;
 use crate::safety::limits::AcceptedDemand;
 
 use super::Edp;
+use super::clock::Period;
 use super::path::Mode;
 use super::shown::{image_words, shown_mode};
 
@@ -41,23 +43,43 @@ impl<R: Robot> Edp<'_, R> {
 
     /// One servo period.
     #[allow(non_snake_case)]
-    pub(super) fn tick(&mut self, now: Nanos) {
+    pub(super) fn tick(&mut self, period: Period) {
         if self.path.is_off() {
             return;
         }
-        let demanded = self.position_at(now + self.clock.servo_period());
+        let demanded = self.position_at(period.ends);
         let X_FE = *self.path.acceptor.tool();
-        let fault = match self.servo.tick(now, &demanded, &X_FE, self.host.waiter) {
+        let fault = match self.servo.tick(period.begins, &demanded, &X_FE, self.host.waiter) {
             Ok(followed) => self.check_following(&followed, FaultKind::FollowingError).err(),
             Err(fault) => {
                 self.path.mode = Mode::Off;
                 Some(fault)
             }
         };
-        let observed = self.show_servo(now, demanded);
+        let observed = self.show_servo(period.ends, demanded);
         if let Some(fault) = fault.or(observed.err()) {
+            self.stop_for(fault, self.clock.step_at(period.begins));
+        }
+    }
+
+    /// Whether the robot has told the beginning of a servo period. One that says nothing for too long has stopped by itself.
+    pub(super) fn pulse(&mut self, now: Nanos) -> Option<Pulse> {
+        let pulse = self.servo.pulse(now);
+        let silent = self.clock.silent_for(now).filter(|_| matches!(pulse, Ok(None)));
+        let fault = match (pulse, silent) {
+            (Ok(pulse), None) => return pulse,
+            (Ok(_), Some(silent)) => {
+                let text = format!("the robot has said nothing for {:.0} ms", silent as f64 * 1e-6);
+                Fault::new(FaultKind::DriveFault).text(&text)
+            }
+            (Err(fault), _) => fault,
+        };
+        // Without power it may say what it likes; a reset hears it again.
+        if !self.path.is_off() {
+            self.path.mode = Mode::Off;
             self.stop_for(fault, self.clock.step_at(now));
         }
+        None
     }
 
     /// What the drives are told for the end of a servo period.
@@ -75,12 +97,12 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     /// Shows the servo period to the observers.
-    fn show_servo(&mut self, now: Nanos, demanded: R::Joints) -> Result<(), Fault> {
+    fn show_servo(&mut self, end: Nanos, demanded: R::Joints) -> Result<(), Fault> {
         if !self.shown.is_observed() {
             return Ok(());
         }
         self.shown.show_servo(&ServoRecord {
-            time: (now + self.clock.servo_period()) as f64 * 1e-9,
+            time: end as f64 * 1e-9,
             demanded,
             measured: self.servo.measured,
             tool: *self.path.acceptor.tool(),

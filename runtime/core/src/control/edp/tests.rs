@@ -65,6 +65,14 @@ fn edp(servo: Duration) -> (Edp<'static, Slide>, Rc<RefCell<Vec<Message>>>) {
     (Edp::new(config(servo), Host::of(&Still), Box::new(Replies(Rc::clone(&replies)))), replies)
 }
 
+impl Edp<'_, Slide> {
+    /// A servo period that begins in time.
+    fn tick_at(&mut self, begins: Nanos) {
+        let ends = begins + self.clock.servo_period();
+        self.tick(clock::Period { begins, ends, lost: 0, late: 0 });
+    }
+}
+
 #[test]
 fn fault_14_an_edp_bridges_twenty_steps_however_long_its_servo_period_is() {
     for millis in [1, 2, 4, 5, 8, 20] {

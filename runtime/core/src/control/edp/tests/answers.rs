@@ -205,10 +205,10 @@ fn a_joint_that_does_not_follow_is_told_of_with_its_step_and_shown_with_its_time
     let shown = Rc::<core::cell::Cell<f64>>::default();
     let seen = Rc::clone(&shown);
     edp.shown.observers.push(Box::new(move |record: &ServoRecord<Slide>| seen.set(record.time)));
-    edp.tick(6_500_000);
+    edp.tick_at(6_500_000);
     assert!((shown.get() - 7.5e-3).abs() < 1e-12 && edp.answers.fault.is_none());
     edp.servo.following_error = One::new(-1.0);
-    edp.tick(7_500_000);
+    edp.tick_at(7_500_000);
     let fault = edp.answers.fault.expect("no error is small enough");
     assert_eq!((fault.kind(), fault.step()), (FaultKind::FollowingError, Some(7)));
 }
@@ -273,7 +273,7 @@ fn the_task_space_comes_in_within_fifty_milliseconds_of_servo_periods() {
     edp.servo.space = InterpolationSpace::Task;
     edp.servo.task_space.accept(true, false);
     for (periods, u) in [(10, 0.05), (90, 0.5), (100, 1.0), (10, 1.0)] {
-        (0..periods).for_each(|period| edp.tick(period * 250_000));
+        (0..periods).for_each(|period| edp.tick_at(period * 250_000));
         edp.servo.task_space.set_difference(One::new(1.0));
         // u² (3 - 2 u) of the difference, u = t / 50 ms.
         assert!((edp.servo.task_space.correction()[0] - u * u * (3.0 - 2.0 * u)).abs() < 1e-12, "{u}");
@@ -288,7 +288,7 @@ fn a_servo_period_in_the_task_space_is_no_jump() {
         edp.servo.space = InterpolationSpace::Task;
         edp.servo.task_space.accept(true, true);
         edp.servo.commanded = One::new(-way);
-        edp.tick(0);
+        edp.tick_at(0);
         let kind = edp.answers.fault.as_ref().map(Fault::kind);
         assert_eq!(kind, (!goes).then_some(FaultKind::DemandedVelocity), "{way}");
     }
@@ -345,7 +345,7 @@ fn fault_83_encoders_that_cannot_be_read_are_a_fault_with_their_reason_until_a_r
     // No demand comes to drives that nobody knows the place of.
     says(demand(&mut edp, &x(1e-6), 0, 0));
     edp.begin_step();
-    edp.tick(500_000);
+    edp.tick_at(500_000);
     assert!(told.take().is_empty());
     says(ask(&mut edp, RequestKind::Reset, 0, 1));
     assert_eq!(told.take(), ["open", "measured"]);
