@@ -265,8 +265,10 @@ fn stop(place: &Place, launch: &mut Launch, signal: Signal) {
         over(launch) || launch.is_stopped() && (stands(launch) || launch.record("left").is_empty())
     });
     launch.signal(Signal::CONT);
-    // What was suspended for the launcher stays so until the operator says otherwise.
-    while signal == Signal::TSTP && !over(launch) && ask(place, &["resume"]).0 != Some(0) {
+    // What was suspended for the launcher stays so until the operator says otherwise. A launcher that was about to end has
+    // suspended nothing.
+    let may_resume = |launch: &mut Launch| !over(launch) && !place.sessions().is_empty();
+    while signal == Signal::TSTP && may_resume(launch) && ask(place, &["resume"]).0 != Some(0) {
         launch.let_run(Duration::from_millis(20));
     }
 }

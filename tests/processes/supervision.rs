@@ -2,6 +2,7 @@
 
 use std::io::{ErrorKind, Write};
 use std::os::fd::OwnedFd;
+use std::os::unix::process::ExitStatusExt;
 use std::time::Duration;
 
 use rustix::process::Signal;
@@ -77,6 +78,22 @@ pub fn pipe_without_reader(is_closed: bool) -> (Option<OwnedFd>, OwnedFd) {
     let writer = OwnedFd::from(file);
     rustix::io::ioctl_fionbio(&writer, false).expect("set");
     (Some(reader), writer)
+}
+
+#[test]
+fn fault_61_a_launcher_whose_cell_is_over_is_stopped_and_ended_as_any_program() {
+    let place = Place::new(92);
+    let (_reader, unread) = pipe_without_reader(false);
+    // It has the last words itself, and waits for their reader.
+    let words = ["--processes", "--no-picture"];
+    let mut launch = place.start_writing(Some(unread.into()), None, "unread", &words);
+    wait_until(|| !launch.record("left").is_empty() && place.sessions().is_empty());
+    assert!(launch.end_if_over().is_none(), "it waits: {}", launch.said());
+    launch.signal(Signal::TSTP);
+    wait_until(|| launch.is_stopped());
+    launch.signal(Signal::CONT);
+    launch.signal(Signal::INT);
+    assert_eq!(launch.end().signal(), Some(2), "{}", launch.said());
 }
 
 #[test]

@@ -129,8 +129,8 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                         .for_each(|member| member.rests.borrow().iter().for_each(tell_rest));
                 }
                 // Nothing moves any more, and only the plant has something left to do, which may wait for who reads its
-                // messages: the cell may be launched again.
-                drop((session, lock));
+                // messages: the cell may be launched again, and signals are the program's again.
+                drop((session, lock, signals));
                 let told =
                     teller.and_then(|plant| plant.conclude(steps, time.as_nanos() as Nanos, outcome.clone()));
                 if let Some(status) = told {

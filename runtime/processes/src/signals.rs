@@ -2,24 +2,48 @@
 //!
 //! In: Ctrl-C and its like, Ctrl-Z. Out: flags, and a descriptor that becomes readable when one of them is set. The first
 //! Ctrl-C aborts, after which the cell closes, whatever its program does; the second one ends the launcher at once. Ctrl-Z
-//! asks the launcher to suspend its cell and to stop.
+//! asks the launcher to suspend its cell and to stop. Where no cell runs, each of them does what it does to any program: one
+//! that has to wait for a reader of its last words can be interrupted and stopped.
 
 use std::io::{self, Read};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
+use signal_hook::SigId;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGTSTP};
-use signal_hook::low_level::emulate_default_handler;
+use signal_hook::low_level::{emulate_default_handler, unregister};
 
 use crate::iceoryx::Clock;
+
+/// What ends a launcher: Ctrl-C, a request of the system, and the end of its terminal.
+const ENDS: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];
 
 /// The signals that have come.
 pub(super) struct Signals {
     ends: Arc<AtomicBool>,
     stops: Arc<AtomicBool>,
     wakes: UnixStream,
+    /// What is done when a signal comes.
+    actions: Vec<SigId>,
+}
+
+/// Signals that a program has heard at some time, each with whether it does now what it does to any program. A handler
+/// stays for ever, so without this a signal would do nothing between two cells.
+static HEARD: Mutex<Vec<(i32, Arc<AtomicBool>)>> = Mutex::new(Vec::new());
+
+/// Says whether a signal does what it does to any program.
+fn set_default(signal: i32, is_default: bool) -> io::Result<()> {
+    let mut heard = HEARD.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if let Some((_, default)) = heard.iter().find(|(known, _)| *known == signal) {
+        default.store(is_default, Ordering::Release);
+    } else if !is_default {
+        let default = Arc::new(AtomicBool::new(false));
+        signal_hook::flag::register_conditional_default(signal, Arc::clone(&default))?;
+        heard.push((signal, default));
+    }
+    Ok(())
 }
 
 impl Signals {
@@ -32,19 +56,25 @@ impl Signals {
         let (ends, stops) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
         let (wakes, waker) = UnixStream::pair()?;
         wakes.set_nonblocking(true)?;
-        for signal in [SIGINT, SIGTERM, SIGHUP] {
+        // From here on what has been registered is taken back if the rest fails.
+        let mut signals = Signals { ends, stops, wakes, actions: Vec::new() };
+        let actions = &mut signals.actions;
+        for signal in ENDS {
             // The shutdown is registered before the flag is set: the first signal finds the flag clear, the second one
             // finds it set.
-            signal_hook::flag::register_conditional_shutdown(signal, 130, Arc::clone(&ends))?;
-            signal_hook::flag::register(signal, Arc::clone(&ends))?;
-            signal_hook::low_level::pipe::register(signal, waker.try_clone()?)?;
+            let ends = || Arc::clone(&signals.ends);
+            actions.push(signal_hook::flag::register_conditional_shutdown(signal, 130, ends())?);
+            actions.push(signal_hook::flag::register(signal, ends())?);
+            actions.push(signal_hook::low_level::pipe::register(signal, waker.try_clone()?)?);
+            set_default(signal, false)?;
         }
         if clock == Clock::Real {
-            signal_hook::flag::register(SIGTSTP, Arc::clone(&stops))?;
-            signal_hook::low_level::pipe::register(SIGTSTP, waker)?;
+            actions.push(signal_hook::flag::register(SIGTSTP, Arc::clone(&signals.stops))?);
+            actions.push(signal_hook::low_level::pipe::register(SIGTSTP, waker)?);
+            set_default(SIGTSTP, false)?;
         }
         write_in_the_background();
-        Ok(Signals { ends, stops, wakes })
+        Ok(signals)
     }
 
     /// Whether the launcher is to end. It stays so.
@@ -70,6 +100,20 @@ impl Signals {
     /// The file descriptor that becomes readable when a signal has come.
     pub fn descriptor(&self) -> BorrowedFd<'_> {
         self.wakes.as_fd()
+    }
+}
+
+impl Drop for Signals {
+    fn drop(&mut self) {
+        for signal in ENDS.into_iter().chain([SIGTSTP]) {
+            // What is registered already cannot fail.
+            let _ = set_default(signal, true);
+        }
+        self.actions.drain(..).for_each(|action| _ = unregister(action));
+        // It has come when the cell was over already.
+        if self.take_stop() {
+            stop_until_continued();
+        }
     }
 }
 
