@@ -95,6 +95,23 @@ fn urdf(entry: &RobotEntry) -> Result<AnySetup, CellError> {
     }
 }
 
+/// The arm of `N` joints that an entry's `file`, `base_link`, `tip` and `acceleration` describe, at its `base`: for kinds of
+/// arms that a URDF describes, and whose drives are real.
+///
+/// # Errors
+/// What is wrong with them, at the key that can mend it.
+pub fn urdf_arm<const N: usize>(entry: &RobotEntry) -> Result<Serial<N>, CellError> {
+    let path = entry.file()?;
+    let tip = entry.tip()?;
+    let refuse = |why: &UrdfError| refused(entry, &path, why);
+    let urdf = UrdfText::read(&path).map_err(|why| refuse(&why))?;
+    let base_link = match entry.base_link() {
+        Some(link) => link.to_owned(),
+        None => urdf.root().map_err(|why| refuse(&why))?,
+    };
+    arm(entry, &path, urdf.as_str(), &base_link, tip)
+}
+
 /// The arm of `N` joints with its simulated drives.
 fn serial<const N: usize>(
     entry: &RobotEntry,
@@ -103,6 +120,18 @@ fn serial<const N: usize>(
     base_link: &str,
     tip: &str,
 ) -> Result<AnySetup, CellError> {
+    let robot = arm::<N>(entry, path, text, base_link, tip)?;
+    let middle = (robot.limits().lower + robot.limits().upper) * 0.5;
+    set_up(entry, robot, middle.into()).map(AnySetup::from)
+}
+
+fn arm<const N: usize>(
+    entry: &RobotEntry,
+    path: &Path,
+    text: &str,
+    base_link: &str,
+    tip: &str,
+) -> Result<Serial<N>, CellError> {
     let refuse = |why: &UrdfError| refused(entry, path, why);
     let builder = Serial::<N>::from_urdf(text, base_link, tip).map_err(|why| refuse(&why))?;
     let given = entry.acceleration(N)?.map(|given| SVector::<f64, N>::from_column_slice(&given));
@@ -114,8 +143,7 @@ fn serial<const N: usize>(
         return Err(entry.refuse(EntryKey::Acceleration, what, help));
     };
     let robot = builder.with_acceleration(acceleration).map_err(|why| refuse(&why))?;
-    let middle = (robot.limits().lower + robot.limits().upper) * 0.5;
-    set_up(entry, robot.with_base(entry.base()), middle.into()).map(AnySetup::from)
+    Ok(robot.with_base(entry.base()))
 }
 
 /// What is wrong with a URDF, at the key of the entry that can mend it.

@@ -7,7 +7,7 @@
 //! | [`clearance`] | how near arms come to one another, and to obstacles | models |
 //! | [`conformance`] | tests that every robot must pass, of this crate or another | models |
 //!
-//! The types that are used most are also exported here. Drives of real robots will be crates beside this one
+//! The types that are used most are also exported here. Drives of real robots are crates beside this one
 //! (`robots/drivers/`), which implement `mrroc::robot::Driver` for a model. The documentation of every robot has a
 //! sketch of its frames, its limits and constants, and says where each figure comes from: public facts of MRROC++, or
 //! an assumption, marked "assumed".
@@ -43,7 +43,7 @@ mod kinds;
 pub mod models;
 pub mod simulation;
 
-pub use kinds::simulated;
+pub use kinds::{simulated, urdf_arm};
 pub use models::{
     Conveyor, Driven, Encoder, Five, Gains, Gripper, Irp6, Irp6FiveDof, Irp6Track, Jacobian, Kinematics,
     Linear, LinkState, MotorData, MotorLimits, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder,

@@ -34,6 +34,8 @@ const CRATES: &[(&str, &[&str])] = &[
         &["mrroc-core", "mrroc-launch", "mrroc-processes", "mrroc-recording", "mrroc-testing", "mrroc-view"],
     ),
     ("robots", &["mrroc-core", "mrroc-launch"]),
+    ("robots/drivers/kit", &[]),
+    ("robots/drivers/kuka", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
 ];

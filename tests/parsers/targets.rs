@@ -30,6 +30,7 @@ pub const TARGETS: &[(&str, Target)] = &[
     #[cfg(target_os = "linux")]
     ("operator", mrroc::processes::readers::operator),
     ("recording", recording),
+    ("rsi", rsi),
 ];
 
 /// Checks that the answer to bad input is not empty.
@@ -49,6 +50,13 @@ fn drawing(name: &str, bytes: &[u8]) {
     if let Some(import) = told(read_bytes(name, bytes.to_vec(), Limits::default())) {
         let points = import.drawing.strokes.iter().flat_map(|stroke| stroke.pieces());
         assert!(points.into_iter().all(|piece| piece.is_sane()), "an accepted drawing is finite");
+    }
+}
+
+/// What the controller of a KUKA arm says.
+pub fn rsi(bytes: &[u8]) {
+    if let Some(said) = mrroc_kuka::FromController::read(bytes) {
+        assert!(said.axes.iter().all(|axis| axis.is_finite()), "axes that are read are numbers");
     }
 }
 

@@ -34,7 +34,7 @@ const LONGEST: usize = 128 * 1024;
 const REST: Duration = Duration::from_millis(50);
 
 /// How long the end waits for a file that takes no more data.
-const PATIENCE: Duration = Duration::from_secs(1);
+const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The path of a session's socket, whose name says by which clock its processes run.
 fn socket(folder: &Path, clock: Clock) -> PathBuf {

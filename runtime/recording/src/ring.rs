@@ -38,7 +38,7 @@ const REST: Duration = Duration::from_millis(2);
 const FLUSH: Duration = Duration::from_secs(1);
 
 /// How long to wait for a thread that makes no progress, under the virtual clock and at the end.
-const PATIENCE: Duration = Duration::from_secs(1);
+const PATIENCE: Duration = Duration::from_secs(3);
 
 const _: () = assert!(IMAGE_WORDS <= WORDS);
 

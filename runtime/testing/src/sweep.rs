@@ -205,9 +205,11 @@ impl<'c> Sweep<'c> {
     }
 
     fn try_one(&self, case: &Case, calm: &Trial) -> Verdict {
-        match attempt(self.cell_of(case), Part::One(*case), self.lasting(calm)) {
-            Ok(trial) => judge(case, &trial, calm, self.end_tolerance),
-            Err(error) => Verdict::Broken(error.to_string()),
+        let run = || attempt(self.cell_of(case), Part::One(*case), self.lasting(calm));
+        match catch_unwind(AssertUnwindSafe(run)) {
+            Ok(Ok(trial)) => judge(case, &trial, calm, self.end_tolerance),
+            Ok(Err(error)) => Verdict::Broken(error.to_string()),
+            Err(_) => Verdict::Broken("the run panicked".to_owned()),
         }
     }
 

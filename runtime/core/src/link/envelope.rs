@@ -148,7 +148,8 @@ impl Envelope {
     /// The message in it.
     ///
     /// # Errors
-    /// [`BadWords`] when it is damaged, or its first words are no header; `message` is then as it was.
+    /// [`BadWords`] when it is damaged, or its first words are no header of a process in its senses; `message` is then as it
+    /// was.
     pub fn open(&self, message: &mut Message) -> Result<(), BadWords> {
         let [
             kind,
@@ -174,7 +175,7 @@ impl Envelope {
         if !self.is_whole() {
             return Err(BadWords);
         }
-        message.header = Header {
+        let header = Header {
             kind: *kind.ok_or(BadWords)?,
             flags: narrow(flags)?,
             epoch: narrow(epoch)?,
@@ -192,6 +193,10 @@ impl Envelope {
             },
             law: BrakingLaw { fall: f64::from_bits(law_fall), bend: f64::from_bits(law_bend) },
         };
+        if !header.is_sound() {
+            return Err(BadWords);
+        }
+        message.header = header;
         message.body[..len as usize].copy_from_slice(&self.body[..len as usize]);
         Ok(())
     }
@@ -247,12 +252,13 @@ mod tests {
             instruction: 7,
             len: 3,
             payload: 0xfeed,
-            dt: f64::from_bits(0x7ff8_0000_0000_0001),
+            dt: 0.5e-3,
             duration: 1e-3,
             headroom,
             law: BrakingLaw { fall: 2.5, bend: 1e9 },
         };
-        message.body[..3].copy_from_slice(&[1, 2, u64::MAX]);
+        // The bits of a NaN: a payload may have any.
+        message.body[..3].copy_from_slice(&[1, 0x7ff8_0000_0000_0001, u64::MAX]);
         message
     }
 
@@ -264,9 +270,8 @@ mod tests {
             assert!(envelope.is_under(SEAL) && envelope.sequence == 5);
             let mut came = Message::empty();
             assert_eq!(envelope.open(&mut came), Ok(()));
-            // Bits, not values: a NaN is one of the numbers that must arrive as they were sent.
+            // Bits, not values: a zero keeps its sign.
             assert_eq!(format!("{:?}", came.header), format!("{:?}", sent.header));
-            assert_eq!(came.header.dt.to_bits(), sent.header.dt.to_bits());
             assert_eq!(came.words(), sent.words());
         }
     }
@@ -294,6 +299,29 @@ mod tests {
                 let opened = envelope.open(&mut Message::empty());
                 assert_eq!(opened, Err(BadWords), "word {word}, bit {bit}");
             }
+        }
+    }
+
+    #[test]
+    fn fault_16_times_and_limits_that_no_process_in_its_senses_sends_are_no_message() {
+        let opens = |change: &dyn Fn(&mut Header)| {
+            let mut sent = message(Kind::Reply);
+            change(&mut sent.header);
+            Envelope::seal(&sent, SEAL, 1).open(&mut Message::empty())
+        };
+        assert_eq!(opens(&|header| header.dt = header.duration), Ok(()));
+        let dt = |dt: f64| opens(&move |header| header.dt = dt);
+        let duration = |duration: f64| opens(&move |header| header.duration = duration);
+        for bad in [-1e-9, 1.001e-3, f64::INFINITY, f64::NAN] {
+            assert_eq!(dt(bad), Err(BadWords), "{bad} s of path time in 1 ms");
+        }
+        for bad in [-1e-3, 0.4e-3, f64::INFINITY, f64::NAN] {
+            assert_eq!(duration(bad), Err(BadWords), "a step of {bad} s");
+        }
+        for bad in [-1.0, f64::NEG_INFINITY, f64::NAN] {
+            assert_eq!(opens(&|header| header.headroom.rise = bad), Err(BadWords), "a rise of {bad}");
+            assert_eq!(opens(&|header| header.headroom.full.bend = bad), Err(BadWords), "a bend of {bad}");
+            assert_eq!(opens(&|header| header.law.fall = bad), Err(BadWords), "a fall of {bad}");
         }
     }
 

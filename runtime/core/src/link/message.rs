@@ -113,6 +113,20 @@ pub struct Header {
     pub law: BrakingLaw,
 }
 
+impl Header {
+    /// Whether a process in its senses could have sent these numbers: path time passes no faster than time, and no
+    /// robot's limits are negative. A rate beyond 1 would let all robots' limits be negative, and the rate jump.
+    pub(crate) fn is_sound(&self) -> bool {
+        // Quotients and products of times are rounded.
+        const ROUND_OFF: f64 = 1e-9;
+        let RateHeadroom { rise, fall, bend, full } = self.headroom;
+        let bounds = [rise, fall, bend, full.rise, full.bend, self.law.fall, self.law.bend];
+        let times =
+            self.dt >= 0.0 && self.dt <= self.duration * (1.0 + ROUND_OFF) && self.duration.is_finite();
+        times && bounds.into_iter().all(|bound| bound >= 0.0)
+    }
+}
+
 /// A message: what every link carries.
 #[derive(Clone, Copy, Debug)]
 pub struct Message {

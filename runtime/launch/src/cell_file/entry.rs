@@ -3,8 +3,10 @@
 use core::cell::Cell;
 use core::ops::Range;
 use core::time::Duration;
+use std::net::{IpAddr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::str::FromStr;
 
 use mrroc_core::cell::CellError;
 use mrroc_core::pose::Pose;
@@ -36,13 +38,15 @@ pub struct RobotEntry {
     pub(super) description: Description,
 }
 
-/// What an entry says of a robot that another file describes. Only some kinds ask for it.
+/// What an entry says of a robot that another file describes, and of one that is reached by a network. Only some kinds ask for it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Description {
     pub file: Option<At<String>>,
     pub base_link: Option<At<String>>,
     pub tip: Option<At<String>>,
     pub acceleration: Option<At<Vec<At<f64>>>>,
+    pub address: Option<At<String>>,
+    pub listen: Option<At<String>>,
     /// Whether the kind asked for any of it.
     pub asked: Rc<Cell<bool>>,
 }
@@ -182,15 +186,57 @@ impl RobotEntry {
         Ok(Some(given.value.iter().map(|number| number.value).collect()))
     }
 
+    /// `address`: the address of the robot's controller in its network.
+    ///
+    /// # Errors
+    /// The cell file has no `address`, or it is none.
+    pub fn address(&self) -> Result<IpAddr, CellError> {
+        self.network(
+            &self.description.address,
+            "address",
+            "\"192.168.1.10\", where the robot's controller is",
+        )
+    }
+
+    /// `listen`: the address of this machine in that network, and the port on which it listens for the robot.
+    ///
+    /// # Errors
+    /// The cell file has no `listen`, or it is none, or says any address: a robot is listened for on one.
+    pub fn listen(&self) -> Result<SocketAddr, CellError> {
+        let example = "\"192.168.1.2:49152\", this machine's address there and a port";
+        let listen: SocketAddr = self.network(&self.description.listen, "listen", example)?;
+        if listen.ip().is_unspecified() {
+            let what =
+                format!("robot `{}` would be listened for on every network of this machine", self.name());
+            return Err(self.refuse(EntryKey::Listen, what, format!("write listen = {example}")));
+        }
+        Ok(listen)
+    }
+
+    fn network<T: FromStr>(
+        &self,
+        value: &Option<At<String>>,
+        key: &str,
+        example: &str,
+    ) -> Result<T, CellError> {
+        let text = self.asked(value, key, example)?;
+        text.value.parse().map_err(|_| {
+            let what = format!("`{}` is no {key} of a network", text.value);
+            self.source.complain(&text.span, what, format!("write {key} = {example}")).into()
+        })
+    }
+
     /// Refuses what a key of this entry says, or that it is not there: `what` is wrong with it, and `help` says what to write.
     #[must_use]
     pub fn refuse(&self, key: EntryKey, what: String, help: String) -> CellError {
-        let Description { file, base_link, tip, acceleration, .. } = &self.description;
+        let Description { file, base_link, tip, acceleration, address, listen, .. } = &self.description;
         let span = match key {
             EntryKey::File => file.as_ref().map(|file| &file.span),
             EntryKey::BaseLink => base_link.as_ref().map(|link| &link.span),
             EntryKey::Tip => tip.as_ref().map(|tip| &tip.span),
             EntryKey::Acceleration => acceleration.as_ref().map(|given| &given.span),
+            EntryKey::Address => address.as_ref().map(|address| &address.span),
+            EntryKey::Listen => listen.as_ref().map(|listen| &listen.span),
         };
         self.source.complain(span.unwrap_or(&self.name.span), what, help).into()
     }
@@ -210,16 +256,26 @@ impl RobotEntry {
 
     /// Refuses what describes the robot if its kind has not asked for it, and so has not read it.
     pub(super) fn all_read(&self) -> Result<(), CellError> {
-        let Description { file, base_link, tip, acceleration, asked } = &self.description;
-        let texts = [("file", file), ("base_link", base_link), ("tip", tip)];
+        let Description { file, base_link, tip, acceleration, address, listen, asked } = &self.description;
+        let texts = [
+            ("file", file),
+            ("base_link", base_link),
+            ("tip", tip),
+            ("address", address),
+            ("listen", listen),
+        ];
         let texts = texts.into_iter().filter_map(|(key, text)| text.as_ref().map(|text| (key, &text.span)));
         let mut given = texts.chain(acceleration.as_ref().map(|given| ("acceleration", &given.span)));
         match given.next().filter(|_| !asked.get()) {
             None => Ok(()),
             Some((key, span)) => {
                 let what = format!("the kind `{}` does not read `{key}`", self.kind());
-                let help =
-                    "leave it out, or write kind = \"urdf\" for an arm that a file describes".to_owned();
+                let help = match key {
+                    "address" | "listen" => {
+                        "leave it out, or write the kind of a robot on a network".to_owned()
+                    }
+                    _ => "leave it out, or write kind = \"urdf\" for an arm that a file describes".to_owned(),
+                };
                 Err(self.source.complain(span, what, help).into())
             }
         }
@@ -240,7 +296,7 @@ impl RobotEntry {
     }
 }
 
-/// A key of an entry that says what another file describes, for [`RobotEntry::refuse`].
+/// A key of an entry that only some kinds read, for [`RobotEntry::refuse`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EntryKey {
     /// `file`.
@@ -251,6 +307,10 @@ pub enum EntryKey {
     Tip,
     /// `acceleration`.
     Acceleration,
+    /// `address`.
+    Address,
+    /// `listen`.
+    Listen,
 }
 
 /// A sensor of a cell file.

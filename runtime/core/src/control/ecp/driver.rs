@@ -78,7 +78,12 @@ impl<R: Robot> DriverPort<R> {
         header.instruction = order.instruction;
         header.law = order.law;
         header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER);
-        header.len = if kind == RequestKind::Demand { self.demanded } else { 0 };
+        // What is no demand has no path time, whatever the demand before it had.
+        if kind == RequestKind::Demand {
+            header.len = self.demanded;
+        } else {
+            (header.len, header.dt) = (0, 0.0);
+        }
         self.port.send(&self.request);
         let mut waiting = self.patience.begin(waiter);
         // An answer to a request that was given up does not answer this one.

@@ -8,7 +8,7 @@ use toml::de::DeTable;
 use super::super::entry::{At, Description, RobotEntry};
 use super::{Entry, Reader, Value};
 
-pub(in super::super) const ROBOT_KEYS: [&str; 11] = [
+pub(in super::super) const ROBOT_KEYS: [&str; 13] = [
     "kind",
     "start",
     "homed",
@@ -20,6 +20,8 @@ pub(in super::super) const ROBOT_KEYS: [&str; 11] = [
     "base_link",
     "tip",
     "acceleration",
+    "address",
+    "listen",
 ];
 
 impl Reader {
@@ -65,7 +67,7 @@ impl Reader {
         Some(At { value: on, span: value.span() })
     }
 
-    /// Reads what an entry says of a robot that another file describes.
+    /// Reads what only some kinds ask for: of a robot that another file describes, of one on a network.
     pub(super) fn description(&mut self, table: &DeTable<'_>) -> Description {
         let mut text = |key: &str, expected: &str| {
             let value = table.get(key)?;
@@ -75,9 +77,11 @@ impl Reader {
         let file = text("file", "the name of a file, in quotes");
         let base_link = text("base_link", "the name of a link, in quotes");
         let tip = text("tip", "the name of a link, in quotes");
+        let address = text("address", "the address of a controller, in quotes");
+        let listen = text("listen", "an address of this machine and a port, in quotes");
         let acceleration = table
             .get("acceleration")
             .and_then(|value| self.numbers(value, "a list of accelerations [rad/s² or m/s²]"));
-        Description { file, base_link, tip, acceleration, asked: Rc::default() }
+        Description { file, base_link, tip, acceleration, address, listen, asked: Rc::default() }
     }
 }
