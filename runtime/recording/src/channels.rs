@@ -17,6 +17,7 @@ use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::witness::STATE_WORDS;
 use mrroc_core::observe::witness::{Mode, ReadingState, What};
 use mrroc_core::payload::Shape;
+use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::MAX_JOINTS;
 
@@ -39,6 +40,7 @@ pub(super) trait Outlet {
 #[derive(Clone, Copy, PartialEq)]
 enum Topic {
     Steps,
+    Instructions,
     Events,
     Robot(Name),
     Orders(Name),
@@ -85,6 +87,7 @@ impl Channels {
 fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
     match record.what {
         What::Step { .. } => (Topic::Steps, None),
+        What::Instruction { .. } => (Topic::Instructions, None),
         What::Image { .. } => (record.by.name.map_or(Topic::Events, Topic::Robot), None),
         What::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
             (Topic::Payload(robot, payload), Some(shape))
@@ -120,6 +123,16 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
                 ("resetting", truth),
             ]);
             ("/steps".to_owned(), "mrroc.Step".to_owned(), step)
+        }
+        Topic::Instructions => {
+            let words = Doing::ALL.map(Doing::word);
+            let instruction = [
+                ("step", integer),
+                ("process", text.clone()),
+                ("doing", json!({"type": "string", "enum": words})),
+                ("by", text),
+            ];
+            ("/instructions".to_owned(), "mrroc.Instruction".to_owned(), object(instruction))
         }
         Topic::Events => {
             let event =
@@ -168,6 +181,10 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
             out,
             "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting},\"stopping\":{stopping},\"resetting\":{resetting}}}"
         ),
+        What::Instruction { step, doing, by } => {
+            let (process, doing) = (record.by, doing.word());
+            write!(out, "{{\"step\":{step},\"process\":\"{process}\",\"doing\":\"{doing}\",\"by\":\"{by}\"}}")
+        }
         What::Image { step, mode } => return write_image(out, step, mode, words, joints),
         What::Order { step, instruction, kind, shape, .. } => {
             let kind = order_kind(kind);

@@ -128,7 +128,8 @@ impl Witness for Comparison {
                 }
             }
             What::Step { step, .. } => self.begun.set(step),
-            What::Abort { .. }
+            What::Instruction { .. }
+            | What::Abort { .. }
             | What::Late { .. }
             | What::LateRequest { .. }
             | What::Order { .. }

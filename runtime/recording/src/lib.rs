@@ -8,6 +8,7 @@
 //! | channel | what | schema |
 //! |---|---|---|
 //! | `/steps` | each step of the MP: path time, real time, what the operator wants | `mrroc.Step` |
+//! | `/instructions` | Moves and Waits of the MP and of ECPs' programs as they begin and end: which process, its generator or condition | `mrroc.Instruction` |
 //! | `/robots/NAME` | each step of the robot: demanded and measured joints, velocities, tool poses `X_WE`, the tool `X_FE` | `mrroc.RobotImage` |
 //! | `/robots/NAME/orders` | orders of the MP without a payload: queries, starts, ends | `mrroc.Order` |
 //! | `/robots/NAME/orders/PAYLOAD` | orders with one, its fields by their names | `mrroc.Order.PAYLOAD` |

@@ -122,6 +122,7 @@ impl RunRecorder {
             What::Order { robot, .. } => self.recording.has_robot(robot.as_str()),
             What::Reading { sensor, .. } => self.recording.has_sensor(sensor.as_str()),
             What::Step { .. }
+            | What::Instruction { .. }
             | What::Abort { .. }
             | What::Late { .. }
             | What::LateRequest { .. }

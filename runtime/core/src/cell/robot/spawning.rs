@@ -123,7 +123,8 @@ impl<R: Robot> RobotSetup<R> {
             place.ecp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let mut ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
+                let ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
+                let mut ecp = ecp.showing_instructions(program.is_some());
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
                         Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

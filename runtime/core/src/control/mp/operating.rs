@@ -4,6 +4,7 @@
 //! of what the MP does, for an operator's panel outside of the cell: the MP does not wait for it.
 
 use crate::model::fault::{Fault, FaultWords};
+use crate::model::type_name::TypeName;
 use crate::operator::Operator;
 use crate::operator::button::{Answer, Button, CellState};
 use crate::operator::console::Console;
@@ -39,8 +40,8 @@ impl Operating {
         }
     }
 
-    /// An instruction begins. Its generator or condition is named as the program names its type.
-    pub fn show_instruction(&mut self, doing: Doing, by: &'static str) {
+    /// An instruction begins, of this generator or condition.
+    pub fn show_instruction(&mut self, doing: Doing, by: TypeName) {
         self.shown.instructions += 1;
         self.shown.doing = doing;
         self.shown.by = by;
