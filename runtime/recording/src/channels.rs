@@ -32,8 +32,8 @@ pub(super) trait Outlet {
     /// Hands on what was written, so that a reader can have it now.
     fn flush(&mut self) -> io::Result<()>;
 
-    /// Ends the recording: this many messages were written and this many records were dropped.
-    fn finish(&mut self, messages: u64, dropped: u64) -> io::Result<()>;
+    /// Ends the recording: this many records were dropped.
+    fn finish(&mut self, dropped: u64) -> io::Result<()>;
 }
 
 /// The topic of a channel, by which channels are distinguished.
@@ -46,6 +46,7 @@ enum Topic {
     Orders(Name),
     Payload(Name, &'static str),
     Sensor(Name),
+    Body(Name),
 }
 
 /// The channels made so far.
@@ -94,6 +95,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
         }
         What::Order { robot, .. } => (Topic::Orders(robot), None),
         What::Reading { sensor, shape, .. } => (Topic::Sensor(sensor), Some(shape)),
+        What::Body { body, .. } => (Topic::Body(body), None),
         What::Abort { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
@@ -156,6 +158,10 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
         Topic::Payload(name, payload) => {
             let order = object(order.into_iter().chain([("order", shape)]));
             (format!("/robots/{name}/orders/{payload}"), format!("mrroc.Order.{payload}"), order)
+        }
+        Topic::Body(name) => {
+            let body = object([("step", integer), ("pose", schema(Shape::POSE))]);
+            (format!("/bodies/{name}"), "mrroc.Body".to_owned(), body)
         }
         Topic::Sensor(name) => {
             let reading = [
@@ -225,6 +231,11 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
         What::Fault { step } => {
             let what = if comes_from_outside(words) { "fault from outside" } else { "fault" };
             return write_event(out, step, record.by, what, &fault_text(words));
+        }
+        What::Body { step, .. } => {
+            let _ = write!(out, "{{\"step\":{step},\"pose\":");
+            value(out, Shape::POSE, words);
+            out.write_str("}")
         }
         What::End { step } => return write_event(out, step, record.by, "end", &fault_text(words)),
     };

@@ -28,6 +28,7 @@
 mod channels;
 mod compare;
 mod file;
+mod foxglove;
 mod json;
 mod messages;
 mod reader;
@@ -35,6 +36,7 @@ mod recorder;
 mod relay;
 mod replaying;
 mod ring;
+mod scene;
 
 use std::path::PathBuf;
 

@@ -128,6 +128,7 @@ impl RunRecorder {
             | What::LateRequest { .. }
             | What::Found { .. }
             | What::Fault { .. }
+            | What::Body { .. }
             | What::End { .. } => true,
         }
     }
@@ -234,7 +235,7 @@ impl Thread {
         }
         let count = |counter: &AtomicU64| counter.load(Ordering::Acquire);
         let (written, dropped) = (count(&self.shared.written), count(&self.shared.dropped));
-        self.attempt(&mut outlet, |outlet| outlet.finish(written, dropped));
+        self.attempt(&mut outlet, |outlet| outlet.finish(dropped));
         let dropped = count(&self.shared.dropped);
         if dropped > 0 {
             complain(&format!("warning: {}: {dropped} of {} records are lost", self.name, written + dropped));

@@ -9,7 +9,7 @@ use super::{Cell, CellError};
 use crate::control::ecp::Pace;
 use crate::control::mp::{Mp, MpTiming, RobotPort};
 use crate::control::overruns::Timed;
-use crate::control::plant::{Rests, Site};
+use crate::control::plant::{Bodies, Rests, Site};
 use crate::control::sensing::Sensing;
 use crate::link::patience::Patience;
 use crate::link::{Link, Simulation};
@@ -60,6 +60,13 @@ impl Cell {
         let path_stop = self.path_stop_steps();
         let delay = self.delay();
         let witnesses = Witnesses::to(self.watching.witnesses);
+        let bodies = self.watching.bodies.into_iter().map(|(_, body)| body).collect();
+        let bodies = Bodies::of(bodies, witnesses.of(ProcessId::PLANT), self.timing.step);
+        let here = if bodies.is_idle() { None } else { plant.take_bodies(bodies) };
+        if let (Some(mut bodies), Some(robot)) = (here, self.parts.robots.first_mut()) {
+            // One robot's servo periods are the occasions to look.
+            robot.on_servo_period(Box::new(move |time| bodies.look(time)));
+        }
         let mut mp_sensing = Sensing {
             owner: Owner::unique(),
             ports: Vec::new(),

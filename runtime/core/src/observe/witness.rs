@@ -114,6 +114,13 @@ pub enum What {
         /// The step.
         step: u64,
     },
+    /// Where a body is that the robots handle: the words of its pose `X_WB`.
+    Body {
+        /// The step.
+        step: u64,
+        /// The body, one of the [layout](crate::observe::layout::Layout::bodies).
+        body: Name,
+    },
     /// The MP's program is over: no words, or those of the fault it ended with.
     End {
         /// The last step.

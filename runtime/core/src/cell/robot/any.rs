@@ -4,6 +4,7 @@ use core::any::{Any, TypeId};
 use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use super::stand_in::StandIn;
 use super::{Place, RobotSetup};
@@ -20,6 +21,7 @@ use crate::link::{Link, Server};
 use crate::model::joints::JointVector;
 use crate::model::name::Name;
 use crate::model::robot::{InterpolationSpace, NoInverse, Robot};
+use crate::model::time::Nanos;
 use crate::observe::layout::{DrivesLayout, RobotLayout};
 use crate::observe::servo::Observation;
 use crate::safety::limits::rates::least_headroom;
@@ -35,6 +37,8 @@ pub trait AnyRobot {
     fn as_any(&mut self) -> &mut dyn Any;
     /// Shows every servo period to an observer of several robots.
     fn watch(&mut self, observer: SharedObserver);
+    /// Calls a function with the time at the end of every servo period \[ns\].
+    fn on_servo_period(&mut self, call: Box<dyn FnMut(Nanos)>);
     /// Takes away all observers that it has.
     fn unwatch(&mut self);
     /// Its drives read from a recording.
@@ -120,6 +124,10 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         }));
     }
 
+    fn on_servo_period(&mut self, mut call: Box<dyn FnMut(Nanos)>) {
+        self.observers.push(Box::new(move |record| call((record.time * 1e9).round() as Nanos)));
+    }
+
     fn unwatch(&mut self) {
         self.observers.clear();
     }
@@ -159,6 +167,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             mounted_on: self.mounted_on.clone(),
             stop_time: self.stop_time.unwrap_or(stop_time),
             joints: joints(&self.robot, &self.following_error),
+            figure: Arc::new(self.robot.clone()),
         }
     }
 
