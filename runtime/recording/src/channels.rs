@@ -43,6 +43,7 @@ enum Topic {
     Instructions,
     Events,
     Robot(Name),
+    Currents(Name),
     Orders(Name),
     Payload(Name, &'static str),
     Sensor(Name),
@@ -90,6 +91,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
         What::Step { .. } => (Topic::Steps, None),
         What::Instruction { .. } => (Topic::Instructions, None),
         What::Image { .. } => (record.by.name.map_or(Topic::Events, Topic::Robot), None),
+        What::Currents { .. } => (record.by.name.map_or(Topic::Events, Topic::Currents), None),
         What::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
             (Topic::Payload(robot, payload), Some(shape))
         }
@@ -154,6 +156,11 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
             ]);
             (format!("/robots/{name}"), "mrroc.RobotImage".to_owned(), image)
         }
+        Topic::Currents(name) => {
+            let currents = json!({"type": "array", "items": {"type": "number"}});
+            let motors = object([("step", integer), ("currents", currents)]);
+            (format!("/robots/{name}/currents"), "mrroc.MotorCurrents".to_owned(), motors)
+        }
         Topic::Orders(name) => (format!("/robots/{name}/orders"), "mrroc.Order".to_owned(), object(order)),
         Topic::Payload(name, payload) => {
             let order = object(order.into_iter().chain([("order", shape)]));
@@ -192,6 +199,11 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
             write!(out, "{{\"step\":{step},\"process\":\"{process}\",\"doing\":\"{doing}\",\"by\":\"{by}\"}}")
         }
         What::Image { step, mode } => return write_image(out, step, mode, words, joints),
+        What::Currents { step } => {
+            let _ = write!(out, "{{\"step\":{step},\"currents\":");
+            numbers(out, words);
+            out.write_str("}")
+        }
         What::Order { step, instruction, kind, shape, .. } => {
             let kind = order_kind(kind);
             let _ = write!(out, "{{\"step\":{step},\"instruction\":{instruction},\"kind\":\"{kind}\"");

@@ -136,6 +136,7 @@ impl Witness for Comparison {
             | What::Found { .. }
             | What::Reading { .. }
             | What::Fault { .. }
+            | What::Currents { .. }
             | What::Body { .. }
             | What::End { .. } => {}
         }

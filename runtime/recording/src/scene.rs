@@ -297,3 +297,125 @@ fn shown(pose: &Pose) -> Value {
     })
 }
 
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::FRAC_PI_2;
+    use core::time::Duration;
+    use mrroc::prelude::*;
+    use mrroc_robots::{Gripper, Irp6, One, Simulated, SimulatedIrp6, Six};
+
+    const START: Six = Six::new(0.4, -1.57, 0.16, -0.16, 4.71, 0.0);
+
+    /// A gripper on an arm, and a brick.
+    fn layout() -> Layout {
+        let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &START));
+        let hand = RobotSetup::new("hand", Gripper::new(), Simulated::new(Gripper::new(), &One::new(0.05)));
+        Cell::new(Duration::from_millis(2))
+            .robot(arm)
+            .robot(hand.mounted_on("arm"))
+            .shows_body("brick", [0.1, 0.2, 0.3], Pose::identity)
+            .layout()
+    }
+
+    fn scene() -> Scene {
+        let mut scene = Scene::of(&layout());
+        for (topic, channel) in [("/robots/arm", 1), ("/robots/arm/orders", 2), ("/robots/hand", 3), ("/bodies/brick", 4)] {
+            scene.knows(topic, channel);
+        }
+        scene
+    }
+
+    fn image(joints: &[f64], tool: &Pose) -> String {
+        json!({"measured": {"joints": joints}, "tool": shown(tool)}).to_string()
+    }
+
+    /// The transforms of an update: parent, child, pose.
+    fn transforms(update: &Update) -> Vec<(String, String, Pose)> {
+        let list = update.frames["transforms"].as_array().expect("a list");
+        let text = |value: &Value| value.as_str().expect("a text").to_owned();
+        let of = |one: &Value| {
+            let placed = pose(&json!({"position": one["translation"], "orientation": one["rotation"]}));
+            (text(&one["parent_frame_id"]), text(&one["child_frame_id"]), placed.expect("a pose"))
+        };
+        list.iter().map(of).collect()
+    }
+
+    #[test]
+    fn the_frames_of_an_arm_are_a_chain_from_the_world_to_its_tool() {
+        let tool = Pose::translation(0.0, 0.1, 0.25);
+        let update = scene().update(1, 1_700_000_000_123_456_789, &image(START.as_slice(), &tool)).expect("drawn");
+        let chain = transforms(&update);
+        let names: Vec<_> = chain.iter().map(|(parent, child, _)| (parent.as_str(), child.as_str())).collect();
+        assert_eq!(names[0], ("world", "arm/base"));
+        assert_eq!(names[names.len() - 2..], [("arm/link4", "arm/flange"), ("arm/flange", "arm/tool")]);
+        assert!(names.windows(2).all(|pair| pair[0].1 == pair[1].0), "{names:?}");
+        // Together they are the kinematics' own pose of the tool.
+        let at = chain.iter().fold(Pose::identity(), |at, (.., pose)| at * pose);
+        let expected = Irp6::nominal().forward(&START) * tool;
+        assert!((at.inverse() * expected).translation.vector.norm() < 2e-5, "{at} {expected}");
+        assert!(at.rotation.angle_to(&expected.rotation) < 2e-5);
+        let time = json!({"sec": 1_700_000_000, "nsec": 123_456_789});
+        assert_eq!((&update.frames["transforms"][0]["timestamp"], &update.bodies["entities"][0]["timestamp"]), (&time, &time));
+    }
+
+    #[test]
+    fn a_hand_stands_in_the_flange_that_carries_it_and_has_bars_for_want_of_a_shape() {
+        let update = scene().update(3, 0, &image(&[0.05], &Pose::identity())).expect("drawn");
+        assert_eq!(transforms(&update)[0].0, "arm/flange");
+        let entity = &update.bodies["entities"][0];
+        assert_eq!((&entity["frame_id"], &entity["id"]), (&json!("arm/flange"), &json!("hand")));
+        // From the base to one finger, and from that to the other one; no tool.
+        assert_eq!(entity["cylinders"].as_array().map(Vec::len), Some(2));
+    }
+
+    #[test]
+    fn the_ends_of_a_capsule_are_where_they_were_whichever_way_it_points() {
+        let scene = scene();
+        for way in [Vector3::z(), -Vector3::z(), Vector3::x(), Vector3::new(-0.3, 0.2, -0.9)] {
+            let mut picture = Picture::at(0, &scene.actors[0]);
+            let a = Vector3::new(0.1, 0.2, 0.3);
+            picture.capsule([a, a + way], 0.04);
+            let cylinder = &picture.cylinders[0];
+            let (placed, length) = (pose(&cylinder["pose"]).expect("a pose"), cylinder["size"]["z"].as_f64());
+            assert!((length.expect("a length") - way.norm()).abs() < 1e-6);
+            let end = placed * mrroc_core::nalgebra::Point3::new(0.0, 0.0, 0.5 * way.norm());
+            assert!((end.coords - (a + way)).norm() < 3e-6, "{way}");
+            assert_eq!(picture.spheres.len(), 2);
+        }
+        // Of one point there is one ball.
+        let mut picture = Picture::at(0, &scene.actors[0]);
+        picture.capsule([Vector3::x(); 2], 0.04);
+        assert_eq!((picture.cylinders.len(), picture.spheres.len()), (0, 1));
+    }
+
+    #[test]
+    fn a_body_is_a_block_where_it_is() {
+        let at = Pose::translation(1.0, 2.0, 3.0) * Pose::rotation(Vector3::z() * FRAC_PI_2);
+        let update = scene().update(4, 0, &json!({"step": 1, "pose": shown(&at)}).to_string()).expect("drawn");
+        let entity = &update.bodies["entities"][0];
+        assert_eq!(entity["cubes"][0]["size"], json!({"x": 0.1, "y": 0.2, "z": 0.3}));
+        let placed = pose(&entity["cubes"][0]["pose"]).expect("a pose");
+        assert!((placed.inverse() * at).translation.vector.norm() < 2e-6);
+        assert_eq!(transforms(&update)[0].1, "brick");
+    }
+
+    #[test]
+    fn a_robot_that_has_not_been_measured_is_not_drawn() {
+        let unknown = json!({"measured": {"joints": vec!["NaN"; 6]}, "tool": shown(&Pose::identity())}).to_string();
+        assert!(scene().update(1, 0, &unknown).is_none());
+        assert!(scene().update(1, 0, "{}").is_none() && scene().update(2, 0, "{}").is_none());
+    }
+
+    #[test]
+    fn the_first_message_of_each_fiftieth_of_a_second_is_drawn() {
+        let mut scene = scene();
+        let drawn = (0..1000_u64).filter(|ms| scene.wants(1, ms * 1_000_000)).collect::<Vec<_>>();
+        assert_eq!(drawn, (0..50).map(|i| 20 * i).collect::<Vec<_>>());
+        // A period that does not divide it, and a robot without a channel.
+        let late = (0..100_u64).filter(|i| scene.wants(3, i * 7_000_000)).count();
+        assert_eq!(late, 35);
+        assert!(!scene.wants(9, 0));
+    }
+}

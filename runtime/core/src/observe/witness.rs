@@ -96,6 +96,11 @@ pub enum What {
         /// What the robot does in it.
         mode: Mode,
     },
+    /// What the motors of a robot take when an EDP begins a step: a word for each motor, its current \[A\].
+    Currents {
+        /// The step.
+        step: u64,
+    },
     /// A process has collected a reading: its words, or those of a fault.
     Reading {
         /// The sensor.
