@@ -17,6 +17,7 @@ use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::list::Owner;
 use crate::model::name::Name;
 use crate::model::time::Nanos;
+use crate::observe::shown::AnyShown;
 use crate::observe::witness::{What, Witnesses};
 
 /// How the programs of a cell's processes ended.
@@ -125,6 +126,9 @@ impl Cell {
             };
             robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
+        if let Some(board) = plant.board(link, mp) {
+            self.coordination.activity.pass_on(board);
+        }
         let rests = Rests::default();
         plant.spawn(link, Rc::clone(&rests))?;
 
@@ -145,8 +149,7 @@ impl Cell {
                     timed.host(),
                     ports,
                     mp_sensing,
-                    self.coordination.operator,
-                    self.coordination.hook,
+                    (self.coordination.operator, self.coordination.hook, self.coordination.activity),
                     &timing,
                 );
                 mp.watch_by(self.coordination.guard);

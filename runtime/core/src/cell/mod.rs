@@ -124,7 +124,7 @@ impl Cell {
     pub fn watch(mut self, observer: impl FnMut(&Observation<'_>) + 'static) -> Cell {
         let observer: SharedObserver = Rc::new(RefCell::new(observer));
         for robot in &mut self.parts.robots {
-            robot.watch(Rc::clone(&observer));
+            robot.watch(Rc::clone(&observer), self.coordination.activity.clone());
         }
         self
     }

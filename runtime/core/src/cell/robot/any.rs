@@ -23,7 +23,9 @@ use crate::model::name::Name;
 use crate::model::robot::{InterpolationSpace, NoInverse, Robot};
 use crate::model::time::Nanos;
 use crate::observe::layout::{DrivesLayout, RobotLayout};
+use crate::observe::activity::Activity;
 use crate::observe::servo::Observation;
+use crate::observe::shown::Shown;
 use crate::safety::limits::rates::least_headroom;
 use crate::safety::rate::RateHeadroom;
 use crate::safety::stopping::{longest_braking, stop_steps};
@@ -36,7 +38,7 @@ pub trait AnyRobot {
     /// Its set-up, whose type its kind tells.
     fn as_any(&mut self) -> &mut dyn Any;
     /// Shows every servo period to an observer of several robots.
-    fn watch(&mut self, observer: SharedObserver);
+    fn watch(&mut self, observer: SharedObserver, mp: Shown<Activity>);
     /// Calls a function with the time at the end of every servo period \[ns\].
     fn on_servo_period(&mut self, call: Box<dyn FnMut(Nanos)>);
     /// Takes away all observers that it has.
@@ -102,7 +104,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self
     }
 
-    fn watch(&mut self, observer: SharedObserver) {
+    fn watch(&mut self, observer: SharedObserver, mp: Shown<Activity>) {
+        let ecp = self.activity.clone();
         let name = self.name.clone();
         let robot = self.robot.clone();
         let mounted_on = self.mounted_on.clone();
@@ -119,6 +122,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                 mounted_on: mounted_on.as_deref(),
                 frames: &|visit| robot.frames(measured, visit),
                 tool: robot.forward(measured) * record.tool,
+                mp: &mp,
+                ecp: &ecp,
             };
             (observer.borrow_mut())(&observation);
         }));

@@ -32,6 +32,8 @@ use crate::model::payload::{Nudge, Order, Payload};
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
 use crate::observe::witness::{What, Witnesses};
 use crate::operator::state::{Doing, EcpState};
 
@@ -53,8 +55,8 @@ pub struct Ecp<'w, R: Robot> {
     trouble: Trouble,
     /// Where instructions and late steps are shown.
     witnesses: Witnesses,
-    /// Whether the program is the user's: the instructions of a transparent ECP are the MP's.
-    shows_instructions: bool,
+    /// Where the instructions of a user's program are shown to observers; those of a transparent ECP are the MP's.
+    activity: Option<Shown<Activity>>,
     /// The robot's part of the run that is replayed.
     replayed: Option<Rc<RecordedRobot>>,
 }
@@ -104,21 +106,22 @@ impl<'w, R: Robot> Ecp<'w, R> {
             pace,
             refusals: 0,
             trouble: Trouble::None,
-            shows_instructions: false,
+            activity: None,
             replayed,
         }
     }
 
-    /// The same, which shows the instructions of its program if that is `shown`.
-    pub(crate) fn showing_instructions(self, shown: bool) -> Self {
-        Ecp { shows_instructions: shown, ..self }
+    /// The same, which shows the instructions of its program: to observers by `activity`.
+    pub(crate) fn showing_instructions(self, activity: Option<Shown<Activity>>) -> Self {
+        // From now on this process says what it is.
+        activity.iter().for_each(|activity| activity.set(Activity::default()));
+        Ecp { activity, ..self }
     }
 
     /// Shows those who look on at the run that an instruction of the program begins, or is over.
     fn show_instruction(&self, doing: Doing, by: TypeName) {
-        if !self.shows_instructions {
-            return;
-        }
+        let Some(activity) = &self.activity else { return };
+        activity.set(activity.get().changed(doing, by));
         self.host.console.show_ecp(&EcpState { doing, by });
         let shown = What::Instruction { step: self.orders.header().step, doing, by };
         self.witnesses.show(self.host.waiter.now(), &shown, &[]);

@@ -33,6 +33,8 @@ use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
 use crate::observe::witness::{What, Witnesses};
 use crate::operator::Operator;
 use crate::operator::button::CellState;
@@ -79,8 +81,7 @@ impl<'w> Mp<'w> {
         host: Host<'w>,
         robots: Vec<RobotPort>,
         sensing: Sensing,
-        operator: Operator,
-        hook: Option<StepHook>,
+        (operator, hook, activity): (Operator, Option<StepHook>, Shown<Activity>),
         timing: &MpTiming,
     ) -> Mp<'w> {
         Mp {
@@ -89,7 +90,7 @@ impl<'w> Mp<'w> {
             witnesses: sensing.witnesses.clone(),
             sensing,
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
-            operating: Operating::new(operator, hook),
+            operating: Operating::new(operator, hook, activity),
             stops: Stops::default(),
             path_stop: timing.path_stop,
             script: None,
@@ -165,6 +166,7 @@ impl<'w> Mp<'w> {
             self.clock.advance(self.wanted_rate(), self.operating.operator.is_suspended());
             self.tell_step()?;
             self.operating.show_step(self.state(), &self.clock, self.host.console);
+            self.operating.show_suspension();
         }
         self.hear_news()?;
         self.tell_abort();
@@ -264,6 +266,8 @@ impl<'w> Mp<'w> {
 
     /// Shows those who look on at the run that an instruction begins or is over.
     fn show_instruction(&self, doing: Doing, by: TypeName) {
+        let activity = &self.operating.activity;
+        activity.set(activity.get().changed(doing, by));
         let shown = What::Instruction { step: self.clock.step(), doing, by };
         self.witnesses.show(self.host.waiter.now(), &shown, &[]);
     }
