@@ -70,11 +70,8 @@ impl Row {
     fn bands(&self, time: &Axis) -> Vec<Band> {
         match self {
             Row::Suspensions(times) => {
-                let suspended = |time: &Range| Band {
-                    time: *time,
-                    colour: RULE,
-                    words: vec!["suspended".to_owned()],
-                };
+                let suspended =
+                    |time: &Range| Band { time: *time, colour: RULE, words: vec!["suspended".to_owned()] };
                 times.iter().map(suspended).collect()
             }
             Row::Program(_, spans) => joined(time, spans).iter().map(band).collect(),
@@ -144,7 +141,8 @@ pub(crate) fn draw(svg: &mut Svg, time: &Axis, across: Range, bottom: f64, rows:
         let left = Vector2::new(across.low - 6.0, y + 9.5);
         svg.text(left, TextStyle::new(WORDS, GREY).end(), row.label());
         for band in row.bands(time) {
-            let (from, to) = (time.at(band.time.low).max(across.low), time.at(band.time.high).min(across.high));
+            let (from, to) =
+                (time.at(band.time.low).max(across.low), time.at(band.time.high).min(across.high));
             let area = Area { x: from, y, width: (to - from).max(0.75), height: BAND };
             let look = Look::filled(band.colour).stroke(RULE).width(0.5).class("band");
             svg.explained(&format!("{}, {}", band.words[0], when(band.time)), |svg| {
@@ -181,7 +179,9 @@ mod tests {
         // 10 px a second.
         let time = Axis::new(Range { low: 0.0, high: 100.0 }, 50.0, 1050.0);
         let mut spans = vec![span(0.0, 10.0, Doing::Move, "Line")];
-        spans.extend((0..20).map(|i| span(10.0 + 0.5 * f64::from(i), 10.5 + 0.5 * f64::from(i), Doing::Move, "Arc")));
+        spans.extend(
+            (0..20).map(|i| span(10.0 + 0.5 * f64::from(i), 10.5 + 0.5 * f64::from(i), Doing::Move, "Arc")),
+        );
         spans.push(span(20.0, 60.0, Doing::Wait, "Dwell"));
         // Narrow ones with a gap between them.
         spans.push(span(70.0, 70.5, Doing::Move, "Line"));
@@ -190,7 +190,10 @@ mod tests {
         let joined = joined(&time, &spans);
         let counts: Vec<_> = joined.iter().map(|span| span.count).collect();
         assert_eq!(counts, [1, 20, 1, 1, 2]);
-        assert_eq!((joined[1].by.as_deref(), joined[4].by.as_deref(), joined[4].doing), (Some("Arc"), None, None));
+        assert_eq!(
+            (joined[1].by.as_deref(), joined[4].by.as_deref(), joined[4].doing),
+            (Some("Arc"), None, None)
+        );
         let words: Vec<_> = joined.iter().map(|span| band(span).words[0].clone()).collect();
         assert_eq!(words, ["Move Line", "20 × Move Arc", "Wait Dwell", "Move Line", "2 instructions"]);
     }

@@ -38,7 +38,8 @@ impl Timeline<'_> {
         let unit = TimeUnit::of(self.run.width());
         let time = Axis::new(self.run, left, right);
         let frames: f64 = charts.iter().map(|chart| HEADING + chart.height).sum();
-        let frames = Area { x: left, y: area.y + HEADING, width: right - left, height: (frames - HEADING).max(0.0) };
+        let frames =
+            Area { x: left, y: area.y + HEADING, width: right - left, height: (frames - HEADING).max(0.0) };
         bands::shade(svg, &time, self.suspensions, frames);
         let mut top = area.y;
         let mut lowest = None;

@@ -90,7 +90,8 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log) -> String {
     let actors = actors(&robots, fastest);
     let lines: usize = robots.iter().map(|robot| chart::lines(&robot.charts)).sum();
     let most = (MOST_POINTS / lines.max(1)).clamp(120, 600);
-    let timeline = Timeline { run, playback: playback.as_ref(), most, labels: LABELS, suspensions: mp.suspensions() };
+    let timeline =
+        Timeline { run, playback: playback.as_ref(), most, labels: LABELS, suspensions: mp.suspensions() };
 
     let scene = Scene { actors: &actors, blocks, playback: playback.as_ref(), fastest };
     let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
@@ -106,7 +107,12 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log) -> String {
         for (robot, actor) in robots.iter().zip(&actors) {
             let area = Area { x: MARGIN, y, width: WIDTH - 2.0 * MARGIN, height: robot.height() };
             draw_robot(svg, area, robot, actor, (MOST_WAY / robots.len()).min(2500));
-            timeline.draw(svg, area.inset(COLUMN + 40.0, ROBOT_HEADING - 20.0, 8.0, 0.0), &robot.charts, &robot.rows);
+            timeline.draw(
+                svg,
+                area.inset(COLUMN + 40.0, ROBOT_HEADING - 20.0, 8.0, 0.0),
+                &robot.charts,
+                &robot.rows,
+            );
             y += area.height + GAP;
         }
     })

@@ -53,7 +53,8 @@ fn without_dates(value: &mut Value) {
 
 #[test]
 fn two_recordings_of_the_same_run_differ_in_their_dates_alone() {
-    let since = |time: SystemTime| time.duration_since(SystemTime::UNIX_EPOCH).expect("after 1970").as_nanos();
+    let since =
+        |time: SystemTime| time.duration_since(SystemTime::UNIX_EPOCH).expect("after 1970").as_nanos();
     let before = since(SystemTime::now());
     let runs = ["once.mcap", "twice.mcap"].map(|name| {
         let (start, mut messages) = read(&recorded(name));
@@ -81,7 +82,9 @@ fn instructions_are_recorded_as_they_begin_and_end() {
         let text = |field: &str| message.body[field].as_str().expect("a text").to_owned();
         of_process.entry(text("process")).or_default().push(format!("{} {}", text("doing"), text("by")));
     }
-    let ecp = |out: &str| [out, "GoTo", "Follow"].map(|by| [format!("move {by}"), format!("nothing {by}")]).concat();
+    let ecp = |out: &str| {
+        [out, "GoTo", "Follow"].map(|by| [format!("move {by}"), format!("nothing {by}")]).concat()
+    };
     // The left one feels with its sensor, the right one has none.
     assert_eq!(of_process["ecp left"], ecp("Feel"));
     assert_eq!(of_process["ecp right"], ecp("GoTo"));
@@ -105,7 +108,10 @@ fn the_currents_of_motors_are_recorded_where_drives_measure_them() {
     assert!(currents.iter().any(|message| numbers(message)[0] != held[0]), "its column turns");
     // A robot that is not recorded has none.
     let file = file("without-left.mcap");
-    arms(Change::Nothing).record(mrroc::recording::to(&file).robots(["right"])).run().expect("keeps the limits");
+    arms(Change::Nothing)
+        .record(mrroc::recording::to(&file).robots(["right"]))
+        .run()
+        .expect("keeps the limits");
     assert!(of(&read(&file).1, "/robots/left/currents").is_empty());
 }
 
@@ -131,7 +137,8 @@ fn bodies_are_recorded_where_they_are_fifty_times_a_second() {
         assert_eq!(brick.body["pose"]["position"], json!({"x": (i + 1) as f64, "y": 0.0, "z": 0.5}));
         assert!(i == 0 || brick.time - bricks[i - 1].time <= Duration::from_millis(20).as_nanos() as u64);
     }
-    let drawn = of(&messages, "/scene").into_iter().filter(|message| message.body["entities"][0]["id"] == "brick");
+    let drawn =
+        of(&messages, "/scene").into_iter().filter(|message| message.body["entities"][0]["id"] == "brick");
     assert_eq!(drawn.count(), bricks.len());
 }
 

@@ -427,7 +427,8 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     });
     film.watch(cell).run().expect("keeps the limits");
     let svg = film.svg();
-    std::fs::write(std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("marks.svg"), &svg).expect("a file");
+    std::fs::write(std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("marks.svg"), &svg)
+        .expect("a file");
     let document = Document::parse(&svg).expect("an SVG");
     let of_class = |class: &'static str| {
         document.descendants().filter(move |node| node.attribute("class") == Some(class)).collect::<Vec<_>>()
@@ -435,13 +436,18 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     let words: Vec<_> = of_class("words").iter().filter_map(Node::text).collect();
     let ecp = |wait| ["Move Along", wait, "Move Along"];
     let mp = ["suspended", "Move ask", "Wait Pause", "Move ask"];
-    // The second Wait is a little shorter: there is no room for both words.
-    let expected = [&mp[..], &ecp("Wait Dwell"), &ecp("Dwell")].concat();
+    // For a Wait of a second there is no room for both words.
+    let expected = [&mp[..], &ecp("Dwell"), &ecp("Dwell")].concat();
     assert_eq!(words, expected);
     // Told with their times: the operator suspends at 1 s and resumes at 3 s.
-    let told: Vec<_> = document.descendants().filter(|node| node.has_tag_name("title")).filter_map(|node| node.text()).collect();
+    let told: Vec<_> = document
+        .descendants()
+        .filter(|node| node.has_tag_name("title"))
+        .filter_map(|node| node.text())
+        .collect();
     let at = |begins: &str| {
-        let told = told.iter().find(|told| told.starts_with(begins)).unwrap_or_else(|| panic!("{begins}: {told:?}"));
+        let told =
+            told.iter().find(|told| told.starts_with(begins)).unwrap_or_else(|| panic!("{begins}: {told:?}"));
         let numbers = told.split(' ').filter_map(|word| word.parse::<f64>().ok()).collect::<Vec<_>>();
         (numbers[0], numbers[1])
     };
@@ -456,8 +462,10 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     assert!((pause.1 - pause.0 - 1.5).abs() < 0.05, "{pause:?}");
     // One shade over the charts of the one robot; bands side by side, none over another one.
     assert_eq!(of_class("suspended").len(), 1);
-    let number = |node: &Node<'_, '_>, name: &str| node.attribute(name).expect(name).parse::<f64>().expect("a number");
-    let bands: Vec<_> = of_class("band").iter().map(|node| ["x", "y", "width"].map(|name| number(node, name))).collect();
+    let number =
+        |node: &Node<'_, '_>, name: &str| node.attribute(name).expect(name).parse::<f64>().expect("a number");
+    let bands: Vec<_> =
+        of_class("band").iter().map(|node| ["x", "y", "width"].map(|name| number(node, name))).collect();
     assert_eq!(bands.len(), expected.len());
     for [one, next] in bands.array_windows::<2>() {
         assert!(one[1] < next[1] || one[0] + one[2] <= next[0] + 0.2, "{one:?} {next:?}");

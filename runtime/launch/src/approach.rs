@@ -194,8 +194,8 @@ mod tests {
     use mrroc_core::nalgebra::Vector3;
     use mrroc_core::observe::layout::{Figure, RobotLayout};
     use mrroc_core::pose::Pose;
-    use std::sync::Arc;
     use mrroc_core::robot::{InterpolationSpace, JointKind};
+    use std::sync::Arc;
 
     /// Nobody draws these robots.
     struct Nowhere;

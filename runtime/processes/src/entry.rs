@@ -172,7 +172,9 @@ mod tests {
         let by = TypeName::of::<Dwell<u8>>();
         let read = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by }));
         assert_eq!(read, (Doing::Wait, "Dwell".to_owned()));
-        let by = TypeName::of::<AConditionWithANameThatHasMoreThanSeventyTwoBytesAsNobodyWouldEverWriteOneInEarnest>();
+        let by = TypeName::of::<
+            AConditionWithANameThatHasMoreThanSeventyTwoBytesAsNobodyWouldEverWriteOneInEarnest,
+        >();
         let (_, read) = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by }));
         assert!(read.len() == NAME_BYTES && by.to_string().starts_with(&read), "{read}");
         assert_eq!(ecp(&[u64::MAX; ENTRY]).0, Doing::Nothing);

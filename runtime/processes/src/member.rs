@@ -21,7 +21,9 @@ use super::figures::Gauge;
 use super::heartbeat::Silence;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};
-use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Shows, Supervised, WakeFutex};
+use crate::iceoryx::{
+    Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Shows, Supervised, WakeFutex,
+};
 use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};

@@ -16,8 +16,8 @@ use mrroc_core::link::message::OrderKind;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::witness::STATE_WORDS;
 use mrroc_core::observe::witness::{Mode, ReadingState, What};
-use mrroc_core::payload::Shape;
 use mrroc_core::operator::state::Doing;
+use mrroc_core::payload::Shape;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::MAX_JOINTS;
 

@@ -41,7 +41,8 @@ fn titled<const N: usize>(title: &str, fields: [(&'static str, Value); N]) -> Va
 /// A time or a duration: whole seconds, and nanoseconds.
 fn seconds(title: &str) -> Value {
     let nsec = json!({"type": "integer", "minimum": 0, "maximum": 999_999_999});
-    let sec = if title == "time" { json!({"type": "integer", "minimum": 0}) } else { json!({"type": "integer"}) };
+    let sec =
+        if title == "time" { json!({"type": "integer", "minimum": 0}) } else { json!({"type": "integer"}) };
     titled(title, [("sec", sec), ("nsec", nsec)])
 }
 

@@ -118,7 +118,9 @@ impl RunRecorder {
     /// Whether this is to be recorded.
     fn is_asked_for(&self, by: ProcessId, what: &What) -> bool {
         match what {
-            What::Image { .. } | What::Currents { .. } => by.name.is_none_or(|name| self.recording.has_robot(name.as_str())),
+            What::Image { .. } | What::Currents { .. } => {
+                by.name.is_none_or(|name| self.recording.has_robot(name.as_str()))
+            }
             What::Order { robot, .. } => self.recording.has_robot(robot.as_str()),
             What::Reading { sensor, .. } => self.recording.has_sensor(sensor.as_str()),
             What::Step { .. }

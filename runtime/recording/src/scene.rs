@@ -35,8 +35,14 @@ const TOOL: f64 = 0.01;
 const NO_TOOL: f64 = 0.001;
 
 /// The colours of robots, in their order: red, green, blue, as shares. They are told apart by colour-blind people, too.
-const COLOURS: [[f64; 3]; 6] =
-    [[0.0, 0.45, 0.70], [0.90, 0.62, 0.0], [0.0, 0.62, 0.45], [0.80, 0.47, 0.65], [0.34, 0.71, 0.91], [0.84, 0.37, 0.0]];
+const COLOURS: [[f64; 3]; 6] = [
+    [0.0, 0.45, 0.70],
+    [0.90, 0.62, 0.0],
+    [0.0, 0.62, 0.45],
+    [0.80, 0.47, 0.65],
+    [0.34, 0.71, 0.91],
+    [0.84, 0.37, 0.0],
+];
 const BODY_COLOUR: [f64; 3] = [0.6, 0.6, 0.6];
 
 /// What is drawn of a recording.
@@ -204,7 +210,8 @@ impl<'a> Picture<'a> {
     #[allow(non_snake_case)]
     fn block(&mut self, X_WB: &Pose, edges: [f64; 3]) {
         self.transform(WORLD, &self.actor.name.clone(), X_WB);
-        let cube = json!({"pose": shown(X_WB), "size": vector(&Vector3::from(edges)), "color": self.colour()});
+        let cube =
+            json!({"pose": shown(X_WB), "size": vector(&Vector3::from(edges)), "color": self.colour()});
         self.cubes.push(cube);
     }
 
@@ -224,7 +231,8 @@ impl<'a> Picture<'a> {
         let (way, thickness) = (b - a, 2.0 * radius);
         let along = UnitQuaternion::rotation_between(&Vector3::z(), &way);
         // Opposite to z there is no one way to turn.
-        let along = along.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), core::f64::consts::PI));
+        let along = along
+            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), core::f64::consts::PI));
         let place = |at: Vector3<f64>| shown(&Pose::from_parts(at.into(), along));
         let color = self.colour();
         if way.norm() > 1e-6 {
@@ -297,7 +305,6 @@ fn shown(pose: &Pose) -> Value {
     })
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -321,7 +328,9 @@ mod tests {
 
     fn scene() -> Scene {
         let mut scene = Scene::of(&layout());
-        for (topic, channel) in [("/robots/arm", 1), ("/robots/arm/orders", 2), ("/robots/hand", 3), ("/bodies/brick", 4)] {
+        for (topic, channel) in
+            [("/robots/arm", 1), ("/robots/arm/orders", 2), ("/robots/hand", 3), ("/bodies/brick", 4)]
+        {
             scene.knows(topic, channel);
         }
         scene
@@ -345,9 +354,11 @@ mod tests {
     #[test]
     fn the_frames_of_an_arm_are_a_chain_from_the_world_to_its_tool() {
         let tool = Pose::translation(0.0, 0.1, 0.25);
-        let update = scene().update(1, 1_700_000_000_123_456_789, &image(START.as_slice(), &tool)).expect("drawn");
+        let update =
+            scene().update(1, 1_700_000_000_123_456_789, &image(START.as_slice(), &tool)).expect("drawn");
         let chain = transforms(&update);
-        let names: Vec<_> = chain.iter().map(|(parent, child, _)| (parent.as_str(), child.as_str())).collect();
+        let names: Vec<_> =
+            chain.iter().map(|(parent, child, _)| (parent.as_str(), child.as_str())).collect();
         assert_eq!(names[0], ("world", "arm/base"));
         assert_eq!(names[names.len() - 2..], [("arm/link4", "arm/flange"), ("arm/flange", "arm/tool")]);
         assert!(names.windows(2).all(|pair| pair[0].1 == pair[1].0), "{names:?}");
@@ -357,7 +368,10 @@ mod tests {
         assert!((at.inverse() * expected).translation.vector.norm() < 2e-5, "{at} {expected}");
         assert!(at.rotation.angle_to(&expected.rotation) < 2e-5);
         let time = json!({"sec": 1_700_000_000, "nsec": 123_456_789});
-        assert_eq!((&update.frames["transforms"][0]["timestamp"], &update.bodies["entities"][0]["timestamp"]), (&time, &time));
+        assert_eq!(
+            (&update.frames["transforms"][0]["timestamp"], &update.bodies["entities"][0]["timestamp"]),
+            (&time, &time)
+        );
     }
 
     #[test]
@@ -393,7 +407,8 @@ mod tests {
     #[test]
     fn a_body_is_a_block_where_it_is() {
         let at = Pose::translation(1.0, 2.0, 3.0) * Pose::rotation(Vector3::z() * FRAC_PI_2);
-        let update = scene().update(4, 0, &json!({"step": 1, "pose": shown(&at)}).to_string()).expect("drawn");
+        let update =
+            scene().update(4, 0, &json!({"step": 1, "pose": shown(&at)}).to_string()).expect("drawn");
         let entity = &update.bodies["entities"][0];
         assert_eq!(entity["cubes"][0]["size"], json!({"x": 0.1, "y": 0.2, "z": 0.3}));
         let placed = pose(&entity["cubes"][0]["pose"]).expect("a pose");
@@ -403,7 +418,8 @@ mod tests {
 
     #[test]
     fn a_robot_that_has_not_been_measured_is_not_drawn() {
-        let unknown = json!({"measured": {"joints": vec!["NaN"; 6]}, "tool": shown(&Pose::identity())}).to_string();
+        let unknown =
+            json!({"measured": {"joints": vec!["NaN"; 6]}, "tool": shown(&Pose::identity())}).to_string();
         assert!(scene().update(1, 0, &unknown).is_none());
         assert!(scene().update(1, 0, "{}").is_none() && scene().update(2, 0, "{}").is_none());
     }

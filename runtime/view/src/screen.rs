@@ -271,7 +271,10 @@ mod tests {
         let left = lines.iter().position(|line| line.contains("left ")).expect("the left robot");
         assert!(lines[left + 2].contains(" wait ForceAbove"), "{lines:#?}");
         // The motion of the right one is over.
-        assert!(lines[left + 3].contains("right ") && !lines.iter().any(|line| line.contains("Line")), "{lines:#?}");
+        assert!(
+            lines[left + 3].contains("right ") && !lines.iter().any(|line| line.contains("Line")),
+            "{lines:#?}"
+        );
     }
 
     #[test]

@@ -41,8 +41,8 @@ use super::transmission::Transmission;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, closest, doubled};
-use crate::models::sines::sin_cos;
 use crate::models::shape::Outline;
+use crate::models::sines::sin_cos;
 use crate::models::vectors::{Five, Six};
 
 /// Distance of the tool's point from the column axis below which q1 is undetermined \[m\].

@@ -2,8 +2,8 @@
 
 use std::rc::Rc;
 
-use crate::control::replay::RecordedRun;
 use crate::control::plant::Body;
+use crate::control::replay::RecordedRun;
 use crate::observe::layout::{BodyLayout, Layout};
 use crate::observe::recording::{NotRecorded, Recorder, Recording, RunRecord};
 use crate::observe::witness::Witness;

@@ -42,7 +42,8 @@ fn write_short(f: &mut fmt::Formatter<'_>, name: &str) -> fmt::Result {
     }
     let mut rest = parameters.strip_suffix('>').unwrap_or(parameters).trim_matches(['(', ')']);
     // An array of motions of one kind: `[Line<Irp6>; 2]`.
-    rest = rest.strip_prefix('[').map_or(rest, |array| array.rsplit_once(';').map_or(array, |(item, _)| item));
+    rest =
+        rest.strip_prefix('[').map_or(rest, |array| array.rsplit_once(';').map_or(array, |(item, _)| item));
     let mut is_first = true;
     while let Some((item, after)) = first_of_list(rest) {
         if !core::mem::take(&mut is_first) {

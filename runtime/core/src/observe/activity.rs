@@ -120,7 +120,8 @@ mod tests {
         assert_eq!((begun.over().instructions, begun.over().by()), (1, "Dwell"));
         assert_eq!(Activity::get(&[0, 99, 0]), Err(BadWords));
         assert_eq!(Activity::get(&[u64::MAX; Activity::LEN]), Err(BadWords));
-        let long = begun.begun(Doing::Move, TypeName::of::<ŻAConditionWithANameThatHasMoreThanFortyEightBytesż>());
+        let long =
+            begun.begun(Doing::Move, TypeName::of::<ŻAConditionWithANameThatHasMoreThanFortyEightBytesż>());
         assert!(long.by().starts_with("ŻACondition") && long.by().len() <= NAME);
     }
 }

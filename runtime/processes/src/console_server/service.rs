@@ -354,7 +354,14 @@ impl Service {
             let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
             if let Some((time, demanded, measured)) = self.board.read(place).map(|words| robot(&words)) {
                 let (doing, by) = self.program_of(&seats, name);
-                picture.robots.push(RobotPicture { name: name.to_string(), time, demanded, measured, doing, by });
+                picture.robots.push(RobotPicture {
+                    name: name.to_string(),
+                    time,
+                    demanded,
+                    measured,
+                    doing,
+                    by,
+                });
             }
         }
         picture

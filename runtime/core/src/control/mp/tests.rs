@@ -1,8 +1,8 @@
 //! An MP without robots.
 
+use crate::link::{Host, Waiter};
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
-use crate::link::{Host, Waiter};
 use core::cell::Cell;
 
 use super::*;

@@ -227,7 +227,8 @@ impl<R: Robot> Drives<R> {
             None => {
                 // What simulated drives tell of themselves ends no run: a panic tells nothing.
                 let currents = guarded(|| self.driver.motor_currents()).unwrap_or_default();
-                Reading { period, measured: self.measured, demanded: self.at, currents }.put(&mut self.message);
+                Reading { period, measured: self.measured, demanded: self.at, currents }
+                    .put(&mut self.message);
             }
             Some(off) => {
                 self.message.set_fault(&off.fault);
