@@ -3,8 +3,6 @@
 //! In: the state of an MP or an ECP, or a servo period of a robot. Out: the words of an entry, and from these words the same
 //! values again.
 
-use core::fmt::{self, Write};
-
 use super::board::ENTRY;
 use mrroc_core::fault::{Fault, FaultWords};
 use mrroc_core::generator::TypeName;
@@ -67,11 +65,9 @@ fn doing(word: u64) -> Doing {
 
 /// Puts the length of a name, and its first bytes, without allocation.
 fn put_name(words: &mut [u64], name: TypeName) {
-    let mut text = Text { bytes: [0; NAME_BYTES], len: 0 };
-    // What has no room is left out.
-    let _ = write!(text, "{name}");
-    words[0] = text.len as u64;
-    for (word, chunk) in words[1..].iter_mut().zip(text.bytes.as_chunks::<8>().0) {
+    let (bytes, length) = name.bytes::<NAME_BYTES>();
+    words[0] = length as u64;
+    for (word, chunk) in words[1..].iter_mut().zip(bytes.as_chunks::<8>().0) {
         *word = u64::from_le_bytes(*chunk);
     }
 }
@@ -80,22 +76,6 @@ fn name(words: &[u64]) -> String {
     let bytes: Vec<_> = words[1..].iter().flat_map(|word| word.to_le_bytes()).collect();
     let length = usize::try_from(words[0]).unwrap_or(0).min(NAME_BYTES);
     String::from_utf8_lossy(&bytes[..length]).into_owned()
-}
-
-/// A short text of a fixed size.
-struct Text {
-    bytes: [u8; NAME_BYTES],
-    len: usize,
-}
-
-impl Write for Text {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        let room = &mut self.bytes[self.len..];
-        let taken = text.len().min(room.len());
-        room[..taken].copy_from_slice(&text.as_bytes()[..taken]);
-        self.len += taken;
-        if taken == text.len() { Ok(()) } else { Err(fmt::Error) }
-    }
 }
 
 /// What the entry of an MP contains.

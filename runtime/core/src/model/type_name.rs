@@ -2,7 +2,7 @@
 //!
 //! In: its type. Out: the name that the program gives it, without paths and parameters.
 
-use core::fmt;
+use core::fmt::{self, Write};
 
 /// The name of a generator's or condition's type, shown as the program writes it: `Carry` for
 /// `program::carry::Carry<robots::Irp6>`. [`Each`](crate::generator::Each) is shown as its motions: `Line, Carry`.
@@ -25,6 +25,31 @@ impl TypeName {
     #[must_use]
     pub fn of<T: ?Sized>() -> TypeName {
         TypeName(core::any::type_name::<T>())
+    }
+
+    /// The first `N` bytes of the name as it is shown, and how many bytes there are; without allocation.
+    #[must_use]
+    pub fn bytes<const N: usize>(self) -> ([u8; N], usize) {
+        let mut room = Room { bytes: [0; N], len: 0 };
+        // What has no room is left out.
+        let _ = write!(room, "{self}");
+        (room.bytes, room.len)
+    }
+}
+
+/// A text of a fixed size.
+struct Room<const N: usize> {
+    bytes: [u8; N],
+    len: usize,
+}
+
+impl<const N: usize> Write for Room<N> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let room = &mut self.bytes[self.len..];
+        let taken = text.len().min(room.len());
+        room[..taken].copy_from_slice(&text.as_bytes()[..taken]);
+        self.len += taken;
+        if taken == text.len() { Ok(()) } else { Err(fmt::Error) }
     }
 }
 
@@ -89,6 +114,8 @@ mod tests {
             (TypeName::NONE, ""),
         ] {
             assert_eq!(name.to_string(), shown);
+            let (bytes, len) = name.bytes::<4>();
+            assert_eq!(bytes[..len], shown.as_bytes()[..shown.len().min(4)]);
         }
     }
 

@@ -4,8 +4,6 @@
 //! In: instructions of the MP's program or of an ECP's, as they begin and end. Out: plain numbers. Nothing in a cell acts
 //! on them.
 
-use core::fmt::{self, Write};
-
 use crate::model::type_name::TypeName;
 use crate::model::wire::{BadWords, Wire, layout_hash};
 use crate::operator::state::Doing;
@@ -35,10 +33,7 @@ impl Activity {
     /// The same when one more instruction has begun, of this generator or condition.
     #[must_use]
     pub fn begun(self, doing: Doing, by: TypeName) -> Activity {
-        let mut name = Room { bytes: [0; NAME], len: 0 };
-        // What has no room is left out.
-        let _ = write!(name, "{by}");
-        Activity { instructions: self.instructions + 1, doing, name: name.bytes, ..self }
+        Activity { instructions: self.instructions + 1, doing, name: by.bytes().0, ..self }
     }
 
     /// The same when it is over.
@@ -59,22 +54,6 @@ impl Activity {
         let valid = core::str::from_utf8(&self.name[..length]);
         // A letter of several bytes may have been cut.
         valid.unwrap_or_else(|cut| core::str::from_utf8(&self.name[..cut.valid_up_to()]).unwrap_or_default())
-    }
-}
-
-/// A text of a fixed size.
-struct Room {
-    bytes: [u8; NAME],
-    len: usize,
-}
-
-impl Write for Room {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        let room = &mut self.bytes[self.len..];
-        let taken = text.len().min(room.len());
-        room[..taken].copy_from_slice(&text.as_bytes()[..taken]);
-        self.len += taken;
-        if taken == text.len() { Ok(()) } else { Err(fmt::Error) }
     }
 }
 
