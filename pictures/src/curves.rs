@@ -5,6 +5,7 @@
 
 use nalgebra::Vector2;
 
+use crate::bands::{self, Row};
 use crate::chart::{Chart, Curve, Ends, HEADING, LABEL};
 use crate::labels;
 use crate::playback::{self, Playback};
@@ -25,14 +26,21 @@ pub(crate) struct Timeline<'a> {
     pub most: usize,
     /// Room for labels \[px\].
     pub labels: f64,
+    /// When the cell was suspended \[s\].
+    pub suspensions: &'a [Range],
 }
 
 impl Timeline<'_> {
-    /// Draws charts.
-    pub fn draw(&self, svg: &mut Svg, area: Area, charts: &[Chart]) {
+    /// Draws charts, and rows of bands below their time axis.
+    pub fn draw(&self, svg: &mut Svg, area: Area, charts: &[Chart], rows: &[Row]) {
         let left = area.x + TICKS;
         let right = area.right() - self.labels;
         let unit = TimeUnit::of(self.run.width());
+        let time = Axis::new(self.run, left, right);
+        let frames: f64 = charts.iter().map(|chart| HEADING + chart.height).sum();
+        let frames =
+            Area { x: left, y: area.y + HEADING, width: right - left, height: (frames - HEADING).max(0.0) };
+        bands::shade(svg, &time, self.suspensions, frames);
         let mut top = area.y;
         let mut lowest = None;
         for chart in charts {
@@ -49,8 +57,8 @@ impl Timeline<'_> {
         }
         let at = Vector2::new(right + 32.0, top + 16.0);
         svg.text(at, TextStyle::new(11.0, INK), &format!("time [{}]", unit.name));
+        bands::draw(svg, &time, Range { low: left, high: right }, top, rows);
         if let Some(playback) = self.playback {
-            let time = Axis::new(self.run, left, right);
             let from = area.y + HEADING;
             let line = |svg: &Svg, time: f64| {
                 let [x, from, to] = [time, from, top].map(|value| svg.number(value));

@@ -11,6 +11,7 @@ use mrroc::prelude::*;
 
 use crate::block::Block;
 use crate::history::History;
+use crate::instructions::Log;
 use crate::page;
 
 /// Watches every robot of a cell and draws one self-contained SVG of what moved.
@@ -34,6 +35,8 @@ pub struct Film {
     /// Where the flanges of the robots are, for those that are mounted on them.
     flanges: Rc<RefCell<Vec<(String, Pose)>>>,
     blocks: Rc<RefCell<Vec<Block>>>,
+    /// What the MP's program did.
+    program: Rc<RefCell<Log>>,
     left_out: Rc<Vec<String>>,
 }
 
@@ -65,10 +68,10 @@ impl Film {
     /// The same observations give the same text to the byte.
     #[must_use]
     pub fn svg(&self) -> String {
-        match (self.histories.try_borrow(), self.blocks.try_borrow()) {
-            (Ok(histories), Ok(blocks)) => page::svg(&histories, &blocks),
+        match (self.histories.try_borrow(), self.blocks.try_borrow(), self.program.try_borrow()) {
+            (Ok(histories), Ok(blocks), Ok(program)) => page::svg(&histories, &blocks, &program),
             // Only while a robot is being observed, that is, inside of an observer of the user's.
-            _ => page::svg(&[], &[]),
+            _ => page::svg(&[], &[], &Log::default()),
         }
     }
 }
@@ -78,9 +81,13 @@ impl RunPicture for Film {
         let histories = Rc::clone(&self.histories);
         let flanges = Rc::clone(&self.flanges);
         let blocks = Rc::clone(&self.blocks);
+        let program = Rc::clone(&self.program);
         let left_out = Rc::clone(&self.left_out);
         cell.watch(move |observation| {
             let drawn = left_out.iter().all(|name| name != observation.robot);
+            if let Ok(mut program) = program.try_borrow_mut() {
+                program.observe(observation.time, &observation.mp());
+            }
             observe(&histories, &flanges, observation, drawn);
             if drawn && let Ok(mut blocks) = blocks.try_borrow_mut() {
                 blocks.iter_mut().for_each(|block| block.observe(observation.time));
@@ -130,6 +137,7 @@ fn observe(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mrroc::observe::{Activity, Shown};
     use mrroc::robot::JointKind;
     use nalgebra::Vector3;
 
@@ -145,6 +153,8 @@ mod tests {
             mounted_on,
             frames: &|visit| frames.iter().for_each(&mut *visit),
             tool,
+            mp: &Shown::new(Activity::default()),
+            ecp: &Shown::new(Activity::default()),
         };
         observe(&film.histories, &film.flanges, &observation, drawn);
     }

@@ -8,6 +8,7 @@ use mrroc::pose::Pose;
 use mrroc::robot::JointKind;
 use nalgebra::Vector3;
 
+use crate::instructions::Log;
 use crate::speed::{Rates, Speeds};
 use crate::svg::Range;
 
@@ -118,6 +119,8 @@ pub(crate) struct History {
     pub not_finite: u64,
     /// The largest speed of the tool [m/s], at least 0.
     pub tool_speed: f64,
+    /// What the program of its ECP did.
+    pub program: Log,
     speeds: Speeds,
     path: PathLength,
     /// Every `stride`th sample.
@@ -140,6 +143,7 @@ impl History {
             ranges: vec![JointRange::NONE; joints.len()],
             not_finite: 0,
             tool_speed: 0.0,
+            program: Log::default(),
             speeds: Speeds::default(),
             path: PathLength::default(),
             kept: Vec::new(),
@@ -153,6 +157,7 @@ impl History {
     #[allow(non_snake_case)]
     pub fn observe(&mut self, observation: &Observation<'_>, X_WM: &Pose) -> Pose {
         self.is_mounted = observation.mounted_on.is_some();
+        self.program.observe(observation.time, &observation.ecp());
         let mut links = Vec::with_capacity(8);
         let (mut flange, mut tool) = (Pose::identity(), Pose::identity());
         observation.frames(&mut |frame| {

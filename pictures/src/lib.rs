@@ -5,6 +5,7 @@
 //! ```text
 //! Observation -> History (bounded memory) -> scene:  stick figures in space, moving; tool paths coloured by speed
 //!                                         -> curves: positions, velocities, tool speed, following error over time
+//!                                         -> bands: Moves and Waits of the MP and of the robot's own program; suspensions
 //!                                         -> figures: where each joint went, its largest following error
 //! ```
 //!
@@ -16,6 +17,7 @@
 
 #![forbid(unsafe_code)]
 
+mod bands;
 mod block;
 mod body;
 mod chart;
@@ -26,6 +28,7 @@ mod film;
 mod floor;
 mod ghosts;
 mod history;
+mod instructions;
 mod labels;
 mod marks;
 mod page;

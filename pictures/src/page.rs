@@ -5,10 +5,12 @@
 use mrroc::robot::JointKind;
 use nalgebra::{Vector2, Vector3};
 
+use crate::bands::{self, Row};
 use crate::block::Block;
 use crate::chart::{self, Chart};
 use crate::curves::{LABELS, Timeline};
 use crate::history::{History, Sample};
+use crate::instructions::Log;
 use crate::playback::Playback;
 use crate::scene::{Actor, Scene};
 use crate::stick::Motion;
@@ -41,19 +43,22 @@ struct Robot<'a> {
     history: &'a History,
     samples: Vec<&'a Sample>,
     charts: Vec<Chart>,
+    /// Below the time axis of the charts.
+    rows: Vec<Row>,
 }
 
 impl<'a> Robot<'a> {
-    fn of(history: &'a History) -> Robot<'a> {
+    fn of(history: &'a History, mp: &Log) -> Robot<'a> {
         let samples = history.samples();
         let charts = chart::charts(history, &samples);
-        Robot { history, samples, charts }
+        Robot { history, samples, charts, rows: bands::rows(mp, &history.program) }
     }
 
     /// How high its panel is \[px\].
     fn height(&self) -> f64 {
         let column = 260.0 + figures::height(self.history.joints.len());
-        ROBOT_HEADING - 20.0 + chart::height(&self.charts).max(column)
+        let charts = chart::height(&self.charts) + bands::height(self.rows.len());
+        ROBOT_HEADING - 20.0 + charts.max(column)
     }
 
     /// When it was observed first and last \[s\].
@@ -62,10 +67,10 @@ impl<'a> Robot<'a> {
     }
 }
 
-/// The picture of what some robots did, with the blocks that they handled.
-pub(crate) fn svg(histories: &[History], blocks: &[Block]) -> String {
+/// The picture of what some robots did, with the blocks that they handled, and of what the MP's program did.
+pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log) -> String {
     let observed = histories.iter().filter(|history| !history.samples().is_empty());
-    let robots: Vec<Robot<'_>> = observed.map(Robot::of).collect();
+    let robots: Vec<Robot<'_>> = observed.map(|history| Robot::of(history, mp)).collect();
     if robots.is_empty() {
         let title = "Nothing was seen";
         return document(title, HEADING + MARGIN, |svg| {
@@ -85,7 +90,8 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block]) -> String {
     let actors = actors(&robots, fastest);
     let lines: usize = robots.iter().map(|robot| chart::lines(&robot.charts)).sum();
     let most = (MOST_POINTS / lines.max(1)).clamp(120, 600);
-    let timeline = Timeline { run, playback: playback.as_ref(), most, labels: LABELS };
+    let timeline =
+        Timeline { run, playback: playback.as_ref(), most, labels: LABELS, suspensions: mp.suspensions() };
 
     let scene = Scene { actors: &actors, blocks, playback: playback.as_ref(), fastest };
     let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
@@ -101,7 +107,12 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block]) -> String {
         for (robot, actor) in robots.iter().zip(&actors) {
             let area = Area { x: MARGIN, y, width: WIDTH - 2.0 * MARGIN, height: robot.height() };
             draw_robot(svg, area, robot, actor, (MOST_WAY / robots.len()).min(2500));
-            timeline.draw(svg, area.inset(COLUMN + 40.0, ROBOT_HEADING - 20.0, 8.0, 0.0), &robot.charts);
+            timeline.draw(
+                svg,
+                area.inset(COLUMN + 40.0, ROBOT_HEADING - 20.0, 8.0, 0.0),
+                &robot.charts,
+                &robot.rows,
+            );
             y += area.height + GAP;
         }
     })
@@ -244,7 +255,7 @@ mod tests {
     #[test]
     fn names_of_any_text_come_back_from_a_parser() {
         let name = "<a href='x'>&amp; \"ż\"</a>";
-        let svg = svg(&[history(name, 500)], &[]);
+        let svg = svg(&[history(name, 500)], &[], &Log::default());
         let document = roxmltree::Document::parse(&svg).unwrap();
         let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
         assert!(texts.contains(&name));
@@ -253,13 +264,13 @@ mod tests {
 
     #[test]
     fn a_robot_that_never_ticked_is_left_out() {
-        let svg = svg(&[history("first", 0), history("second", 500)], &[]);
+        let svg = svg(&[history("first", 0), history("second", 500)], &[], &Log::default());
         assert!(!svg.contains(">first<") && svg.contains("second moved in 1.00 s"));
     }
 
     #[test]
     fn one_servo_period_is_a_picture_without_motion() {
-        let svg = svg(&[history("one", 1)], &[]);
+        let svg = svg(&[history("one", 1)], &[], &Log::default());
         roxmltree::Document::parse(&svg).unwrap();
         assert!(svg.contains("Nothing moved") && !svg.contains("<animate ") && !svg.contains("NaN"));
     }

@@ -94,8 +94,8 @@ impl Plot {
             page::heading(svg, &self.title, &self.subtitle);
             panel::ground(svg, area);
             if run.width() > 0.0 {
-                let timeline = Timeline { run, playback: None, most: MOST, labels: LABELS };
-                timeline.draw(svg, area.inset(12.0, 10.0, 12.0, 0.0), &self.charts);
+                let timeline = Timeline { run, playback: None, most: MOST, labels: LABELS, suspensions: &[] };
+                timeline.draw(svg, area.inset(12.0, 10.0, 12.0, 0.0), &self.charts, &[]);
             } else {
                 let at = Vector2::new(area.x + MARGIN, area.y + MARGIN + 10.0);
                 svg.text(at, TextStyle::new(13.0, GREY), "No time has passed.");

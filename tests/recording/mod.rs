@@ -3,6 +3,7 @@
 mod allocation;
 mod cell;
 mod command;
+mod contents;
 mod files;
 mod peer;
 #[cfg(target_os = "linux")]

@@ -1,7 +1,7 @@
 //! Limits: what a cell refuses before it runs, and the bounds on stops that follow from this.
 
-use std::cell::Cell as Shared;
-use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use mrroc::fault::{Excess, FaultKind};
@@ -16,7 +16,7 @@ struct Bench {
     limits: Limits<Q<3>>,
     faded: Limits<Q<3>>,
     /// When the second limits begin to hold.
-    fades: Rc<Shared<bool>>,
+    fades: Arc<AtomicBool>,
     /// Largest x + y \[m\].
     sum: f64,
 }
@@ -30,7 +30,7 @@ impl Bench {
             acceleration: Q::repeat(10.0),
             jerk: None,
         };
-        Bench { limits, faded: limits, fades: Rc::default(), sum: 9.0 }
+        Bench { limits, faded: limits, fades: Arc::default(), sum: 9.0 }
     }
 
     fn with(change: impl FnOnce(&mut Limits<Q<3>>)) -> Bench {
@@ -49,7 +49,7 @@ impl Robot for Bench {
     }
 
     fn limits(&self) -> &Limits<Q<3>> {
-        if self.fades.get() { &self.faded } else { &self.limits }
+        if self.fades.load(Ordering::Relaxed) { &self.faded } else { &self.limits }
     }
 
     fn check_coupled(&self, from: &Q<3>, to: &Q<3>, duration: f64) -> Result<(), CoupledLimit> {
@@ -199,13 +199,13 @@ struct Diagonal {
     speed: f64,
     /// When the braking power falls.
     fades_at: u64,
-    fades: Rc<Shared<bool>>,
+    fades: Arc<AtomicBool>,
 }
 
 #[generator(ecp)]
 fn diagonal(c: &mut Diagonal, t: Tick) -> Step<Bench> {
     if t.step == c.fades_at {
-        c.fades.set(true);
+        c.fades.store(true, Ordering::Relaxed);
     }
     c.v = (c.v + 5.0 * t.dt).min(c.speed);
     c.x += c.v * t.dt;
@@ -218,7 +218,7 @@ fn fault_20_a_limit_that_joints_share_is_kept_by_the_stop_as_well() {
         let bench = Bench { sum: 0.8, ..Bench::new() };
         let (robot, trace) = traced(RobotSetup::new("bench", bench, ExactDrive::<3>::at_origin()));
         let robot = robot.program(move |ecp| {
-            let never = Rc::default();
+            let never = Arc::default();
             ecp.move_robot((), Diagonal { x: 0.0, v: 0.0, speed, fades_at: u64::MAX, fades: never }).map(drop)
         });
         let fault = fault(Cell::new(MS).robot(robot).run());
@@ -238,10 +238,10 @@ fn a_stop_is_not_waited_for_longer_than_it_may_take() {
     let mut bench = Bench::new();
     bench.faded.acceleration = Q::repeat(0.01);
     (bench.limits.upper, bench.faded.upper, bench.sum) = (Q::repeat(100.0), Q::repeat(100.0), 200.0);
-    let fades = Rc::clone(&bench.fades);
+    let fades = Arc::clone(&bench.fades);
     let (robot, trace) = traced(RobotSetup::new("bench", bench, ExactDrive::<3>::at_origin()));
     let robot = robot.program(move |ecp| {
-        let coast = Diagonal { x: 0.0, v: 0.0, speed: 0.5, fades_at: 200, fades: Rc::clone(&fades) };
+        let coast = Diagonal { x: 0.0, v: 0.0, speed: 0.5, fades_at: 200, fades: Arc::clone(&fades) };
         ecp.move_robot((), Throws(coast)).map(drop)
     });
     let fault = fault(Cell::new(MS).robot(robot).run());

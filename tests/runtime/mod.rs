@@ -10,6 +10,7 @@ mod guards;
 mod handles;
 mod handover;
 mod homing;
+mod instructions;
 mod jerk;
 pub mod kit;
 mod lateness;

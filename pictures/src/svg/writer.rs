@@ -130,6 +130,14 @@ impl Svg {
         self.containing("g", format_args!("{}", look.attributes(self.digits)), content);
     }
 
+    /// What `content` draws, which a browser explains by this text when it is pointed at.
+    pub fn explained(&mut self, text: &str, content: impl FnOnce(&mut Svg)) {
+        self.containing("g", format_args!(""), |svg| {
+            let _ = writeln!(svg.text, "<title>{}</title>", Escaped(text));
+            content(svg);
+        });
+    }
+
     /// What `content` draws about an origin that is at `origin`.
     pub fn moved(&mut self, origin: Vector2<f64>, content: impl FnOnce(&mut Svg)) {
         let [x, y] = [origin.x, origin.y].map(|value| self.number(value));

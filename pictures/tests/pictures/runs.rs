@@ -396,3 +396,104 @@ fn no_words_overlap(document: &Document<'_>) {
         boxes.push(this);
     }
 }
+
+/// A Wait between two Moves of an ECP's own program, and of the MP another two; the operator suspends the cell for a while.
+#[test]
+fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
+    let base = Pose::translation(0.0, 1.5, 0.0);
+    let robot = Irp6::nominal().with_base(base);
+    let drives = SimulatedIrp6::new(robot.clone(), &START);
+    let own = RobotSetup::new("own", robot, drives).program(|ecp| {
+        for _ in 0..2 {
+            ecp.obey(|ecp, _: Go| {
+                ecp.move_robot((), Along { way: wave, from: None, t: 0.0, duration: 2.0 })?;
+                ecp.wait_until((), Dwell(500))?;
+                ecp.move_robot((), Along { way: wave, from: None, t: 0.0, duration: 2.0 }).map(drop)
+            })?;
+        }
+        Ok(())
+    });
+    let mut film = Film::new();
+    let cell = Cell::new(Duration::from_millis(2)).robot(own).on_step(|step, operator| match step {
+        500 => operator.suspend(),
+        1500 => operator.resume(),
+        _ => {}
+    });
+    let cell = cell.program(|mp| {
+        let mut own = mp.robot::<Irp6>("own")?;
+        mp.move_robots((&mut own,), (), ask {})?;
+        mp.wait_until((&mut own,), (), Pause(750))?;
+        mp.move_robots((&mut own,), (), ask {}).map(drop)
+    });
+    film.watch(cell).run().expect("keeps the limits");
+    let svg = film.svg();
+    std::fs::write(std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("marks.svg"), &svg)
+        .expect("a file");
+    let document = Document::parse(&svg).expect("an SVG");
+    let of_class = |class: &'static str| {
+        document.descendants().filter(move |node| node.attribute("class") == Some(class)).collect::<Vec<_>>()
+    };
+    let words: Vec<_> = of_class("words").iter().filter_map(Node::text).collect();
+    let ecp = |wait| ["Move Along", wait, "Move Along"];
+    let mp = ["suspended", "Move ask", "Wait Pause", "Move ask"];
+    // For a Wait of a second there is no room for both words.
+    let expected = [&mp[..], &ecp("Dwell"), &ecp("Dwell")].concat();
+    assert_eq!(words, expected);
+    // Told with their times: the operator suspends at 1 s and resumes at 3 s.
+    let told: Vec<_> = document
+        .descendants()
+        .filter(|node| node.has_tag_name("title"))
+        .filter_map(|node| node.text())
+        .collect();
+    let at = |begins: &str| {
+        let told =
+            told.iter().find(|told| told.starts_with(begins)).unwrap_or_else(|| panic!("{begins}: {told:?}"));
+        let numbers = told.split(' ').filter_map(|word| word.parse::<f64>().ok()).collect::<Vec<_>>();
+        (numbers[0], numbers[1])
+    };
+    let suspended = at("suspended");
+    assert!((suspended.0 - 1.0).abs() < 0.01 && (suspended.1 - 3.0).abs() < 0.01, "{suspended:?}");
+    // 2 s of path time, and 2 s of suspension; the feed comes down and up again on the way.
+    let along = at("Move Along");
+    assert!(along.0 < 0.05 && along.1 > 3.9 && along.1 < 5.0, "{along:?}");
+    let dwell = at("Wait Dwell");
+    assert!((dwell.0 - along.1).abs() < 0.01 && (dwell.1 - dwell.0 - 1.0).abs() < 0.05, "{dwell:?}");
+    let pause = at("Wait Pause");
+    assert!((pause.1 - pause.0 - 1.5).abs() < 0.05, "{pause:?}");
+    // One shade over the charts of the one robot; bands side by side, none over another one.
+    assert_eq!(of_class("suspended").len(), 1);
+    let number =
+        |node: &Node<'_, '_>, name: &str| node.attribute(name).expect(name).parse::<f64>().expect("a number");
+    let bands: Vec<_> =
+        of_class("band").iter().map(|node| ["x", "y", "width"].map(|name| number(node, name))).collect();
+    assert_eq!(bands.len(), expected.len());
+    for [one, next] in bands.array_windows::<2>() {
+        assert!(one[1] < next[1] || one[0] + one[2] <= next[0] + 0.2, "{one:?} {next:?}");
+    }
+}
+
+#[derive(Clone, Copy, Payload)]
+enum Go {
+    There,
+}
+
+#[generator(mp)]
+fn ask() -> Always<(Irp6,), Go> {
+    Always((Go::There,))
+}
+
+struct Dwell(u32);
+
+#[condition(ecp)]
+fn dwell(c: &mut Dwell) -> bool {
+    c.0 = c.0.saturating_sub(1);
+    c.0 == 0
+}
+
+struct Pause(u32);
+
+#[condition(mp)]
+fn pause(c: &mut Pause) -> bool {
+    c.0 = c.0.saturating_sub(1);
+    c.0 == 0
+}

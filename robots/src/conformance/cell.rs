@@ -52,6 +52,10 @@ impl<R: Robot, D: Driver<R>> Driver<R> for Lent<R, D> {
         self.0.borrow().driver.measured()
     }
 
+    fn motor_currents(&self) -> Option<R::Joints> {
+        self.0.borrow().driver.motor_currents()
+    }
+
     fn open(&mut self) -> Result<(), DriveFault> {
         self.0.borrow_mut().driver.open()
     }

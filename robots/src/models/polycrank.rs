@@ -57,6 +57,7 @@ use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column, doubled};
+use crate::models::shape::Outline;
 use crate::models::sines::sin_cos;
 use crate::models::vectors::Seven;
 use heading::{Heading, Least, Member, stretch_and_elbows};
@@ -250,6 +251,10 @@ impl Robot for Polycrank {
             frame *= Pose::new(Vector3::x() * a, Vector3::x() * alpha);
             visit(&frame);
         }
+    }
+
+    fn capsules_of_links(&self, q: &Seven, visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {
+        Outline::capsules(self, q, &mut |capsule| visit(capsule.ends, capsule.radius));
     }
 
     #[allow(non_snake_case)]

@@ -46,6 +46,7 @@ use crate::models::base::Base;
 use crate::models::drives::{Driven, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::irp6::Irp6;
 use crate::models::kinematics::{Jacobian, Kinematics, closest, column, doubled};
+use crate::models::shape::Outline;
 use crate::models::sines::sin_cos;
 use crate::models::vectors::Six;
 use linkage::{Linkage, ROCKER, TAIL, left};
@@ -301,6 +302,10 @@ impl Robot for Rnt {
             visit(&at(elbow + linkage.forearm * A3, &linkage.forearm));
         }
         visit(&self.forward(q));
+    }
+
+    fn capsules_of_links(&self, q: &Six, visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {
+        Outline::capsules(self, q, &mut |capsule| visit(capsule.ends, capsule.radius));
     }
 
     #[allow(non_snake_case)]

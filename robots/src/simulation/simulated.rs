@@ -276,6 +276,10 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         self.fault.map_or(Ok(self.measured), Err)
     }
 
+    fn motor_currents(&self) -> Option<SVector<f64, N>> {
+        Some(self.currents())
+    }
+
     /// False where motors limit their current instead of tripping: a gripper has no brake and keeps its grasp.
     fn has_brakes(&self) -> bool {
         self.drives.iter().all(|drive| drive.data.overload != Overload::Limit)

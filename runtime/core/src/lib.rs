@@ -123,6 +123,7 @@ pub mod generator {
         SensorHandle, SensorList, SensorsEach, SensorsOf, SharedRobots, SharedSensors,
     };
     pub use crate::model::step::{Always, Step, Tick};
+    pub use crate::model::type_name::TypeName;
 }
 
 /// What an MP orders, and how values become words of a message.

@@ -191,8 +191,19 @@ mod tests {
     use mrroc_core::observe::layout::DrivesLayout;
 
     use mrroc_core::fault::Role;
-    use mrroc_core::observe::layout::RobotLayout;
+    use mrroc_core::nalgebra::Vector3;
+    use mrroc_core::observe::layout::{Figure, RobotLayout};
+    use mrroc_core::pose::Pose;
     use mrroc_core::robot::{InterpolationSpace, JointKind};
+    use std::sync::Arc;
+
+    /// Nobody draws these robots.
+    struct Nowhere;
+
+    impl Figure for Nowhere {
+        fn frames(&self, _: &[f64], _: &mut dyn FnMut(&Pose)) {}
+        fn capsules(&self, _: &[f64], _: &mut dyn FnMut([Vector3<f64>; 2], f64)) {}
+    }
 
     /// A robot with one joint from -1 m to 1 m, 1 m/s, 10 m/s².
     fn slide(name: &str, step: Duration) -> RobotLayout {
@@ -217,6 +228,7 @@ mod tests {
             mounted_on: None,
             stop_time: Duration::from_millis(600),
             joints: vec![joint],
+            figure: Arc::new(Nowhere),
         }
     }
 
@@ -231,6 +243,7 @@ mod tests {
             mp_program: true,
             robots,
             sensors: Vec::new(),
+            bodies: Vec::new(),
         }
     }
 

@@ -1,13 +1,14 @@
 //! What processes write in their entries of the state board, and what consoles read there.
 //!
-//! In: the state of an MP, or a servo period of a robot. Out: the words of an entry, and from these words the same
+//! In: the state of an MP or an ECP, or a servo period of a robot. Out: the words of an entry, and from these words the same
 //! values again.
 
 use super::board::ENTRY;
 use mrroc_core::fault::{Fault, FaultWords};
+use mrroc_core::generator::TypeName;
 use mrroc_core::observe::Observation;
 use mrroc_core::operator::button::{Answer, Button, CellState};
-use mrroc_core::operator::state::{Doing, MpState};
+use mrroc_core::operator::state::{Doing, EcpState, MpState};
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::MAX_JOINTS;
 
@@ -41,19 +42,40 @@ pub(super) fn of_mp(state: &MpState) -> [u64; ENTRY] {
         words[FAULT] = 1;
         fault.put(&mut words[FAULT + 1..NAME]);
     }
-    let name = last_word(state.by).as_bytes();
-    let name = &name[..name.len().min(NAME_BYTES)];
-    words[NAME] = name.len() as u64;
-    for (word, chunk) in words[NAME + 1..].iter_mut().zip(name.chunks(8)) {
-        *word = chunk.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
-    }
+    put_name(&mut words[NAME..], state.by);
     words
 }
 
-/// `program::carry::Carry<robots::Irp6>` is `Carry` to its operator.
-fn last_word(name: &str) -> &str {
-    let plain = name.split('<').next().unwrap_or_default();
-    plain.rsplit("::").next().unwrap_or_default()
+/// The words of the state of an ECP's program.
+pub(super) fn of_ecp(state: &EcpState) -> [u64; ENTRY] {
+    let mut words = [0; ENTRY];
+    words[0] = state.doing as u64;
+    put_name(&mut words[1..], state.by);
+    words
+}
+
+/// What the entry of an ECP says: what its program does, and the generator or condition of its last instruction.
+pub(super) fn ecp(words: &[u64; ENTRY]) -> (Doing, String) {
+    (doing(words[0]), name(&words[1..]))
+}
+
+fn doing(word: u64) -> Doing {
+    usize::try_from(word).ok().and_then(|place| Doing::ALL.get(place)).copied().unwrap_or_default()
+}
+
+/// Puts the length of a name, and its first bytes, without allocation.
+fn put_name(words: &mut [u64], name: TypeName) {
+    let (bytes, length) = name.bytes::<NAME_BYTES>();
+    words[0] = length as u64;
+    for (word, chunk) in words[1..].iter_mut().zip(bytes.as_chunks::<8>().0) {
+        *word = u64::from_le_bytes(*chunk);
+    }
+}
+
+fn name(words: &[u64]) -> String {
+    let bytes: Vec<_> = words[1..].iter().flat_map(|word| word.to_le_bytes()).collect();
+    let length = usize::try_from(words[0]).unwrap_or(0).min(NAME_BYTES);
+    String::from_utf8_lossy(&bytes[..length]).into_owned()
 }
 
 /// What the entry of an MP contains.
@@ -83,16 +105,13 @@ impl MpPanel {
             *answer =
                 Answer { number: words[0], step: words[1], state: state(words[2]), done: words[3] == 1 };
         }
-        let bytes: Vec<_> = words[NAME + 1..].iter().flat_map(|word| word.to_le_bytes()).collect();
-        let length = usize::try_from(words[NAME]).unwrap_or(0).min(NAME_BYTES);
         let fault = (words[FAULT] == 1).then(|| FaultWords::get(&words[FAULT + 1..NAME]).ok()).flatten();
-        let doing = usize::try_from(words[3]).ok().and_then(|place| Doing::ALL.get(place)).copied();
         MpPanel {
             step: words[0],
             period: words[1],
             instructions: words[2],
-            doing: doing.unwrap_or_default(),
-            by: String::from_utf8_lossy(&bytes[..length]).into_owned(),
+            doing: doing(words[3]),
+            by: name(&words[NAME..]),
             rate: f64::from_bits(words[4]),
             speed: f64::from_bits(words[5]),
             state: state(words[6]),
@@ -125,6 +144,22 @@ mod tests {
     use super::*;
     use mrroc_core::fault::{FaultKind, ProcessId};
 
+    struct Dwell<T>(T);
+    struct AConditionWithANameThatHasMoreThanSeventyTwoBytesAsNobodyWouldEverWriteOneInEarnest;
+
+    #[test]
+    fn the_state_of_an_ecp_is_read_as_it_was_written_and_a_name_that_is_too_long_as_far_as_it_fits() {
+        let by = TypeName::of::<Dwell<u8>>();
+        let read = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by }));
+        assert_eq!(read, (Doing::Wait, "Dwell".to_owned()));
+        let by = TypeName::of::<
+            AConditionWithANameThatHasMoreThanSeventyTwoBytesAsNobodyWouldEverWriteOneInEarnest,
+        >();
+        let (_, read) = ecp(&of_ecp(&EcpState { doing: Doing::Wait, by }));
+        assert!(read.len() == NAME_BYTES && by.to_string().starts_with(&read), "{read}");
+        assert_eq!(ecp(&[u64::MAX; ENTRY]).0, Doing::Nothing);
+    }
+
     #[test]
     fn the_state_of_an_mp_is_read_as_it_was_written() {
         let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::MP).at_step(7).text("gone");
@@ -134,7 +169,7 @@ mod tests {
             period: 2,
             instructions: 6,
             doing: Doing::Wait,
-            by: "program::hold::Dwell<robots::Irp6>",
+            by: TypeName::of::<Dwell<u8>>(),
             rate: 0.25,
             speed: 0.5,
             state: CellState::Suspended,

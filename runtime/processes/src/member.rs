@@ -21,14 +21,15 @@ use super::figures::Gauge;
 use super::heartbeat::Silence;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};
-use crate::iceoryx::{Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Show, Supervised, WakeFutex};
+use crate::iceoryx::{
+    Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Shows, Supervised, WakeFutex,
+};
 use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
 use mrroc_core::link::places::Places;
 use mrroc_core::link::{Host, Nanos, News, Waiter};
 use mrroc_core::observe::Observation;
-use mrroc_core::operator::state::MpState;
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
@@ -247,15 +248,19 @@ impl Entry {
         }
     }
 
-    /// What shows every step of an MP on the board; `None` in any other process.
-    fn of(&self, me: ProcessId) -> Option<Show> {
+    /// What shows every step of an MP, or the instructions of an ECP, on the board; `None` in any other process.
+    fn of(&self, me: ProcessId) -> Option<Shows> {
         let entry = Rc::clone(&self.0);
-        let show = move |state: &MpState| {
+        let write = move |words: &[u64]| {
             if let Some((board, place)) = entry.get() {
-                board.write(*place, &entry::of_mp(state));
+                board.write(*place, words);
             }
         };
-        (me == ProcessId::MP).then(|| -> Show { Box::new(show) })
+        match me.role {
+            Role::Mp => Some(Shows::Mp(Box::new(move |state| write(&entry::of_mp(state))))),
+            Role::Ecp => Some(Shows::Ecp(Box::new(move |state| write(&entry::of_ecp(state))))),
+            Role::Edp | Role::Vsp | Role::Plant => None,
+        }
     }
 
     /// What tells an MP whether its launcher supervises the cell; `None` in any other process.

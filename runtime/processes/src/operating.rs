@@ -112,7 +112,9 @@ fn describe(picture: &Picture) -> String {
         Doing::Nothing => {
             line(format_args!("instruction {}: over; the program computes", picture.instructions))
         }
-        doing => line(format_args!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by)),
+        doing => {
+            line(format_args!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by_whom()))
+        }
     }
     line(format_args!("speed {:.0} %, rate {:.3}", 100.0 * picture.speed, picture.rate));
     match picture.holder {
@@ -137,7 +139,7 @@ fn describe(picture: &Picture) -> String {
         ));
     }
     for robot in &picture.robots {
-        line(format_args!("{} at {:.3} s", robot.name, robot.time));
+        line(format_args!("{} at {:.3} s{}", robot.name, robot.time, robot.motion()));
         line(format_args!("  demanded{}", joints(&robot.demanded)));
         line(format_args!("  measured{}", joints(&robot.measured)));
     }

@@ -16,6 +16,7 @@ use mrroc_core::link::message::OrderKind;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::witness::STATE_WORDS;
 use mrroc_core::observe::witness::{Mode, ReadingState, What};
+use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Shape;
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::MAX_JOINTS;
@@ -31,19 +32,22 @@ pub(super) trait Outlet {
     /// Hands on what was written, so that a reader can have it now.
     fn flush(&mut self) -> io::Result<()>;
 
-    /// Ends the recording: this many messages were written and this many records were dropped.
-    fn finish(&mut self, messages: u64, dropped: u64) -> io::Result<()>;
+    /// Ends the recording: this many records were dropped.
+    fn finish(&mut self, dropped: u64) -> io::Result<()>;
 }
 
 /// The topic of a channel, by which channels are distinguished.
 #[derive(Clone, Copy, PartialEq)]
 enum Topic {
     Steps,
+    Instructions,
     Events,
     Robot(Name),
+    Currents(Name),
     Orders(Name),
     Payload(Name, &'static str),
     Sensor(Name),
+    Body(Name),
 }
 
 /// The channels made so far.
@@ -85,12 +89,15 @@ impl Channels {
 fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
     match record.what {
         What::Step { .. } => (Topic::Steps, None),
+        What::Instruction { .. } => (Topic::Instructions, None),
         What::Image { .. } => (record.by.name.map_or(Topic::Events, Topic::Robot), None),
+        What::Currents { .. } => (record.by.name.map_or(Topic::Events, Topic::Currents), None),
         What::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
             (Topic::Payload(robot, payload), Some(shape))
         }
         What::Order { robot, .. } => (Topic::Orders(robot), None),
         What::Reading { sensor, shape, .. } => (Topic::Sensor(sensor), Some(shape)),
+        What::Body { body, .. } => (Topic::Body(body), None),
         What::Abort { .. }
         | What::Late { .. }
         | What::LateRequest { .. }
@@ -121,6 +128,16 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
             ]);
             ("/steps".to_owned(), "mrroc.Step".to_owned(), step)
         }
+        Topic::Instructions => {
+            let words = Doing::ALL.map(Doing::word);
+            let instruction = [
+                ("step", integer),
+                ("process", text.clone()),
+                ("doing", json!({"type": "string", "enum": words})),
+                ("by", text),
+            ];
+            ("/instructions".to_owned(), "mrroc.Instruction".to_owned(), object(instruction))
+        }
         Topic::Events => {
             let event =
                 [("step", integer), ("process", text.clone()), ("what", text.clone()), ("text", text)];
@@ -139,10 +156,19 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
             ]);
             (format!("/robots/{name}"), "mrroc.RobotImage".to_owned(), image)
         }
+        Topic::Currents(name) => {
+            let currents = json!({"type": "array", "items": {"type": "number"}});
+            let motors = object([("step", integer), ("currents", currents)]);
+            (format!("/robots/{name}/currents"), "mrroc.MotorCurrents".to_owned(), motors)
+        }
         Topic::Orders(name) => (format!("/robots/{name}/orders"), "mrroc.Order".to_owned(), object(order)),
         Topic::Payload(name, payload) => {
             let order = object(order.into_iter().chain([("order", shape)]));
             (format!("/robots/{name}/orders/{payload}"), format!("mrroc.Order.{payload}"), order)
+        }
+        Topic::Body(name) => {
+            let body = object([("step", integer), ("pose", schema(Shape::POSE))]);
+            (format!("/bodies/{name}"), "mrroc.Body".to_owned(), body)
         }
         Topic::Sensor(name) => {
             let reading = [
@@ -168,7 +194,16 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
             out,
             "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting},\"stopping\":{stopping},\"resetting\":{resetting}}}"
         ),
+        What::Instruction { step, doing, by } => {
+            let (process, doing) = (record.by, doing.word());
+            write!(out, "{{\"step\":{step},\"process\":\"{process}\",\"doing\":\"{doing}\",\"by\":\"{by}\"}}")
+        }
         What::Image { step, mode } => return write_image(out, step, mode, words, joints),
+        What::Currents { step } => {
+            let _ = write!(out, "{{\"step\":{step},\"currents\":");
+            numbers(out, words);
+            out.write_str("}")
+        }
         What::Order { step, instruction, kind, shape, .. } => {
             let kind = order_kind(kind);
             let _ = write!(out, "{{\"step\":{step},\"instruction\":{instruction},\"kind\":\"{kind}\"");
@@ -208,6 +243,11 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
         What::Fault { step } => {
             let what = if comes_from_outside(words) { "fault from outside" } else { "fault" };
             return write_event(out, step, record.by, what, &fault_text(words));
+        }
+        What::Body { step, .. } => {
+            let _ = write!(out, "{{\"step\":{step},\"pose\":");
+            value(out, Shape::POSE, words);
+            out.write_str("}")
         }
         What::End { step } => return write_event(out, step, record.by, "end", &fault_text(words)),
     };

@@ -128,13 +128,16 @@ impl Witness for Comparison {
                 }
             }
             What::Step { step, .. } => self.begun.set(step),
-            What::Abort { .. }
+            What::Instruction { .. }
+            | What::Abort { .. }
             | What::Late { .. }
             | What::LateRequest { .. }
             | What::Order { .. }
             | What::Found { .. }
             | What::Reading { .. }
             | What::Fault { .. }
+            | What::Currents { .. }
+            | What::Body { .. }
             | What::End { .. } => {}
         }
     }

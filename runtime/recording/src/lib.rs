@@ -2,20 +2,24 @@
 //! step.
 //!
 //! In: what the processes of a run show ([`witness`](mrroc_core::observe::witness)). Out: a file that common viewers
-//! open, with a JSON schema for each channel; log time is the cell's time \[ns\]. Back in: such a file. Out: the
-//! comparison of a replay with it.
+//! open, with a JSON schema for each channel; log time is the date of the run's start plus the cell's time \[ns\]. Back in:
+//! such a file. Out: the comparison of a replay with it.
 //!
 //! | channel | what | schema |
 //! |---|---|---|
 //! | `/steps` | each step of the MP: path time, real time, what the operator wants | `mrroc.Step` |
+//! | `/instructions` | Moves and Waits of the MP and of ECPs' programs as they begin and end: which process, its generator or condition | `mrroc.Instruction` |
 //! | `/robots/NAME` | each step of the robot: demanded and measured joints, velocities, tool poses `X_WE`, the tool `X_FE` | `mrroc.RobotImage` |
+//! | `/robots/NAME/currents` | the currents of its motors, where drives measure them | `mrroc.MotorCurrents` |
 //! | `/robots/NAME/orders` | orders of the MP without a payload: queries, starts, ends | `mrroc.Order` |
 //! | `/robots/NAME/orders/PAYLOAD` | orders with one, its fields by their names | `mrroc.Order.PAYLOAD` |
 //! | `/sensors/NAME` | each reading that a process collected, its fields by their names | `mrroc.Reading.NAME` |
+//! | `/bodies/NAME` | poses of bodies that the cell shows | `mrroc.Body` |
 //! | `/events` | faults, aborts, what came too late for its step, the end | `mrroc.Event` |
+//! | `/tf`, `/scene` | frames of links and tools, shapes of links, bodies (`scene`) | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` |
 //!
-//! The file's metadata `mrroc` says what the cell is made of; `mrroc.end` says how many messages there are and how many
-//! records were dropped. A step copies what it shows into a ring (`ring`). A thread makes messages of these records
+//! The file's metadata `mrroc` says what the cell is made of; `mrroc.start` the date at which it began; `mrroc.end`
+//! how many messages there are and how many records were dropped. A step copies what it shows into a ring (`ring`). A thread makes messages of these records
 //! (`channels`, `json`) and writes them to the file ([`file`]), or sends them to the launcher's thread when the
 //! cell runs as processes (`relay`). When the ring is full, a step in real time drops the record and counts it. Under
 //! the virtual clock, which stands still meanwhile, the step waits as long as the thread makes progress. `reader`
@@ -27,6 +31,7 @@
 mod channels;
 mod compare;
 mod file;
+mod foxglove;
 mod json;
 mod messages;
 mod reader;
@@ -34,6 +39,7 @@ mod recorder;
 mod relay;
 mod replaying;
 mod ring;
+mod scene;
 
 use std::path::PathBuf;
 

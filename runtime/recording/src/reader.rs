@@ -3,15 +3,17 @@
 //! In: a file, and the layout of the cell. Out: a [`RecordedRun`], or what is wrong with the file. The file may have
 //! any contents: it is read piece by piece, and no piece is larger than [`LARGEST`].
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use lz4::Decoder;
 use mcap::McapError;
 use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use super::file::{END, PROFILE, VERSION};
+use super::file::{END, PROFILE, START, VERSION};
 use super::messages::Messages;
 use mrroc_core::console::quoted;
 use mrroc_core::observe::layout::Layout;
@@ -91,7 +93,7 @@ fn read_from(mut from: impl Read, layout: &Layout, cut_off: CutOff) -> Result<Re
         .with_emit_chunks(true)
         .with_validate_data_section_crc(true);
     let mut reader = LinearReader::new_with_options(options);
-    let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), end: None };
+    let mut taker = Taker { layout, messages: None, channels: BTreeMap::new(), start: 0, end: None };
     while let Some(event) = reader.next_event() {
         match event {
             Ok(LinearReadEvent::ReadRequest(size)) => {
@@ -118,17 +120,34 @@ fn torn(what: &str) -> Wrong {
 
 /// The records in a chunk, after its checksum is verified. The parser's own function for chunks is not used: its
 /// counter underflows if a record is longer than its chunk.
-fn chunk(data: &[u8]) -> Result<&[u8], Wrong> {
+fn chunk(data: &[u8]) -> Result<Cow<'_, [u8]>, Wrong> {
     let (size, sum, compression, records) = chunk_parts(data).ok_or_else(|| torn("a chunk"))?;
-    if !compression.is_empty() {
-        return Err(Wrong::foreign("is compressed, which recordings are not"));
-    }
-    let is_whole = size == records.len() as u64 && (sum == 0 || crc32fast::hash(records) == sum);
+    let records = match compression {
+        b"" => Cow::Borrowed(records),
+        b"lz4" => Cow::Owned(decompressed(records, size)?),
+        other => {
+            let other = quoted(&String::from_utf8_lossy(other), 20);
+            return Err(Wrong::foreign(format!("is compressed by {other}, recordings are by lz4")));
+        }
+    };
+    let is_whole = size == records.len() as u64 && (sum == 0 || crc32fast::hash(&records) == sum);
     if is_whole {
         Ok(records)
     } else {
         Err(Wrong::new("is damaged: a chunk is not as its checksum says", DAMAGED))
     }
+}
+
+/// Undoes the compression of a chunk that states this size \[bytes\]. What is longer than it states is cut off, and found out
+/// by the checksum.
+fn decompressed(data: &[u8], size: u64) -> Result<Vec<u8>, Wrong> {
+    if size > LARGEST as u64 {
+        return Err(Wrong::foreign(format!("has a chunk of {size} bytes, more than a recording's")));
+    }
+    let mut records = Vec::new();
+    let read = Decoder::new(data).and_then(|decoder| decoder.take(size + 1).read_to_end(&mut records));
+    read.map_err(|_| Wrong::new("is damaged: a chunk cannot be decompressed", DAMAGED))?;
+    Ok(records)
 }
 
 /// The parts of a chunk: its uncompressed size \[bytes\], its checksum, the name of its compression, and its records.
@@ -201,13 +220,16 @@ struct Taker<'a> {
     messages: Option<Messages>,
     /// The topics of the channels, by their numbers.
     channels: BTreeMap<u16, String>,
+    /// The date of the cell's time 0 \[ns\].
+    start: u64,
     end: Option<Metadata>,
 }
 
 impl Taker<'_> {
     fn take_bytes(&mut self, opcode: u8, data: &[u8]) -> Result<(), Wrong> {
         if opcode == op::CHUNK {
-            let mut records = chunk(data)?;
+            let records = chunk(data)?;
+            let mut records = &*records;
             while !records.is_empty() {
                 let (opcode, data) = record(&mut records).ok_or_else(|| torn("a chunk"))?;
                 self.take_record(opcode, data)?;
@@ -241,6 +263,11 @@ impl Taker<'_> {
                 self.messages = Some(Messages::of(&metadata, self.layout)?);
                 Ok(())
             }
+            Record::Metadata(metadata) if metadata.name == START => {
+                let start = metadata.metadata.get("start_ns").and_then(|start| start.parse().ok());
+                self.start = start.ok_or_else(|| Wrong::foreign("does not say when it started"))?;
+                Ok(())
+            }
             Record::Metadata(metadata) if metadata.name == END => {
                 self.end = Some(metadata);
                 Ok(())
@@ -254,7 +281,7 @@ impl Taker<'_> {
                 let messages = self.messages.as_mut();
                 let messages =
                     messages.ok_or_else(|| Wrong::foreign("does not say what its cell is made of"))?;
-                messages.take(topic, header.log_time, &data)
+                messages.take(topic, header.log_time.saturating_sub(self.start), &data)
             }
             _ => Ok(()),
         }

@@ -51,7 +51,12 @@ pub(crate) fn join(
     process: ProcessId,
     folder: &Path,
 ) -> Option<Rc<RunRecorder>> {
-    if !matches!(process.role, Role::Mp | Role::Ecp | Role::Edp) {
+    let shows = match process.role {
+        Role::Mp | Role::Ecp | Role::Edp => true,
+        Role::Plant => !layout.bodies.is_empty(),
+        Role::Vsp => false,
+    };
+    if !shows {
         return None;
     }
     let (path, clock) = [Clock::Real, Clock::Virtual]
@@ -119,7 +124,7 @@ impl Outlet for Sender {
         Ok(())
     }
 
-    fn finish(&mut self, _: u64, dropped: u64) -> io::Result<()> {
+    fn finish(&mut self, dropped: u64) -> io::Result<()> {
         self.send(END, dropped, &[])
     }
 }
@@ -257,7 +262,7 @@ impl Receiver {
             }
         }
         let (written, dropped) = (self.written, self.dropped);
-        self.attempt(&mut file, |file| file.finish(written, dropped));
+        self.attempt(&mut file, |file| file.finish(dropped));
         if dropped > 0 {
             complain(&format!("warning: {}: {dropped} of {} records are lost", self.name, written + dropped));
         }

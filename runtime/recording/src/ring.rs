@@ -118,15 +118,19 @@ impl RunRecorder {
     /// Whether this is to be recorded.
     fn is_asked_for(&self, by: ProcessId, what: &What) -> bool {
         match what {
-            What::Image { .. } => by.name.is_none_or(|name| self.recording.has_robot(name.as_str())),
+            What::Image { .. } | What::Currents { .. } => {
+                by.name.is_none_or(|name| self.recording.has_robot(name.as_str()))
+            }
             What::Order { robot, .. } => self.recording.has_robot(robot.as_str()),
             What::Reading { sensor, .. } => self.recording.has_sensor(sensor.as_str()),
             What::Step { .. }
+            | What::Instruction { .. }
             | What::Abort { .. }
             | What::Late { .. }
             | What::LateRequest { .. }
             | What::Found { .. }
             | What::Fault { .. }
+            | What::Body { .. }
             | What::End { .. } => true,
         }
     }
@@ -233,7 +237,7 @@ impl Thread {
         }
         let count = |counter: &AtomicU64| counter.load(Ordering::Acquire);
         let (written, dropped) = (count(&self.shared.written), count(&self.shared.dropped));
-        self.attempt(&mut outlet, |outlet| outlet.finish(written, dropped));
+        self.attempt(&mut outlet, |outlet| outlet.finish(dropped));
         let dropped = count(&self.shared.dropped);
         if dropped > 0 {
             complain(&format!("warning: {}: {dropped} of {} records are lost", self.name, written + dropped));

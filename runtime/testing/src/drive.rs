@@ -75,6 +75,10 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
         self.said.map_or_else(|| self.drives.measured(), Ok)
     }
 
+    fn motor_currents(&self) -> Option<R::Joints> {
+        self.drives.motor_currents()
+    }
+
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
         self.ticks += 1;
         let (joint, fails) = (self.joint, self.ticks >= self.from);

@@ -78,7 +78,7 @@ fn head(picture: &Picture, over: Option<&str>) -> Paragraph<'static> {
     let instruction = match picture.doing {
         Doing::Nothing if over => format!("instruction {}: over", picture.instructions),
         Doing::Nothing => format!("instruction {}: over, the program computes", picture.instructions),
-        doing => format!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by),
+        doing => format!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by_whom()),
     };
     let holder = match picture.holder {
         Some(holder) => format!("control: the console of process {holder}"),
@@ -102,7 +102,9 @@ fn gauge(picture: &Picture) -> Gauge<'static> {
 
 fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Picture) {
     // Side by side, or one below the other where a line is too short for both.
-    let lines = 2 * picture.robots.len() as u16 + 2;
+    // A line more where programs of ECPs have moved: it stays when a motion is over, so that nothing jumps.
+    let each = if picture.robots.iter().any(|robot| !robot.by.is_empty()) { 3 } else { 2 };
+    let lines = each * picture.robots.len() as u16 + 2;
     let (left, right) = if area.width >= PROCESSES + ROBOTS {
         let columns = Layout::horizontal([Constraint::Length(PROCESSES), Constraint::Min(ROBOTS)]);
         let [left, right] = columns.areas(area);
@@ -138,15 +140,16 @@ fn draw_processes_and_robots(frame: &mut Frame<'_>, area: Rect, picture: &Pictur
         ))),
         left,
     );
-    let whole = fits(right, 2, 2);
-    let lines: Vec<_> = picture.robots.iter().take(whole).flat_map(robot).collect();
+    let whole = fits(right, 2, each);
+    let lines: Vec<_> =
+        picture.robots.iter().take(whole).flat_map(|of| robot(of).into_iter().take(each.into())).collect();
     let what = "robots: demanded, and error [rad or m]";
     let block = Block::bordered().title(title(what, picture.robots.len(), whole));
     frame.render_widget(Paragraph::new(lines).block(block), right);
 }
 
-/// The demanded joint positions of a robot, and how far its joints are from them.
-fn robot(robot: &RobotPicture) -> [Line<'static>; 2] {
+/// The demanded joint positions of a robot, how far its joints are from them, and what its own program does.
+fn robot(robot: &RobotPicture) -> [Line<'static>; 3] {
     let row =
         |numbers: &mut dyn Iterator<Item = f64>| numbers.map(|q| format!(" {q:8.4}")).collect::<String>();
     let errors = robot.demanded.iter().zip(&robot.measured).map(|(demanded, measured)| measured - demanded);
@@ -155,6 +158,7 @@ fn robot(robot: &RobotPicture) -> [Line<'static>; 2] {
     [
         Line::from(vec![name.bold(), Span::raw(row(&mut robot.demanded.iter().copied()))]),
         Line::from(vec![time.dim(), Span::raw(row(&mut { errors }))]),
+        Line::from(format!("{:LABEL$} {}", "", robot.motion().trim_start_matches(": "))),
     ]
 }
 
@@ -213,6 +217,8 @@ mod tests {
                 time: 2.406,
                 demanded: vec![0.5, -1.57],
                 measured: vec![0.501, -1.572],
+                doing: Doing::Nothing,
+                by: String::new(),
             }],
         }
     }
@@ -248,6 +254,27 @@ mod tests {
         assert!(line("vsp count").contains("101") && line("vsp count").contains("ended"));
         assert!(line("left ").contains("0.5000  -1.5700"));
         assert!(line("2.406 s").contains("0.0010  -0.0020"));
+    }
+
+    #[test]
+    fn what_the_programs_of_ecps_do_is_shown_with_their_robots() {
+        let mut own = picture();
+        // An MP without a program has no generator.
+        own.by = String::new();
+        own.robots[0].doing = Doing::Wait;
+        own.robots[0].by = "ForceAbove".to_owned();
+        let mut other = own.robots[0].clone();
+        (other.name, other.doing, other.by) = ("right".to_owned(), Doing::Nothing, "Line".to_owned());
+        own.robots.push(other);
+        let lines = drawn(&Screen { picture: Some(own), ..Screen::default() }, (200, 24));
+        assert!(lines[1].contains("instruction 4: move of each robot by its own program"), "{lines:#?}");
+        let left = lines.iter().position(|line| line.contains("left ")).expect("the left robot");
+        assert!(lines[left + 2].contains(" wait ForceAbove"), "{lines:#?}");
+        // The motion of the right one is over.
+        assert!(
+            lines[left + 3].contains("right ") && !lines.iter().any(|line| line.contains("Line")),
+            "{lines:#?}"
+        );
     }
 
     #[test]

@@ -43,6 +43,10 @@ impl Driver<Gripper> for SlowFingers {
         Ok(measured)
     }
 
+    fn motor_currents(&self) -> Option<One> {
+        self.fingers.motor_currents()
+    }
+
     fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Gripper>> {
         Some(self)
     }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use mrroc::cell::RunReport;
 use mrroc::prelude::*;
 
+use crate::places::{EDGES, TABLE_EDGES, table};
 use crate::plant::{Plant, calibration_error, drives};
 use crate::witness::{Seen, Witness};
 use crate::{cell, clear, mp, sensed};
@@ -80,7 +81,10 @@ impl Variant {
             Bases::Off => calibration_error(),
         };
         let plant = Plant::new(error).map_err(|bad| Fault::thrown(&bad.to_string()))?;
-        let cell = cell(file, &plant.kinds())?;
+        let world = plant.world.clone();
+        let cell = cell(file, &plant.kinds())?
+            .shows_body("bar", EDGES, move || world.body().pose)
+            .shows_body("table", TABLE_EDGES, table);
         let cell = match sensors {
             Sensors::Unused => cell.program(mp::coordinate),
             Sensors::Used => plant.with_wrists(cell).program(sensed::coordinate),

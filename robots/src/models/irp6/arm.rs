@@ -47,6 +47,7 @@ use core::f64::consts::PI;
 
 use mrroc::prelude::*;
 use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse};
+use nalgebra::Vector3;
 
 use super::links::{Elbow, Geometry};
 use super::transmission::{Linear, LinkState, Screw, Transmission};
@@ -54,6 +55,7 @@ use super::wrist::{Side, Wrist};
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, Gains, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics};
+use crate::models::shape::Outline;
 use crate::models::vectors::Six;
 
 /// An IRp-6 arm on its postument, without gripper.
@@ -224,6 +226,10 @@ impl Robot for Irp6 {
         visit(&self.base.X_WB);
         self.geometry.links(q, &mut |link| visit(&(self.base.X_WB * link)));
         visit(&self.forward(q));
+    }
+
+    fn capsules_of_links(&self, q: &Six, visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {
+        Outline::capsules(self, q, &mut |capsule| visit(capsule.ends, capsule.radius));
     }
 
     #[allow(non_snake_case)]

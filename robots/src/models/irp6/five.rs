@@ -41,6 +41,7 @@ use super::transmission::Transmission;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, closest, doubled};
+use crate::models::shape::Outline;
 use crate::models::sines::sin_cos;
 use crate::models::vectors::{Five, Six};
 
@@ -213,6 +214,10 @@ impl Robot for Irp6FiveDof {
         let shoulder = self.base.X_WB * Translation3::new(0.0, 0.0, Self::D1);
         self.geometry.links(&with_sixth(q), &mut |link| visit(&(shoulder * link)));
         visit(&self.forward(q));
+    }
+
+    fn capsules_of_links(&self, q: &Five, visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {
+        Outline::capsules(self, q, &mut |capsule| visit(capsule.ends, capsule.radius));
     }
 
     /// Shoulder in front and elbow up, as the linkages force it.

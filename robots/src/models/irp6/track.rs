@@ -34,6 +34,7 @@ use super::transmission::{Linear, Transmission};
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Gains, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column};
+use crate::models::shape::Outline;
 use crate::models::vectors::{Seven, Six};
 
 /// An IRp-6 arm on its track, without gripper.
@@ -248,6 +249,10 @@ impl Robot for Irp6Track {
         visit(&carriage);
         self.geometry.links(&arm_of(q), &mut |link| visit(&(carriage * link)));
         visit(&self.forward(q));
+    }
+
+    fn capsules_of_links(&self, q: &Seven, visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {
+        Outline::capsules(self, q, &mut |capsule| visit(capsule.ends, capsule.radius));
     }
 
     #[allow(non_snake_case)]

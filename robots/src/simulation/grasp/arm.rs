@@ -99,6 +99,10 @@ impl<const N: usize, R: Driven<N> + Kinematics<N>> Driver<R> for Grasping<R, N> 
         self.in_world(|arm| arm.tick(demanded))
     }
 
+    fn motor_currents(&self) -> Option<SVector<f64, N>> {
+        self.arm.motor_currents()
+    }
+
     fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
         Some(self)
     }

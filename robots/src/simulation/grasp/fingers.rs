@@ -54,6 +54,10 @@ impl Driver<Gripper> for Fingers {
         self.drive.tick(demanded)
     }
 
+    fn motor_currents(&self) -> Option<One> {
+        self.drive.motor_currents()
+    }
+
     fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Gripper>> {
         Some(self)
     }

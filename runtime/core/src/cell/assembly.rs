@@ -9,7 +9,7 @@ use super::{Cell, CellError};
 use crate::control::ecp::Pace;
 use crate::control::mp::{Mp, MpTiming, RobotPort};
 use crate::control::overruns::Timed;
-use crate::control::plant::{Rests, Site};
+use crate::control::plant::{Bodies, Rests, Site};
 use crate::control::sensing::Sensing;
 use crate::link::patience::Patience;
 use crate::link::{Link, Simulation};
@@ -17,6 +17,7 @@ use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::list::Owner;
 use crate::model::name::Name;
 use crate::model::time::Nanos;
+use crate::observe::shown::AnyShown;
 use crate::observe::witness::{What, Witnesses};
 
 /// How the programs of a cell's processes ended.
@@ -60,6 +61,13 @@ impl Cell {
         let path_stop = self.path_stop_steps();
         let delay = self.delay();
         let witnesses = Witnesses::to(self.watching.witnesses);
+        let bodies = self.watching.bodies.into_iter().map(|(_, body)| body).collect();
+        let bodies = Bodies::of(bodies, witnesses.of(ProcessId::PLANT), self.timing.step);
+        let here = if bodies.is_idle() { None } else { plant.take_bodies(bodies) };
+        if let (Some(mut bodies), Some(robot)) = (here, self.parts.robots.first_mut()) {
+            // One robot's servo periods are the occasions to look.
+            robot.on_servo_period(Box::new(move |time| bodies.look(time)));
+        }
         let mut mp_sensing = Sensing {
             owner: Owner::unique(),
             ports: Vec::new(),
@@ -118,6 +126,9 @@ impl Cell {
             };
             robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
+        if let Some(board) = plant.board(link, mp) {
+            self.coordination.activity.pass_on(board);
+        }
         let rests = Rests::default();
         plant.spawn(link, Rc::clone(&rests))?;
 
@@ -138,8 +149,7 @@ impl Cell {
                     timed.host(),
                     ports,
                     mp_sensing,
-                    self.coordination.operator,
-                    self.coordination.hook,
+                    (self.coordination.operator, self.coordination.hook, self.coordination.activity),
                     &timing,
                 );
                 mp.watch_by(self.coordination.guard);

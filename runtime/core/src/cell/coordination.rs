@@ -3,6 +3,8 @@
 use crate::control::guard::Guard;
 use crate::control::mp::{Mp, StepHook};
 use crate::model::fault::Fault;
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
 use crate::operator::Operator;
 use crate::safety::latch::AfterFault;
 
@@ -14,6 +16,8 @@ pub(super) struct Coordination {
     /// Without one the MP nudges.
     pub program: Option<MpProgram>,
     pub operator: Operator,
+    /// What the program does, for observers.
+    pub activity: Shown<Activity>,
     /// What is called at the start of every step.
     pub hook: Option<StepHook>,
     /// What looks at all robots.
@@ -26,6 +30,7 @@ impl Default for Coordination {
         Coordination {
             program: None,
             operator: Operator::new(),
+            activity: Shown::new(Activity::default()),
             hook: None,
             guard: None,
             after_fault: AfterFault::End,

@@ -21,6 +21,7 @@ impl Cell {
             mp_program: self.coordination.program.is_some(),
             robots: self.parts.robots.iter().map(|robot| robot.layout(self.timing.stop_time)).collect(),
             sensors: self.parts.sensors.iter().map(|sensor| sensor.layout(self.timing.step)).collect(),
+            bodies: self.watching.bodies.iter().map(|(layout, _)| layout.clone()).collect(),
         }
     }
 }

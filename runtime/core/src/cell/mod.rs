@@ -31,10 +31,14 @@ use std::rc::Rc;
 use crate::control::ecp::Ecp;
 use crate::control::guard::{Guard, RobotView};
 use crate::control::mp::Mp;
+use crate::control::plant::Body;
 use crate::control::replay::RecordedRun;
 use crate::model::fault::Fault;
+use crate::model::name::Name;
+use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::sensor::VirtualSensor;
+use crate::observe::layout::BodyLayout;
 use crate::observe::recording::{Recorder, Recording};
 use crate::observe::servo::Observation;
 use crate::observe::witness::Witness;
@@ -120,7 +124,23 @@ impl Cell {
     pub fn watch(mut self, observer: impl FnMut(&Observation<'_>) + 'static) -> Cell {
         let observer: SharedObserver = Rc::new(RefCell::new(observer));
         for robot in &mut self.parts.robots {
-            robot.watch(Rc::clone(&observer));
+            robot.watch(Rc::clone(&observer), self.coordination.activity.clone());
+        }
+        self
+    }
+
+    /// Shows recordings a body that the robots handle, as a block of these edges along x, y, z \[m\] about its frame. `pose`
+    /// tells where that frame is, `X_WB`; it is called some tens of times a second, where the simulated drives are: in their
+    /// process, when the cell runs as processes. The name, of 1 to 24 of the characters `a-z A-Z 0-9 _ -`, is one that no
+    /// robot has.
+    #[must_use]
+    pub fn shows_body(mut self, name: &str, edges: [f64; 3], pose: impl FnMut() -> Pose + 'static) -> Cell {
+        match Name::new(name) {
+            Ok(known) => {
+                let layout = BodyLayout { name: name.to_owned(), edges };
+                self.watching.bodies.push((layout, Body { name: known, pose: Box::new(pose) }));
+            }
+            Err(bad) => self.parts.errors.push(bad.into()),
         }
         self
     }

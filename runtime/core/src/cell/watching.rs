@@ -2,8 +2,9 @@
 
 use std::rc::Rc;
 
+use crate::control::plant::Body;
 use crate::control::replay::RecordedRun;
-use crate::observe::layout::Layout;
+use crate::observe::layout::{BodyLayout, Layout};
 use crate::observe::recording::{NotRecorded, Recorder, Recording, RunRecord};
 use crate::observe::witness::Witness;
 
@@ -11,6 +12,8 @@ use crate::observe::witness::Witness;
 #[derive(Default)]
 pub(super) struct Watching {
     pub witnesses: Vec<Rc<dyn Witness>>,
+    /// Bodies that are shown to witnesses.
+    pub bodies: Vec<(BodyLayout, Body)>,
     /// What the run is recorded to.
     pub recording: Option<Recording>,
     /// What writes it.

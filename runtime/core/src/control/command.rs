@@ -39,13 +39,17 @@ pub(crate) struct Reading<J> {
     pub measured: Measured<J>,
     /// The position that the drives were told for that.
     pub demanded: J,
+    /// The currents of the motors then \[A\], if the drives measure them.
+    pub currents: Option<J>,
 }
 
 const TOOL: usize = 3 + MAX_JOINTS;
 const COMMAND_WORDS: usize = TOOL + Pose::LEN;
 const READING_WORDS: usize = 3 * MAX_JOINTS;
+/// The same with currents.
+const LONG_READING_WORDS: usize = 4 * MAX_JOINTS;
 const SWITCH_WORDS: usize = 1;
-const _: () = assert!(COMMAND_WORDS <= WORDS && READING_WORDS <= WORDS);
+const _: () = assert!(COMMAND_WORDS <= WORDS && LONG_READING_WORDS <= WORDS);
 
 fn put<J: JointVector>(joints: &J, words: &mut [u64]) {
     for (word, x) in words.iter_mut().zip(joints.as_slice()) {
@@ -114,17 +118,27 @@ impl<J: JointVector> Reading<J> {
         put(&self.measured.position, &mut words[..MAX_JOINTS]);
         put(&self.measured.velocity, &mut words[MAX_JOINTS..2 * MAX_JOINTS]);
         put(&self.demanded, &mut words[2 * MAX_JOINTS..]);
+        if let Some(currents) = &self.currents {
+            message.header.len = LONG_READING_WORDS as u32;
+            put(currents, &mut words[READING_WORDS..]);
+        }
     }
 
     /// # Errors
     /// [`BadWords`] when the message is no reading.
     pub fn get(message: &Message) -> Result<Self, BadWords> {
         let words = message.words();
-        if message.header.kind != Kind::Reply || words.len() != READING_WORDS {
+        let is_long = words.len() == LONG_READING_WORDS;
+        if message.header.kind != Kind::Reply || !(is_long || words.len() == READING_WORDS) {
             return Err(BadWords);
         }
         let measured = Measured { position: get(words), velocity: get(&words[MAX_JOINTS..]) };
-        Ok(Reading { period: message.header.step, measured, demanded: get(&words[2 * MAX_JOINTS..]) })
+        Ok(Reading {
+            period: message.header.step,
+            measured,
+            demanded: get(&words[2 * MAX_JOINTS..]),
+            currents: is_long.then(|| get(&words[READING_WORDS..])),
+        })
     }
 }
 

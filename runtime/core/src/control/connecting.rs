@@ -94,6 +94,10 @@ impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for 
         self.connected()?.tick(demanded)
     }
 
+    fn motor_currents(&self) -> Option<R::Joints> {
+        self.drives.as_ref()?.motor_currents()
+    }
+
     fn hardware(&self) -> Option<String> {
         Some(self.hardware.clone())
     }

@@ -148,6 +148,15 @@ impl<R: Robot> Drive<R> {
         }
     }
 
+    /// The currents of the motors \[A\], if the drives measure them.
+    pub fn motor_currents(&self) -> Option<R::Joints> {
+        match self {
+            Drive::Here(driver) => driver.motor_currents(),
+            Drive::Closed(_) => None,
+            Drive::Plant(drive) => drive.shown.currents,
+        }
+    }
+
     pub fn has_regulator(&self, joint: usize, set: u8) -> bool {
         match self {
             Drive::Here(driver) => driver.has_regulator(joint, set),
@@ -258,7 +267,7 @@ impl<R: Robot> PlantDrive<R> {
             period: driver.period(),
             sets: RegulatorSets::of(driver),
             brakes: driver.has_brakes(),
-            shown: Reading { period: 0, measured, demanded: measured.position },
+            shown: Reading { period: 0, measured, demanded: measured.position, currents: None },
             began: false,
             chosen: (0, Regulators::default()),
             switched: 0,

@@ -110,7 +110,7 @@ pub struct Host<'w> {
     pub meter: &'w dyn Meter,
     /// What an MP is told from outside of its cell.
     pub notices: &'w dyn Notices,
-    /// The consoles of an MP's operator.
+    /// The consoles of the cell's operator.
     pub console: &'w dyn Console,
 }
 

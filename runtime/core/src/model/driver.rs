@@ -74,6 +74,13 @@ pub trait Driver<R: Robot> {
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
+    /// The currents of the motors at the end of the last servo period \[A\], in the order of the motors: for recordings,
+    /// once in a step of a cell that is recorded. It neither waits nor allocates. `None`, the default: the drives do not
+    /// measure them.
+    fn motor_currents(&self) -> Option<R::Joints> {
+        None
+    }
+
     /// A name of the hardware that is unique on this machine, such as `udp 10.0.0.7:30004` or the serial number of a
     /// controller. Only one cell at a time may run as processes with the hardware of a name, whatever the file of the
     /// cell. Hardware cannot follow the virtual clock: there, a cell with named hardware is refused, or simulated drives

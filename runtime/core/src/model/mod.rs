@@ -23,5 +23,6 @@ pub(crate) mod shape;
 pub(crate) mod step;
 pub(crate) mod step_fn;
 pub(crate) mod time;
+pub(crate) mod type_name;
 pub(crate) mod wire;
 pub(crate) mod wrench;

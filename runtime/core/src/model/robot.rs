@@ -1,5 +1,7 @@
 //! What the runtime must know about a robot: its kinematics and its limits.
 
+use nalgebra::Vector3;
+
 use crate::model::excess::Excess;
 use crate::model::joints::JointVector;
 use crate::model::pose::Pose;
@@ -10,8 +12,10 @@ pub const POSITION_ROUND_OFF: f64 = 1e-12;
 
 /// A kind of robot. A value holds the geometry (nominal or calibrated, and the place of the base) and the limits.
 ///
+/// Its values are plain data, which a recorder may use in a thread of its own.
+///
 /// To add a robot, write one file: implement this trait, and [`Driver`](crate::robot::Driver) for its drives.
-pub trait Robot: Clone + 'static {
+pub trait Robot: Clone + Send + Sync + 'static {
     /// The kind's name, for messages: `"irp6"`.
     const KIND: &'static str;
 
@@ -55,6 +59,11 @@ pub trait Robot: Clone + 'static {
     fn frames(&self, q: &Self::Joints, visit: &mut dyn FnMut(&Pose)) {
         visit(&self.forward(q));
     }
+
+    /// Visits the capsules that stand for the links at `q`, in the world, for recordings: the ends of a capsule's segment
+    /// \[m\], and its radius \[m\], finite, > 0. By default there are none, and a viewer is given bars between the
+    /// [frames](Robot::frames).
+    fn capsules_of_links(&self, _q: &Self::Joints, _visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {}
 
     /// Inverse kinematics: the joint positions that put the flange at `X_WF`, on the branch nearest to `near`.
     ///

@@ -1,8 +1,14 @@
 //! What a cell is made of, in plain numbers: for its table, for a recording, for a dry run.
 
+use core::fmt;
 use core::time::Duration;
+use std::sync::Arc;
 
-use crate::model::robot::{InterpolationSpace, JointKind};
+use nalgebra::Vector3;
+
+use crate::model::joints::JointVector;
+use crate::model::pose::Pose;
+use crate::model::robot::{InterpolationSpace, JointKind, Robot};
 use crate::model::sensor::VspMode;
 use crate::model::shape::Shape;
 
@@ -25,6 +31,17 @@ pub struct Layout {
     pub robots: Vec<RobotLayout>,
     /// Its virtual sensors.
     pub sensors: Vec<SensorLayout>,
+    /// The bodies that its robots handle, as far as it [shows](crate::cell::Cell::shows_body) them.
+    pub bodies: Vec<BodyLayout>,
+}
+
+/// A body that the robots of a cell handle: a block about its frame.
+#[derive(Clone, Debug)]
+pub struct BodyLayout {
+    /// Its name in the cell.
+    pub name: String,
+    /// Edges along x, y, z of its frame \[m\].
+    pub edges: [f64; 3],
 }
 
 /// A robot of a cell.
@@ -50,6 +67,40 @@ pub struct RobotLayout {
     pub stop_time: Duration,
     /// Its joints, from the base on.
     pub joints: Vec<JointLayout>,
+    /// Where its links are.
+    pub figure: Arc<dyn Figure>,
+}
+
+/// Where the links of a robot of any kind are, for those who draw it, in a thread of their own.
+///
+/// A robot that is mounted on another one stands in that robot's flange, any other one in the world.
+pub trait Figure: Send + Sync {
+    /// Visits the frames of the links at these joint positions [rad or m], as [`Robot::frames`]; none if they are too few.
+    fn frames(&self, joints: &[f64], visit: &mut dyn FnMut(&Pose));
+
+    /// Visits the links' capsules at these joint positions [rad or m], as [`Robot::capsules_of_links`]: ends and radius
+    /// \[m\]; none if they are too few.
+    fn capsules(&self, joints: &[f64], visit: &mut dyn FnMut([Vector3<f64>; 2], f64));
+}
+
+impl fmt::Debug for dyn Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Figure")
+    }
+}
+
+impl<R: Robot> Figure for R {
+    fn frames(&self, joints: &[f64], visit: &mut dyn FnMut(&Pose)) {
+        if joints.len() >= R::Joints::LEN {
+            Robot::frames(self, &R::Joints::from_joints(|i| joints[i]), visit);
+        }
+    }
+
+    fn capsules(&self, joints: &[f64], visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {
+        if joints.len() >= R::Joints::LEN {
+            self.capsules_of_links(&R::Joints::from_joints(|i| joints[i]), visit);
+        }
+    }
 }
 
 /// What the drives of a robot are, as they [say themselves](crate::robot::Driver::hardware).

@@ -3,6 +3,8 @@
 use crate::model::driver::Measured;
 use crate::model::pose::Pose;
 use crate::model::robot::{JointKind, Robot};
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
 
 /// What a servo period did, for recording and for pictures.
 pub struct ServoRecord<R: Robot> {
@@ -39,6 +41,10 @@ pub struct Observation<'a> {
     pub frames: &'a Frames<'a>,
     /// The pose of its tool at the measured joints, `X_WE`.
     pub tool: Pose,
+    /// What the MP's program does; see [`mp`](Observation::mp).
+    pub mp: &'a Shown<Activity>,
+    /// What the program of its ECP does; see [`ecp`](Observation::ecp).
+    pub ecp: &'a Shown<Activity>,
 }
 
 /// Shows a visitor the frames of a robot's links.
@@ -50,5 +56,17 @@ impl Observation<'_> {
     pub fn frames(&self, visit: &mut dyn FnMut(&Pose)) {
         (self.frames)(visit);
         visit(&self.tool);
+    }
+
+    /// What the MP's program does, as far as this process knows: where cells run as processes, the plant does.
+    #[must_use]
+    pub fn mp(&self) -> Activity {
+        self.mp.get()
+    }
+
+    /// What the program of the robot's ECP does; that of a transparent ECP does nothing.
+    #[must_use]
+    pub fn ecp(&self) -> Activity {
+        self.ecp.get()
     }
 }

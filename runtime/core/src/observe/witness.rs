@@ -11,7 +11,9 @@ pub use crate::model::image::STATE_WORDS;
 use crate::model::name::Name;
 use crate::model::shape::Shape;
 use crate::model::time::Nanos;
+use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
+use crate::operator::state::Doing;
 
 /// Words of what an image is shown as: the demanded state, the measured one, the tool.
 pub const IMAGE_WORDS: usize = 2 * STATE_WORDS + 7;
@@ -37,6 +39,16 @@ pub enum What {
         stopping: bool,
         /// Whether the operator has reset the latched cell.
         resetting: bool,
+    },
+    /// An instruction begins, or is over: of the MP's program, or of the program of an ECP. No words.
+    Instruction {
+        /// The last step that began before.
+        step: u64,
+        /// What is done from now on; [`Doing::Nothing`]: the last instruction is over.
+        doing: Doing,
+        /// Its generator or condition; [`TypeName::NONE`] of homing, and of an MP without a program, which lets those of the
+        /// ECPs run.
+        by: TypeName,
     },
     /// The operator aborts, after the step began. No words.
     Abort {
@@ -84,6 +96,11 @@ pub enum What {
         /// What the robot does in it.
         mode: Mode,
     },
+    /// What the motors of a robot take when an EDP begins a step: a word for each motor, its current \[A\].
+    Currents {
+        /// The step.
+        step: u64,
+    },
     /// A process has collected a reading: its words, or those of a fault.
     Reading {
         /// The sensor.
@@ -101,6 +118,13 @@ pub enum What {
     Fault {
         /// The step.
         step: u64,
+    },
+    /// Where a body is that the robots handle: the words of its pose `X_WB`.
+    Body {
+        /// The step.
+        step: u64,
+        /// The body, one of the [layout](crate::observe::layout::Layout::bodies).
+        body: Name,
     },
     /// The MP's program is over: no words, or those of the fault it ended with.
     End {

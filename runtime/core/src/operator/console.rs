@@ -1,9 +1,10 @@
-//! The operator's console as an MP meets it: buttons come in, what the MP does goes out.
+//! The operator's console as an MP and the ECPs meet it: buttons come in, what they do goes out.
 
 use super::button::Button;
-use super::state::MpState;
+use super::state::{EcpState, MpState};
 
-/// Where an MP hears its operator and shows what it does. Each method has an answer for an MP without a console.
+/// Where an MP hears its operator, and where an MP and ECPs show what they do. Each method has an answer for processes
+/// without a console.
 pub trait Console {
     /// The button of a kind that the operator has pressed, and the number of that press, once.
     fn pressed(&self, _kind: usize) -> Option<(u64, Button)> {
@@ -12,9 +13,12 @@ pub trait Console {
 
     /// Shows what an MP does to whoever looks. It is called in every step and neither waits nor allocates.
     fn show(&self, _state: &MpState) {}
+
+    /// Shows what the program of an ECP does to whoever looks. It neither waits nor allocates.
+    fn show_ecp(&self, _state: &EcpState) {}
 }
 
-/// An MP that has no console: the [`Operator`](super::Operator)'s own handle is all that acts on it.
+/// A process that has no console: the [`Operator`](super::Operator)'s own handle is all that acts on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoConsole;
 

@@ -2,10 +2,11 @@
 
 use crate::model::fault::FaultWords;
 use crate::model::time::Nanos;
+use crate::model::type_name::TypeName;
 
 use super::button::{Answer, Button, CellState};
 
-/// What kind of instruction an MP carries out.
+/// What kind of instruction an MP or an ECP carries out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Doing {
     /// No instruction: its program computes, or is over.
@@ -45,8 +46,9 @@ pub struct MpState {
     pub instructions: u64,
     /// What is done now.
     pub doing: Doing,
-    /// The generator or condition of the last instruction, by its type's name.
-    pub by: &'static str,
+    /// The generator or condition of the last instruction. An MP without a program of its own has none: it lets the
+    /// programs of the ECPs run.
+    pub by: TypeName,
     /// The rate of path time, 0 to 1.
     pub rate: f64,
     /// The speed that the operator set, 0 to 1.
@@ -57,4 +59,13 @@ pub struct MpState {
     pub answers: [Answer; Button::KINDS],
     /// What ended the last instruction that did not end well.
     pub fault: Option<FaultWords>,
+}
+
+/// What the program of an ECP shows of its own instructions, whenever one begins or ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EcpState {
+    /// What is done now.
+    pub doing: Doing,
+    /// The generator or condition of the last instruction.
+    pub by: TypeName,
 }

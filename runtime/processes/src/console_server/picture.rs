@@ -4,7 +4,7 @@
 //! and ends with the line `end`. Each line between them consists of words separated by spaces, and its first word says
 //! what the line is about; there is one line for each process and one for each robot.
 
-use core::fmt::{self, Write};
+use core::fmt;
 use core::str::{FromStr, SplitAsciiWhitespace};
 
 use crate::figures::{FIGURES_WORDS, Figures};
@@ -35,7 +35,8 @@ pub struct Picture {
     pub instructions: u64,
     /// The kind of the present instruction.
     pub doing: Doing,
-    /// The name of the present instruction's generator or condition.
+    /// The name of the present instruction's generator or condition; empty where the MP has no program of its own and
+    /// lets those of the ECPs run.
     pub by: String,
     /// The number of the process that holds the control token.
     pub holder: Option<u32>,
@@ -71,6 +72,11 @@ pub struct RobotPicture {
     pub demanded: Vec<f64>,
     /// Measured joint positions, in the order of the joints [rad or m].
     pub measured: Vec<f64>,
+    /// What the program of its ECP does now.
+    pub doing: Doing,
+    /// The name of the generator or condition of that program's last instruction; empty before the first one, and where
+    /// the ECP has no program of its own.
+    pub by: String,
 }
 
 impl fmt::Display for Picture {
@@ -97,9 +103,32 @@ impl fmt::Display for Picture {
             write!(f, "robot {} {} {}", robot.name, robot.time, robot.demanded.len())?;
             // With an exponent: however small a number is, it takes at most 24 bytes.
             robot.demanded.iter().chain(&robot.measured).try_for_each(|q| write!(f, " {q:e}"))?;
-            f.write_char('\n')?;
+            writeln!(f, " {} {}", robot.doing.word(), robot.by)?;
         }
         writeln!(f, "end")
+    }
+}
+
+impl Picture {
+    /// Who carries out the present instruction, in words: its generator or condition, or the programs of the ECPs.
+    #[must_use]
+    pub fn by_whom(&self) -> &str {
+        match self.doing {
+            Doing::Move if self.by.is_empty() => "of each robot by its own program",
+            Doing::Nothing | Doing::Homing | Doing::Move | Doing::Wait => &self.by,
+        }
+    }
+}
+
+impl RobotPicture {
+    /// What the program of its ECP does, in words that follow others: `: move Line`; empty where it does nothing, or is
+    /// none.
+    #[must_use]
+    pub fn motion(&self) -> String {
+        match self.doing {
+            Doing::Nothing => String::new(),
+            Doing::Homing | Doing::Move | Doing::Wait => format!(": {} {}", self.doing.word(), self.by),
+        }
     }
 }
 
@@ -150,11 +179,14 @@ impl Picture {
 
     fn take_instruction(&mut self, words: &mut SplitAsciiWhitespace<'_>) -> Option<()> {
         self.instructions = number(words)?;
-        let word = words.next()?;
-        self.doing = Doing::ALL.into_iter().find(|doing| doing.word() == word)?;
-        self.by = rest(words);
+        (self.doing, self.by) = (doing(words)?, rest(words));
         Some(())
     }
+}
+
+fn doing(words: &mut SplitAsciiWhitespace<'_>) -> Option<Doing> {
+    let word = words.next()?;
+    Doing::ALL.into_iter().find(|doing| doing.word() == word)
 }
 
 fn number<T: FromStr>(words: &mut SplitAsciiWhitespace<'_>) -> Option<T> {
@@ -183,5 +215,6 @@ fn robot(words: &mut SplitAsciiWhitespace<'_>) -> Option<RobotPicture> {
     let (name, time) = (words.next()?.to_owned(), number(words)?);
     let joints = number(words).filter(|&joints: &usize| joints <= MAX_JOINTS)?;
     let mut numbers = || (0..joints).map(|_| number(words)).collect::<Option<Vec<f64>>>();
-    Some(RobotPicture { name, time, demanded: numbers()?, measured: numbers()? })
+    let (demanded, measured) = (numbers()?, numbers()?);
+    Some(RobotPicture { name, time, demanded, measured, doing: doing(words)?, by: rest(words) })
 }

@@ -214,8 +214,17 @@ mod tests {
                     runs,
                     figures: Figures::get(&words),
                 });
-        let robot = (name(), 0.0..1e6, joints())
-            .prop_map(|(name, time, (demanded, measured))| RobotPicture { name, time, demanded, measured });
+        let motion = (0..Doing::ALL.len(), "([A-Za-z]{1,24}(, [A-Z]{1,9})?)?");
+        let robot = (name(), 0.0..1e6, joints(), motion).prop_map(
+            |(name, time, (demanded, measured), (doing, by))| RobotPicture {
+                name,
+                time,
+                demanded,
+                measured,
+                doing: Doing::ALL[doing],
+                by,
+            },
+        );
         (
             (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0),
             (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<Option<u8>>()),
@@ -281,8 +290,14 @@ mod tests {
             figures: Figures::get(&[u64::MAX; FIGURES_WORDS]),
         };
         let joints = || vec![-1.234_567_890_123_456_7e-300; MAX_JOINTS];
-        let robot =
-            |_| RobotPicture { name: longest.clone(), time: 1e9, demanded: joints(), measured: joints() };
+        let robot = |_| RobotPicture {
+            name: longest.clone(),
+            time: 1e9,
+            demanded: joints(),
+            measured: joints(),
+            doing: Doing::Nothing,
+            by: "G".repeat(72),
+        };
         let picture = Picture {
             processes: (0..MAX_PROCESSES).map(process).collect(),
             robots: (0..MAX_PROCESSES / 2).map(robot).collect(),

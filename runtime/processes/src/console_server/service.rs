@@ -27,10 +27,11 @@ use super::presses::Flight;
 use super::protocol::{Reply, Request};
 use crate::board::StateBoard;
 use crate::control::Frame;
-use crate::entry::{MpPanel, robot};
+use crate::entry::{MpPanel, ecp, robot};
 use mrroc_core::console::complain;
-use mrroc_core::fault::{ProcessId, Role};
+use mrroc_core::fault::{Name, ProcessId, Role};
 use mrroc_core::operator::button::{Button, CellState};
+use mrroc_core::operator::state::Doing;
 
 /// The name of the socket in a session's folder.
 pub(super) const SOCKET: &str = "operator";
@@ -317,6 +318,14 @@ impl Service {
         self.drawn.insert(drawn).clone()
     }
 
+    /// What the program of a robot's ECP shows on the state board: what it does, and by which generator or condition.
+    fn program_of(&self, seats: &[Seat], robot: Name) -> (Doing, String) {
+        let id = ProcessId::new(Role::Ecp, robot);
+        let place = seats.iter().position(|seat| seat.id == id);
+        let shown = place.and_then(|place| self.board.read(place));
+        shown.map(|words| ecp(&words)).unwrap_or_default()
+    }
+
     fn picture(&self) -> Picture {
         let mp = self.mp().unwrap_or_default();
         let holder = self.consoles.iter().find(|console| Some(console.id) == self.holder);
@@ -333,7 +342,8 @@ impl Service {
             fault: mp.fault.map(|fault| fault.to_string()),
             ..Picture::default()
         };
-        for (place, seat) in self.seats().iter().enumerate() {
+        let seats = self.seats();
+        for (place, seat) in seats.iter().enumerate() {
             let name = seat.id.to_string();
             picture.processes.push(ProcessPicture {
                 name,
@@ -343,7 +353,15 @@ impl Service {
             });
             let Some(name) = seat.id.name.filter(|_| seat.id.role == Role::Edp) else { continue };
             if let Some((time, demanded, measured)) = self.board.read(place).map(|words| robot(&words)) {
-                picture.robots.push(RobotPicture { name: name.to_string(), time, demanded, measured });
+                let (doing, by) = self.program_of(&seats, name);
+                picture.robots.push(RobotPicture {
+                    name: name.to_string(),
+                    time,
+                    demanded,
+                    measured,
+                    doing,
+                    by,
+                });
             }
         }
         picture

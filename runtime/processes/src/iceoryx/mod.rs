@@ -19,5 +19,5 @@ pub(crate) use management::make_management;
 pub(crate) use mrroc_core::link::Clock;
 pub(crate) use mrroc_core::link::envelope::Seal;
 pub(crate) use samples::Samples;
-pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Show, Supervised, monotonic};
+pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Shows, Supervised, monotonic};
 pub(crate) use wake_futex::WakeFutex;

@@ -18,7 +18,7 @@ use mrroc_core::link::places::Places;
 use mrroc_core::link::{Closed, Host, Meter, Nanos, News, Notices, Sample, Waiter};
 use mrroc_core::operator::button::Button;
 use mrroc_core::operator::console::Console;
-use mrroc_core::operator::state::MpState;
+use mrroc_core::operator::state::{EcpState, MpState};
 
 const NANOS: u64 = 1_000_000_000;
 
@@ -76,12 +76,17 @@ pub(crate) struct RealTime {
     samples: Arc<Samples>,
     /// The press of each kind that was not taken yet; a newer press replaces it.
     pressed: [Cell<Option<(u64, Button)>>; Button::KINDS],
-    shows: Option<Show>,
+    shows: Option<Shows>,
     supervised: Option<Supervised>,
 }
 
-/// What shows the state of an MP.
-pub(crate) type Show = Box<dyn Fn(&MpState)>;
+/// What shows the state of a process.
+pub(crate) enum Shows {
+    /// Of an MP.
+    Mp(Box<dyn Fn(&MpState)>),
+    /// Of an ECP.
+    Ecp(Box<dyn Fn(&EcpState)>),
+}
 
 /// What tells an MP, at a time of the machine's clock \[ns\], whether its launcher supervises the cell.
 pub(crate) type Supervised = Box<dyn Fn(Nanos) -> bool>;
@@ -111,8 +116,8 @@ impl RealTime {
         }
     }
 
-    /// Lets the MP show its state by `shows`.
-    pub fn showing(mut self, shows: Option<Show>) -> Self {
+    /// Lets the process show its state by `shows`.
+    pub fn showing(mut self, shows: Option<Shows>) -> Self {
         self.shows = shows;
         self
     }
@@ -200,7 +205,13 @@ impl Console for RealTime {
     }
 
     fn show(&self, state: &MpState) {
-        if let Some(shows) = &self.shows {
+        if let Some(Shows::Mp(shows)) = &self.shows {
+            shows(state);
+        }
+    }
+
+    fn show_ecp(&self, state: &EcpState) {
+        if let Some(Shows::Ecp(shows)) = &self.shows {
             shows(state);
         }
     }

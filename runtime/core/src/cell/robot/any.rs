@@ -4,6 +4,7 @@ use core::any::{Any, TypeId};
 use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use super::stand_in::StandIn;
 use super::{Place, RobotSetup};
@@ -21,8 +22,11 @@ use crate::model::joints::JointVector;
 use crate::model::name::Name;
 use crate::model::pace::ServoPeriod;
 use crate::model::robot::{InterpolationSpace, NoInverse, Robot};
+use crate::model::time::Nanos;
+use crate::observe::activity::Activity;
 use crate::observe::layout::{DrivesLayout, RobotLayout};
 use crate::observe::servo::Observation;
+use crate::observe::shown::Shown;
 use crate::safety::limits::rates::least_headroom;
 use crate::safety::rate::RateHeadroom;
 use crate::safety::stopping::{longest_braking, stop_steps};
@@ -35,7 +39,9 @@ pub trait AnyRobot {
     /// Its set-up, whose type its kind tells.
     fn as_any(&mut self) -> &mut dyn Any;
     /// Shows every servo period to an observer of several robots.
-    fn watch(&mut self, observer: SharedObserver);
+    fn watch(&mut self, observer: SharedObserver, mp: Shown<Activity>);
+    /// Calls a function with the time at the end of every servo period \[ns\].
+    fn on_servo_period(&mut self, call: Box<dyn FnMut(Nanos)>);
     /// Takes away all observers that it has.
     fn unwatch(&mut self);
     /// Its drives read from a recording.
@@ -99,7 +105,8 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self
     }
 
-    fn watch(&mut self, observer: SharedObserver) {
+    fn watch(&mut self, observer: SharedObserver, mp: Shown<Activity>) {
+        let ecp = self.activity.clone();
         let name = self.name.clone();
         let robot = self.robot.clone();
         let mounted_on = self.mounted_on.clone();
@@ -116,9 +123,15 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
                 mounted_on: mounted_on.as_deref(),
                 frames: &|visit| robot.frames(measured, visit),
                 tool: robot.forward(measured) * record.tool,
+                mp: &mp,
+                ecp: &ecp,
             };
             (observer.borrow_mut())(&observation);
         }));
+    }
+
+    fn on_servo_period(&mut self, mut call: Box<dyn FnMut(Nanos)>) {
+        self.observers.push(Box::new(move |record| call((record.time * 1e9).round() as Nanos)));
     }
 
     fn unwatch(&mut self) {
@@ -160,6 +173,7 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             mounted_on: self.mounted_on.clone(),
             stop_time: self.stop_time.unwrap_or(stop_time),
             joints: joints(&self.robot, &self.following_error),
+            figure: Arc::new(self.robot.clone()),
         }
     }
 

@@ -19,6 +19,7 @@ use crate::model::fault::Fault;
 use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
 use crate::model::wire::Wire;
+use crate::observe::activity::Activity;
 use crate::observe::servo::{Observer, ServoRecord};
 use crate::observe::shown::{AnyShown, Shown};
 
@@ -44,6 +45,8 @@ pub struct RobotSetup<R: Robot> {
     stop_time: Option<Duration>,
     program: Option<EcpProgram<R>>,
     observers: Vec<Observer<R>>,
+    /// What its program does, for observers.
+    activity: Shown<Activity>,
     /// What its program shows to observers.
     shown: Vec<Box<dyn AnyShown>>,
     /// What it replays.
@@ -104,6 +107,7 @@ impl<R: Robot> RobotSetup<R> {
             stop_time: None,
             program: None,
             observers: Vec::new(),
+            activity: Shown::new(Activity::default()),
             shown: Vec::new(),
             replayed: None,
             robot,

@@ -19,6 +19,7 @@ use crate::model::fault::{ProcessId, Role};
 use crate::model::name::Name;
 use crate::model::payload::Nudge;
 use crate::model::robot::Robot;
+use crate::observe::shown::AnyShown;
 use crate::observe::witness::{What, Witnesses};
 use crate::safety::latch::Gate;
 
@@ -78,6 +79,11 @@ impl<R: Robot> RobotSetup<R> {
             Drives::Homed(driver) => Ok(plant.take(link, process, edp, driver, &mut observers)),
             Drives::Unhomed(homing) => Err(homing),
         };
+        if setup.program.is_some()
+            && let Some(board) = plant.board(link, place.ecp)
+        {
+            setup.activity.pass_on(board);
+        }
         for shown in setup.shown {
             plant.board(link, place.ecp).into_iter().for_each(|board| shown.pass_on(board));
         }
@@ -115,6 +121,7 @@ impl<R: Robot> RobotSetup<R> {
         };
         link.body(edp, Box::new(run))?;
         let mut program = setup.program;
+        let activity = setup.activity;
         let nudged = place.nudged;
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
@@ -123,7 +130,8 @@ impl<R: Robot> RobotSetup<R> {
             place.ecp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let mut ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
+                let ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
+                let mut ecp = ecp.showing_instructions(program.is_some().then_some(activity));
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
                         Some(program) if nudged => ecp.obey(|ecp, _: Nudge| program(ecp)),

@@ -31,7 +31,11 @@ use crate::model::list::{PayloadType, SensorHandle};
 use crate::model::payload::{Nudge, Order, Payload};
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
+use crate::model::type_name::TypeName;
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
 use crate::observe::witness::{What, Witnesses};
+use crate::operator::state::{Doing, EcpState};
 
 use driver::DriverPort;
 use instruction::OfInstruction;
@@ -49,8 +53,11 @@ pub struct Ecp<'w, R: Robot> {
     refusals: u32,
     /// What the MP has been told, or will be, to stop the robot for on its path.
     trouble: Trouble,
-    /// Where late steps are shown, and those of a run that is replayed.
+    /// Where instructions and late steps are shown.
     witnesses: Witnesses,
+    /// Where the instructions of a user's program are shown to observers; those of a transparent ECP are the MP's.
+    activity: Option<Shown<Activity>>,
+    /// The robot's part of the run that is replayed.
     replayed: Option<Rc<RecordedRobot>>,
 }
 
@@ -99,8 +106,25 @@ impl<'w, R: Robot> Ecp<'w, R> {
             pace,
             refusals: 0,
             trouble: Trouble::None,
+            activity: None,
             replayed,
         }
+    }
+
+    /// The same, which shows the instructions of its program: to observers by `activity`.
+    pub(crate) fn showing_instructions(self, activity: Option<Shown<Activity>>) -> Self {
+        // From now on this process says what it is.
+        activity.iter().for_each(|activity| activity.set(Activity::default()));
+        Ecp { activity, ..self }
+    }
+
+    /// Shows those who look on at the run that an instruction of the program begins, or is over.
+    fn show_instruction(&self, doing: Doing, by: TypeName) {
+        let Some(activity) = &self.activity else { return };
+        activity.set(activity.get().changed(doing, by));
+        self.host.console.show_ecp(&EcpState { doing, by });
+        let shown = What::Instruction { step: self.orders.header().step, doing, by };
+        self.witnesses.show(self.host.waiter.now(), &shown, &[]);
     }
 
     /// The robot's image at the end of the last motion or Wait.

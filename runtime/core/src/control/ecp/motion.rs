@@ -13,6 +13,8 @@ use crate::model::list::{Motion, SensorList, SensorsOf};
 use crate::model::list::{Reading, State};
 use crate::model::robot::Robot;
 use crate::model::step::{Step, Tick};
+use crate::model::type_name::TypeName;
+use crate::operator::state::Doing;
 use crate::safety::rate::{DEFAULT_CHANGE, Feed};
 
 use super::{Ecp, OfInstruction, Trouble};
@@ -63,7 +65,10 @@ impl<R: Robot> Ecp<'_, R> {
     {
         self.sensing.check(&sensors).map_err(|fault| fault.in_process(self.process))?;
         let mut v = Reading::new(sensors.images());
+        let by = TypeName::of::<G>();
+        self.show_instruction(Doing::Move, by);
         let end = self.generate(&sensors, &mut generator, &mut v, ending);
+        self.show_instruction(Doing::Nothing, by);
         sensors.store(&v);
         end.map(|()| generator)
     }

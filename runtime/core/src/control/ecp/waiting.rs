@@ -10,6 +10,8 @@ use crate::model::list::{AnyRobots, RobotList, SensorList, SensorsOf};
 use crate::model::list::{Reading, State};
 use crate::model::robot::Robot;
 use crate::model::step::Tick;
+use crate::model::type_name::TypeName;
+use crate::operator::state::Doing;
 
 use super::{Ecp, OfInstruction};
 
@@ -60,6 +62,24 @@ impl<R: Robot> Ecp<'_, R> {
     }
 
     fn wait_until_or<C>(
+        &mut self,
+        sensors: impl SensorsOf<C::Sensors>,
+        condition: C,
+        limit: Option<u64>,
+    ) -> Result<C, Fault>
+    where
+        C: Condition,
+        C::Robots: LooksAt<R>,
+    {
+        let by = TypeName::of::<C>();
+        self.show_instruction(Doing::Wait, by);
+        let outcome = self.hold_until(sensors, condition, limit);
+        self.show_instruction(Doing::Nothing, by);
+        outcome
+    }
+
+    /// Eq. 4: readings and the robot's state, until the condition holds.
+    fn hold_until<C>(
         &mut self,
         mut sensors: impl SensorsOf<C::Sensors>,
         mut condition: C,

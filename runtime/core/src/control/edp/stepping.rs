@@ -6,6 +6,7 @@
 use crate::control::guarded::guarded;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotState;
+use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::pace::Pulse;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
@@ -118,6 +119,26 @@ impl<R: Robot> Edp<'_, R> {
         // Kinematics are the user's code.
         match guarded(|| image_words(&self.path.acceptor, &self.measured_state())) {
             Ok(words) => self.shown.witnesses.show(self.host.waiter.now(), &what, &words),
+            Err(panic) => self.stop_for(panic, self.clock.due),
+        }
+        self.show_currents();
+    }
+
+    /// Shows them what the motors take, if the drives measure it. Of drives that panicked nothing more is asked.
+    fn show_currents(&mut self) {
+        if self.servo.lost {
+            return;
+        }
+        match guarded(|| self.servo.drive.motor_currents()) {
+            Ok(None) => {}
+            Ok(Some(currents)) => {
+                let mut words = [0; MAX_JOINTS];
+                for (word, current) in words.iter_mut().zip(currents.as_slice()) {
+                    *word = current.to_bits();
+                }
+                let what = What::Currents { step: self.clock.due };
+                self.shown.witnesses.show(self.host.waiter.now(), &what, &words[..R::Joints::LEN]);
+            }
             Err(panic) => self.stop_for(panic, self.clock.due),
         }
     }

@@ -31,10 +31,14 @@ use crate::model::image::{RobotImage, Sensor};
 use crate::model::list::{Owner, RobotHandle, RobotList, RobotsOf, SensorHandle, SensorList, SensorsOf};
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
+use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
-use crate::observe::witness::Witnesses;
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
+use crate::observe::witness::{What, Witnesses};
 use crate::operator::Operator;
 use crate::operator::button::CellState;
+use crate::operator::state::Doing;
 use crate::safety::rate::Feed;
 
 use clock::StepClock;
@@ -77,8 +81,7 @@ impl<'w> Mp<'w> {
         host: Host<'w>,
         robots: Vec<RobotPort>,
         sensing: Sensing,
-        operator: Operator,
-        hook: Option<StepHook>,
+        (operator, hook, activity): (Operator, Option<StepHook>, Shown<Activity>),
         timing: &MpTiming,
     ) -> Mp<'w> {
         Mp {
@@ -87,7 +90,7 @@ impl<'w> Mp<'w> {
             witnesses: sensing.witnesses.clone(),
             sensing,
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
-            operating: Operating::new(operator, hook),
+            operating: Operating::new(operator, hook, activity),
             stops: Stops::default(),
             path_stop: timing.path_stop,
             script: None,
@@ -163,6 +166,7 @@ impl<'w> Mp<'w> {
             self.clock.advance(self.wanted_rate(), self.operating.operator.is_suspended());
             self.tell_step()?;
             self.operating.show_step(self.state(), &self.clock, self.host.console);
+            self.operating.show_suspension();
         }
         self.hear_news()?;
         self.tell_abort();
@@ -240,8 +244,15 @@ impl<'w> Mp<'w> {
 
     /// Runs one Move or Wait, which the operator can abort. The next instruction takes over the robots that this one
     /// leaves moving, and an abort that came too late for this one.
-    fn instruction<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
+    fn instruction<T>(
+        &mut self,
+        doing: Doing,
+        by: TypeName,
+        work: impl FnOnce(&mut Self) -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
+        self.operating.show_instruction(doing, by);
         self.check_latch()?;
+        self.show_instruction(doing, by);
         if !self.robots.any_handed_over() {
             // The time that a program takes while its robots stand does not count as lateness.
             self.host.meter.own_time();
@@ -249,7 +260,16 @@ impl<'w> Mp<'w> {
         self.operating.operator.begin();
         let outcome = self.carry_out(work);
         self.operating.show_end(self.state(), self.host.console);
+        self.show_instruction(Doing::Nothing, by);
         outcome
+    }
+
+    /// Shows those who look on at the run that an instruction begins or is over.
+    fn show_instruction(&self, doing: Doing, by: TypeName) {
+        let activity = &self.operating.activity;
+        activity.set(activity.get().changed(doing, by));
+        let shown = What::Instruction { step: self.clock.step(), doing, by };
+        self.witnesses.show(self.host.waiter.now(), &shown, &[]);
     }
 
     fn carry_out<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {

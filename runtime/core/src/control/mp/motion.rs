@@ -12,6 +12,7 @@ use crate::model::list::{
 use crate::model::payload::{Nudge, Order};
 use crate::model::robot::Robot;
 use crate::model::step::Step;
+use crate::model::type_name::TypeName;
 
 use crate::operator::state::Doing;
 
@@ -114,8 +115,7 @@ impl Mp<'_> {
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
-        self.operating.show_instruction(Doing::Move, core::any::type_name::<G>());
-        let outcome = self.instruction(|mp| {
+        let outcome = self.instruction(Doing::Move, TypeName::of::<G>(), |mp| {
             mp.generate(indices, &sensors, &mut generator, &mut e, &mut v)?;
             mp.end(indices, OrderKind::End, ending)
         });
@@ -250,8 +250,8 @@ impl Mp<'_> {
     /// The nudging MP: one instruction of a constant order to all robots, until every ECP has finished.
     pub(crate) fn nudge(&mut self) -> Result<(), Fault> {
         let indices = self.robots.all();
-        self.operating.show_instruction(Doing::Move, "nudge");
-        self.instruction(|mp| {
+        // What is done is the ECPs' programs' own, and shown by them.
+        self.instruction(Doing::Move, TypeName::NONE, |mp| {
             mp.nudge_all(&indices)?;
             mp.end(&indices, OrderKind::End, 0)
         })

@@ -4,6 +4,9 @@
 //! of what the MP does, for an operator's panel outside of the cell: the MP does not wait for it.
 
 use crate::model::fault::{Fault, FaultWords};
+use crate::model::type_name::TypeName;
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
 use crate::operator::Operator;
 use crate::operator::button::{Answer, Button, CellState};
 use crate::operator::console::Console;
@@ -24,11 +27,15 @@ pub(super) struct Operating {
     pub aborts: bool,
     /// What an operator is shown.
     shown: MpState,
+    /// What observers are shown.
+    pub activity: Shown<Activity>,
 }
 
 impl Operating {
-    pub fn new(operator: Operator, hook: Option<StepHook>) -> Self {
-        Operating { operator, hook, stopping: false, aborts: false, shown: MpState::default() }
+    pub fn new(operator: Operator, hook: Option<StepHook>, activity: Shown<Activity>) -> Self {
+        // From now on this process says what it is.
+        activity.set(Activity::default());
+        Operating { operator, hook, stopping: false, aborts: false, shown: MpState::default(), activity }
     }
 
     /// Calls the hook of a step that begins. One that panics is not called again by the stop that follows.
@@ -39,8 +46,8 @@ impl Operating {
         }
     }
 
-    /// An instruction begins. Its generator or condition is named as the program names its type.
-    pub fn show_instruction(&mut self, doing: Doing, by: &'static str) {
+    /// An instruction begins, of this generator or condition.
+    pub fn show_instruction(&mut self, doing: Doing, by: TypeName) {
         self.shown.instructions += 1;
         self.shown.doing = doing;
         self.shown.by = by;
@@ -49,6 +56,15 @@ impl Operating {
     /// An instruction has ended with a fault.
     pub fn show_fault(&mut self, fault: &Fault) {
         self.shown.fault = Some(FaultWords::from(fault));
+    }
+
+    /// Shows observers that the operator has suspended the cell, or has resumed it.
+    pub fn show_suspension(&self) {
+        let (mut activity, suspended) = (self.activity.get(), self.operator.is_suspended());
+        if activity.suspended != suspended {
+            activity.suspended = suspended;
+            self.activity.set(activity);
+        }
     }
 
     /// An instruction is over.

@@ -6,6 +6,7 @@
 
 use crate::link::message::{OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::type_name::TypeName;
 use crate::safety::latch::AfterFault;
 use crate::safety::latch::{Event, Latch};
 
@@ -51,9 +52,8 @@ impl Mp<'_> {
     /// Runs it once. A panic in it stops the robots as any fault does.
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
-            self.operating.show_instruction(Doing::Homing, "");
             self.operating.operator.show_homing(true);
-            let homed = self.instruction(Self::home);
+            let homed = self.instruction(Doing::Homing, TypeName::NONE, Self::home);
             self.operating.operator.show_homing(false);
             homed?;
             program(self)

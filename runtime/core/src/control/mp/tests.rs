@@ -1,6 +1,8 @@
 //! An MP without robots.
 
 use crate::link::{Host, Waiter};
+use crate::observe::activity::Activity;
+use crate::observe::shown::Shown;
 use core::cell::Cell;
 
 use super::*;
@@ -36,7 +38,8 @@ fn run(work: impl Fn(u64) -> Nanos, steps: u64) -> Option<(u64, FaultKind)> {
     };
     let timing =
         MpTiming { period: Duration::from_nanos(STEP), grace: STEP / 2, rate_change: 5.0, path_stop: 100 };
-    let mut mp = Mp::new(timed.host(), Vec::new(), sensing, Operator::new(), None, &timing);
+    let activity = Shown::new(Activity::default());
+    let mut mp = Mp::new(timed.host(), Vec::new(), sensing, (Operator::new(), None, activity), &timing);
     for begun in 0..steps {
         if let Err(fault) = mp.begin_step() {
             return Some((begun, fault.kind()));

@@ -7,6 +7,7 @@ use crate::model::generator::Condition;
 use crate::model::list::{Reading, State};
 use crate::model::list::{RobotsOf, SensorsOf};
 use crate::model::payload::Order;
+use crate::model::type_name::TypeName;
 
 use crate::operator::state::Doing;
 
@@ -52,9 +53,9 @@ impl Mp<'_> {
         let indices = indices.as_ref();
         let mut e = State::new(robots.images());
         let mut v = Reading::new(sensors.images());
-        self.operating.show_instruction(Doing::Wait, core::any::type_name::<C>());
-        let outcome =
-            self.instruction(|mp| mp.wait_step(indices, &sensors, &mut condition, &mut e, &mut v, limit));
+        let outcome = self.instruction(Doing::Wait, TypeName::of::<C>(), |mp| {
+            mp.wait_step(indices, &sensors, &mut condition, &mut e, &mut v, limit)
+        });
         self.robots.each_image(indices, |i, words| robots.refresh(i, words))?;
         sensors.store(&v);
         outcome.map(|()| condition)

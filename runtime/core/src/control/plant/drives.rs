@@ -224,7 +224,12 @@ impl<R: Robot> Drives<R> {
     fn tell(&mut self) {
         let period = self.next.saturating_sub(1);
         match &self.off {
-            None => Reading { period, measured: self.measured, demanded: self.at }.put(&mut self.message),
+            None => {
+                // What simulated drives tell of themselves ends no run: a panic tells nothing.
+                let currents = guarded(|| self.driver.motor_currents()).unwrap_or_default();
+                Reading { period, measured: self.measured, demanded: self.at, currents }
+                    .put(&mut self.message);
+            }
             Some(off) => {
                 self.message.set_fault(&off.fault);
                 self.message.header.step = period;

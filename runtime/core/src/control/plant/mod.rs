@@ -13,6 +13,7 @@
 //! [`Site`] puts it together, [`Drives`](drives::Drives) are those of one robot, [`command`] is what goes to and fro;
 //! [`sensors`] are virtual sensors that sense this world.
 
+mod bodies;
 mod drives;
 pub(crate) mod sensors;
 #[cfg(test)]
@@ -36,6 +37,7 @@ use crate::model::sensor::VirtualSensor;
 use crate::model::time::Nanos;
 use crate::observe::servo::Observer;
 
+pub(crate) use bodies::{Bodies, Body};
 use drives::{Commands, Drives};
 use sensors::Sensor;
 
@@ -140,6 +142,15 @@ impl Site {
         let (port, server) = link.port(vsp, plant);
         self.parts.push(Box::new(Sensor::new(aggregator, server)));
         RawSensors::Plant(PlantSensor { port, plant, patience: Patience::of_step(self.period) })
+    }
+
+    /// Takes the bodies that are shown to those who look on, if the plant has a place; gives them back otherwise.
+    pub(crate) fn take_bodies(&mut self, bodies: Bodies) -> Option<Bodies> {
+        if self.place.is_none() {
+            return Some(bodies);
+        }
+        self.parts.push(Box::new(bodies));
+        None
     }
 
     /// A board that the process at `writer` writes and the plant reads, if that has a place.
