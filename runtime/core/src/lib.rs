@@ -121,6 +121,7 @@ pub mod generator {
         AnyRobots, JoinedRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf,
         SensorHandle, SensorList, SensorsEach, SensorsOf, SharedRobots, SharedSensors,
     };
+    pub use crate::model::moved::RobotsMovedBy;
     pub use crate::model::step::{Always, Step, Tick};
 }
 

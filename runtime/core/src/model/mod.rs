@@ -12,6 +12,7 @@ pub(crate) mod generator;
 pub(crate) mod image;
 pub(crate) mod joints;
 pub(crate) mod list;
+pub(crate) mod moved;
 pub(crate) mod name;
 pub(crate) mod payload;
 pub(crate) mod plausible;

@@ -9,6 +9,7 @@ use crate::model::generator::Generator;
 use crate::model::list::{
     Motion, PayloadType, Reading, RobotHandle, Robots, RobotsOf, SensorList, SensorsOf, State,
 };
+use crate::model::moved::RobotsMovedBy;
 use crate::model::payload::{Nudge, Order};
 use crate::model::robot::Robot;
 use crate::model::step::Step;
@@ -27,7 +28,7 @@ impl Mp<'_> {
     /// The [`Fault`] that ended the motion, at standstill.
     pub fn move_robots<G: Generator>(
         &mut self,
-        robots: impl RobotsOf<G::Robots>,
+        robots: impl RobotsMovedBy<G, G::Language, G::Robots>,
         sensors: impl SensorsOf<G::Sensors>,
         generator: G,
     ) -> Result<G, Fault> {
@@ -95,7 +96,7 @@ impl Mp<'_> {
     /// The [`Fault`] that ended the motion, at standstill.
     pub fn blend_robots<G: Generator>(
         &mut self,
-        robots: impl RobotsOf<G::Robots>,
+        robots: impl RobotsMovedBy<G, G::Language, G::Robots>,
         sensors: impl SensorsOf<G::Sensors>,
         generator: G,
     ) -> Result<G, Fault> {
