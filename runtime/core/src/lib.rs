@@ -104,6 +104,7 @@ pub mod robot {
 
 /// Virtual sensors: what they read, and how they are ordered.
 pub mod sensor {
+    pub use crate::model::frames::{Content, Frame, FrameSink, Frames};
     pub use crate::model::image::{Sensor, SensorImage};
     pub use crate::model::list::Reading;
     pub use crate::model::plausible::Plausible;

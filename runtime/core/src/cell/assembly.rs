@@ -59,6 +59,7 @@ impl Cell {
         let stop_steps = self.stop_steps();
         let path_stop = self.path_stop_steps();
         let delay = self.delay();
+        let frames = self.watching.frames_to(self.timing.step);
         let witnesses = Witnesses::to(self.watching.witnesses);
         let mut mp_sensing = Sensing {
             owner: Owner::unique(),
@@ -86,6 +87,7 @@ impl Cell {
             ecps: &ecps,
             mp_sensing: &mut mp_sensing,
             ecp_sensing: &mut ecp_sensing,
+            frames,
             wanted: Vec::new(),
         };
         for sensor in self.parts.sensors {

@@ -1,10 +1,12 @@
 //! Who looks on at the run of a cell: witnesses, and a recording; and a recording that it replays.
 
+use core::time::Duration;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use crate::control::replay::RecordedRun;
 use crate::observe::layout::Layout;
-use crate::observe::recording::{NotRecorded, Recorder, Recording, RunRecord};
+use crate::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
 use crate::observe::witness::Witness;
 
 /// Those who look on.
@@ -15,6 +17,8 @@ pub(super) struct Watching {
     pub recording: Option<Recording>,
     /// What writes it.
     pub recorder: Option<&'static dyn Recorder>,
+    /// The folder for the frames of sensors.
+    pub frames: Option<PathBuf>,
     /// Whether observers look at simulated drives where those are, and not in their EDPs.
     pub watched_in_plant: bool,
     /// What it replays.
@@ -22,6 +26,13 @@ pub(super) struct Watching {
 }
 
 impl Watching {
+    /// Where the frames of sensors go, in a cell with steps of this length; nothing if nobody wants them.
+    pub fn frames_to(&self, step: Duration) -> Option<(FramesTo, &'static dyn Recorder)> {
+        let to = FramesTo { recording: self.recording.clone(), folder: self.frames.clone(), step };
+        let is_wanted = to.recording.is_some() || to.folder.is_some();
+        self.recorder.filter(|_| is_wanted).map(|recorder| (to, recorder))
+    }
+
     /// Begins the recording that is asked for, of a cell that is made of this.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ pub(crate) mod driver;
 pub(crate) mod each;
 pub(crate) mod excess;
 pub(crate) mod fault;
+pub(crate) mod frames;
 pub(crate) mod generator;
 pub(crate) mod image;
 pub(crate) mod joints;

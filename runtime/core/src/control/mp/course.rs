@@ -7,6 +7,9 @@ use crate::model::list::{Reading, RobotList, SensorList, State};
 use crate::model::payload::Order;
 use crate::model::step::{Step, Tick};
 
+/// What a generator says for a step; nothing if it was not asked.
+type Said<G> = Option<Step<<G as Generator>::Robots, <G as Generator>::Language>>;
+
 /// A generator on its way.
 pub(super) struct Course<G: Generator> {
     pub generator: G,
@@ -43,7 +46,7 @@ impl<G: Generator> Course<G> {
     ///
     /// # Errors
     /// The fault that it throws.
-    pub fn next(&mut self, t: Tick, standing: bool) -> Result<Option<Step<G::Robots, G::Language>>, Fault> {
+    pub fn next(&mut self, t: Tick, standing: bool) -> Result<Said<G>, Fault> {
         let Course { generator, e, v, order, .. } = self;
         let next = if standing && (self.step == 0 || !const { G::CLASS.next_uses() }.tick) {
             return Ok(None);
