@@ -39,7 +39,7 @@ pub fn tools() -> Result<[Vec<Pose>; 2], CellError> {
             let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
             let limits = ToolLimits { translation: limits, rotation: limits };
             let path = StraightBody::by(Pose::new(Vector3::new(0.0, 0.05, 0.1), Vector3::z() * 0.2), limits);
-            let carry = RigidCarry::<(Irp6, Irp6), _>::along(BodyFrame::Centroid, path);
+            let carry = RigidCarry::along(BodyFrame::Centroid, path);
             mp.move_robots((&mut left, &mut right), (), carry).map(drop)
         })
         .run()?;

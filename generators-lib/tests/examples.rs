@@ -1,5 +1,7 @@
 //! The numbered examples do what they say: each asserts its own outcome.
 
+#[path = "../examples/07_belt_in_the_background.rs"]
+pub mod belt_in_the_background;
 #[path = "../examples/06_conditions.rs"]
 pub mod conditions;
 #[path = "../examples/05_force.rs"]
@@ -41,6 +43,11 @@ fn example_05_presses_on_a_table() {
 #[test]
 fn example_06_waits_for_what_holds_together() {
     conditions::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_07_runs_a_belt_while_an_arm_moves() {
+    belt_in_the_background::main().expect("runs without a fault");
 }
 
 /// `cargo test --doc` runs them.

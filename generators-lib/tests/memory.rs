@@ -109,7 +109,7 @@ fn cooperation_allocates_nothing() {
     let images = [RobotImage::new(state, state); 2];
     let (e, none, no_order) = (State::<Two>::new(images), Reading::new(()), Order::new(()));
     let path = || TimedBody::new(0.4, |t| Pose::translation(0.1 * t, 0.0, 0.0));
-    let carry = RigidCarry::<Two, _, Displacement>::along(BodyFrame::Centroid, path());
+    let carry = RigidCarry::along(BodyFrame::Centroid, path()).by_displacements();
     assert_eq!(stepped(carry, &e, &none, &no_order), 0);
     assert_eq!(stepped(FollowMaster::<Two, _>::along(path(), 0.01), &e, &none, &no_order), 0);
     let limits = ProfileLimits { velocity: 0.1, acceleration: 1.0 };

@@ -10,7 +10,7 @@ use mrroc::observe::ServoRecord;
 use mrroc::prelude::*;
 use mrroc_generators::conditions::{ConditionExt, all, any, elapsed, elapsed_since, not};
 use mrroc_generators::cooperation::Functional;
-use mrroc_generators::generators::{JointMove, MovingFrame, StraightLine};
+use mrroc_generators::generators::{JointMove, JointVelocity, MovingFrame, StraightLine};
 use mrroc_generators::line::ToolLimits;
 use mrroc_generators::profile::{ProfileLimits, Trapezoid};
 use mrroc_robots::{Conveyor, Gripper, Irp6, One, Serial, Simulated, SimulatedIrp6, Six};
@@ -123,6 +123,38 @@ fn a_tool_goes_on_with_a_belt() {
     let way = |of: &[f64]| of[1200] - of[1050];
     assert!((way(&belt) - 0.05 * 0.3).abs() < 1e-5, "{}", way(&belt));
     assert!((way(&arm) - way(&belt)).abs() < 1e-5, "{} {}", way(&arm), way(&belt));
+}
+
+// ANCHOR: background
+fn beside_a_running_belt(mp: &mut Mp) -> Result<(), Fault> {
+    let (mut arm, mut belt) = (mp.robot::<Irp6>("irp6")?, mp.robot::<Conveyor>("belt")?);
+    let run = |speed: f64| JointVelocity::of(One::new(speed), One::new(0.04)); // [m/s], [m/s²]
+    let here = arm.demanded().joints;
+    let to = |q: Six| JointMove::to(q, Six::repeat(0.4), Six::repeat(0.8));
+    mp.start_robot(&mut belt, run(0.04))?; // returns at once
+    mp.move_robot(&mut arm, (), to(here + Six::x() * 0.4))?;
+    mp.start_robot(&mut belt, run(0.02))?; // slower, without a stop
+    mp.move_robot(&mut arm, (), to(here))?;
+    mp.end_robot(&mut belt) // brakes it
+}
+// ANCHOR_END: background
+
+#[test]
+fn a_belt_runs_beside_an_arm() {
+    let irp6 = Irp6::nominal();
+    let seen = Rc::new(RefCell::new(Vec::new()));
+    let of_belt = Rc::clone(&seen);
+    let arm = RobotSetup::new("irp6", irp6.clone(), SimulatedIrp6::new(irp6, &start()));
+    let belt = Conveyor::new();
+    let belt = RobotSetup::new("belt", belt.clone(), Simulated::new(belt, &One::new(0.0)))
+        .stop_time(Duration::from_secs(5))
+        .observe(move |record: &ServoRecord<Conveyor>| of_belt.borrow_mut().push(record.demanded[0]));
+    let cell = Cell::new(Duration::from_millis(2)).robot(arm).robot(belt);
+    cell.program(beside_a_running_belt).run().expect("within the limits");
+    // Two Moves of 0.4 / 0.4 + 0.4 / 0.8 = 1.5 s: 1 s to 0.04 m/s, 0.5 s at it, 0.5 s to 0.02 m/s, 1 s at it, and braking.
+    let way = 0.02 + 0.02 + 0.015 + 0.02;
+    let end = seen.borrow().last().copied().unwrap_or_default() - way;
+    assert!((0.0..0.02 * 0.02 / (2.0 * 0.05) + 1e-3).contains(&end), "{end}");
 }
 
 // ANCHOR: blend

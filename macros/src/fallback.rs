@@ -33,9 +33,13 @@ pub fn implementation(target: &Target<'_>, kind: Kind, robot: Option<&Type>) -> 
         return target.implement("Condition", &[], &items);
     }
     let step = quote!(::core::result::Result<#krate::generator::Step<Self::Robots, Self::Language>, #krate::fault::Fault>);
+    let language = match robot {
+        Some(_) => quote!(#krate::generator::Motion),
+        None => quote!(#krate::__private1::AnyLanguage),
+    };
     let items = quote! {
         #types
-        type Language = #krate::generator::Motion;
+        type Language = #language;
         fn first_step(#arguments) -> #step #body
         fn next_step(#arguments) -> #step #body
     };

@@ -31,6 +31,7 @@ mod urdf_errors;
 mod urdf_inverse;
 mod urdf_outline;
 mod urdf_reference;
+mod urdf_rounded;
 
 use mrroc_counting_allocator::Counting;
 

@@ -3,6 +3,7 @@
 #![cfg(target_os = "linux")]
 
 mod arms;
+mod belt;
 mod calls;
 mod crowd;
 mod recorded;

@@ -4,6 +4,10 @@
 #[path = "../recording/cell.rs"]
 mod cell;
 
+#[allow(dead_code, reason = "the tests use the rest")]
+#[path = "../recording/camera.rs"]
+mod camera;
+
 use std::process::ExitCode;
 
 use mrroc::prelude::*;
@@ -23,5 +27,9 @@ fn assemble(file: &CellFile) -> Result<Cell, CellError> {
         .sensor(file.sensor("count", Counting::default())?)
         .sensor(file.sensor("slow", Counting::default())?)
         .sensor(file.sensor("free", Counting::default())?);
-    Ok(programmed(cell, change.map_or(Change::Nothing, Change::Swing)))
+    // Only some of the tests have a camera in their file.
+    Ok(match file.sensor("camera", camera::Camera::new(4)) {
+        Ok(setup) => cell.sensor(setup).program(camera::look),
+        Err(_) => programmed(cell, change.map_or(Change::Nothing, Change::Swing)),
+    })
 }

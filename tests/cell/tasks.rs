@@ -24,7 +24,8 @@ use crate::records::record;
 /// What observers have seen, as a text, once the run is over; none where they see nothing.
 type Seen = Option<Box<dyn FnOnce(RunReport) -> String>>;
 
-/// Runs the task that the command line names: `--cell FILE transfer LINK`, `--cell FILE engraving DRAWING LINK`.
+/// Runs the task that the command line names: `--cell FILE transfer LINK`, `--cell FILE engraving DRAWING LINK`, `--cell FILE
+/// belt LINK`.
 pub fn main() -> ExitCode {
     match run() {
         Ok(status) => status,
@@ -43,6 +44,7 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
     let launch = if named { launch.processes(Clock::Virtual) } else { launch }.watching();
     let (cell, seen) = match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["transfer", _] => carrying(launch.is_here())?,
+        ["belt", _] => (crate::belt::cell(), seen_time(launch.is_here())),
         ["engraving", drawing, _] => engraving(drawing, launch.is_here())?,
         _ => return Err(format!("no task: {words:?}").into()),
     };
@@ -59,6 +61,12 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
         }
         (Ran::Here(_) | Ran::Processes(_), _) => return Err("nobody has seen the robots".into()),
     })
+}
+
+/// How long the run took.
+fn seen_time(here: bool) -> Seen {
+    let time = |report: RunReport| format!("{:?}\n", report.time);
+    if here { Some(Box::new(time)) } else { None }
 }
 
 /// Two arms, two hands, a bar between them, a base that is off, and the force sensors that make up for it; its film.

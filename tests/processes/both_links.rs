@@ -1,4 +1,4 @@
-//! The engraving and the transfer on both links: the same demands to the bit on the memory link and as processes of the
+//! The engraving, the transfer and a belt in the background on both links: the same demands to the bit on the memory link and as processes of the
 //! operating system under the virtual clock, and the same pictures and measurements of them.
 
 use mrroc_tests::fixture::{SEEN, TASKS};
@@ -9,6 +9,12 @@ use crate::launch::Place;
 #[test]
 fn the_transfer_demands_the_same_on_both_links_to_the_bit() {
     compare(40, &["transfer"], &["rnt", "polycrank", "rnt-hand", "polycrank-hand"]);
+}
+
+/// A belt that runs in the background of an arm's Moves.
+#[test]
+fn a_belt_in_the_background_is_demanded_the_same_on_both_links_to_the_bit() {
+    compare(46, &["belt"], &["arm", "belt"]);
 }
 
 /// One letter; `just test-both-links` engraves the nameplate.

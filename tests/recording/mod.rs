@@ -1,10 +1,13 @@
 //! Recordings: what is in the file, that a replay demands the same, and that nothing slow or broken reaches the step.
 
 mod allocation;
+mod camera;
 mod cell;
 mod command;
 mod contents;
 mod files;
+#[cfg(target_os = "linux")]
+mod frames;
 mod peer;
 #[cfg(target_os = "linux")]
 mod processes;

@@ -1,6 +1,7 @@
 //! Tests of the runtime, one file for each promise.
 
 mod aborting;
+mod background;
 mod bounds;
 mod coordination;
 mod determinism;

@@ -5,15 +5,14 @@ use core::marker::PhantomData;
 use mrroc::generator::{Motion, RobotList, RobotsEach};
 use mrroc::prelude::*;
 
-use mrroc_generators::cooperation::{BodyFrame, BodyPath, Grasps, Placed};
+use mrroc_generators::cooperation::{BodyFrame, BodyPath, Displacement, Grasps, Placed};
 
 /// Moves all tools of the list `L` so that none moves against another: `X_WE_i = X_WB(t) X_BE_i`.
 ///
 /// The first step learns where each arm holds the body, from the poses demanded last, at rest. After that all demands
-/// follow from the path alone, so that a Suspend leaves all arms on it. In the language [`Motion`] it demands poses of
-/// transparent ECPs; in the language [`Displacement`](mrroc_generators::cooperation::Displacement) it orders
-/// displacements, which [`TransmitDisplacement`](mrroc_generators::generators::TransmitDisplacement) or a program's own
-/// generator passes on.
+/// follow from the path alone, so that a Suspend leaves all arms on it. It demands poses of transparent ECPs;
+/// [`by_displacements`](RigidCarry::by_displacements) it orders displacements, which
+/// [`TransmitDisplacement`](mrroc_generators::generators::TransmitDisplacement) or a program's own generator passes on.
 ///
 /// ```
 /// use mrroc::prelude::*;
@@ -31,6 +30,7 @@ use mrroc_generators::cooperation::{BodyFrame, BodyPath, Grasps, Placed};
 /// let limits = ToolLimits { translation: limits, rotation: limits };
 /// let path = StraightBody::by(Pose::new(Vector3::z() * 0.1, Vector3::z() * 0.1), limits);
 /// let arms = [0.0, 0.5].map(|y| at_rest(&Irp6::nominal().with_base(Pose::translation(0.0, y, 0.0)), start));
+/// // In a Move the handles say which arms they are: `RigidCarry::along(..)`.
 /// let carry = RigidCarry::<[Irp6; 2], _>::along(BodyFrame::Centroid, path);
 /// let demands = rehearse_all(carry, 0.002, |_| {
 ///     Ok(Given { order: Order::new(()), e: State::new(arms), v: Reading::new(()) })
@@ -50,14 +50,23 @@ pub struct RigidCarry<L: RobotList, P, O = Motion> {
     of: PhantomData<O>,
 }
 
-impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
-    /// The body whose frame is `body` at the start along `path`.
+impl<L: RobotsEach<Placed>, P: BodyPath> RigidCarry<L, P> {
+    /// The body whose frame is `body` at the start along `path`. The Move says which arms carry it.
     #[must_use]
     pub fn along(body: BodyFrame, path: P) -> Self {
         let starts = L::array(|_| Pose::identity());
         RigidCarry { body, path, starts, grasps: Grasps::close(&Pose::identity(), starts), of: PhantomData }
     }
 
+    /// The same, by orders of displacements, which the ECPs' own generators transmit.
+    #[must_use]
+    pub fn by_displacements(self) -> RigidCarry<L, P, Displacement> {
+        let RigidCarry { body, path, starts, grasps, .. } = self;
+        RigidCarry { body, path, starts, grasps, of: PhantomData }
+    }
+}
+
+impl<L: RobotsEach<Placed, O>, P: BodyPath, O: 'static> RigidCarry<L, P, O> {
     #[allow(non_snake_case)]
     fn advance(&mut self, t: Tick) -> Result<Step<L, O>, Fault> {
         let Some(X_WB) = self.path.advance(t.dt)? else { return Ok(Step::Done) };
@@ -112,7 +121,7 @@ mod tests {
             let path = StraightBody::by(Pose::translation(0.0, 0.0, 0.05), limits);
             let mut one = mp.robot::<Irp6>("left")?;
             let mut two = mp.robot::<Irp6>("right")?;
-            let lift = RigidCarry::<(Irp6, Irp6), _>::along(BodyFrame::Centroid, path);
+            let lift = RigidCarry::along(BodyFrame::Centroid, path);
             mp.move_robots((&mut one, &mut two), (), lift).map(drop)
         });
         let report = cell.run().expect("within the limits");

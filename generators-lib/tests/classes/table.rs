@@ -59,6 +59,7 @@ pub const ROWS: &[Row] = &rows! {
     jog: Jog<Irp6, fn() -> Jogging>,
     joint_move: JointMove<Irp6>,
     joint_spline: JointSpline<Irp6>,
+    joint_velocity: JointVelocity<Irp6>,
     joint_via: JointVia<Irp6>,
     line_via: LineVia<Irp6>,
     moving_frame: MovingFrame<Irp6, Pose>,

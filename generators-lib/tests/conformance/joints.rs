@@ -3,7 +3,7 @@
 use super::kit::{alone, arm, bytes, joint_limits, odd_limits, path_limits, reaching};
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{
-    JointMove, JointSpline, JointVia, ReachState, SmoothJointMove, TimeOptimalJoints,
+    JointMove, JointSpline, JointVelocity, JointVia, ReachState, SmoothJointMove, TimeOptimalJoints,
 };
 use mrroc_robots::{Irp6, Six};
 
@@ -46,6 +46,20 @@ generator_conformance! {
     make: ReachState::within(joint_limits(0.5, 1.0, 10.0)),
     given: |step| reaching(if step < 100 { 0.2 } else { -0.1 }),
     odd: |x| odd_limits(x).map(|[v, a, j]| ReachState::within(joint_limits(v, a, j))).into(),
+    allocated: bytes,
+}
+
+generator_conformance! {
+    joint_velocity: JointVelocity<Irp6>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: JointVelocity::of(Six::repeat(0.1), Six::repeat(1.0)),
+    given: alone,
+    odd: |x| vec![
+        JointVelocity::of(Six::zeros(), Six::repeat(1.0)),
+        JointVelocity::of(Six::repeat(x), Six::repeat(1.0)),
+        JointVelocity::of(Six::repeat(0.1), Six::repeat(x)),
+        JointVelocity::of(Six::repeat(x), Six::repeat(x)),
+    ],
     allocated: bytes,
 }
 

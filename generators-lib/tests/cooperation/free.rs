@@ -166,7 +166,7 @@ fn refused_or_carried(mp: &mut Mp, free: Option<FreeDirection>) -> Result<(), Fa
         (one, two) = (one.free_in(free), two.free_in(free));
     }
     dry_run(sideways(), 2e-3, BodyFrame::Centroid, &mut [&mut one, &mut two])?;
-    let carry = RigidCarry::<[Irp6FiveDof; 2], _, Displacement>::along(BodyFrame::Centroid, sideways());
+    let carry = RigidCarry::along(BodyFrame::Centroid, sideways()).by_displacements();
     mp.move_robots([&mut left, &mut right], (), carry).map(drop)
 }
 

@@ -85,8 +85,7 @@ fn stress(closing: Closing, with_sensors: bool) -> (f64, f64) {
                 SqueezedCarry::<Two, [WristForce; 2], _>::along(BodyFrame::Centroid, path, law, 0.0, 0);
             mp.move_robots([&mut one, &mut two], [&mut left, &mut right], carry).map(drop)
         } else {
-            mp.move_robots([&mut one, &mut two], (), RigidCarry::<Two, _>::along(BodyFrame::Centroid, path))
-                .map(drop)
+            mp.move_robots([&mut one, &mut two], (), RigidCarry::along(BodyFrame::Centroid, path)).map(drop)
         }
     });
     cell.run().expect("within the limits");

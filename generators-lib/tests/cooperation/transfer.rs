@@ -40,8 +40,7 @@ fn transfer_by(
     mp: &mut Mp,
 ) -> Result<(), mrroc::fault::Fault> {
     let path = StraightBody::by(by(), limits());
-    mp.move_robots((rnt, polycrank), (), RigidCarry::<(Rnt, Polycrank), _>::along(BodyFrame::Centroid, path))
-        .map(drop)
+    mp.move_robots((rnt, polycrank), (), RigidCarry::along(BodyFrame::Centroid, path)).map(drop)
 }
 
 /// What a run of the transfer keeps: relative poses to 1e-9, and the body on its line. Returns where the body ends.
@@ -117,7 +116,7 @@ fn an_abort_brings_both_arms_to_rest_on_the_bodys_path() {
             let ended = transfer_by(&mut rnt, &mut polycrank, mp);
             seen.set(ended.is_err_and(|fault| fault.kind() == FaultKind::Aborted));
             let rest = TimedBody::new(0.01, |_| Pose::identity());
-            let rest = RigidCarry::<(Rnt, Polycrank), _>::along(BodyFrame::Centroid, rest);
+            let rest = RigidCarry::along(BodyFrame::Centroid, rest);
             mp.move_robots((&mut rnt, &mut polycrank), (), rest).map(drop)
         });
         let cell = cell.on_step(move |step, operator| {
@@ -201,7 +200,7 @@ fn displacements_that_ecps_transmit_are_the_poses_that_transparent_ones_take() {
     let cell = cell.program(|mp| {
         let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
         let path = StraightBody::by(by(), limits());
-        let carry = RigidCarry::<(Rnt, Polycrank), _, Displacement>::along(BodyFrame::Centroid, path);
+        let carry = RigidCarry::along(BodyFrame::Centroid, path).by_displacements();
         mp.move_robots((&mut rnt, &mut polycrank), (), carry).map(drop)
     });
     cell.run().expect("within the limits");
@@ -243,13 +242,9 @@ fn a_body_follows_a_spline_and_any_function_of_path_time() {
         mp.move_robots(
             (&mut rnt, &mut polycrank),
             (),
-            RigidCarry::<(Rnt, Polycrank), _>::along(BodyFrame::Centroid, spline.clone()),
+            RigidCarry::along(BodyFrame::Centroid, spline.clone()),
         )?;
-        mp.move_robots(
-            (&mut rnt, &mut polycrank),
-            (),
-            RigidCarry::<(Rnt, Polycrank), _>::along(BodyFrame::Centroid, turn),
-        )?;
+        mp.move_robots((&mut rnt, &mut polycrank), (), RigidCarry::along(BodyFrame::Centroid, turn))?;
         Ok(())
     });
     cell.run().expect("within the limits");

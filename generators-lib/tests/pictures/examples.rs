@@ -10,7 +10,8 @@ use nalgebra::Vector3;
 
 use super::sheet::{Chart, Paths, Sheet, Trace};
 use crate::examples::{
-    conditions, force, jerk_limited_plan, spline_through_points, two_arms_carry, via_points,
+    belt_in_the_background, conditions, force, jerk_limited_plan, spline_through_points, two_arms_carry,
+    via_points,
 };
 
 /// Every second servo period: enough for a picture.
@@ -164,6 +165,31 @@ fn logic() -> Result<Sheet, Box<dyn Error>> {
     Ok(Sheet { title, axes: vec![""], dashed: "1: holds, 0: does not", charts, paths: None, duration })
 }
 
+/// The velocities of a belt, and of the first joint of an arm beside it.
+fn background() -> Result<Sheet, Box<dyn Error>> {
+    const PERIOD: f64 = belt_in_the_background::PERIOD;
+    let ways = belt_in_the_background::ways()?;
+    let steps = ways.iter().map(Vec::len).min().unwrap_or(0);
+    let chart = |heading: &str, way: &[f64]| {
+        let speeds = way[..steps].windows(2).map(|pair| (pair[1] - pair[0]) / PERIOD);
+        let values = speeds.step_by(EVERY).map(|speed| Vector3::x() * speed).collect();
+        Chart { heading: heading.to_owned(), values: vec![values], rounding: 1e-9, lines: Vec::new() }
+    };
+    let way = |heading: &str, way: &[f64]| {
+        let values = way[..steps].iter().step_by(EVERY).map(|way| Vector3::x() * *way).collect();
+        Chart { heading: heading.to_owned(), values: vec![values], rounding: 1e-9, lines: Vec::new() }
+    };
+    let charts = vec![
+        way("way of the belt [m]", &ways[0]),
+        way("the arm's first joint [rad]", &ways[1]),
+        chart("velocity of the belt [m/s]", &ways[0]),
+        chart("velocity of the arm's first joint [rad/s]", &ways[1]),
+    ];
+    let duration = PERIOD * (steps.saturating_sub(2)) as f64;
+    let title = "A belt runs in the background".to_owned();
+    Ok(Sheet { title, axes: vec![""], dashed: "", charts, paths: None, duration })
+}
+
 /// A name and a sheet for every example.
 pub fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
     let spline = past(
@@ -181,5 +207,6 @@ pub fn pictures() -> Result<Vec<(&'static str, Sheet)>, Box<dyn Error>> {
         ("04_two_arms_carry", carry()?),
         ("05_force", press()?),
         ("06_conditions", logic()?),
+        ("07_belt_in_the_background", background()?),
     ])
 }

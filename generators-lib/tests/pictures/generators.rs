@@ -92,6 +92,14 @@ fn plain() -> Sheets {
         ("joint_move", alone(JointMove::<Irp6>::to(goal(), sixth * 0.4, sixth * 1.6))),
         ("smooth_joint_move", alone(SmoothJointMove::<Irp6>::to(goal(), joint_limits()))),
         ("joint_spline", alone(JointSpline::<Irp6>::through(through.clone(), sixth * 0.4, sixth * 1.6, 0.1))),
+        (
+            "joint_velocity",
+            follow(
+                JointVelocity::<Irp6>::of(Six::new(0.1, 0.05, 0.0, 0.0, 0.0, 0.0), sixth * 0.2),
+                500,
+                |_, _| ((), Reading::new(())),
+            ),
+        ),
         ("straight_line", alone(StraightLine::<Irp6>::by(offset(), limits()))),
         ("straight_line_with_limited_jerk", alone(StraightLine::<Irp6, _>::by(offset(), smooth()))),
         ("tool_offset", alone(ToolOffset::<Irp6>::by(offset(), limits()))),

@@ -105,6 +105,7 @@ pub mod robot {
 
 /// Virtual sensors: what they read, and how they are ordered.
 pub mod sensor {
+    pub use crate::model::frames::{Content, Frame, FrameSink, Frames};
     pub use crate::model::image::{Sensor, SensorImage};
     pub use crate::model::list::Reading;
     pub use crate::model::plausible::Plausible;
@@ -122,6 +123,7 @@ pub mod generator {
         AnyRobots, JoinedRobots, Language, Motion, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf,
         SensorHandle, SensorList, SensorsEach, SensorsOf, SharedRobots, SharedSensors,
     };
+    pub use crate::model::moved::RobotsMovedBy;
     pub use crate::model::step::{Always, Step, Tick};
     pub use crate::model::type_name::TypeName;
 }

@@ -11,6 +11,7 @@ use crate::model::robot::Robot;
 use crate::model::wire::{BadWords, WORDS, Wire};
 
 pub use crate::model::list::PayloadType;
+pub use crate::model::moved::AnyLanguage;
 pub use crate::model::shape::Shape;
 pub use crate::model::step::{IntoStep, IntoVerdict};
 pub use crate::model::step_fn::{first_in_ecp, first_in_mp, until};

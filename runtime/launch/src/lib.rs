@@ -21,7 +21,7 @@ use std::process::ExitCode;
 use mrroc_core::cell::{Cell, CellError, RunPicture};
 use mrroc_core::console::{refused, say};
 use mrroc_core::link::Clock;
-use mrroc_core::observe::Recording;
+use mrroc_core::observe::{NotRecorded, Recording};
 
 use crate::cell_file::CellFile;
 use crate::dry_run::{dry_run, dry_run_first};
@@ -80,6 +80,14 @@ pub fn launch(
     if let Some(file) = &options.recording.file {
         cell = cell.record_to(file);
     }
+    if let Some(folder) = options.recording.frames.as_ref().filter(|_| !options.dry_run) {
+        if options.part.is_none()
+            && let Err(error) = check_frames(folder, cell.recorder().is_some())
+        {
+            return refused(&error);
+        }
+        cell = cell.frames_to(folder);
+    }
     let clock = options.clock();
     let is_run = options.part.is_none() && options.word.is_none() && !options.dry_run;
     if is_run && let Err(error) = check_outputs(options.picture().into_iter().chain(recorded(&cell))) {
@@ -114,6 +122,25 @@ pub fn launch(
         return status;
     }
     watched(cell, picture, path, options, parts)
+}
+
+/// Refuses a folder for frames that has anything in it, before the run: no image is written over another one.
+fn check_frames(folder: &Path, can_record: bool) -> Result<(), String> {
+    let folder_name = folder.display();
+    if !can_record {
+        return Err(NotRecorded::NoFeature.to_string());
+    }
+    let is_empty =
+        std::fs::create_dir_all(folder).and_then(|()| Ok(std::fs::read_dir(folder)?.next().is_none()));
+    match is_empty {
+        Ok(true) => Ok(()),
+        Ok(false) => {
+            Err(format!("{folder_name}: has files already\n help: give an empty folder by --frames"))
+        }
+        Err(error) => {
+            Err(format!("{folder_name}: cannot be written: {error}\n help: give another folder by --frames"))
+        }
+    }
 }
 
 /// The file to which a cell is to be recorded.

@@ -88,6 +88,9 @@ pub(super) struct RecordingOption {
     /// Record every step to an MCAP file (feature `recording`).
     #[arg(long = "record", value_name = "FILE", help_heading = "Recording")]
     pub(super) file: Option<PathBuf>,
+    /// Draw the images of sensors as PNG files, in an empty folder (feature `recording`).
+    #[arg(long, value_name = "FOLDER", help_heading = "Recording")]
+    pub(super) frames: Option<PathBuf>,
 }
 
 /// What is asked for instead of a run.

@@ -25,6 +25,9 @@
 //! the virtual clock, which stands still meanwhile, the step waits as long as the thread makes progress. `reader`
 //! reads a file back.
 //!
+//! Images and echoes that sensors hand over are no messages of this file: each sensor's own process writes them to a file of
+//! its own beside it (`frames`).
+//!
 //! JSON cannot express numbers that are not finite: they are written as the texts "NaN", "Infinity" and "-Infinity", as
 //! in the JSON form of protocol buffers. Any other number is written with enough digits to be read back to the bit.
 
@@ -32,6 +35,7 @@ mod channels;
 mod compare;
 mod file;
 mod foxglove;
+mod frames;
 mod json;
 mod messages;
 mod reader;

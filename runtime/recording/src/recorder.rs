@@ -10,9 +10,11 @@ use std::rc::Rc;
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
 use mrroc_core::observe::layout::Layout;
-use mrroc_core::observe::recording::{NotRecorded, Recorder, Recording, RunRecord};
+use mrroc_core::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
+use mrroc_core::sensor::FrameSink;
 
 use crate::file::{McapFile, can_be_written};
+use crate::frames::FrameFiles;
 use crate::relay::{Relay, join};
 use crate::ring::RunRecorder;
 
@@ -53,5 +55,9 @@ impl Recorder for Mcap {
         folder: &Path,
     ) -> Option<Rc<dyn RunRecord>> {
         join(recording, layout, process, folder).map(|record| record as Rc<dyn RunRecord>)
+    }
+
+    fn frames(&self, to: &FramesTo, sensor: &str) -> Box<dyn FrameSink> {
+        Box::new(FrameFiles::of(to, sensor))
     }
 }

@@ -6,7 +6,7 @@ use mrroc_generators::generators::{JointMove, RigidCarry, StraightLine, Transmit
 use mrroc_robots::{Gripper, One, Polycrank, Rnt};
 
 use crate::generators::Nudge;
-use crate::orders::{Arms, Hands, Phase};
+use crate::orders::Phase;
 use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs, limits};
 
 /// The whole task.
@@ -17,17 +17,17 @@ use crate::places::{CLOSED, End, OPEN, back, bar, grasp, legs, limits};
 pub fn coordinate(mp: &mut Mp) -> Result<(), Fault> {
     let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
     let mut hands = (mp.robot::<Gripper>("rnt-hand")?, mp.robot::<Gripper>("polycrank-hand")?);
-    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Approach))?;
-    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Close))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Approach))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::to(Phase::Close))?;
     let mut X_WB = bar();
     for X_BsB in legs() {
         let path = StraightBody::by(X_BsB, limits());
-        let carry = RigidCarry::<Arms, _, Displacement>::along(BodyFrame::InWorld(X_WB), path);
+        let carry = RigidCarry::along(BodyFrame::InWorld(X_WB), path).by_displacements();
         mp.move_robots((&mut rnt, &mut polycrank), (), carry)?;
         X_WB *= X_BsB;
     }
-    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::<Hands>::to(Phase::Open))?;
-    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::<Arms>::to(Phase::Withdraw))?;
+    mp.move_robots([&mut hands.0, &mut hands.1], (), Nudge::to(Phase::Open))?;
+    mp.move_robots((&mut rnt, &mut polycrank), (), Nudge::to(Phase::Withdraw))?;
     Ok(())
 }
 

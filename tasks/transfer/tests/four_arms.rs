@@ -120,7 +120,7 @@ fn way() -> Pose {
 #[test]
 fn four_arms_of_two_kinds_carry_one_body() {
     let rigid = run(|mp, robots| {
-        let carry = RigidCarry::<Four, _>::along(BodyFrame::InWorld(bar()), soft(way(), limits())?);
+        let carry = RigidCarry::along(BodyFrame::InWorld(bar()), soft(way(), limits())?);
         mp.move_robots(robots, (), carry).map(drop)
     });
     assert!(rigid.apart <= 1e-9, "{rigid:?}");

@@ -1,5 +1,5 @@
 //! Another sensor than that of the list in the call.
-//! says: `(&mut force,)` for `(WristForce,)`
+//! says: one `&mut` handle for each sensor of the list `(mistakes::WristForce,)`
 
 use mistakes::*;
 use mrroc::prelude::*;

@@ -1,5 +1,5 @@
 //! Robots in the wrong order in the call.
-//! says: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`
+//! says: of the list `(mistakes::Rnt, mistakes::Polycrank)`, in its order; these are `(&mut RobotHandle<mistakes::Polycrank>, &mut RobotHandle<mistakes::Rnt>)`
 
 use mistakes::*;
 use mrroc::prelude::*;

@@ -1,5 +1,5 @@
 //! The sensors of the list are missing in the call.
-//! says: `(&mut force,)` for `(WristForce,)`
+//! says: one `&mut` handle for each sensor of the list `(mistakes::WristForce,)`
 
 use mistakes::*;
 use mrroc::prelude::*;

@@ -5,7 +5,7 @@ use mrroc::robot::NoInverse;
 use nalgebra::SVector;
 
 use super::chain::Segment;
-use super::recognition::Axes;
+use super::recognition::{Axes, EXACT};
 use crate::models::opw::OrthoParallel;
 use crate::models::spherical::Spherical;
 use crate::models::three_parallel::ThreeParallel;
@@ -21,7 +21,16 @@ pub(super) enum Closed {
 impl Closed {
     /// The closed form of the chain, if it has one.
     pub(super) fn of(segments: &[Segment], #[allow(non_snake_case)] X_tip: &Pose) -> Option<Self> {
-        let axes = Axes::of(segments, X_tip)?;
+        Self::within(EXACT, segments, X_tip)
+    }
+
+    /// The closed form of a chain whose axes are so far from those of one \[rad, m\].
+    pub(super) fn within(
+        tolerance: f64,
+        segments: &[Segment],
+        #[allow(non_snake_case)] X_tip: &Pose,
+    ) -> Option<Self> {
+        let axes = Axes::of(segments, X_tip, tolerance)?;
         let parallel = || axes.three_parallel().map(Self::ThreeParallel);
         let spherical = || axes.spherical().map(Self::Spherical);
         axes.ortho_parallel().map(Self::OrthoParallel).or_else(parallel).or_else(spherical)

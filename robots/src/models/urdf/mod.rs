@@ -20,6 +20,7 @@ mod motion;
 mod newton;
 mod outline;
 mod recognition;
+mod rounded;
 mod serial;
 
 pub use description::UrdfText;

@@ -12,7 +12,7 @@ use crate::models::spherical::Spherical;
 use crate::models::three_parallel::ThreeParallel;
 
 /// How far axes may be from perpendicular or parallel (cosine, sine) and from meeting \[m\]: round-off.
-const EXACT: f64 = 1e-12;
+pub(super) const EXACT: f64 = 1e-12;
 
 /// Length below which a link counts as missing \[m\].
 const NO_LINK: f64 = 1e-6;
@@ -22,12 +22,14 @@ const NO_LINK: f64 = 1e-6;
 pub(super) struct Axes {
     axes: Vec<Axis>,
     X_WF: Pose,
+    /// How far axes may be from perpendicular or parallel \[rad\] and from meeting \[m\].
+    tolerance: f64,
 }
 
 impl Axes {
     /// The axes of a chain of joints that all turn, none following another.
     #[allow(non_snake_case)]
-    pub(super) fn of(segments: &[Segment], X_tip: &Pose) -> Option<Self> {
+    pub(super) fn of(segments: &[Segment], X_tip: &Pose, tolerance: f64) -> Option<Self> {
         let plain = |(i, segment): (usize, &Segment)| {
             segment.kind == JointKind::Revolute
                 && segment.leader == i
@@ -38,7 +40,7 @@ impl Axes {
             return None;
         }
         let (axes, X_WF) = at_zero(segments, X_tip);
-        Some(Self { axes, X_WF })
+        Some(Self { axes, X_WF, tolerance })
     }
 
     fn z(&self, i: usize) -> Vector3<f64> {
@@ -46,11 +48,11 @@ impl Axes {
     }
 
     fn perpendicular(&self, i: usize, j: usize) -> bool {
-        self.z(i).dot(&self.z(j)).abs() < EXACT
+        self.z(i).dot(&self.z(j)).abs() < self.tolerance
     }
 
     fn parallel(&self, i: usize, j: usize) -> bool {
-        self.z(i).cross(&self.z(j)).norm() < EXACT
+        self.z(i).cross(&self.z(j)).norm() < self.tolerance
     }
 
     /// +1 or -1: how one axis is directed against one that is parallel to it.
@@ -61,7 +63,7 @@ impl Axes {
     /// The point in which axis `i` meets `j`, perpendicular to it, if it does.
     fn meeting(&self, i: usize, j: usize) -> Option<Vector3<f64>> {
         let point = nearest(&self.axes[i], &self.axes[j].point);
-        (off(&self.axes[j], &point) < EXACT).then_some(point)
+        (off(&self.axes[j], &point) < self.tolerance).then_some(point)
     }
 
     /// Six joints, ortho-parallel, with a spherical wrist.
@@ -75,7 +77,7 @@ impl Axes {
         if !ortho_parallel || !self.perpendicular(3, 4) || !self.perpendicular(4, 5) {
             return None;
         }
-        let centre = self.meeting(4, 3).filter(|centre| off(&axes[5], centre) < EXACT)?;
+        let centre = self.meeting(4, 3).filter(|centre| off(&axes[5], centre) < self.tolerance)?;
         let plane = Plane::of(axes);
         let upper = plane.seen(axes[2].point - axes[1].point);
         let fore = plane.seen(centre - axes[2].point);
@@ -158,24 +160,33 @@ impl Axes {
         {
             return None;
         }
-        let shoulder = self.meeting(1, 0).filter(|point| off(&axes[2], point) < EXACT)?;
-        let wrist = self.meeting(5, 4).filter(|point| off(&axes[6], point) < EXACT)?;
+        let shoulder = self.meeting(1, 0).filter(|point| off(&axes[2], point) < self.tolerance)?;
+        let wrist = self.meeting(5, 4).filter(|point| off(&axes[6], point) < self.tolerance)?;
         let elbow = nearest(&axes[3], &shoulder);
         let upper = elbow - shoulder;
         let fore = wrist - elbow;
         let (l, k) = (upper.norm(), fore.norm());
-        if (nearest(&axes[3], &wrist) - elbow).norm() > EXACT || l < NO_LINK || k < NO_LINK {
+        if (nearest(&axes[3], &wrist) - elbow).norm() > self.tolerance || l < NO_LINK || k < NO_LINK {
             return None;
         }
-        // y and z along the axes given, perpendicular to each other.
-        let along = |y: Vector3<f64>, z: Vector3<f64>| Matrix3::from_columns(&[y.cross(&z), y, z]);
+        // y and z along the axes given, perpendicular to each other, or nearly.
+        let along = |y: Vector3<f64>, z: Vector3<f64>| {
+            let x = y.cross(&z);
+            if self.tolerance == EXACT {
+                return Matrix3::from_columns(&[x, y, z]);
+            }
+            let x = x.normalize();
+            Matrix3::from_columns(&[x, y, x.cross(&y)])
+        };
         let R_WO = along(self.z(1), self.z(0));
         let third = R_WO.transpose() * self.z(2);
         let o2 = third.x.atan2(third.z);
         let R_WU = along(self.z(1), self.z(2));
         // x along a link, y along axis 4.
         let beside = |link: Vector3<f64>| {
-            let x = link.normalize();
+            let y = self.z(3);
+            let across = if self.tolerance == EXACT { link } else { link - y * y.dot(&link) };
+            let x = across.normalize();
             Matrix3::from_columns(&[x, self.z(3), x.cross(&self.z(3))])
         };
         let R_WA = beside(upper);

@@ -14,6 +14,7 @@ use super::drives::Drives;
 use super::error::UrdfError;
 use super::motion::Linkage;
 use super::newton;
+use super::rounded::Rounded;
 use crate::models::kinematics::{Jacobian, Kinematics};
 
 /// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
@@ -64,8 +65,12 @@ use crate::models::kinematics::{Jacobian, Kinematics};
 /// drawn from the whole range, all are found from seeds within 0.01 of every joint [rad or m], and at least 9,999 of
 /// 10,000 from seeds within 0.1 (`tests/urdf_inverse.rs`). A pose that is not found is refused as
 /// [`NoInverse::NotConverged`], after at most 24 starts of at most 40 steps (some 0.1 ms); one that is farther from the
-/// first joint than all links are long is refused at once, as `OutOfReach`. Right angles written with few digits
-/// (`1.5708`) are not exact right angles: such an arm is solved by iteration.
+/// first joint than all links are long is refused at once, as `OutOfReach`.
+///
+/// Right angles written with few digits (`1.5708`) are not exact right angles. An arm whose axes are within 1e-4 rad and
+/// 1e-4 m of one of the three families is solved by the closed form of the nearest exact geometry, corrected in a few steps to
+/// 1e-10 of its own: all solutions, on their branches, and the same arm angle along a path. Where that fails (on a singularity,
+/// or at the edge of the range) [`Robot::inverse`] iterates.
 ///
 /// **Simulation.** [`Simulated`](crate::Simulated) runs it with one assumed motor a joint, large enough for its limits. The
 /// gear keeps the motor within 250 rad/s and 500 rad/s²; the inertia is that of the posture that has most; `effort`
@@ -85,8 +90,9 @@ pub struct Serial<const N: usize> {
     limits: Limits<SVector<f64, N>>,
     /// Largest possible distance of the tip from the first joint \[m\].
     reach: f64,
-    /// The closed form, where there is one.
+    /// The closed form, where there is one, or that of an exact geometry so near that the difference is corrected.
     closed: Option<Closed>,
+    rounded: Option<Rounded>,
 }
 
 /// A chain that still lacks its limits of acceleration, which a URDF does not give.
@@ -117,7 +123,8 @@ impl<const N: usize> SerialBuilder<N> {
         let closed = Closed::of(&segments, &X_tip);
         let reach = reach(&movers, &segments, &X_tip);
         let linkage = Linkage::new(&segments, &X_tip);
-        Ok(Serial { movers, segments, linkage, drives, X_BJ, X_tip, limits, reach, closed })
+        let rounded = rounded::<N>(&closed, &segments, &X_tip, &linkage);
+        Ok(Serial { movers, segments, linkage, drives, X_BJ, X_tip, limits, reach, closed, rounded })
     }
 
     /// The accelerations that a file of URDF 1.2 states for all joints [rad/s² or m/s²]; `None` where it leaves one out.
@@ -139,6 +146,9 @@ impl<const N: usize> SerialBuilder<N> {
 /// Round-off by which a pose may exceed the reach, as a part of it.
 const ROUND_OFF: f64 = 1e-12;
 
+/// How far beyond the range of the nearest exact geometry a pose may be for the arm itself to be asked, as a part of it.
+const EDGE: f64 = 1e-3;
+
 /// Sum of the lengths of all links after the first joint, slides drawn out \[m\], and not 0.
 #[allow(non_snake_case)]
 fn reach(movers: &[Mover], segments: &[Segment], X_tip: &Pose) -> f64 {
@@ -149,6 +159,17 @@ fn reach(movers: &[Mover], segments: &[Segment], X_tip: &Pose) -> f64 {
     });
     let reach = links.chain(slides).sum::<f64>() + X_tip.translation.vector.norm();
     if reach > 1e-3 { reach } else { 1.0 }
+}
+
+/// The correction of a closed form for a chain that has none of its own.
+#[allow(non_snake_case)]
+fn rounded<const N: usize>(
+    closed: &Option<Closed>,
+    segments: &[Segment],
+    X_tip: &Pose,
+    linkage: &Linkage,
+) -> Option<Rounded> {
+    if closed.is_some() { None } else { Rounded::of::<N>(segments, X_tip, linkage) }
 }
 
 /// Checks limits that the caller gives.
@@ -202,6 +223,7 @@ impl<const N: usize> Serial<N> {
         }
         self.linkage = Linkage::new(&self.segments, &self.X_tip);
         self.closed = Closed::of(&self.segments, &self.X_tip);
+        self.rounded = rounded::<N>(&self.closed, &self.segments, &self.X_tip, &self.linkage);
         self
     }
 
@@ -267,7 +289,12 @@ impl<const N: usize> Serial<N> {
     /// it iterates from the seed and finds one.
     #[must_use]
     pub fn is_closed_form(&self) -> bool {
-        self.closed.is_some()
+        self.form().is_some()
+    }
+
+    /// The closed form of the chain, or of the exact geometry nearest to it.
+    fn form(&self) -> Option<&Closed> {
+        self.closed.as_ref().or_else(|| self.rounded.as_ref().map(Rounded::nearest))
     }
 
     /// The arm angle \[rad\] at `q` \[rad\], -pi to pi, of a seven-axis arm with a spherical shoulder and a spherical wrist:
@@ -275,7 +302,7 @@ impl<const N: usize> Serial<N> {
     /// in the plane through axis 1 and the wrist. `None` for other chains, and in closed form only.
     #[must_use]
     pub fn arm_angle(&self, q: &SVector<f64, N>) -> Option<f64> {
-        self.closed.as_ref().and_then(|arm| arm.redundancy(q))
+        self.form().and_then(|arm| arm.redundancy(q))
     }
 }
 
@@ -321,9 +348,18 @@ impl<const N: usize> Robot for Serial<N> {
 
     #[allow(non_snake_case)]
     fn inverse(&self, X_WF: &Pose, near: &Self::Joints) -> Result<Self::Joints, NoInverse> {
-        match &self.closed {
-            Some(arm) => arm.inverse(X_WF, near),
-            None => self.iterate(X_WF, near),
+        match (&self.closed, &self.rounded) {
+            (Some(arm), _) => arm.inverse(X_WF, near),
+            // On a singularity, or at the edge of the range, the exact geometry may have no solution where the arm has one.
+            (None, Some(arm)) => arm.inverse(&self.linkage, X_WF, near).or_else(|error| match error {
+                NoInverse::OutOfReach { distance, min, max }
+                    if !((min - EDGE * max)..=(max * (1.0 + EDGE))).contains(&distance) =>
+                {
+                    Err(error)
+                }
+                _ => self.iterate(X_WF, near).map_err(|_| error),
+            }),
+            (None, None) => self.iterate(X_WF, near),
         }
     }
 
@@ -335,14 +371,15 @@ impl<const N: usize> Robot for Serial<N> {
         redundancy: f64,
         near: &Self::Joints,
     ) -> Result<Self::Joints, NoInverse> {
-        match &self.closed {
-            Some(arm) => arm.inverse_at(X_WF, redundancy, near),
-            None => Err(NoInverse::NotRedundant),
+        match (&self.closed, &self.rounded) {
+            (Some(arm), _) => arm.inverse_at(X_WF, redundancy, near),
+            (None, Some(arm)) => arm.inverse_at(&self.linkage, X_WF, redundancy, near),
+            (None, None) => Err(NoInverse::NotRedundant),
         }
     }
 
     fn near_singularity(&self, q: &Self::Joints) -> Option<&'static str> {
-        self.closed.as_ref().and_then(|arm| arm.near_singularity(q))
+        self.form().and_then(|arm| arm.near_singularity(q))
     }
 }
 
@@ -366,9 +403,10 @@ impl<const N: usize> Kinematics<N> for Serial<N> {
         near: &SVector<f64, N>,
         visit: &mut dyn FnMut(&SVector<f64, N>),
     ) -> Result<(), NoInverse> {
-        match &self.closed {
-            Some(arm) => arm.solutions(X_WF, near, visit),
-            None => self.iterate(X_WF, near).map(|q| visit(&q)),
+        match (&self.closed, &self.rounded) {
+            (Some(arm), _) => arm.solutions(X_WF, near, visit),
+            (None, Some(arm)) => arm.solutions(&self.linkage, X_WF, near, visit),
+            (None, None) => self.iterate(X_WF, near).map(|q| visit(&q)),
         }
     }
 }

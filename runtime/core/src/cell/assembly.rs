@@ -60,6 +60,7 @@ impl Cell {
         let stop_steps = self.stop_steps();
         let path_stop = self.path_stop_steps();
         let delay = self.delay();
+        let frames = self.watching.frames_to(self.timing.step);
         let witnesses = Witnesses::to(self.watching.witnesses);
         let bodies = self.watching.bodies.into_iter().map(|(_, body)| body).collect();
         let bodies = Bodies::of(bodies, witnesses.of(ProcessId::PLANT), self.timing.step);
@@ -94,6 +95,7 @@ impl Cell {
             ecps: &ecps,
             mp_sensing: &mut mp_sensing,
             ecp_sensing: &mut ecp_sensing,
+            frames,
             wanted: Vec::new(),
         };
         for sensor in self.parts.sensors {

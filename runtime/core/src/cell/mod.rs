@@ -25,7 +25,7 @@ mod watching;
 use core::time::Duration;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use crate::control::ecp::Ecp;
@@ -352,9 +352,19 @@ impl Cell {
         self
     }
 
+    /// Draws the images that sensors hand over ([`Frames`](crate::sensor::Frames)) as PNG files, in a folder of each sensor's
+    /// own in this one. A cell that is recorded has its frames beside the recording as well: those of the sensor `camera` of
+    /// `run.mcap` are in `run.camera.mcap`.
+    #[must_use]
+    pub fn frames_to(mut self, folder: impl Into<PathBuf>) -> Cell {
+        self.watching.frames = Some(folder.into());
+        self
+    }
+
     /// Records nothing.
     pub fn unrecorded(mut self) -> Cell {
         self.watching.recording = None;
+        self.watching.frames = None;
         self
     }
 

@@ -10,7 +10,7 @@ use crate::control::plant::Site;
 use crate::control::replay::RecordedRun;
 use crate::control::sensing::{Asking, Reads, Sensing, SensorPort, Source};
 use crate::control::vsp::{Aggregator, Boards, Orders, Vsp};
-use crate::link::{Client, Link, Server};
+use crate::link::{Client, Link, Server, Simulation};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::image::Sensor;
 use crate::model::name::Name;
@@ -18,6 +18,7 @@ use crate::model::sensor::{CONFIGURATION_WORDS, MAX_AGE, VirtualSensor, VspMode}
 use crate::model::time::Nanos;
 use crate::model::wire::{WORDS, Wire};
 use crate::observe::layout::SensorLayout;
+use crate::observe::recording::{FramesTo, NotRecorded, Recorder};
 
 /// A virtual sensor of a cell.
 pub struct SensorSetup<V: VirtualSensor> {
@@ -181,6 +182,8 @@ pub(super) struct Requesters<'a> {
     pub ecps: &'a [usize],
     pub mp_sensing: &'a mut Sensing,
     pub ecp_sensing: &'a mut [Sensing],
+    /// Where frames go, and what writes them.
+    pub frames: Option<(FramesTo, &'static dyn Recorder)>,
     /// Sensors that want the state of a robot from the robot's EDP.
     pub wanted: Vec<StateWanted>,
 }
@@ -236,7 +239,9 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
         if let Some(recorded) = among.recorded.clone() {
             return self.replay(among, &recorded);
         }
-        let Requesters { link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, wanted, .. } = among;
+        let Requesters {
+            link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, wanted, frames, ..
+        } = among;
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(robots)?;
         let process = ProcessId::new(Role::Vsp, name);
@@ -279,7 +284,16 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             wanted.push(StateWanted { robot, vsp: place, board: Rc::clone(&board) });
             board
         });
-        let sensor = self.sensor;
+        let mut sensor = self.sensor;
+        let raw = plant.place_of(&sensor).unwrap_or(place);
+        if let Some((to, recorder)) = frames.as_ref().filter(|_| link.is_here(raw))
+            && let Some(queue) = sensor.frames()
+        {
+            // Nobody waits for a thread in real time.
+            let waits = link.simulation() != Simulation::Free;
+            let begun = queue.write_to(&self.name, waits, recorder.frames(to, &self.name));
+            begun.map_err(|error| NotRecorded::Frames(self.name.clone(), error.to_string()))?;
+        }
         let configuration = self.configuration;
         let latency = self.latency.as_nanos() as Nanos;
         let orders = match self.mode {

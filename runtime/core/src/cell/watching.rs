@@ -1,11 +1,13 @@
 //! Who looks on at the run of a cell: witnesses, and a recording; and a recording that it replays.
 
+use core::time::Duration;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use crate::control::plant::Body;
 use crate::control::replay::RecordedRun;
 use crate::observe::layout::{BodyLayout, Layout};
-use crate::observe::recording::{NotRecorded, Recorder, Recording, RunRecord};
+use crate::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
 use crate::observe::witness::Witness;
 
 /// Those who look on.
@@ -18,6 +20,8 @@ pub(super) struct Watching {
     pub recording: Option<Recording>,
     /// What writes it.
     pub recorder: Option<&'static dyn Recorder>,
+    /// The folder for the frames of sensors.
+    pub frames: Option<PathBuf>,
     /// Whether observers look at simulated drives where those are, and not in their EDPs.
     pub watched_in_plant: bool,
     /// What it replays.
@@ -25,6 +29,13 @@ pub(super) struct Watching {
 }
 
 impl Watching {
+    /// Where the frames of sensors go, in a cell with steps of this length; nothing if nobody wants them.
+    pub fn frames_to(&self, step: Duration) -> Option<(FramesTo, &'static dyn Recorder)> {
+        let to = FramesTo { recording: self.recording.clone(), folder: self.frames.clone(), step };
+        let is_wanted = to.recording.is_some() || to.folder.is_some();
+        self.recorder.filter(|_| is_wanted).map(|recorder| (to, recorder))
+    }
+
     /// Begins the recording that is asked for, of a cell that is made of this.
     ///
     /// # Errors

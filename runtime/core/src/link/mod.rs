@@ -210,6 +210,11 @@ pub trait Link {
     /// [`Stuck`] if the process cannot have one.
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck>;
 
+    /// Whether the process at `place` runs in this process of the operating system.
+    fn is_here(&self, _place: usize) -> bool {
+        true
+    }
+
     /// Where it puts simulated drives.
     fn simulation(&self) -> Simulation {
         Simulation::InEdps

@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use crate::model::fault::Fault;
+use crate::model::frames::Frames;
 use crate::model::image::Sensor;
 use crate::model::joints::MAX_JOINTS;
 use crate::model::pose::Pose;
@@ -33,6 +34,11 @@ pub trait VirtualSensor: 'static {
     /// own, `plant`, with all simulated drives, and so is this sensor: its VSP passes orders on.
     fn is_simulated(&self) -> bool {
         false
+    }
+
+    /// What it hands its images or echoes to, if it has any: they are recorded, and drawn, outside of the control step.
+    fn frames(&mut self) -> Option<&mut Frames> {
+        None
     }
 }
 

@@ -27,6 +27,11 @@ impl TypeName {
         TypeName(core::any::type_name::<T>())
     }
 
+    /// An instruction that has no generator or condition, by the name of its method.
+    pub(crate) const fn named(method: &'static str) -> TypeName {
+        TypeName(method)
+    }
+
     /// The first `N` bytes of the name as it is shown, and how many bytes there are; without allocation.
     #[must_use]
     pub fn bytes<const N: usize>(self) -> ([u8; N], usize) {

@@ -2,11 +2,13 @@
 //! [`Recorder`].
 
 use core::fmt;
+use core::time::Duration;
 use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use crate::model::fault::ProcessId;
+use crate::model::frames::FrameSink;
 use crate::model::time::Clock;
 use crate::observe::layout::Layout;
 use crate::observe::witness::Witness;
@@ -28,6 +30,9 @@ pub enum NotRecorded {
     /// Of a robot or a sensor that is not there.
     #[error("the recording asks for {0} `{1}`, which the cell does not have\n help: the cell has: {2}")]
     NotThere(&'static str, String, String),
+    /// The frames of a sensor have no thread that writes them.
+    #[error("the frames of sensor `{0}` are not recorded: {1}")]
+    Frames(String, String),
     /// The program was built without the crate that records.
     #[error(
         "this program was built without recording\n help: build it with mrroc's feature `recording`: cargo run --release --features mrroc/recording -- --record run.mcap"
@@ -65,6 +70,20 @@ pub trait Recorder: fmt::Debug + Sync {
         process: ProcessId,
         folder: &Path,
     ) -> Option<Rc<dyn RunRecord>>;
+
+    /// What writes the frames of a sensor. Nothing is opened before the first frame.
+    fn frames(&self, to: &FramesTo, sensor: &str) -> Box<dyn FrameSink>;
+}
+
+/// Where the frames of sensors go: images and echoes.
+#[derive(Clone, Debug, Default)]
+pub struct FramesTo {
+    /// Beside this recording, in a file of the sensor's own, if it is to have the sensor.
+    pub recording: Option<Recording>,
+    /// As PNG files, in a folder of the sensor's own in this one.
+    pub folder: Option<PathBuf>,
+    /// The length of a step.
+    pub step: Duration,
 }
 
 /// A run that is being recorded.

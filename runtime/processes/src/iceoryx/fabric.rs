@@ -262,6 +262,10 @@ impl Link for Fabric {
         Ok(())
     }
 
+    fn is_here(&self, place: usize) -> bool {
+        self.here(place)
+    }
+
     fn simulation(&self) -> Simulation {
         match self.clock {
             Clock::Virtual => Simulation::Asked,

@@ -88,6 +88,13 @@ impl StepClock {
         Tick { step, dt: self.dt, duration: self.duration }
     }
 
+    /// The time of the first step of a motion from a standstill: no period of it can have been skipped.
+    pub fn first_tick(&self) -> Tick {
+        let duration = self.period as f64 * 1e-9;
+        let dt = if self.is_standing() { 0.0 } else { self.feed.rate() * duration };
+        Tick { step: 0, dt, duration }
+    }
+
     /// An exchange takes place in this step, or it passes without one.
     pub const fn spend(&mut self) {
         self.used = true;

@@ -10,31 +10,40 @@ use crate::model::sensor::EffectorState;
 use crate::model::wire::Wire;
 use crate::safety::braking::BrakingLaw;
 
+use super::background::Background;
 use super::{Mp, stops};
 
 /// The message of the fault of an ECP that does not answer.
 pub(super) const SILENT: &str = "no answer from the ECP: its program computes or waits elsewhere";
 
-/// What the robots of an exchange bound: those that an instruction does not name, nothing.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Bounds {
-    Rate,
-    Nothing,
+/// What the replies of an exchange say about all robots.
+pub(super) struct Gathered {
+    /// The first cause of what is wrong.
+    pub first: Option<Fault>,
+    /// What a robot is to be stopped for on its path.
+    trouble: Option<Fault>,
+    /// How fast the robots may slow down together.
+    pub law: BrakingLaw,
+}
+
+impl Gathered {
+    const NOTHING: Gathered = Gathered { first: None, trouble: None, law: BrakingLaw::UNLIMITED };
 }
 
 impl Mp<'_> {
-    /// Scatter and gather: sends every robot its order, then collects every reply. Where the guard is to look, the other
-    /// robots are asked for their states after that.
+    /// Scatter and gather: sends every robot its order, then collects every reply; those that move in the background have
+    /// their orders of the step with the first exchange in it. Where the guard is to look, the other robots are asked for
+    /// their states after that.
     pub(super) fn exchange(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
         let moves_on = !matches!(kind, OrderKind::Stop | OrderKind::Reset);
         if !moves_on || !self.stops.guard_is_due(self.clock.step()) {
-            return self.scatter_and_gather(indices, kind, flags, Bounds::Rate);
+            return self.scatter_and_gather(indices, kind, flags);
         }
-        self.scatter_and_gather(indices, kind, flags | flag::WANT_STATE, Bounds::Rate)?;
+        self.scatter_and_gather(indices, kind, flags | flag::WANT_STATE)?;
         for other in 0..self.robots.len() {
-            // One whose drives still look for their marks has no state to tell.
-            if !indices.contains(&other) && !self.robots[other].handed_over {
-                self.scatter_and_gather(&[other], OrderKind::Query, flag::WANT_STATE, Bounds::Nothing)?;
+            // One whose drives still look for their marks has no state to tell; one in the background has told it.
+            if !indices.contains(&other) && !self.robots[other].handed_over && !self.background.has(other) {
+                self.query(other)?;
             }
         }
         self.stops.let_guard_look(&self.robots, self.clock.step());
@@ -45,85 +54,138 @@ impl Mp<'_> {
     /// without.
     pub(super) fn ask(&mut self, index: usize) -> Result<(), Fault> {
         let is_spent = self.clock.is_spent();
-        self.scatter_and_gather(&[index], OrderKind::Query, flag::WANT_STATE, Bounds::Nothing)?;
+        self.query(index)?;
         if !is_spent {
             self.keep_unless_late();
         }
         Ok(())
     }
 
-    fn scatter_and_gather(
+    /// Asks a robot that no instruction names for its state: it bounds nothing.
+    fn query(&mut self, index: usize) -> Result<(), Fault> {
+        self.clock.spend();
+        self.send(index, OrderKind::Query, flag::WANT_STATE, self.robots.law);
+        self.await_answers(&[index])?;
+        let mut gathered = Gathered::NOTHING;
+        self.look(index, &mut gathered);
+        self.judge(gathered)
+    }
+
+    fn scatter_and_gather(&mut self, indices: &[usize], kind: OrderKind, flags: u32) -> Result<(), Fault> {
+        let mut beside = self.background.lend(kind, flags);
+        let outcome = self.exchange_beside(&mut beside, indices, kind, flags);
+        self.background.take_back(beside);
+        outcome
+    }
+
+    fn exchange_beside(
         &mut self,
+        beside: &mut Background,
         indices: &[usize],
         kind: OrderKind,
         flags: u32,
-        bounds: Bounds,
     ) -> Result<(), Fault> {
         self.clock.spend();
-        let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
-        let instruction = self.robots.ordinal;
-        let epoch = self.robots.epoch;
+        beside.send(self)?;
         let law = self.robots.law;
-        for &index in indices {
-            let robot = &mut self.robots[index];
-            let header = &mut robot.order.header;
-            header.kind = Kind::Order(kind);
-            header.flags = flags;
-            header.step = self.clock.step();
-            header.instruction = instruction;
-            header.dt = self.clock.dt();
-            header.duration = self.clock.duration();
-            header.epoch = epoch;
-            header.law = law;
-            if kind != OrderKind::Step {
-                header.len = 0;
-            }
-            robot.client.send(&robot.order);
-            robot.show_order(kind, &self.witnesses, self.host.waiter.now());
-        }
-        self.await_answers(indices)?;
-        let mut first: Option<Fault> = None;
-        let mut law = BrakingLaw::UNLIMITED;
-        let mut trouble = None;
-        for &index in indices {
-            let robot = &self.robots[index];
-            let fault = match robot.reply.header.kind {
-                _ if robot.is_silent => {
-                    let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(SILENT);
-                    Some(silent.at_step(self.clock.step()))
-                }
-                Kind::Fault => Some(robot.reply.fault()),
-                Kind::Reply | Kind::Order(_) | Kind::Request(_) | Kind::Command | Kind::Read => {
-                    if robot.reply.is(flag::TROUBLE) {
-                        trouble = trouble.or(Some(robot.reply.fault()));
-                    }
-                    if bounds == Bounds::Rate {
-                        self.clock.feed.limit(robot.reply.header.headroom);
-                        law = law.and(robot.reply.header.law);
-                    }
-                    None
-                }
-            };
-            if let Some(fault) = fault {
-                let earlier = first.as_ref().is_none_or(|first| stops::precedes(&fault, first));
-                if earlier {
-                    first = Some(fault);
+        let mut gathered = Gathered::NOTHING;
+        let in_background = |mp: &Mp<'_>, index| beside.has(index) || mp.background.has(index);
+        if kind == OrderKind::Query && indices.iter().any(|&index| in_background(self, index)) {
+            // A Wait that names a robot in the background: that one tells its state with every order.
+            for &index in indices {
+                if !in_background(self, index) {
+                    self.send(index, kind, flags, law);
+                    self.await_answers(&[index])?;
+                    self.gather(&[index], &mut gathered);
                 }
             }
+        } else {
+            for &index in indices {
+                self.send(index, kind, flags, law);
+            }
+            self.await_answers(indices)?;
+            self.gather(indices, &mut gathered);
         }
-        if bounds == Bounds::Rate {
-            self.robots.law = law;
+        self.robots.law = gathered.law;
+        beside.collect(self, &mut gathered)?;
+        self.judge(gathered)
+    }
+
+    /// Sends a robot an order of this step.
+    pub(super) fn send(&mut self, index: usize, kind: OrderKind, flags: u32, law: BrakingLaw) {
+        let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
+        let ordinal = self.robots.ordinal;
+        let epoch = self.robots.epoch;
+        let robot = &mut self.robots[index];
+        let header = &mut robot.order.header;
+        header.kind = Kind::Order(kind);
+        header.flags = flags;
+        header.step = self.clock.step();
+        header.instruction = match kind {
+            OrderKind::Start | OrderKind::Step | OrderKind::End | OrderKind::Abort => robot.instruction,
+            OrderKind::Query | OrderKind::Brake | OrderKind::Stop | OrderKind::Reset => ordinal,
+        };
+        header.dt = self.clock.dt();
+        header.duration = self.clock.duration();
+        header.epoch = epoch;
+        header.law = law;
+        if kind != OrderKind::Step {
+            header.len = 0;
         }
-        if let Some(trouble) = trouble {
+        robot.client.send(&robot.order);
+        robot.show_order(kind, &self.witnesses, self.host.waiter.now());
+    }
+
+    /// What the replies of robots say that an instruction, or a motion in the background, names: they bound the rate of path
+    /// time.
+    pub(super) fn gather(&mut self, indices: &[usize], gathered: &mut Gathered) {
+        for &index in indices {
+            if self.look(index, gathered) {
+                let header = &self.robots[index].reply.header;
+                self.clock.feed.limit(header.headroom);
+                gathered.law = gathered.law.and(header.law);
+            }
+        }
+    }
+
+    /// What the reply of a robot says; whether it is no fault.
+    fn look(&self, index: usize, gathered: &mut Gathered) -> bool {
+        let robot = &self.robots[index];
+        let fault = match robot.reply.header.kind {
+            _ if robot.is_silent => {
+                let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(SILENT);
+                silent.at_step(self.clock.step())
+            }
+            Kind::Fault => robot.reply.fault(),
+            Kind::Reply | Kind::Order(_) | Kind::Request(_) | Kind::Command | Kind::Read => {
+                if gathered.trouble.is_none() && robot.reply.is(flag::TROUBLE) {
+                    gathered.trouble = Some(robot.reply.fault());
+                }
+                return true;
+            }
+        };
+        let earlier = gathered.first.as_ref().is_none_or(|first| stops::precedes(&fault, first));
+        if earlier {
+            gathered.first = Some(fault);
+        }
+        false
+    }
+
+    /// Begins the stop that a reply asks for.
+    ///
+    /// # Errors
+    /// The first cause of what is wrong.
+    fn judge(&mut self, gathered: Gathered) -> Result<(), Fault> {
+        if let Some(trouble) = gathered.trouble {
             self.stops.protect(trouble, self.clock.step());
         }
-        first.map_or(Ok(()), Err)
+        gathered.first.map_or(Ok(()), Err)
     }
 
     /// Waits for the answers of robots that were sent their orders, or until it is too late for them.
     ///
     /// The last one is waited for first: mostly the others have answered by then, and the MP wakes once in a step.
-    fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
+    pub(super) fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
         let waiting = self.sensing.patience.begin(self.host.waiter);
         for &index in indices.iter().rev() {
             let robot = &mut self.robots[index];

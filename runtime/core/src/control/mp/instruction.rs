@@ -19,6 +19,7 @@ impl Mp<'_> {
         payload: impl Fn(usize) -> PayloadType,
     ) -> Result<(), Fault> {
         self.robots.ordinal += 1;
+        let ordinal = self.robots.ordinal;
         let left_out = |(index, robot): &(usize, &RobotPort)| robot.handed_over && !indices.contains(index);
         if let Some((_, robot)) = self.robots.iter().enumerate().find(left_out) {
             let text =
@@ -26,12 +27,13 @@ impl Mp<'_> {
             return Err(Fault::thrown(&text));
         }
         let goes_on = self.robots.take_handed_over();
-        if !goes_on {
+        if !goes_on && self.background.is_empty() {
             self.clock.start(self.wanted_rate());
         }
         for (i, &index) in indices.iter().enumerate() {
             let robot = &mut self.robots[index];
             robot.payload = payload(i);
+            robot.instruction = ordinal;
             robot.order.header.payload = robot.payload.id;
             robot.order.header.len = 0;
         }
@@ -81,17 +83,25 @@ impl Mp<'_> {
         }
     }
 
-    /// The end that the operator or a guard wants, at standstill on the path.
+    /// The end that the operator or a guard wants, at standstill on the path: of the instruction and of all motions in the
+    /// background.
     pub(super) fn abort(&mut self, indices: &[usize]) -> Result<(), Fault> {
         let fault = self.ending();
-        self.end(indices, OrderKind::Abort, 0)?;
+        if self.background.is_served(self.clock.step()) {
+            // Its robots have had their orders of this step: what ends them comes in the next one.
+            self.clock.spend();
+        }
+        let mut all = self.background.clear();
+        all.extend_from_slice(indices);
+        self.end(&all, OrderKind::Abort, 0)?;
         Err(fault)
     }
 
     /// Robots that a blend left moving come to a standstill.
     pub(super) fn settle(&mut self) -> Result<(), Fault> {
         if self.robots.take_handed_over() {
-            let indices = self.robots.all();
+            let mut indices = self.robots.all();
+            indices.retain(|&index| !self.background.has(index));
             loop {
                 self.begin_step()?;
                 self.exchange(&indices, OrderKind::Brake, flag::WANT_STATE)?;
@@ -131,6 +141,7 @@ impl Mp<'_> {
         let fault = self.stops.latched.get_or_insert(fault).clone();
         let _ = self.operating.operator.meet(Event::Fault);
         self.robots.take_handed_over();
+        self.background.clear();
         self.bring_to_rest();
         self.operating.operator.show_cause(&fault);
         let _ = self.operating.operator.meet(Event::Standstill);

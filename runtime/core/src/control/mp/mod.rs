@@ -3,10 +3,13 @@
 //! In: the ECPs' replies and its virtual sensors. Out: orders, one per robot of the instruction and step. Only the MP
 //! sets the pace of the cell. [`clock`] says when a step begins and how much path time it has. [`exchange`] sends one
 //! order to each robot and collects the replies; [`instruction`] opens, ends and stops instructions by such exchanges.
-//! [`motion`] is Move and [`waiting`] is Wait. [`restart`] runs the program, and runs it again after a reset.
+//! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`course`] how
+//! far a generator has come. [`restart`] runs the program, and runs it again after a reset.
 //! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`stops`] the causes of stops.
 
+mod background;
 mod clock;
+mod course;
 mod exchange;
 mod instruction;
 mod motion;
@@ -41,6 +44,7 @@ use crate::operator::button::CellState;
 use crate::operator::state::Doing;
 use crate::safety::rate::Feed;
 
+use background::Background;
 use clock::StepClock;
 use operating::Operating;
 pub(crate) use operating::StepHook;
@@ -53,6 +57,7 @@ pub struct Mp<'w> {
     host: Host<'w>,
     robots: RobotPorts,
     sensing: Sensing,
+    background: Background,
     clock: StepClock,
     operating: Operating,
     stops: Stops,
@@ -89,6 +94,7 @@ impl<'w> Mp<'w> {
             robots: RobotPorts::new(robots),
             witnesses: sensing.witnesses.clone(),
             sensing,
+            background: Background::default(),
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
             operating: Operating::new(operator, hook, activity),
             stops: Stops::default(),
@@ -253,7 +259,7 @@ impl<'w> Mp<'w> {
         self.operating.show_instruction(doing, by);
         self.check_latch()?;
         self.show_instruction(doing, by);
-        if !self.robots.any_handed_over() {
+        if !self.robots.any_handed_over() && self.background.is_empty() {
             // The time that a program takes while its robots stand does not count as lateness.
             self.host.meter.own_time();
         }
@@ -277,10 +283,18 @@ impl<'w> Mp<'w> {
         if outcome.is_ok() && self.robots.any_handed_over() {
             return outcome;
         }
+        let outcome = match outcome {
+            Ok(_) if self.is_ending() && !self.background.is_empty() => {
+                let fault = self.rest_background().err().unwrap_or_else(|| self.ending());
+                Err(self.conclude(fault))
+            }
+            outcome => outcome,
+        };
         let aborted = self.operating.operator.end();
         if outcome.is_ok() && (aborted || self.stops.protective.is_some()) {
             // An abort that came just as the instruction ended counts, too: the program must not go on.
-            let fault = self.ending();
+            let ended = if self.background.is_empty() { Ok(()) } else { self.abort(&[]) };
+            let fault = ended.err().unwrap_or_else(|| self.ending());
             return Err(self.conclude(fault));
         }
         outcome

@@ -4,12 +4,13 @@
 
 use crate::link::message::{OrderKind, flag};
 use crate::model::each::Each;
-use crate::model::fault::{Fault, FaultKind};
+use crate::model::fault::Fault;
 use crate::model::generator::Generator;
 use crate::model::list::{
-    Motion, PayloadType, Reading, RobotHandle, Robots, RobotsOf, SensorList, SensorsOf, State,
+    Motion, PayloadType, Reading, RobotHandle, Robots, RobotsOf, SensorList, SensorsOf,
 };
-use crate::model::payload::{Nudge, Order};
+use crate::model::moved::RobotsMovedBy;
+use crate::model::payload::Nudge;
 use crate::model::robot::Robot;
 use crate::model::step::Step;
 use crate::model::type_name::TypeName;
@@ -17,6 +18,8 @@ use crate::model::type_name::TypeName;
 use crate::operator::state::Doing;
 
 use super::Mp;
+use super::background::is_together;
+use super::course::Course;
 
 impl Mp<'_> {
     /// **Move**: generates the next states of the robots, step by step, until the generator is done (a motion
@@ -28,7 +31,7 @@ impl Mp<'_> {
     /// The [`Fault`] that ended the motion, at standstill.
     pub fn move_robots<G: Generator>(
         &mut self,
-        robots: impl RobotsOf<G::Robots>,
+        robots: impl RobotsMovedBy<G, G::Language, G::Robots>,
         sensors: impl SensorsOf<G::Sensors>,
         generator: G,
     ) -> Result<G, Fault> {
@@ -96,7 +99,7 @@ impl Mp<'_> {
     /// The [`Fault`] that ended the motion, at standstill.
     pub fn blend_robots<G: Generator>(
         &mut self,
-        robots: impl RobotsOf<G::Robots>,
+        robots: impl RobotsMovedBy<G, G::Language, G::Robots>,
         sensors: impl SensorsOf<G::Sensors>,
         generator: G,
     ) -> Result<G, Fault> {
@@ -107,21 +110,20 @@ impl Mp<'_> {
         &mut self,
         mut robots: impl RobotsOf<G::Robots>,
         mut sensors: impl SensorsOf<G::Sensors>,
-        mut generator: G,
+        generator: G,
         ending: u32,
     ) -> Result<G, Fault> {
         self.check_handles(&robots, &sensors)?;
         let indices = robots.indices();
         let indices = indices.as_ref();
-        let mut e = State::new(robots.images());
-        let mut v = Reading::new(sensors.images());
+        let mut course = Course::new(generator, robots.images(), sensors.images())?;
         let outcome = self.instruction(Doing::Move, TypeName::of::<G>(), |mp| {
-            mp.generate(indices, &sensors, &mut generator, &mut e, &mut v)?;
+            mp.generate(indices, &sensors, &mut course)?;
             mp.end(indices, OrderKind::End, ending)
         });
         self.robots.each_image(indices, |i, words| robots.refresh(i, words))?;
-        sensors.store(&v);
-        outcome.map(|()| generator)
+        sensors.store(&course.v);
+        outcome.map(|()| course.generator)
     }
 
     /// Eq. 6: START, the first step, then a step of the generator and an exchange, until it is done.
@@ -129,19 +131,17 @@ impl Mp<'_> {
         &mut self,
         indices: &[usize],
         sensors: &impl SensorsOf<G::Sensors>,
-        generator: &mut G,
-        e: &mut State<G::Robots>,
-        v: &mut Reading<G::Sensors>,
+        course: &mut Course<G>,
     ) -> Result<(), Fault> {
         let first_uses = const { G::CLASS.first_uses() };
         let next_uses = const { G::CLASS.next_uses() };
         let wants_state = next_uses.robots || <G::Sensors as SensorList>::LEN > 0;
-        let order = Order::unread().map_err(|_| Fault::new(FaultKind::Message))?;
         let payload = <G::Robots as Robots<G::Language>>::payload;
-        let together = indices.len() > 1 && (0..indices.len()).all(|i| payload(i).tight);
+        let together = is_together(indices.len(), payload);
         let state_flag = if wants_state { flag::WANT_STATE } else { 0 };
         let flags = state_flag | if together { flag::TOGETHER } else { 0 };
         self.begin_step()?;
+        self.take_over(indices)?;
         let handed_over = self.robots.any_handed_over();
         self.start(indices, payload)?;
         if self.learn_states(sensors)? {
@@ -150,61 +150,44 @@ impl Mp<'_> {
         }
         if first_uses.sensors {
             self.order_readings(sensors);
-            self.sensing.collect(sensors, v, self.host.waiter, self.clock.step())?;
+            self.sensing.collect(sensors, &mut course.v, self.host.waiter, self.clock.step())?;
             self.keep_unless_late();
         }
-        let mut step = 0;
         loop {
             self.begin_step()?;
-            if step == 0 && !handed_over {
+            let from_rest = course.is_first() && !handed_over;
+            if from_rest && self.background.is_empty() {
                 self.clock.count_from_here();
             }
             if self.is_at_rest_on_path()? {
                 return self.abort(indices);
             }
-            let t = self.clock.tick(step);
-            let suspended = self.clock.is_standing();
-            let uses = if step == 0 { first_uses } else { next_uses };
-            if uses.robots {
-                self.robots.read_images::<G::Robots>(indices, e)?;
+            // Other robots' path time counts every period.
+            let t = if from_rest { self.clock.first_tick() } else { self.clock.tick(course.step) };
+            if course.uses().robots {
+                self.robots.read_images::<G::Robots>(indices, &mut course.e)?;
             }
-            let next = if suspended && (step == 0 || !next_uses.tick) {
-                None
-            } else if step == 0 {
-                Some(generator.first_step(&order, e, v, t).map_err(Fault::thrown_by_program)?)
-            } else {
-                Some(generator.next_step(&order, e, v, t).map_err(Fault::thrown_by_program)?)
-            };
-            let demands = match next {
+            match course.next(t, self.clock.is_standing())? {
                 // An abort that the motion's own end forestalled is an abort: the program must not go on.
                 Some(Step::Done) if self.is_ending() => return self.abort(indices),
                 Some(Step::Done) => return Ok(()),
                 Some(Step::Next(demands)) => {
-                    // Suspended, nothing moves whatever a generator returns, but orders say what they say.
-                    step += u64::from(!suspended);
-                    Some(demands)
+                    self.robots.write::<G::Robots, G::Language>(indices, &demands);
                 }
-                None => None,
-            };
-            if let Some(demands) = &demands {
-                for (i, &index) in indices.iter().enumerate() {
-                    let order = &mut self.robots[index].order;
-                    let used = <G::Robots as Robots<G::Language>>::write(demands, i, &mut order.body);
-                    order.header.len = used as u32;
+                None if course.is_first() => {
+                    // Suspended before the first step: there is no order to give yet.
+                    self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
+                    if first_uses.sensors {
+                        self.order_readings(sensors);
+                        self.sensing.collect(sensors, &mut course.v, self.host.waiter, self.clock.step())?;
+                    }
+                    continue;
                 }
-            }
-            if demands.is_none() && step == 0 {
-                // Suspended before the first step: there is no order to give yet.
-                self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
-                if first_uses.sensors {
-                    self.order_readings(sensors);
-                    self.sensing.collect(sensors, v, self.host.waiter, self.clock.step())?;
-                }
-                continue;
+                None => {}
             }
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Step, flags)?;
-            self.collect_on_path(sensors, v)?;
+            self.collect_on_path(sensors, &mut course.v)?;
             if self.finished(indices, const { G::ENDS }, payload)? {
                 return Ok(());
             }
@@ -238,12 +221,7 @@ impl Mp<'_> {
         if all && !ends {
             return if self.is_ending() { self.abort(indices).map(|()| true) } else { Ok(true) };
         }
-        for (i, &index) in indices.iter().enumerate() {
-            if self.robots[index].reply.is(flag::FINISHED) && payload(i).tight {
-                let fault = Fault::new(FaultKind::FinishedEarly).in_process(self.robots[index].process());
-                return Err(fault.at_step(self.clock.step()));
-            }
-        }
+        self.robots.refuse_early(indices, payload, self.clock.step())?;
         Ok(false)
     }
 

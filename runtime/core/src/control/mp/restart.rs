@@ -60,7 +60,8 @@ impl Mp<'_> {
         });
         let outcome = match std::panic::catch_unwind(run) {
             Ok(outcome) => {
-                let settled = self.settle().map_err(|fault| self.stop(fault));
+                let settled = self.settle().and_then(|()| self.end_background());
+                let settled = settled.map_err(|fault| self.stop(fault));
                 // A program that swallows a latched fault does not undo it.
                 let latched = self.stops.latched.clone().map_or(Ok(()), Err);
                 outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)

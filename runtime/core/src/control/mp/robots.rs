@@ -13,7 +13,7 @@ use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::RobotImage;
 use crate::model::joints::JointVector;
 use crate::model::list::State;
-use crate::model::list::{Owner, PayloadType, RobotHandle, RobotList};
+use crate::model::list::{Owner, PayloadType, RobotHandle, RobotList, Robots};
 use crate::model::name::Name;
 use crate::model::robot::Robot;
 use crate::model::sensor::EffectorState;
@@ -39,8 +39,9 @@ pub(crate) struct RobotPort {
     pub(super) is_silent: bool,
     /// Whether the last instruction handed it over moving.
     pub(super) handed_over: bool,
-    /// The type of its orders.
+    /// The type of its orders, and the ordinal of the instruction that they belong to.
     pub(super) payload: PayloadType,
+    pub(super) instruction: u32,
     pub(super) order: Message,
     pub(super) reply: Message,
 }
@@ -65,6 +66,7 @@ impl RobotPort {
             is_silent: false,
             handed_over: false,
             payload: PayloadType::of::<()>(),
+            instruction: 0,
             order: Message::empty(),
             reply: Message::empty(),
         }
@@ -212,6 +214,32 @@ impl RobotPorts {
     /// Steps after which every robot must stand that was told to stop.
     pub fn stop_steps(&self) -> u64 {
         self.ports.iter().map(|robot| robot.stop_steps).max().unwrap_or(0)
+    }
+
+    /// Writes the demands of the robots of a list into their orders.
+    pub fn write<L: Robots<O>, O>(&mut self, indices: &[usize], demands: &L::Demands) {
+        for (i, &index) in indices.iter().enumerate() {
+            let order = &mut self.ports[index].order;
+            order.header.len = L::write(demands, i, &mut order.body) as u32;
+        }
+    }
+
+    /// With tight orders no ECP may finish before the MP's motion is done.
+    ///
+    /// # Errors
+    /// `FinishedEarly` for the first one that has.
+    pub fn refuse_early(
+        &self,
+        indices: &[usize],
+        payload: impl Fn(usize) -> PayloadType,
+        step: u64,
+    ) -> Result<(), Fault> {
+        for (i, robot) in indices.iter().map(|&index| &self.ports[index]).enumerate() {
+            if robot.reply.is(flag::FINISHED) && payload(i).tight {
+                return Err(Fault::new(FaultKind::FinishedEarly).in_process(robot.process()).at_step(step));
+            }
+        }
+        Ok(())
     }
 
     /// The images in the last replies of the robots of a list.

@@ -76,16 +76,19 @@ impl Mp<'_> {
         let mut step = 0;
         loop {
             self.begin_step()?;
-            if self.is_ending() {
+            if self.is_ending() && self.background.is_empty() {
                 return Err(self.ending());
+            }
+            if self.is_at_rest_on_path()? {
+                return self.abort(&[]);
             }
             self.learn_states(sensors)?;
             self.order_readings(sensors);
             self.exchange(indices, OrderKind::Query, flag::WANT_STATE)?;
             self.sensing.collect(sensors, v, self.host.waiter, self.clock.step())?;
             self.robots.read_images::<C::Robots>(indices, e)?;
-            if self.clock.is_suspended() {
-                // Suspended, a Wait waits on.
+            if self.clock.is_suspended() || self.is_ending() {
+                // Suspended, a Wait waits on; one that is to end does so when the robots in the background stand.
                 continue;
             }
             let t = self.clock.tick(step);

@@ -128,6 +128,11 @@ impl Site {
         drive
     }
 
+    /// The place of the plant, if it has one and senses what this sensor does.
+    pub(crate) fn place_of(&self, sensor: &impl VirtualSensor) -> Option<usize> {
+        self.place.filter(|_| sensor.is_simulated())
+    }
+
     /// Takes the raw sensors of the VSP at `vsp`, if they are simulated and the plant has a place; returns what the VSP has
     /// of them.
     pub(crate) fn take_sensor<V: VirtualSensor>(
@@ -136,7 +141,7 @@ impl Site {
         vsp: usize,
         aggregator: Aggregator<V>,
     ) -> RawSensors<V> {
-        let Some(plant) = self.place.filter(|_| aggregator.sensor.is_simulated()) else {
+        let Some(plant) = self.place_of(&aggregator.sensor) else {
             return RawSensors::Here(aggregator);
         };
         let (port, server) = link.port(vsp, plant);

@@ -11,8 +11,8 @@ mod shared;
 mod tuples;
 
 pub use images::{Reading, State};
-#[doc(hidden)]
-pub use robots::PayloadType;
 pub use robots::{AnyRobots, Language, Motion, Owner, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf};
+#[doc(hidden)]
+pub use robots::{ListOf, PayloadType, Spoken};
 pub use sensors::{SensorHandle, SensorList, SensorsEach, SensorsOf};
 pub use shared::{JoinedRobots, SharedRobots, SharedSensors};

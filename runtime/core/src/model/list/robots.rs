@@ -69,6 +69,14 @@ impl<R: Robot, P: Payload> Language<R> for P {
     type Item = P;
 }
 
+/// A language in which robots can be told something.
+#[doc(hidden)]
+pub trait Spoken {}
+
+impl Spoken for Motion {}
+
+impl<P: Payload> Spoken for P {}
+
 impl<R: Robot> Payload for Demand<R> {
     const NAME: &'static str = "Demand";
     const TIGHT: bool = true;
@@ -309,8 +317,8 @@ impl<R: Robot> fmt::Debug for RobotHandle<R> {
 #[diagnostic::on_unimplemented(
     message = "these are not the robots of the list `{L}`",
     label = "the list asks for `{L}`",
-    note = "pass one `&mut` handle for each robot of the list, in its order: `(&mut rnt, &mut polycrank)` for `(Rnt, Polycrank)`; a single robot needs a comma: `(&mut rnt,)`",
-    note = "a handle is asked for once, by `let mut rnt = mp.robot::<Rnt>(\"rnt\")?`; a motion of one robot, whose list is `Rnt` alone, is moved by `move_robot`: `mp.move_robot(&mut rnt, (), motion)`; such motions of several robots at once by `mp.move_robots((&mut a, &mut b), (), Each::of((motion, motion)))`"
+    note = "pass one `&mut` handle for each robot of the list `{L}`, in its order; these are `{Self}`",
+    note = "a list of one robot needs a comma: `(&mut rnt,)`; a handle is asked for once, by `let mut rnt = mp.robot::<Rnt>(\"rnt\")?`"
 )]
 pub trait RobotsOf<L: RobotList> {
     /// An array as long as the list.
@@ -333,6 +341,13 @@ pub trait RobotsOf<L: RobotList> {
     #[doc(hidden)]
     fn refresh(&mut self, i: usize, words: &[u64]) -> Result<(), BadWords>;
 }
+
+/// Handles that are of one list and no other: from these the compiler learns the list of a generator that is for any.
+#[doc(hidden)]
+pub trait ListOf<L: RobotList>: RobotsOf<L> {}
+
+#[diagnostic::do_not_recommend]
+impl<R: Robot, const N: usize> ListOf<[R; N]> for [&mut RobotHandle<R>; N] {}
 
 #[diagnostic::do_not_recommend]
 impl<R: Robot, const N: usize> RobotsOf<[R; N]> for [&mut RobotHandle<R>; N] {

@@ -88,7 +88,8 @@ impl<S: Sensor> fmt::Debug for SensorHandle<S> {
 #[diagnostic::on_unimplemented(
     message = "these are not the sensors of the list `{L}`",
     label = "the list asks for `{L}`",
-    note = "pass one `&mut` handle for each sensor of the list, in its order: `(&mut force,)` for `(WristForce,)`, `()` for none",
+    note = "pass one `&mut` handle for each sensor of the list `{L}`, in its order, `()` for none; these are `{Self}`",
+    note = "a list of one sensor needs a comma: `(&mut force,)`",
     note = "a handle is asked for once, by `let mut force = mp.sensor::<WristForce>(\"force\")?`"
 )]
 pub trait SensorsOf<L: SensorList> {

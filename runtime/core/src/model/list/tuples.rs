@@ -7,7 +7,8 @@ use crate::model::robot::Robot;
 use crate::model::wire::{BadWords, Wire};
 
 use super::robots::{
-    AnyRobots, Language, Owner, PayloadType, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf, poses,
+    AnyRobots, Language, ListOf, Owner, PayloadType, RobotHandle, RobotList, Robots, RobotsEach, RobotsOf,
+    poses,
 };
 
 macro_rules! tuple_lists {
@@ -71,6 +72,9 @@ macro_rules! tuple_lists {
                 }
             }
         }
+
+        #[diagnostic::do_not_recommend]
+        impl<$($R: Robot),+> ListOf<($($R,)+)> for ($(&mut RobotHandle<$R>,)+) {}
 
         #[diagnostic::do_not_recommend]
         impl<$($R: Robot),+> RobotsOf<($($R,)+)> for ($(&mut RobotHandle<$R>,)+) {

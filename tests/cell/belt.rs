@@ -1,0 +1,35 @@
+//! A belt in the background of an arm's Moves: started, changed, waited for, taken over by a Move, started again.
+
+use std::time::Duration;
+
+use mrroc::prelude::*;
+use mrroc_generators::generators::{JointMove, JointVelocity};
+use mrroc_robots::{Conveyor, Irp6, One, Simulated, SimulatedIrp6, Six};
+
+/// The cell.
+pub fn cell() -> Cell {
+    let rest = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+    let arm = RobotSetup::new("arm", Irp6::nominal(), SimulatedIrp6::new(Irp6::nominal(), &rest));
+    let drives = Simulated::new(Conveyor::new(), &One::new(0.0));
+    let belt = RobotSetup::new("belt", Conveyor::new(), drives).stop_time(Duration::from_secs(5));
+    Cell::new(Duration::from_millis(2)).robot(arm).robot(belt).program(move |mp| {
+        let (mut arm, mut belt) = (mp.robot::<Irp6>("arm")?, mp.robot::<Conveyor>("belt")?);
+        let run = |speed: f64| JointVelocity::of(One::new(speed), One::new(0.04));
+        let to = |by: f64| JointMove::to(rest + Six::x() * by, Six::repeat(0.4), Six::repeat(0.8));
+        mp.start_robot(&mut belt, run(0.04))?;
+        mp.move_robot(&mut arm, (), to(0.4))?;
+        mp.start_robot(&mut belt, run(0.02))?;
+        mp.wait_until((&mut belt,), (), Beyond(0.07))?;
+        mp.move_robots((&mut arm, &mut belt), (), Each::of((to(0.0), run(0.0))))?;
+        mp.start_robot(&mut belt, run(-0.04))?;
+        mp.move_robot(&mut arm, (), to(0.2))?;
+        mp.end_robot(&mut belt)
+    })
+}
+
+struct Beyond(f64);
+
+#[condition(mp)]
+fn beyond(c: &mut Beyond, e: &State<(Conveyor,)>) -> bool {
+    e.0.demanded().joints[0] > c.0
+}
