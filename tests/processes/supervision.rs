@@ -82,7 +82,7 @@ pub fn pipe_without_reader(is_closed: bool) -> (Option<OwnedFd>, OwnedFd) {
 
 #[test]
 fn fault_61_a_launcher_whose_cell_is_over_is_stopped_and_ended_as_any_program() {
-    let place = Place::new(92);
+    let place = Place::new(93);
     let (_reader, unread) = pipe_without_reader(false);
     // It has the last words itself, and waits for their reader.
     let words = ["--processes", "--no-picture"];
