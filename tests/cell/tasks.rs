@@ -37,7 +37,8 @@ pub fn main() -> ExitCode {
 }
 
 fn run() -> Result<ExitCode, Box<dyn Error>> {
-    let launch = mrroc::launch::program(std::env::args_os().skip(1)).quiet();
+    // Each test has a cell of its own, though all have one executable.
+    let launch = mrroc::launch::program(std::env::args_os().skip(1)).quiet().cell_file("cell.toml");
     let words: Vec<_> =
         launch.arguments().iter().skip(2).map(|word| word.to_string_lossy().into_owned()).collect();
     let named = words.last().is_some_and(|link| link == "processes");
