@@ -4,7 +4,7 @@ use mrroc::fault::FaultKind;
 use mrroc::generator::RobotHandle;
 use mrroc::operator::Operator;
 use mrroc::prelude::*;
-use mrroc_tests::{Gantry, MS, Q, Trace, fault, gantry, peaks};
+use mrroc_tests::{ExactDrive, Gantry, MS, Q, Trace, fault, gantry, peaks};
 
 use crate::runtime::kit::{Phase, Smooth, x};
 
@@ -193,7 +193,7 @@ fn at_the_end_of_the_program_it_brakes() {
 
 /// `SAFETY.md` row 37: it stops on its path with the others and goes on with them.
 #[test]
-fn fault_37_suspend_and_speed_act_on_it_as_on_the_others() {
+fn fault_37_suspend_and_speed_act_on_the_background_as_on_the_others() {
     for at in [1, 2, 60, 150, 399, 400, 401, 500] {
         let (result, arms, belts) = cell(
             move |step, operator| {
@@ -234,7 +234,7 @@ fn fault_37_suspend_and_speed_act_on_it_as_on_the_others() {
 }
 
 #[test]
-fn an_abort_ends_it_with_the_instruction_and_the_program_may_go_on() {
+fn fault_36_an_abort_ends_the_background_with_the_instruction_and_the_program_may_go_on() {
     for at in [1, 2, 3, 50, 200, 399, 400, 401, 402, 403, 500, 550] {
         let (result, arms, belts) = cell(
             move |step, operator| {
@@ -436,4 +436,51 @@ fn a_restart_after_a_fault_finds_nothing_in_the_background() {
     };
     result.expect("reset");
     keeps_to_its_limits(&belts.borrow());
+}
+
+#[test]
+fn a_step_beside_a_motion_in_the_background_allocates_nothing() {
+    use mrroc_counting_allocator::allocations;
+    let counts = std::rc::Rc::new(std::cell::Cell::new((0, 0)));
+    let seen = std::rc::Rc::clone(&counts);
+    let still = |name| RobotSetup::new(name, Gantry::default(), ExactDrive::new(Q::<3>::zeros(), MS));
+    let cell = Cell::new(MS).robot(still("arm")).robot(still("belt"));
+    let cell = cell.on_step(move |step, _| match step {
+        20 => seen.set((allocations(), 0)),
+        380 => seen.set((seen.get().0, allocations())),
+        _ => {}
+    });
+    let cell = cell.program(|mp| {
+        let (mut arm, mut belt) = (mp.robot::<Gantry>("arm")?, mp.robot::<Gantry>("belt")?);
+        mp.start_robot(&mut belt, Run::at(SPEED))?;
+        mp.move_robot(&mut arm, (), Smooth::to(0.2, 0.4)).map(drop)
+    });
+    cell.run().expect("within the limits");
+    let (warm, end) = counts.get();
+    assert!(warm > 0, "nothing was counted");
+    assert_eq!(end - warm, 0, "allocations in 360 steps");
+}
+
+#[test]
+fn while_it_moves_an_abort_is_taken_between_instructions_too() {
+    let (arm, _) = gantry("arm");
+    let cell = Cell::new(MS).robot(arm);
+    let operator = cell.operator();
+    let cell = cell.program(move |mp| {
+        let mut arm = mp.robot::<Gantry>("arm")?;
+        mp.start_robot(&mut arm, Run::at(SPEED))?;
+        assert!(operator.is_running());
+        mp.wait_until((), (), Soon(100))?;
+        operator.abort();
+        let aborted = mp.wait_until((), (), Soon(100)).map(drop).expect_err("aborted");
+        assert_eq!(aborted.kind(), FaultKind::Aborted);
+        assert!(!operator.is_running());
+        mp.wait_until((&mut arm,), (), Soon(2))?;
+        assert_eq!(arm.demanded().velocity[0], 0.0);
+        mp.start_robot(&mut arm, Run::at(SPEED))?;
+        mp.end_robot(&mut arm)?;
+        assert!(!operator.is_running());
+        Ok(())
+    });
+    cell.run().expect("it goes on after the abort");
 }

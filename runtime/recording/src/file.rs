@@ -151,7 +151,7 @@ impl McapFile {
 
 /// The date \[ns since 1970, UTC\].
 #[expect(clippy::disallowed_methods, reason = "the date of a recording, which nothing acts on")]
-fn wall_clock() -> Nanos {
+pub(crate) fn wall_clock() -> Nanos {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
     since.map_or(0, |since| since.as_nanos() as Nanos)
 }

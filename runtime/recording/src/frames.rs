@@ -1,8 +1,9 @@
 //! The frames of a sensor, images and echoes, in files: an MCAP file beside the recording, and PNG files.
 //!
 //! In: frames, on a thread of the sensor's own process ([`Frames`](mrroc_core::sensor::Frames)). Out: messages of the schemas
-//! that follow, at the time of the step in which the frame was taken, as in the recording itself; a viewer opens both files
-//! together. Each file is made with the first frame.
+//! that follow, at the date of the step in which the frame was taken, as in the recording itself; a viewer opens both files
+//! together. Each file learns the start of the run by itself, so they may differ by milliseconds. A file is made with the
+//! first frame.
 //!
 //! | channel | what | schema |
 //! |---|---|---|
@@ -21,12 +22,14 @@ use mrroc_core::observe::recording::FramesTo;
 use mrroc_core::sensor::{Content, Frame, FrameSink};
 use serde_json::{Value, json};
 
-use crate::file::{END, PROFILE, can_be_written};
+use crate::file::{END, PROFILE, can_be_written, wall_clock};
 
 /// Writes the frames of one sensor.
 pub(super) struct FrameFiles {
     sensor: String,
     step_ns: u64,
+    /// The date of the cell's time 0 \[ns\], learnt from the first frame, as the recording learns it from its first message.
+    start: Option<u64>,
     recording: Option<PathBuf>,
     folder: Option<PathBuf>,
     mcap: Option<McapFrames>,
@@ -45,6 +48,7 @@ impl FrameFiles {
         FrameFiles {
             sensor: sensor.to_owned(),
             step_ns: u64::try_from(to.step.as_nanos()).unwrap_or(u64::MAX),
+            start: None,
             recording,
             folder: to.folder.as_ref().map(|folder| folder.join(sensor)),
             mcap: None,
@@ -81,6 +85,8 @@ impl FrameFiles {
             }
         };
         let time = frame.step().saturating_mul(self.step_ns);
+        let start = *self.start.get_or_insert_with(|| wall_clock().saturating_sub(time));
+        let time = start.saturating_add(time);
         self.text.clear();
         let channel = match frame.content() {
             Content::Image { .. } => {

@@ -244,7 +244,7 @@ impl<'w> Mp<'w> {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
         self.operating.show_fault(&fault);
         let fault = self.stops.cause(fault);
-        // For example an abort, or a Wait that timed out: nothing moves, and nothing is wrong with the cell.
+        // For example an abort, or a Wait that timed out: nothing is wrong with the cell.
         if fault.is_orderly() { fault } else { self.stop(fault) }
     }
 
@@ -290,11 +290,14 @@ impl<'w> Mp<'w> {
             }
             outcome => outcome,
         };
+        if !self.background.is_empty() {
+            // Robots move: an abort that comes now is the next instruction's.
+            return outcome;
+        }
         let aborted = self.operating.operator.end();
         if outcome.is_ok() && (aborted || self.stops.protective.is_some()) {
             // An abort that came just as the instruction ended counts, too: the program must not go on.
-            let ended = if self.background.is_empty() { Ok(()) } else { self.abort(&[]) };
-            let fault = ended.err().unwrap_or_else(|| self.ending());
+            let fault = self.ending();
             return Err(self.conclude(fault));
         }
         outcome
