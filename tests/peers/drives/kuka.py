@@ -36,7 +36,6 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--port", type=int, default=49152)
     parser.add_argument("--cycles", type=int, required=True)
-    parser.add_argument("--silent", action="store_true", help="end after that, and say nothing more")
     options = parser.parse_args()
 
     os.chdir(tempfile.mkdtemp())  # it writes a log
@@ -61,9 +60,12 @@ def main():
 
     controller = Controller()
     controller.start()
-    began = time.monotonic()
-    while controller.running and len(controller.path) < options.cycles and time.monotonic() - began < 600:
+    # It waits a minute for the first answer, and five seconds for each further one.
+    answered, until = 0, time.monotonic() + 60
+    while controller.running and answered < options.cycles and time.monotonic() < until:
         time.sleep(0.05)
+        if len(controller.path) > answered:
+            answered, until = len(controller.path), time.monotonic() + 5
     controller.stop()
     steps = [
         max(abs(b - a) for a, b in zip(before, after))
