@@ -1,7 +1,7 @@
 //! The kinds of robots that a `cell.toml` may name, simulated.
 
 use core::f64::consts::PI;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mrroc::fault::Excess;
 use mrroc::prelude::*;
@@ -66,8 +66,15 @@ pub fn simulated() -> Kinds {
         .with_any("urdf", urdf)
 }
 
-/// An arm read from a URDF, whose number of joints that file says.
-fn urdf(entry: &RobotEntry) -> Result<AnySetup, CellError> {
+/// The chain of a URDF that an entry names.
+struct Described<'e> {
+    path: PathBuf,
+    urdf: UrdfText,
+    base_link: String,
+    tip: &'e str,
+}
+
+fn described(entry: &RobotEntry) -> Result<Described<'_>, CellError> {
     let path = entry.file()?;
     let tip = entry.tip()?;
     let refuse = |why: &UrdfError| refused(entry, &path, why);
@@ -76,17 +83,23 @@ fn urdf(entry: &RobotEntry) -> Result<AnySetup, CellError> {
         Some(link) => link.to_owned(),
         None => urdf.root().map_err(|why| refuse(&why))?,
     };
-    let joints = urdf.joints(&base_link, tip).map_err(|why| refuse(&why))?;
-    let text = urdf.as_str();
+    Ok(Described { path, urdf, base_link, tip })
+}
+
+/// An arm read from a URDF, whose number of joints that file says.
+fn urdf(entry: &RobotEntry) -> Result<AnySetup, CellError> {
+    let described = described(entry)?;
+    let Described { path, urdf, base_link, tip } = &described;
+    let joints = urdf.joints(base_link, tip).map_err(|why| refused(entry, path, &why))?;
     match joints.len() {
-        1 => serial::<1>(entry, &path, text, &base_link, tip),
-        2 => serial::<2>(entry, &path, text, &base_link, tip),
-        3 => serial::<3>(entry, &path, text, &base_link, tip),
-        4 => serial::<4>(entry, &path, text, &base_link, tip),
-        5 => serial::<5>(entry, &path, text, &base_link, tip),
-        6 => serial::<6>(entry, &path, text, &base_link, tip),
-        7 => serial::<7>(entry, &path, text, &base_link, tip),
-        8 => serial::<8>(entry, &path, text, &base_link, tip),
+        1 => serial::<1>(entry, &described),
+        2 => serial::<2>(entry, &described),
+        3 => serial::<3>(entry, &described),
+        4 => serial::<4>(entry, &described),
+        5 => serial::<5>(entry, &described),
+        6 => serial::<6>(entry, &described),
+        7 => serial::<7>(entry, &described),
+        8 => serial::<8>(entry, &described),
         count => {
             let what = format!("the chain from `{base_link}` to `{tip}` has {count} joints that move");
             let help = "choose another `tip` or `base_link`: a robot has 1 to 8 of them".to_owned();
@@ -101,39 +114,20 @@ fn urdf(entry: &RobotEntry) -> Result<AnySetup, CellError> {
 /// # Errors
 /// What is wrong with them, at the key that can mend it.
 pub fn urdf_arm<const N: usize>(entry: &RobotEntry) -> Result<Serial<N>, CellError> {
-    let path = entry.file()?;
-    let tip = entry.tip()?;
-    let refuse = |why: &UrdfError| refused(entry, &path, why);
-    let urdf = UrdfText::read(&path).map_err(|why| refuse(&why))?;
-    let base_link = match entry.base_link() {
-        Some(link) => link.to_owned(),
-        None => urdf.root().map_err(|why| refuse(&why))?,
-    };
-    arm(entry, &path, urdf.as_str(), &base_link, tip)
+    arm(entry, &described(entry)?)
 }
 
 /// The arm of `N` joints with its simulated drives.
-fn serial<const N: usize>(
-    entry: &RobotEntry,
-    path: &Path,
-    text: &str,
-    base_link: &str,
-    tip: &str,
-) -> Result<AnySetup, CellError> {
-    let robot = arm::<N>(entry, path, text, base_link, tip)?;
+fn serial<const N: usize>(entry: &RobotEntry, described: &Described<'_>) -> Result<AnySetup, CellError> {
+    let robot = arm::<N>(entry, described)?;
     let middle = (robot.limits().lower + robot.limits().upper) * 0.5;
     set_up(entry, robot, middle.into()).map(AnySetup::from)
 }
 
-fn arm<const N: usize>(
-    entry: &RobotEntry,
-    path: &Path,
-    text: &str,
-    base_link: &str,
-    tip: &str,
-) -> Result<Serial<N>, CellError> {
+fn arm<const N: usize>(entry: &RobotEntry, described: &Described<'_>) -> Result<Serial<N>, CellError> {
+    let Described { path, urdf, base_link, tip } = described;
     let refuse = |why: &UrdfError| refused(entry, path, why);
-    let builder = Serial::<N>::from_urdf(text, base_link, tip).map_err(|why| refuse(&why))?;
+    let builder = Serial::<N>::from_urdf(urdf.as_str(), base_link, tip).map_err(|why| refuse(&why))?;
     let given = entry.acceleration(N)?.map(|given| SVector::<f64, N>::from_column_slice(&given));
     let Some(acceleration) = given.or(builder.stated_acceleration()) else {
         let what =
