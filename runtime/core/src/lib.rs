@@ -91,16 +91,24 @@ pub mod robot {
     pub use crate::control::connecting::Connecting;
     pub use crate::control::guard::RobotView;
     pub use crate::control::ideal::IdealDrives;
+    pub use crate::model::drive_fault::DriveFault;
     pub use crate::model::driver::{
-        DriveFault, Driver, Homing, Measured, Regulators, Search, SimulatedDrives,
+        Channels, Driver, Homing, Measured, RECOVERY, Recovery, Regulators, Search, SimulatedDrives, Stepped,
+        WhenLost,
     };
     pub use crate::model::image::{RobotImage, RobotState};
     pub use crate::model::joints::{JointVector, MAX_JOINTS};
     pub use crate::model::list::State;
+    pub use crate::model::load::{Load, Tool};
     pub use crate::model::pace::{Pace, Pulse};
     pub use crate::model::robot::{
         CoupledLimit, InterpolationSpace, JointKind, Limits, NoInverse, POSITION_ROUND_OFF, Robot,
     };
+    pub use crate::model::robot_stop::{ClearedBy, RobotStop, StopCause};
+    pub use crate::model::signals::{
+        ANALOG, Channel, DIGITAL, Input, Level, Output, Outputs, Signal, Signals, Value, Values,
+    };
+    pub use crate::model::stepped::{Begin, Simulated, Simulator, SteppedDrives};
 }
 
 /// Virtual sensors: what they read, and how they are ordered.

@@ -76,7 +76,7 @@ pub const fn longest(lengths: &[usize]) -> usize {
 pub const fn fits_a_message(len: usize) {
     assert!(
         len <= WORDS,
-        "a message holds at most 56 words, this payload takes more: send less, or in parts"
+        "a message holds at most 64 words, this payload takes more: send less, or in parts"
     );
 }
 

@@ -188,7 +188,7 @@ impl fmt::Display for Approach {
 mod tests {
     use super::*;
     use core::time::Duration;
-    use mrroc_core::observe::layout::DrivesLayout;
+    use mrroc_core::observe::layout::HardwareLayout;
 
     use mrroc_core::fault::Role;
     use mrroc_core::nalgebra::Vector3;
@@ -220,13 +220,14 @@ mod tests {
         RobotLayout {
             name: name.to_owned(),
             kind: "slide",
-            drives: DrivesLayout::Unnamed,
+            drives: HardwareLayout::Nothing,
             servo: step,
             homed: true,
             ecp_program: false,
             space: InterpolationSpace::Joints,
             mounted_on: None,
             stop_time: Duration::from_millis(600),
+            signals: Vec::new(),
             joints: vec![joint],
             figure: Arc::new(Nowhere),
         }

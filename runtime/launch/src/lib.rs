@@ -6,6 +6,7 @@
 mod approach;
 pub mod cell_file;
 mod dry_run;
+mod external;
 pub mod files;
 mod options;
 pub mod outcome;
@@ -14,6 +15,7 @@ pub mod patience;
 mod program;
 mod running;
 mod table;
+mod telling;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -30,6 +32,7 @@ use crate::options::{Word, nearest_cell, parse};
 use crate::outcome::{answered, cell_refused, note, stand_ins};
 use crate::running::{run, watched};
 use crate::table::Table;
+use crate::telling::Asked;
 
 pub use crate::options::Operating;
 pub use crate::parts::{Parts, Processes, Replays};
@@ -60,7 +63,10 @@ pub fn launch(
                 .read()
                 .map_or_else(|error| refused(&error), |operating| parts.operate(&path, operating));
         }
-        Some(Word::Replay { .. }) | None => {}
+        Some(
+            Word::Replay { .. } | Word::Calibration { .. } | Word::ExportUrdf { .. } | Word::External { .. },
+        )
+        | None => {}
     }
     let assembled = CellFile::read(&path).map_err(CellError::from).and_then(|file| cell(&file));
     let checked = assembled.and_then(|mut cell| cell.check().map(|_| parts.equip(cell)));
@@ -68,6 +74,15 @@ pub fn launch(
         Ok(cell) => cell,
         Err(error) => return cell_refused(&error),
     };
+    let asked = match &options.word {
+        Some(Word::Calibration { robot }) => Some((Asked::Calibration, robot)),
+        Some(Word::ExportUrdf { robot }) => Some((Asked::Urdf, robot)),
+        Some(Word::External { name }) => Some((Asked::Python, name)),
+        Some(Word::Doctor | Word::Operating(_) | Word::Replay { .. }) | None => None,
+    };
+    if let Some((asked, name)) = asked {
+        return telling::tell(&mut cell, name, asked);
+    }
     if options.simulates() && !options.check {
         cell = match cell.simulated() {
             Ok(cell) => cell,
@@ -76,6 +91,14 @@ pub fn launch(
         if options.simulated && options.part.is_none() && !options.quiet {
             stand_ins(&cell.layout()).for_each(|told| note(&told));
         }
+    }
+    if options.reduced {
+        if options.clock() != Some(Clock::Real) {
+            return refused(
+                &"nobody can hold a key under the virtual clock\n help: --reduced goes with --processes",
+            );
+        }
+        cell.operator().set_reduced(true);
     }
     if let Some(file) = &options.recording.file {
         cell = cell.record_to(file);

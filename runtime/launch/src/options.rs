@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{Args, Command, Parser, Subcommand};
 
+use crate::telling::Asked;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
@@ -56,6 +57,10 @@ pub(super) struct Options {
     /// them only if it keeps them.
     #[arg(long)]
     pub(super) dry_run: bool,
+    /// With --processes: begin at reduced speed. Robots move only while a key is held (`hold`, in another terminal), and no
+    /// tool faster than 250 mm/s.
+    #[arg(long, help_heading = "Processes")]
+    pub(super) reduced: bool,
     /// Let simulated drives stand in for real ones, as in a dry run.
     #[arg(long)]
     pub(super) simulated: bool,
@@ -107,6 +112,21 @@ pub(super) enum Word {
     },
     /// Say what this machine can do for --processes; takes 10 s.
     Doctor,
+    /// Print the calibration of a robot, as its controller tells it, for the file that cell.toml names.
+    Calibration {
+        /// The robot.
+        robot: String,
+    },
+    /// Print a robot as a URDF, with what that cannot say of it in a comment.
+    ExportUrdf {
+        /// The robot.
+        robot: String,
+    },
+    /// Print the Python module by which a program of another sends what a sensor reads, or simulates a robot.
+    External {
+        /// The sensor, or the robot.
+        name: String,
+    },
     #[command(flatten)]
     Operating(OperatingWord),
 }
@@ -134,6 +154,13 @@ pub(super) enum OperatingWord {
     Acknowledge,
     /// Start again, after `acknowledge`.
     Reset,
+    /// Robots move at reduced speed only, and only while a key is held: `on`, `off`.
+    Reduced {
+        #[arg(value_name = "ON|OFF")]
+        wanted: String,
+    },
+    /// Let robots move at reduced speed while the space bar is held.
+    Hold,
     /// Any of these, line by line; `take` and `release` keep the control from others meanwhile.
     Console,
     /// All of it as a screen with keys (feature `view`).
@@ -149,6 +176,8 @@ pub enum Operating {
     Press(Button),
     /// Any of these, line by line.
     Console,
+    /// Hold a key.
+    Hold,
     /// All of it as a screen.
     View,
 }
@@ -185,6 +214,8 @@ impl OperatingWord {
             OperatingWord::Status => return Ok(Operating::Status),
             OperatingWord::Console => return Ok(Operating::Console),
             OperatingWord::View => return Ok(Operating::View),
+            OperatingWord::Hold => return Ok(Operating::Hold),
+            OperatingWord::Reduced { wanted } => Button::read("reduced", wanted)?,
             OperatingWord::Suspend => Button::Suspend,
             OperatingWord::Resume => Button::Resume,
             OperatingWord::Speed { share } => Button::read("speed", &share.join(" "))?,
@@ -260,6 +291,14 @@ pub(super) enum AskedRecording {
     Record(PathBuf),
     /// Replay the run of this file.
     Replay(PathBuf),
+}
+
+/// Splits off `calibration ROBOT`, `export-urdf ROBOT` or `external NAME` at the beginning.
+pub(super) fn split_asked(mut arguments: Vec<OsString>) -> (Option<(Asked, String)>, Vec<OsString>) {
+    let word = arguments.first().filter(|_| arguments.len() > 1).and_then(|word| word.to_str());
+    let Some(asked) = word.and_then(Asked::of) else { return (None, arguments) };
+    let name = arguments.drain(..2).next_back();
+    (name.map(|name| (asked, name.to_string_lossy().into_owned())), arguments)
 }
 
 /// Splits off `replay FILE` at the beginning, or else the first `--record FILE`.
@@ -360,8 +399,9 @@ mod tests {
         let help = parsed(&["--help"]).expect_err("help");
         for text in [help, help_beside_own()] {
             assert!(text.lines().all(|line| line.len() <= 80), "{text}");
-            for word in
-                ["replay", "doctor", "status", "console", "view", "--record"].iter().chain(&Button::WORDS)
+            for word in ["replay", "doctor", "status", "console", "view", "--record"]
+                .iter()
+                .chain(Button::WORDS.iter().filter(|word| **word != "let-go"))
             {
                 assert!(
                     text.lines().any(|line| line.trim_start().starts_with(word)),
@@ -435,13 +475,18 @@ mod tests {
         ] {
             assert_eq!(asked(speed), half, "{speed:?}");
         }
-        for word in Button::WORDS.into_iter().filter(|word| *word != "speed") {
+        assert_eq!(asked(&["hold"]), Ok(Some(Operating::Hold)));
+        assert_eq!(asked(&["reduced", "off"]), Ok(Some(Operating::Press(Button::Reduced(false)))));
+        // What a held key sends is not for a command line.
+        let written = |word: &&str| !["speed", "reduced", "hold", "let-go"].contains(word);
+        for word in Button::WORDS.into_iter().filter(written) {
             assert_eq!(asked(&[word]), Ok(Some(Operating::Press(Button::read(word, "").expect("a button")))));
         }
         for (arguments, told) in [
             (&["speed", "fast"][..], "write 0% to 100%"),
             (&["speed"], "write 0% to 100%"),
             (&["speed", "--cell", "c"], "write 0% to 100%"),
+            (&["reduced", "maybe"], "write reduced on"),
             (&["stop", "now"], "unexpected argument 'now'"),
             (&["stop", "abort"], "unexpected argument 'abort'"),
         ] {

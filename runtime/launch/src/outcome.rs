@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use mrroc_core::cell::{CellError, RunReport};
 use mrroc_core::console::{complain, quoted, say};
 use mrroc_core::fault::Fault;
-use mrroc_core::observe::layout::{DrivesLayout, Layout, RobotLayout};
+use mrroc_core::observe::layout::{HardwareLayout, Layout};
 
 /// Prints which fault stopped the cell and what to do about it.
 pub fn stopped(fault: &Fault) -> ExitCode {
@@ -49,13 +49,15 @@ pub fn answered(answer: &clap::Error) -> ExitCode {
     say(&text)
 }
 
-/// Which simulated drives stand in for real ones: a sentence for each.
+/// Which simulated drives and sensors stand in for real ones: a sentence for each.
 pub(crate) fn stand_ins(layout: &Layout) -> impl Iterator<Item = String> + '_ {
-    layout.robots.iter().filter_map(|RobotLayout { name, drives, .. }| match drives {
-        DrivesLayout::StandIn(hardware) => {
-            Some(format!("{name}: simulated drives stood in for {}", quoted(hardware, 120)))
+    let robots = layout.robots.iter().map(|robot| (&robot.name, &robot.drives, "simulated drives"));
+    let sensors = layout.sensors.iter().map(|sensor| (&sensor.name, &sensor.hardware, "a simulated sensor"));
+    robots.chain(sensors).filter_map(|(name, hardware, what)| match hardware {
+        HardwareLayout::StandIn(hardware) => {
+            Some(format!("{name}: {what} stood in for {}", quoted(hardware, 120)))
         }
-        DrivesLayout::Unnamed | DrivesLayout::Hardware(_) => None,
+        HardwareLayout::Nothing | HardwareLayout::Real(_) | HardwareLayout::Simulator(_) => None,
     })
 }
 

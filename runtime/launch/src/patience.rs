@@ -15,6 +15,8 @@ use mrroc_core::operator::button::CellState;
 enum Awaited {
     /// The end of a run.
     Run,
+    /// The end of a run that an operator can suspend from another terminal.
+    OperatedRun,
     /// The end of a dry run, in which nothing moves.
     DryRun,
 }
@@ -32,6 +34,11 @@ impl Patience {
         Patience::of(Awaited::Run)
     }
 
+    /// The same for a run with consoles: who has suspended it knows.
+    pub fn begin_operated() -> Patience {
+        Patience::of(Awaited::OperatedRun)
+    }
+
     /// The same for a dry run.
     pub(super) fn begin_dry() -> Patience {
         Patience::of(Awaited::DryRun)
@@ -44,9 +51,11 @@ impl Patience {
     /// The hook for every step, which looks at the wall clock from time to time and prints the notes.
     pub fn notes(mut self) -> impl FnMut(u64, &Operator) {
         move |step, operator| {
+            let suspended = operator.is_suspended();
             if step % 1024 == 0
                 && !waits_for_something_else(operator)
-                && let Some(text) = self.after(self.since.elapsed(), step)
+                && !(suspended && matches!(self.awaited, Awaited::OperatedRun))
+                && let Some(text) = self.after(self.since.elapsed(), step, suspended)
             {
                 note(&text);
             }
@@ -54,14 +63,18 @@ impl Patience {
     }
 
     /// The note about a run that is in this step after this time, if one is due.
-    fn after(&mut self, elapsed: Duration, step: u64) -> Option<String> {
+    fn after(&mut self, elapsed: Duration, step: u64, suspended: bool) -> Option<String> {
         if elapsed < self.next {
             return None;
         }
         self.next = elapsed * 2;
         let seconds = elapsed.as_secs();
         Some(match self.awaited {
-            Awaited::Run => format!(
+            Awaited::Run | Awaited::DryRun if suspended => format!(
+                "still suspended after {seconds} s, in step {step}: under the virtual clock no console resumes it, only the program \
+                 that has suspended it can; run it by --processes to resume it from another terminal; stop it by Ctrl-C"
+            ),
+            Awaited::Run | Awaited::OperatedRun => format!(
                 "still running after {seconds} s, in step {step}: a motion ends where its step function returns `Step::Done`, a \
                  Wait where its condition holds; stop the program by Ctrl-C"
             ),
@@ -89,18 +102,25 @@ mod tests {
     fn a_run_without_an_end_is_told_of_ever_more_seldom() {
         let mut patience = Patience::begin();
         let told: Vec<_> = (0..100)
-            .filter(|&second| patience.after(Duration::from_secs(second), second * 500).is_some())
+            .filter(|&second| patience.after(Duration::from_secs(second), second * 500, false).is_some())
             .collect();
         assert_eq!(told, [10, 20, 40, 80]);
-        let text = patience.after(Duration::from_secs(160), 80_000).expect("160 s is twice 80 s");
+        let text = patience.after(Duration::from_secs(160), 80_000, false).expect("160 s is twice 80 s");
         assert!(text.contains("160 s, in step 80000") && text.contains("`Step::Done`"), "{text}");
     }
 
     #[test]
     fn a_dry_run_is_told_of_without_advice_to_stop_it() {
         let mut patience = Patience::begin_dry();
-        let text = patience.after(Duration::from_secs(10), 80_000).expect("due");
+        let text = patience.after(Duration::from_secs(10), 80_000, false).expect("due");
         assert!(text.contains("dry run is in step 80000") && !text.contains("Ctrl-C"), "{text}");
+    }
+
+    #[test]
+    fn a_run_that_its_own_program_has_suspended_is_told_who_can_resume_it() {
+        let text = Patience::begin().after(Duration::from_secs(10), 1024, true).expect("due");
+        assert!(text.contains("still suspended") && text.contains("--processes"), "{text}");
+        assert!(!text.contains("`Step::Done`"), "{text}");
     }
 
     #[test]

@@ -10,10 +10,13 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use super::files::check_outputs;
-use super::options::{AskedRecording, Word, help_beside_own, is_word, parse, split_part, split_recording};
+use super::options::{
+    AskedRecording, Word, help_beside_own, is_word, parse, split_asked, split_part, split_recording,
+};
 use super::outcome::answered;
 use super::parts::Parts;
 use super::recorded;
+use super::telling::{self, Asked};
 use mrroc_core::cell::{Cell, CellError, RunReport};
 use mrroc_core::console::refused;
 use mrroc_core::fault::ProcessId;
@@ -33,6 +36,8 @@ pub struct Launch {
     pub arguments: Vec<OsString>,
     /// What the command line asks for concerning a recording.
     pub(super) recording: Option<AskedRecording>,
+    /// What is asked of a robot or a sensor, by name, and nothing else.
+    pub(super) asked: Option<(Asked, String)>,
     /// By which clock the cell runs as processes; `None`: on the memory link.
     pub clock: Option<Clock>,
     /// How long a process polls for messages before it sleeps \[ns\].
@@ -67,11 +72,13 @@ impl Launch {
     #[must_use]
     pub fn new(arguments: impl IntoIterator<Item = OsString>, parts: &'static Parts) -> Launch {
         let (part, arguments) = split_part(arguments.into_iter().collect());
+        let (asked, arguments) = split_asked(arguments);
         let (recording, arguments) = split_recording(arguments);
         Launch {
             part,
             arguments,
             recording,
+            asked,
             clock: None,
             spin: 0,
             cell: None,
@@ -81,7 +88,8 @@ impl Launch {
         }
     }
 
-    /// The program's own arguments, without `replay FILE` at their beginning and `--record FILE` among them.
+    /// The program's own arguments, without `replay FILE`, `calibration ROBOT`, `export-urdf ROBOT` or `external NAME` at their beginning
+    /// and `--record FILE` among them.
     #[must_use]
     pub fn arguments(&self) -> &[OsString] {
         &self.arguments
@@ -145,7 +153,12 @@ impl Launch {
         };
         let operating = match options.word? {
             Word::Doctor => return Some(self.parts.examine()),
-            Word::Replay { .. } => return None,
+            Word::Replay { .. }
+            | Word::Calibration { .. }
+            | Word::ExportUrdf { .. }
+            | Word::External { .. } => {
+                return None;
+            }
             Word::Operating(word) => match word.read() {
                 Ok(operating) => operating,
                 Err(error) => return Some(refused(&error)),
@@ -173,7 +186,8 @@ impl Launch {
     /// the program's own work is asked for, or this is the plant of a program that is [`watching`](Launch::watching).
     #[must_use]
     pub fn is_here(&self) -> bool {
-        self.is_watched_plant() || self.part.is_none() && self.clock.is_none() && self.recording.is_none()
+        let only_runs = self.recording.is_none() && self.asked.is_none();
+        self.is_watched_plant() || self.part.is_none() && self.clock.is_none() && only_runs
     }
 
     /// Whether this is the plant of a program that watches.
@@ -194,6 +208,10 @@ impl Launch {
     /// first cause of a stop.
     pub fn run(self, cell: Cell) -> Result<Ran, CellError> {
         let mut cell = self.parts.equip(cell);
+        if let Some((asked, robot)) = &self.asked {
+            cell.check()?;
+            return Ok(Ran::Part(telling::tell(&mut cell, robot, *asked)));
+        }
         if let Some((process, session)) = &self.part {
             cell.check()?;
             return self.parts.take_part(cell, *process, session, &self);
@@ -223,6 +241,18 @@ mod tests {
             arguments.iter().map(OsString::from),
             &Parts { recorder: None, replay: None, processes: None },
         )
+    }
+
+    #[test]
+    fn what_a_robot_is_asked_for_is_told_from_the_programs_own_arguments() {
+        let of = |asked| Some((asked, "arm".to_owned()));
+        assert_eq!(launch(&["calibration", "arm", "-x"]).asked, of(Asked::Calibration));
+        let urdf = launch(&["export-urdf", "arm", "-x"]);
+        assert_eq!(urdf.asked, of(Asked::Urdf));
+        assert!(urdf.arguments() == ["-x"] && !urdf.is_here());
+        assert_eq!(launch(&["external", "eye"]).asked, Some((Asked::Python, "eye".to_owned())));
+        assert_eq!(launch(&["export-urdf"]).asked, None);
+        assert_eq!(launch(&["--text", "export-urdf", "arm"]).asked, None);
     }
 
     #[test]

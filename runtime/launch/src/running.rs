@@ -56,6 +56,7 @@ pub(super) fn watched(
         part: options.part.clone(),
         arguments: std::env::args_os().skip(1).collect(),
         recording: None,
+        asked: None,
         clock: options.clock(),
         spin: options.spin,
         cell: Some(path),

@@ -12,7 +12,9 @@ use mrroc_core::console::quoted;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::observe::Recording;
-use mrroc_core::observe::layout::{DrivesLayout, JointLayout, Layout, RobotLayout, SensorLayout};
+use mrroc_core::observe::layout::{
+    HardwareLayout, JointLayout, Layout, RobotLayout, SensorLayout, SignalLayout,
+};
 use mrroc_core::robot::InterpolationSpace;
 use mrroc_core::sensor::VspMode;
 
@@ -112,17 +114,21 @@ impl Table<'_> {
             robot.mounted_on.as_ref().map(|on| format!(", on the flange of {on}")).unwrap_or_default();
         writeln!(f, "\n{}: {}{mounted}, {homed}, interpolates in {space}", robot.name, robot.kind)?;
         match &robot.drives {
-            DrivesLayout::Hardware(hardware) => {
+            HardwareLayout::Real(hardware) => {
                 let hardware = quoted(hardware, 120);
                 writeln!(
                     f,
                     "real drives, {hardware}: not opened; a dry run takes simulated ones in their place"
                 )?;
             }
-            DrivesLayout::StandIn(hardware) => {
+            HardwareLayout::Simulator(simulator) => {
+                let simulator = quoted(simulator, 120);
+                writeln!(f, "{simulator}: not opened; a dry run takes its own simulated drives")?;
+            }
+            HardwareLayout::StandIn(hardware) => {
                 writeln!(f, "simulated drives in place of {}", quoted(hardware, 120))?;
             }
-            DrivesLayout::Unnamed => {}
+            HardwareLayout::Nothing => {}
         }
         writeln!(
             f,
@@ -138,7 +144,16 @@ impl Table<'_> {
             "T_stop",
             "limit"
         )?;
-        robot.joints.iter().enumerate().try_for_each(|(i, joint)| self.joint(i, joint, robot.stop_time, f))
+        robot
+            .joints
+            .iter()
+            .enumerate()
+            .try_for_each(|(i, joint)| self.joint(i, joint, robot.stop_time, f))?;
+        robot.signals.iter().try_for_each(|SignalLayout { name, channel, is_output, note }| {
+            let direction = if *is_output { "output" } else { "input" };
+            let channel = channel.to_string();
+            writeln!(f, "{}", format!("{direction:<9}{name:<26}{channel:<14}{note}").trim_end())
+        })
     }
 
     fn joint(
@@ -176,7 +191,17 @@ impl Table<'_> {
             "{name:<26}{kind:<16}{of:<18}{readers:<18}{mode:<14}{every:>9}{:>9}{:>12}",
             ms(*latency),
             ms(*stale_after)
-        )
+        )?;
+        match &sensor.hardware {
+            HardwareLayout::Real(hardware) | HardwareLayout::Simulator(hardware) => {
+                let hardware = quoted(hardware, 120);
+                writeln!(f, "  reads {hardware}: not opened; a dry run takes a simulated sensor in its place")
+            }
+            HardwareLayout::StandIn(hardware) => {
+                writeln!(f, "  a simulated sensor in place of {}", quoted(hardware, 120))
+            }
+            HardwareLayout::Nothing => Ok(()),
+        }
     }
 }
 

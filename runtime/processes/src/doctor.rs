@@ -2,6 +2,8 @@
 //!
 //! In: the limits of the machine, and wake-ups measured on it. Out: a text of one line for each, with what to change.
 
+mod network;
+
 use std::fmt::Write;
 use std::fs;
 use std::process::Command;
@@ -32,7 +34,7 @@ const ENOUGH: u64 = 64 << 20;
 /// Examines the machine: one line for each thing found, and what to change.
 pub(crate) fn examine() -> String {
     let mut found = String::new();
-    let mut changes = Vec::new();
+    let mut changes: Vec<String> = Vec::new();
     let mut line = |what: &str, is: String| {
         // Writing to a text does not fail.
         let _ = writeln!(found, "{what:<16}{is}");
@@ -43,13 +45,14 @@ pub(crate) fn examine() -> String {
     line("kernel", format!("{}, {kind}", kernel.release().to_string_lossy()));
     if !preempts {
         changes.push(
-            "a kernel with PREEMPT_RT bounds the lateness of wake-ups; without it there are late steps",
+            "a kernel with PREEMPT_RT bounds the lateness of wake-ups; without it there are late steps"
+                .into(),
         );
     }
     let cores = sched_getaffinity(None).map_or(0, |set| set.count());
     line("cores", cores.to_string());
     if cores < 2 {
-        changes.push("with one core everything else on the machine takes time from the steps");
+        changes.push("with one core everything else on the machine takes time from the steps".into());
     }
     match base() {
         Ok(folder) => line("sessions", folder.display().to_string()),
@@ -58,7 +61,7 @@ pub(crate) fn examine() -> String {
     let free = free_shared_memory().unwrap_or(0);
     line("shared memory", format!("{} MB free in {SHARED_MEMORY}", free >> 20));
     if free < ENOUGH {
-        changes.push("mount /dev/shm with at least 64 MB; in a container: --shm-size=64m");
+        changes.push("mount /dev/shm with at least 64 MB; in a container: --shm-size=64m".into());
     }
     // Locks the present memory only, and unlocks it at once: memory that is taken later is not locked.
     let locks = mlockall(MlockAllFlags::CURRENT).and_then(|()| munlockall()).is_ok();
@@ -72,8 +75,13 @@ pub(crate) fn examine() -> String {
         line("cyclictest", theirs);
     }
     if !(locks && has_priority) {
-        changes
-            .push("allow priorities and locked memory, as root: setcap cap_sys_nice,cap_ipc_lock+ep PROGRAM");
+        changes.push(
+            "allow priorities and locked memory, as root: setcap cap_sys_nice,cap_ipc_lock+ep PROGRAM".into(),
+        );
+    }
+    for interface in network::interfaces() {
+        line(&interface.heading(), interface.describe());
+        changes.extend(interface.change());
     }
     for change in changes {
         let _ = writeln!(found, " help: {change}");

@@ -13,7 +13,7 @@ use mrroc_core::payload::Wire;
 use mrroc_core::robot::MAX_JOINTS;
 
 /// Where the answers begin in the entry of an MP; the fault and the name of the generator follow.
-const ANSWERS: usize = 7;
+const ANSWERS: usize = 9;
 const FAULT: usize = ANSWERS + 4 * Button::KINDS;
 const NAME: usize = FAULT + 1 + FaultWords::LEN;
 
@@ -34,6 +34,8 @@ pub(super) fn of_mp(state: &MpState) -> [u64; ENTRY] {
         state.rate.to_bits(),
         state.speed.to_bits(),
         state.state as u64,
+        u64::from(state.reduced),
+        u64::from(state.held),
     ]);
     for (answer, words) in state.answers.iter().zip(words[ANSWERS..FAULT].chunks_exact_mut(4)) {
         words.copy_from_slice(&[answer.number, answer.step, answer.state as u64, u64::from(answer.done)]);
@@ -88,6 +90,8 @@ pub(super) struct MpPanel {
     pub by: String,
     pub rate: f64,
     pub speed: f64,
+    pub reduced: bool,
+    pub held: bool,
     pub state: CellState,
     pub answers: [Answer; Button::KINDS],
     pub fault: Option<Fault>,
@@ -115,6 +119,8 @@ impl MpPanel {
             rate: f64::from_bits(words[4]),
             speed: f64::from_bits(words[5]),
             state: state(words[6]),
+            reduced: words[7] == 1,
+            held: words[8] == 1,
             answers,
             fault: fault.map(Fault::from),
         }

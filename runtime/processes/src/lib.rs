@@ -8,7 +8,8 @@
 //! terminal, and `mp_watch` says when the MP stands still; under the virtual clock it resumes one process after another
 //! (`pacing`). Each process is a `member`, which puts the whole cell together and runs its own part; `control` holds the
 //! frames between the launcher and its processes. The operator's consoles connect to the `console_server`. Each process
-//! shows what it does in its `entry` of the state `board`.
+//! shows what it does in its `entry` of the state `board`. A plant that draws a picture is shown what other processes have through
+//! the `picture_socket`.
 //! `scheduling` asks the machine for priorities, cores and locked memory, `capacity` checks that there is enough shared
 //! memory and open files, and `doctor` says what the machine can do.
 
@@ -26,6 +27,7 @@ mod doctor;
 mod entry;
 mod figures;
 mod heartbeat;
+mod holding;
 mod iceoryx;
 mod identity;
 #[cfg(test)]
@@ -36,6 +38,7 @@ mod mp_watch;
 mod operating;
 mod pacing;
 mod part;
+mod picture_socket;
 mod process_set;
 #[doc(hidden)]
 pub mod readers;

@@ -4,6 +4,7 @@
 //! launcher, how that part ended.
 
 use core::cell::OnceCell;
+use std::fs::File;
 use std::io;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
@@ -12,6 +13,7 @@ use std::rc::Rc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::board::StateBoard;
@@ -21,6 +23,7 @@ use super::figures::Gauge;
 use super::heartbeat::Silence;
 use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};
+use crate::iceoryx::monotonic;
 use crate::iceoryx::{
     Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Shows, Supervised, WakeFutex,
 };
@@ -28,11 +31,14 @@ use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
 use mrroc_core::fault::{Fault, ProcessId, Role};
 use mrroc_core::link::places::Places;
-use mrroc_core::link::{Host, Nanos, News, Waiter};
+use mrroc_core::link::{Host, Nanos, News, Preparation, Waiter};
 use mrroc_core::observe::Observation;
 
 /// How long an EDP may brake after its launcher is gone.
 const LAST_BRAKING: Duration = Duration::from_secs(10);
+
+/// How often a robot that paces itself is heard before the cell begins: often enough for one that does so at 1 kHz.
+const KEEPING: Duration = Duration::from_micros(500);
 
 /// Stack of the thread that listens to the launcher \[bytes\], kept small because locked memory holds all of it.
 const RECEIVE_STACK: usize = 64 << 10;
@@ -90,6 +96,9 @@ pub(crate) fn run(
 ) -> Result<Option<Concluded>, NoPart> {
     let stdin = io::stdin().as_fd().try_clone_to_owned();
     let control = Control::new(UnixStream::from(stdin.map_err(|_| NoPart::NoLauncher(me))?));
+    // A program that reads its standard input finds nothing there, instead of what the launcher says.
+    let nothing = File::open("/dev/null").and_then(|nothing| Ok(rustix::stdio::dup2_stdin(nothing)?));
+    nothing.map_err(|_| NoPart::NoLauncher(me))?;
     // A process with a robot goes on without its launcher until the robot has braked; any other process ends at once,
     // whatever it does.
     if !has_robot(me) {
@@ -191,7 +200,13 @@ fn take_part(
         }
         (Clock::Real, None) | (Clock::Virtual, _) => Lacks::default(),
     };
+    // After that: the threads that drivers receive with are as urgent as what waits for what they receive.
+    let preparation = fabric.take_preparation();
+    preparation.iter().for_each(|preparation| preparation.open());
     say(control, &Frame::Ready { lacks })?;
+    if let (Some(preparation), Clock::Real) = (&preparation, clock) {
+        keep_until_a_frame_comes(control, &**preparation);
+    }
     let Ok(Frame::Go { origin }) = control.receive() else { return Err(Ended::Closed) };
     let (time, receiver) = match (gauge, fabric.wake_futex()) {
         (Some(gauge), Some(wake_futex)) => {
@@ -200,6 +215,9 @@ fn take_part(
             let waiter = RealTime::new(wake_futex, heard, (origin, spin), gauge.samples())
                 .showing(entry.of(me))
                 .supervised_by(entry.supervised(me));
+            if let Some(preparation) = preparation {
+                keep_until(origin, &*preparation);
+            }
             body(waiter.host());
             gauge.end();
             (waiter.now(), Some(receiver))
@@ -216,6 +234,27 @@ fn take_part(
     let outcome = assembly.outcomes.borrow().iter().find(|(process, _)| *process == me).cloned();
     let outcome = outcome.map(|(_, outcome)| outcome);
     Ok((Frame::Over { steps: assembly.steps.get(), time, outcome }, receiver))
+}
+
+/// Keeps connected what was opened while other processes still open theirs.
+fn keep_until_a_frame_comes(control: &Control, preparation: &dyn Preparation) {
+    let nap = Timespec::try_from(KEEPING).ok();
+    loop {
+        let mut frame = [PollFd::from_borrowed_fd(control.descriptor(), PollFlags::IN)];
+        // A wait that a signal has interrupted is over, too.
+        if poll(&mut frame, nap.as_ref()).is_ok_and(|frames| frames > 0) {
+            return;
+        }
+        preparation.keep();
+    }
+}
+
+/// The same until the cell's time begins, at `origin` of the machine's monotonic clock \[ns\].
+fn keep_until(origin: Nanos, preparation: &dyn Preparation) {
+    while monotonic() + (KEEPING.as_nanos() as Nanos) < origin {
+        std::thread::sleep(KEEPING);
+        preparation.keep();
+    }
 }
 
 /// Whether robots are braked by this process.

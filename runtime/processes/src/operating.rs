@@ -15,6 +15,7 @@ use mrroc_launch::outcome::report;
 
 use crate::console_server::{Caller, Heard, Picture, Reply, Request};
 use crate::figures::Figures;
+use crate::holding::hold;
 use crate::part::View;
 
 /// Sends a request to the running cell of the file at `cell`, and prints the answer.
@@ -27,6 +28,7 @@ pub(super) fn operate(cell: &Path, operating: Operating, view: Option<View>) -> 
         Operating::Status => once(caller, &Request::Status),
         Operating::Press(button) => once(caller, &Request::Press(button)),
         Operating::Console => converse(caller),
+        Operating::Hold => hold(caller),
         Operating::View => show(caller, view),
     }
 }
@@ -116,7 +118,12 @@ fn describe(picture: &Picture) -> String {
             line(format_args!("instruction {}: {} {}", picture.instructions, doing.word(), picture.by_whom()))
         }
     }
-    line(format_args!("speed {:.0} %, rate {:.3}", 100.0 * picture.speed, picture.rate));
+    line(format_args!(
+        "speed {:.0} %, rate {:.3}{}",
+        100.0 * picture.speed,
+        picture.rate,
+        picture.reduction()
+    ));
     match picture.holder {
         Some(holder) => line(format_args!("control: the console of process {holder}")),
         None => line(format_args!("control: nobody")),

@@ -8,10 +8,11 @@ use std::process::ExitCode;
 use std::rc::Rc;
 
 use mrroc_core::cell::{Cell, CellError, Permission};
-use mrroc_core::console::{Background, refused, say};
+use mrroc_core::console::{Background, complain, refused, say};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::link::Clock;
-use mrroc_core::observe::recording::Recorder;
+use mrroc_core::observe::recording::{Recorder, RunRecord};
+use mrroc_core::observe::ring::Ring;
 use mrroc_core::observe::witness::Witness;
 use mrroc_launch::patience::Patience;
 use mrroc_launch::{Launch, Operating, Processes, Ran};
@@ -21,6 +22,7 @@ use crate::doctor::examine;
 use crate::launcher::{LaunchError, Launched, launch};
 use crate::member::{NoPart, run};
 use crate::operating::operate;
+use crate::picture_socket::{self, Receiver};
 use crate::process_set::Plan;
 
 /// Shows a running cell on a screen until the operator quits.
@@ -76,16 +78,26 @@ fn take_part(
         cell = cell.watched_in_plant();
     }
     if !how.quiet {
-        cell = cell.also_on_step(Patience::begin().notes());
+        cell = cell.also_on_step(Patience::begin_operated().notes());
     }
     let record =
         recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));
     if let Some(record) = &record {
         cell = cell.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
     }
+    let pictured = if how.watching { show_picture(&mut cell, process, session, how.clock) } else { None };
+    if let Some(shown) = &pictured {
+        cell = cell.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
+    }
+    let picture = if how.is_watched_plant() { open_picture(&mut cell, session) } else { None };
     let ran = run(cell, process, session, how.watching);
-    // What the launcher's thread has not received yet.
+    // What the launcher's thread has not received yet, and the plant's.
     record.iter().for_each(|record| record.finish());
+    pictured.iter().for_each(|shown| shown.finish());
+    // When the plant gets the result of the run, all other processes have ended.
+    if let (Some(picture), Ok(Some(_))) = (picture, &ran) {
+        picture.finish();
+    }
     Ok(Ran::Part(match ran {
         Ok(Some(Ok(report))) => return Ok(Ran::Here(report)),
         Ok(Some(Err(fault))) => return Err(fault.into()),
@@ -95,6 +107,30 @@ fn take_part(
         // The launcher prints the fault.
         Err(NoPart::Told(_)) => ExitCode::FAILURE,
     }))
+}
+
+/// Shows a picture in the plant what this process has, if the cell has a plant.
+fn show_picture(
+    cell: &mut Cell,
+    process: ProcessId,
+    session: &Path,
+    clock: Option<Clock>,
+) -> Option<Rc<Ring>> {
+    let has_plant = cell.robots_mut().any(|robot| robot.is_simulated());
+    // A process that does not know its clock waits for nothing.
+    has_plant.then(|| picture_socket::join(process, session, clock.unwrap_or(Clock::Real))).flatten()
+}
+
+/// Lets the witnesses of the picture see what the other processes show, if there are any.
+fn open_picture(cell: &mut Cell, session: &Path) -> Option<Receiver> {
+    let witnesses = cell.take_witnesses_of_picture();
+    if witnesses.is_empty() {
+        return None;
+    }
+    let opened = Receiver::open(session, cell.layout(), witnesses);
+    let unseen =
+        |error: &io::Error| complain(&format!("warning: the picture lacks what processes show: {error}"));
+    opened.inspect_err(unseen).ok()
 }
 
 /// Runs all processes of a cell.

@@ -178,7 +178,7 @@ impl Member {
 
     /// Waits for the next frame of the process while the cell is set up.
     fn expect(&self) -> Result<Frame, NoStart> {
-        match self.control.receive() {
+        match self.next_but_figures() {
             Ok(Frame::Refuses(text)) => Err(NoStart::Refuses(self.id, text)),
             Ok(frame) => Ok(frame),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
@@ -194,6 +194,17 @@ impl Member {
                 })
             }
         }
+    }
+
+    /// What the process says next. One that opens its drives says its figures once a second meanwhile: they do not count.
+    fn next_but_figures(&self) -> io::Result<Frame> {
+        for _ in 0..SETTING_UP.as_secs() {
+            match self.control.receive()? {
+                Frame::Figures(_) => {}
+                frame => return Ok(frame),
+            }
+        }
+        Err(io::ErrorKind::WouldBlock.into())
     }
 }
 

@@ -109,11 +109,11 @@ impl Drop for Signals {
             // What is registered already cannot fail.
             let _ = set_default(signal, true);
         }
-        self.actions.drain(..).for_each(|action| _ = unregister(action));
-        // It has come when the cell was over already.
+        // One that has come when the cell was over already. One that comes from here on stops the launcher by itself.
         if self.take_stop() {
             stop_until_continued();
         }
+        self.actions.drain(..).for_each(|action| _ = unregister(action));
     }
 }
 

@@ -7,19 +7,19 @@ use std::io;
 
 use serde_json::{Value, json};
 
-use super::json::{numbers, object, schema, value};
-use super::ring::Record;
+use super::json::{number, numbers, object, schema, value};
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{Fault, FaultKind, FaultWords, ProcessId};
 use mrroc_core::link::Nanos;
 use mrroc_core::link::message::OrderKind;
-use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::layout::{Layout, SignalLayout};
+use mrroc_core::observe::ring::Record;
 use mrroc_core::observe::witness::STATE_WORDS;
 use mrroc_core::observe::witness::{Mode, ReadingState, What};
 use mrroc_core::operator::state::Doing;
 use mrroc_core::payload::Shape;
 use mrroc_core::payload::Wire;
-use mrroc_core::robot::MAX_JOINTS;
+use mrroc_core::robot::{Channel, MAX_JOINTS, Signals, Values};
 
 /// Where the messages go.
 pub(super) trait Outlet {
@@ -44,6 +44,7 @@ enum Topic {
     Events,
     Robot(Name),
     Currents(Name),
+    Signals(Name),
     Orders(Name),
     Payload(Name, &'static str),
     Sensor(Name),
@@ -69,7 +70,7 @@ impl Channels {
         let channel = match known {
             Some((_, channel)) => *channel,
             None => {
-                let (name, schema, text) = describe(topic, shape);
+                let (name, schema, text) = describe(topic, shape, &self.layout);
                 let channel = outlet.open(&name, &schema, &text.to_string())?;
                 self.open.push((topic, channel));
                 channel
@@ -81,7 +82,8 @@ impl Channels {
                 self.layout.robots.iter().find(|robot| name.is_some_and(|n| n.as_str() == robot.name));
             found.map_or(MAX_JOINTS, |robot| robot.joints.len())
         };
-        write_record(&mut self.text, record, joints(record.by.name));
+        let signals = record.by.name.map_or(&[][..], |name| signals_of(&self.layout, name));
+        write_record(&mut self.text, record, joints(record.by.name), signals);
         outlet.write(channel, record.time, &self.text)
     }
 }
@@ -92,6 +94,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
         What::Instruction { .. } => (Topic::Instructions, None),
         What::Image { .. } => (record.by.name.map_or(Topic::Events, Topic::Robot), None),
         What::Currents { .. } => (record.by.name.map_or(Topic::Events, Topic::Currents), None),
+        What::Signals { .. } => (record.by.name.map_or(Topic::Events, Topic::Signals), None),
         What::Order { robot, payload, shape, kind: OrderKind::Step, .. } if !shape.is_empty() => {
             (Topic::Payload(robot, payload), Some(shape))
         }
@@ -108,7 +111,7 @@ fn topic(record: &Record) -> (Topic, Option<&'static Shape>) {
 }
 
 /// A channel's topic, and its schema with its name.
-fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
+fn describe(topic: Topic, shape: Option<&Shape>, layout: &Layout) -> (String, String, Value) {
     let (number, integer, text) =
         (json!({"type": "number"}), json!({"type": "integer"}), json!({"type": "string"}));
     let truth = json!({"type": "boolean"});
@@ -122,6 +125,7 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
                 ("duration", number.clone()),
                 ("speed", number),
                 ("suspended", truth.clone()),
+                ("reduced", truth.clone()),
                 ("aborting", truth.clone()),
                 ("stopping", truth.clone()),
                 ("resetting", truth),
@@ -161,6 +165,20 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
             let motors = object([("step", integer), ("currents", currents)]);
             (format!("/robots/{name}/currents"), "mrroc.MotorCurrents".to_owned(), motors)
         }
+        Topic::Signals(name) => {
+            let of = |outputs: bool| {
+                let signals = signals_of(layout, name).iter().filter(|signal| signal.is_output == outputs);
+                object(signals.map(|signal| {
+                    let schema = match signal.channel {
+                        Channel::Digital(_) => truth.clone(),
+                        Channel::Analog(_) => number.clone(),
+                    };
+                    (signal.name.as_str(), schema)
+                }))
+            };
+            let signals = object([("step", integer), ("inputs", of(false)), ("outputs", of(true))]);
+            (format!("/robots/{name}/signals"), format!("mrroc.Signals.{name}"), signals)
+        }
         Topic::Orders(name) => (format!("/robots/{name}/orders"), "mrroc.Order".to_owned(), object(order)),
         Topic::Payload(name, payload) => {
             let order = object(order.into_iter().chain([("order", shape)]));
@@ -186,14 +204,43 @@ fn describe(topic: Topic, shape: Option<&Shape>) -> (String, String, Value) {
     }
 }
 
-fn write_record(out: &mut String, record: &Record, joints: usize) {
+/// The named inputs and outputs of a robot.
+fn signals_of(layout: &Layout, name: Name) -> &[SignalLayout] {
+    let robot = layout.robots.iter().find(|robot| name.as_str() == robot.name);
+    robot.map_or(&[], |robot| &robot.signals)
+}
+
+/// Writes the values of signals by their names.
+fn write_signals(out: &mut String, signals: &[SignalLayout], values: &Values, outputs: bool) {
+    out.push('{');
+    let of_them = signals.iter().filter(|signal| signal.is_output == outputs);
+    for (i, SignalLayout { name, channel, .. }) in of_them.enumerate() {
+        if i > 0 {
+            out.push(',');
+        }
+        // Writing to a text cannot fail.
+        let _ = match channel {
+            Channel::Digital(channel) => write!(out, "\"{name}\":{}", values.is_on(*channel)),
+            Channel::Analog(channel) => {
+                let _ = write!(out, "\"{name}\":");
+                number(out, values.analog(*channel));
+                Ok(())
+            }
+        };
+    }
+    out.push('}');
+}
+
+fn write_record(out: &mut String, record: &Record, joints: usize, signals: &[SignalLayout]) {
     let words = record.words();
     // Writing to a text cannot fail.
     let _ = match record.what {
-        What::Step { step, dt, duration, speed, suspended, aborting, stopping, resetting } => write!(
-            out,
-            "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"aborting\":{aborting},\"stopping\":{stopping},\"resetting\":{resetting}}}"
-        ),
+        What::Step { step, dt, duration, speed, suspended, reduced, aborting, stopping, resetting } => {
+            write!(
+                out,
+                "{{\"step\":{step},\"dt\":{dt:?},\"duration\":{duration:?},\"speed\":{speed:?},\"suspended\":{suspended},\"reduced\":{reduced},\"aborting\":{aborting},\"stopping\":{stopping},\"resetting\":{resetting}}}"
+            )
+        }
         What::Instruction { step, doing, by } => {
             let (process, doing) = (record.by, doing.word());
             write!(out, "{{\"step\":{step},\"process\":\"{process}\",\"doing\":\"{doing}\",\"by\":\"{by}\"}}")
@@ -202,6 +249,14 @@ fn write_record(out: &mut String, record: &Record, joints: usize) {
         What::Currents { step } => {
             let _ = write!(out, "{{\"step\":{step},\"currents\":");
             numbers(out, words);
+            out.write_str("}")
+        }
+        What::Signals { step } => {
+            let Ok(values) = Signals::get(words) else { return };
+            let _ = write!(out, "{{\"step\":{step},\"inputs\":");
+            write_signals(out, signals, &values.inputs, false);
+            out.push_str(",\"outputs\":");
+            write_signals(out, signals, &values.outputs, true);
             out.write_str("}")
         }
         What::Order { step, instruction, kind, shape, .. } => {

@@ -137,6 +137,7 @@ impl Witness for Comparison {
             | What::Reading { .. }
             | What::Fault { .. }
             | What::Currents { .. }
+            | What::Signals { .. }
             | What::Body { .. }
             | What::End { .. } => {}
         }

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
@@ -55,6 +55,13 @@ fn io_error(error: McapError) -> io::Error {
         McapError::Io(error) => error,
         error => io::Error::other(error),
     }
+}
+
+/// How long to wait for what makes no progress in writing this file. A disk that many programs write to stands still for
+/// seconds, and goes on; a pipe that nobody reads does not.
+pub(super) fn patience(path: &Path) -> Duration {
+    let is_special = path.metadata().is_ok_and(|metadata| !metadata.is_file());
+    Duration::from_secs(if is_special { 3 } else { 60 })
 }
 
 /// Checks that a file can be written, as far as this can be known without waiting for the reader of a pipe. Of the files

@@ -11,6 +11,7 @@
 //! | `/instructions` | Moves and Waits of the MP and of ECPs' programs as they begin and end: which process, its generator or condition | `mrroc.Instruction` |
 //! | `/robots/NAME` | each step of the robot: demanded and measured joints, velocities, tool poses `X_WE`, the tool `X_FE` | `mrroc.RobotImage` |
 //! | `/robots/NAME/currents` | the currents of its motors, where drives measure them | `mrroc.MotorCurrents` |
+//! | `/robots/NAME/signals` | what its inputs read and its outputs are, by their names, where it has such | `mrroc.Signals.NAME` |
 //! | `/robots/NAME/orders` | orders of the MP without a payload: queries, starts, ends | `mrroc.Order` |
 //! | `/robots/NAME/orders/PAYLOAD` | orders with one, its fields by their names | `mrroc.Order.PAYLOAD` |
 //! | `/sensors/NAME` | each reading that a process collected, its fields by their names | `mrroc.Reading.NAME` |

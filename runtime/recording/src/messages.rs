@@ -15,17 +15,19 @@ use mrroc_core::console::quoted;
 use mrroc_core::fault::Name;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Nanos;
-use mrroc_core::observe::layout::Layout;
+use mrroc_core::observe::layout::{Layout, SignalLayout};
 use mrroc_core::observe::witness::ReadingState;
 use mrroc_core::payload::Shape;
 use mrroc_core::replay::readings::RecordedReading;
 use mrroc_core::replay::script::ScriptedStep;
 use mrroc_core::replay::{LateRequest, RecordedImage, RecordedReadings, RecordedRobot, RecordedRun, Script};
-use mrroc_core::robot::{MAX_JOINTS, Measured};
+use mrroc_core::robot::{Channel, MAX_JOINTS, Measured, Signals, Value as Signal};
 
 /// The messages read so far.
 pub(super) struct Messages {
     robots: Vec<RecordedRobot>,
+    /// The named inputs and outputs of each.
+    signals: Vec<Vec<SignalLayout>>,
     sensors: Vec<(Name, &'static Shape)>,
     readings: Vec<RecordedReadings>,
     steps: Vec<ScriptedStep>,
@@ -75,6 +77,7 @@ impl Messages {
                 found: None,
                 first: 0,
                 images: Vec::new(),
+                signals: Vec::new(),
                 late: Vec::new(),
                 put_off: BTreeSet::new(),
             });
@@ -88,7 +91,8 @@ impl Messages {
             sensors.push((of_cell(&sensor.name)?, sensor.reading));
         }
         let (readings, steps, late, aborts) = (Vec::new(), Vec::new(), BTreeSet::new(), BTreeSet::new());
-        Ok(Messages { robots, sensors, readings, steps, late, aborts, outside: None, end: None })
+        let signals = layout.robots.iter().map(|robot| robot.signals.clone()).collect();
+        Ok(Messages { robots, signals, sensors, readings, steps, late, aborts, outside: None, end: None })
     }
 
     /// The last step of the MP read so far.
@@ -104,6 +108,7 @@ impl Messages {
             ["steps"] => json().and_then(|json| self.step(&json)),
             ["events"] => json().and_then(|json| self.event(&json, time)),
             ["robots", name] => json().and_then(|json| self.image(name, &json)),
+            ["robots", name, "signals"] => json().and_then(|json| self.signals(name, &json)),
             ["sensors", name] => json().and_then(|json| self.reading(name, &json)),
             _ => Some(()),
         };
@@ -119,6 +124,8 @@ impl Messages {
             step: json["step"].as_u64()?,
             speed: json["speed"].as_f64().filter(|speed| (0.0..=1.0).contains(speed))?,
             suspended: json["suspended"].as_bool()?,
+            // Recordings of earlier versions do not have it.
+            reduced: json["reduced"].as_bool().unwrap_or(false),
             aborting: json["aborting"].as_bool()?,
             stopping: json["stopping"].as_bool()?,
             resetting: json["resetting"].as_bool()?,
@@ -188,6 +195,29 @@ impl Messages {
         let follows = step == robot.first + robot.images.len() as u64;
         robot.images.extend(follows.then_some(image));
         follows.then_some(())
+    }
+
+    /// What a robot's inputs read and its outputs are: kept where it differs from the step before.
+    fn signals(&mut self, name: &str, json: &Value) -> Option<()> {
+        let place = self.robots.iter().position(|robot| robot.name.as_str() == name)?;
+        let mut signals = Signals::OFF;
+        for SignalLayout { name, channel, is_output, .. } in &self.signals[place] {
+            let of = if *is_output { "outputs" } else { "inputs" };
+            let value = match channel {
+                Channel::Digital(_) => Signal::Digital(json[of][name].as_bool()?),
+                Channel::Analog(_) => Signal::Analog(as_number(&json[of][name])?),
+            };
+            let values = if *is_output { &mut signals.outputs } else { &mut signals.inputs };
+            values.set(*channel, value);
+        }
+        let step = json["step"].as_u64()?;
+        let before = &mut self.robots[place].signals;
+        match before.last() {
+            Some((last, _)) if *last >= step => return None,
+            Some((_, known)) if *known == signals => {}
+            Some(_) | None => before.push((step, signals)),
+        }
+        Some(())
     }
 
     fn reading(&mut self, name: &str, json: &Value) -> Option<()> {

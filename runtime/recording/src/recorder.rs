@@ -16,7 +16,7 @@ use mrroc_core::sensor::FrameSink;
 use crate::file::{McapFile, can_be_written};
 use crate::frames::FrameFiles;
 use crate::relay::{Relay, join};
-use crate::ring::RunRecorder;
+use crate::ring;
 
 /// Records to MCAP files.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl Recorder for Mcap {
         let layout = recording.of(layout.clone());
         let about = layout.clone();
         let open = Box::new(move || Ok(Box::new(McapFile::create(&file, &about, "memory")?) as _));
-        let begun = RunRecorder::begin(recording, layout, Clock::Virtual, open).map_err(unwritable)?;
+        let begun = ring::begin(recording, layout, Clock::Virtual, open).map_err(unwritable)?;
         Ok(Rc::new(begun))
     }
 

@@ -18,23 +18,21 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::channels::Outlet;
-use super::file::{McapFile, REAL_TIME, can_be_written};
-use super::ring::RunRecorder;
+use super::file::{McapFile, REAL_TIME, can_be_written, patience};
+use super::ring;
 use mrroc_core::console::complain;
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::layout::Layout;
 use mrroc_core::observe::recording::{NotRecorded, Recording};
+use mrroc_core::observe::ring::Ring;
 
 /// The longest message \[bytes\]; usual messages have some thousand bytes.
 const LONGEST: usize = 128 * 1024;
 
 /// How often the launcher's thread checks whether the recording is to end.
 const REST: Duration = Duration::from_millis(50);
-
-/// How long the end waits for a file that takes no more data.
-const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The path of a session's socket, whose name says by which clock its processes run.
 fn socket(folder: &Path, clock: Clock) -> PathBuf {
@@ -50,7 +48,7 @@ pub(crate) fn join(
     layout: &Layout,
     process: ProcessId,
     folder: &Path,
-) -> Option<Rc<RunRecorder>> {
+) -> Option<Rc<Ring>> {
     let shows = match process.role {
         Role::Mp | Role::Ecp | Role::Edp => true,
         Role::Plant => !layout.bodies.is_empty(),
@@ -70,7 +68,7 @@ pub(crate) fn join(
         Ok(Box::new(Sender { socket, topics: Vec::new(), frame: Vec::new() }) as Box<dyn Outlet>)
     });
     // A process that cannot record runs without being recorded.
-    let begun = RunRecorder::begin(&recording, recording.of(layout.clone()), clock, open);
+    let begun = ring::begin(&recording, recording.of(layout.clone()), clock, open);
     begun
         .map(Rc::new)
         .inspect_err(|error| complain(&format!("warning: {process}: not recorded: {error}")))
@@ -204,12 +202,13 @@ impl Drop for Relay {
     fn drop(&mut self) {
         let Some(thread) = self.thread.take() else { return };
         self.closing.store(true, Ordering::Release);
+        let patience = patience(&self.file);
         let (mut since, mut seen) = (Instant::now(), self.received.load(Ordering::Acquire));
         while !thread.is_finished() {
             let received = self.received.load(Ordering::Acquire);
             if received != seen {
                 (since, seen) = (Instant::now(), received);
-            } else if since.elapsed() > PATIENCE {
+            } else if since.elapsed() > patience {
                 complain(&format!(
                     "warning: {}: nothing more can be written: records are lost",
                     self.file.display()

@@ -7,7 +7,10 @@ use core::time::Duration;
 use mrroc_core::fault::Excess;
 use mrroc_core::robot::JointVector;
 use mrroc_core::robot::Robot;
-use mrroc_core::robot::{DriveFault, Driver, Measured, Pace, Pulse, Regulators, SimulatedDrives};
+use mrroc_core::robot::{
+    Channels, DriveFault, Driver, Load, Measured, Outputs, Pace, Pulse, Recovery, Regulators, Signals,
+    SimulatedDrives,
+};
 
 /// How a joint's drive fails. Joints are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +80,42 @@ impl<R: Robot, D: Driver<R>> Driver<R> for FaultyDrive<R, D> {
 
     fn motor_currents(&self) -> Option<R::Joints> {
         self.drives.motor_currents()
+    }
+
+    fn held(&self) -> Option<R::Joints> {
+        self.drives.held()
+    }
+
+    fn speed_scaling(&self) -> f64 {
+        self.drives.speed_scaling()
+    }
+
+    fn channels(&self) -> Channels {
+        self.drives.channels()
+    }
+
+    fn signals(&self) -> Signals {
+        self.drives.signals()
+    }
+
+    fn switch_outputs(&mut self, outputs: &Outputs) {
+        self.drives.switch_outputs(outputs);
+    }
+
+    fn declare_outputs(&mut self, named: &Outputs, when_lost: &Outputs) {
+        self.drives.declare_outputs(named, when_lost);
+    }
+
+    fn carry(&mut self, load: &Load) {
+        self.drives.carry(load);
+    }
+
+    fn load_time(&self) -> Duration {
+        self.drives.load_time()
+    }
+
+    fn recover(&mut self) -> Result<Recovery, DriveFault> {
+        self.drives.recover()
     }
 
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {

@@ -95,7 +95,12 @@ fn head(picture: &Picture, over: Option<&str>) -> Paragraph<'static> {
 
 /// The rate of path time, and the speed that is set.
 fn gauge(picture: &Picture) -> Gauge<'static> {
-    let label = format!("rate {:.0} % of speed {:.0} %", 100.0 * picture.rate, 100.0 * picture.speed);
+    let label = format!(
+        "rate {:.0} % of speed {:.0} %{}",
+        100.0 * picture.rate,
+        100.0 * picture.speed,
+        picture.reduction()
+    );
     let rate = if picture.rate.is_finite() { picture.rate.clamp(0.0, 1.0) } else { 0.0 };
     Gauge::default().ratio(rate).label(label).gauge_style(Style::new().fg(colour(picture.state)))
 }
@@ -198,6 +203,8 @@ mod tests {
             period: 2_000_000,
             rate: 0.25,
             speed: 0.5,
+            reduced: false,
+            held: false,
             instructions: 4,
             doing: Doing::Move,
             by: "Swing".to_owned(),

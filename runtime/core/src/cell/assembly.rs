@@ -103,17 +103,14 @@ impl Cell {
         }
         let wanted = requesters.wanted;
         let mut ports = Vec::new();
+        let named = Rc::new(self.parts.named);
         let robots = self.parts.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing));
         for (i, ((robot, name), (&ecp, sensing))) in robots.enumerate() {
             let (client, server) = link.port(mp, ecp);
-            ports.push(RobotPort::new(
-                *name,
-                robot.kind(),
-                robot.kind_name(),
-                client,
-                stop_steps,
-                robot.is_homed(),
-            ));
+            let signals = robot.signal_names();
+            let port =
+                RobotPort::new(*name, robot.kind(), robot.kind_name(), client, stop_steps, robot.is_homed());
+            ports.push(port.with_signals(Rc::clone(&signals)));
             let period = self.timing.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };
             let place = Place {
@@ -124,6 +121,8 @@ impl Cell {
                 pace,
                 nudged,
                 witnesses: witnesses.clone(),
+                signals,
+                named: Rc::clone(&named),
                 wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
             };
             robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
@@ -147,13 +146,14 @@ impl Cell {
             mp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
-                let mut mp = Mp::new(
+                let mp = Mp::new(
                     timed.host(),
                     ports,
                     mp_sensing,
                     (self.coordination.operator, self.coordination.hook, self.coordination.activity),
                     &timing,
                 );
+                let mut mp = mp.with_names(named);
                 mp.watch_by(self.coordination.guard);
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {

@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use crate::cell::robot::signals::WrongSignal;
 use crate::link::memory::Stuck;
 use crate::model::fault::Fault;
 use crate::model::name::{BadName, Name};
@@ -79,6 +80,26 @@ pub enum CellError {
         /// What its driver calls them.
         hardware: String,
     },
+    /// A sensor with hardware, in a cell whose time is not that of the world.
+    #[error(
+        "sensor `{sensor}` has hardware, {hardware}, which cannot follow the virtual clock; nothing was opened\n help: run the cell in real time, `cargo run -- --processes`; or let a simulated sensor stand in: `--dry-run`, `--simulated`, in a program `cell.simulated()`"
+    )]
+    RealSensor {
+        /// The sensor.
+        sensor: Name,
+        /// What it calls its hardware.
+        hardware: String,
+    },
+    /// A sensor with hardware that nothing can stand in for.
+    #[error(
+        "sensor `{sensor}` has hardware, {hardware}, and nothing to stand in for it; nothing was opened\n help: give its set-up a simulated sensor, `.stand_in(..)`"
+    )]
+    NoSensorStandIn {
+        /// The sensor.
+        sensor: Name,
+        /// What it calls its hardware.
+        hardware: String,
+    },
     /// What is wrong with the cell's file.
     #[error("{0}")]
     File(String),
@@ -109,6 +130,32 @@ pub enum CellError {
         "robot `{0}`: its servo period is 0\n help: let `Driver::period` say how often the drives take a demand"
     )]
     NoServo(Name),
+    /// A named input or output of a robot that cannot be.
+    #[error("robot `{robot}`, signal `{}`: {wrong}", crate::console::quoted(signal, 40))]
+    Signal {
+        /// The robot.
+        robot: Name,
+        /// The signal.
+        signal: String,
+        /// What is wrong with it.
+        wrong: WrongSignal,
+    },
+    /// Two frames, or two tools, of one name.
+    #[error("the cell has two {what}s of the name `{name}`: give each a name of its own")]
+    TwoNamed {
+        /// `frame` or `tool`.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A tool whose load is that of no body.
+    #[error("tool `{name}`: {wrong}")]
+    ToolLoad {
+        /// The tool.
+        name: String,
+        /// What is wrong with it.
+        wrong: &'static str,
+    },
     /// Interpolation in the task space of a robot whose joints a pose does not determine.
     #[error(
         "robot `{0}`: a pose does not determine its joints, so nothing can be interpolated in the task space\n help: leave `interpolation(InterpolationSpace::Task)` out"
@@ -191,7 +238,7 @@ pub enum CellError {
     #[error("the period of the free-running sensor `{0}` is 0: give it 1 ms or more")]
     NoPeriod(Name),
     /// A configuration or a reading that is too long for a message.
-    #[error("sensor `{0}`: its configuration may take 16 words and its reading 56")]
+    #[error("sensor `{0}`: its configuration may take 16 words and its reading 64")]
     TooLong(Name),
     /// The run cannot be recorded.
     #[error(transparent)]

@@ -5,7 +5,7 @@
 use crate::model::joints::JointVector;
 use crate::model::robot::Robot;
 use crate::observe::layout::{JointLayout, Layout};
-use crate::safety::stopping::{braking_time, detection_time};
+use crate::safety::stopping::braking_time;
 
 use super::Cell;
 
@@ -17,7 +17,7 @@ impl Cell {
             stop_time: self.timing.stop_time,
             path_stop: self.path_stop_time(),
             protective_stop: self.timing.step * u32::try_from(self.path_stop_steps()).unwrap_or(u32::MAX),
-            detection: detection_time(self.timing.step),
+            detection: self.parts.noticing_time(&self.timing),
             mp_program: self.coordination.program.is_some(),
             robots: self.parts.robots.iter().map(|robot| robot.layout(self.timing.stop_time)).collect(),
             sensors: self.parts.sensors.iter().map(|sensor| sensor.layout(self.timing.step)).collect(),

@@ -1,6 +1,6 @@
 //! What must hold of a robot's limits before its cell runs: every one that does not is found, not the first.
 //!
-//! In: limits, following error, the cell's step and the stop that it allows. Out: a [`CellError`] for each value that
+//! In: limits, following error, how long the cell takes to notice a loss \[s\], and the stop that it allows. Out: a [`CellError`] for each value that
 //! no check of a demand could rely on, and for each joint that could not stop in time.
 
 use core::time::Duration;
@@ -8,7 +8,7 @@ use core::time::Duration;
 use crate::model::joints::JointVector;
 use crate::model::name::Name;
 use crate::model::robot::{JointKind, Limits};
-use crate::safety::stopping::{braking_time, detection_time};
+use crate::safety::stopping::braking_time;
 
 use super::CellError;
 
@@ -18,7 +18,7 @@ pub(super) fn check<J: JointVector>(
     kind: impl Fn(usize) -> JointKind,
     limits: &Limits<J>,
     following_error: &J,
-    step: Duration,
+    noticing: f64,
     stop_time: Duration,
 ) -> Vec<CellError> {
     let mut errors = Vec::new();
@@ -52,7 +52,7 @@ pub(super) fn check<J: JointVector>(
                 stops = false;
             }
         }
-        let time = detection_time(step) + braking_time(limits, joint);
+        let time = noticing + braking_time(limits, joint);
         if stops && time > stop_time.as_secs_f64() {
             errors.push(CellError::StopTime { robot, joint, time, limit: stop_time.as_secs_f64() });
         }

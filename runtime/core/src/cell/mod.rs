@@ -34,6 +34,7 @@ use crate::control::mp::Mp;
 use crate::control::plant::Body;
 use crate::control::replay::RecordedRun;
 use crate::model::fault::Fault;
+use crate::model::load::Tool;
 use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
@@ -41,7 +42,7 @@ use crate::model::sensor::VirtualSensor;
 use crate::observe::layout::BodyLayout;
 use crate::observe::recording::{Recorder, Recording};
 use crate::observe::servo::Observation;
-use crate::observe::witness::Witness;
+use crate::observe::witness::{SharedWitness, Witness};
 use crate::operator::Operator;
 pub use crate::safety::limits::rates::PATH_SHARE;
 use crate::safety::rate::{RateHeadroom, path_stop_time};
@@ -59,7 +60,8 @@ pub use assembly::{Assembly, Outcomes};
 pub use error::CellError;
 pub use picture::RunPicture;
 pub use realtime::{Permission, Realtime};
-pub use robot::{AnyRobot, RobotSetup};
+pub use robot::signals::{InputSetup, OutputSetup, WrongSignal};
+pub use robot::{AnyRobot, NoSimulator, RobotSetup};
 pub use running::{RunReport, first_cause};
 pub use sensor::SensorSetup;
 
@@ -104,6 +106,23 @@ impl Cell {
     #[must_use]
     pub fn robot<R: Robot>(mut self, setup: RobotSetup<R>) -> Cell {
         self.parts.robots.push(Box::new(setup));
+        self
+    }
+
+    /// Names a frame in the world, such as a table or a fixture: `X_WU` \[m\]. Programs ask for it by [`Mp::frame`] and
+    /// [`Ecp::frame`].
+    #[must_use]
+    #[allow(non_snake_case)]
+    pub fn frame(mut self, name: &str, X_WU: Pose) -> Cell {
+        self.parts.named.frames.push((name.to_owned(), X_WU));
+        self
+    }
+
+    /// Names a tool: where its tip is on the flange, and what the flange carries with it. Programs ask for it by [`Mp::tool`]
+    /// and [`Ecp::tool`].
+    #[must_use]
+    pub fn tool(mut self, name: &str, tool: Tool) -> Cell {
+        self.parts.named.tools.push((name.to_owned(), tool));
         self
     }
 
@@ -239,7 +258,8 @@ impl Cell {
     /// [`layout`](Cell::layout) tells which robots have such stand-ins.
     ///
     /// # Errors
-    /// [`CellError`] for each robot with real drives and [nothing to stand in](RobotSetup::stand_in) for them.
+    /// [`CellError`] for each robot with real drives and [nothing to stand in](RobotSetup::stand_in) for them, and for each sensor
+    /// with [hardware](crate::sensor::VirtualSensor::hardware) and [nothing to stand in](SensorSetup::stand_in) for it.
     pub fn simulated(mut self) -> Result<Cell, CellError> {
         self.parts.simulate().map(|()| self)
     }
@@ -255,10 +275,22 @@ impl Cell {
         self.parts.robots.iter_mut().map(|robot| &mut **robot)
     }
 
-    /// The hardware that its drivers name, each once.
+    /// The hardware that its drivers and sensors name, each once.
     pub fn hardware(&self) -> Vec<String> {
-        let names: BTreeSet<_> = self.parts.robots.iter().filter_map(|robot| robot.hardware()).collect();
+        let of_robots = self.parts.robots.iter().filter_map(|robot| robot.hardware());
+        let of_sensors = self.parts.sensors.iter().filter_map(|sensor| sensor.hardware());
+        let names: BTreeSet<_> = of_robots.chain(of_sensors).collect();
         names.into_iter().collect()
+    }
+
+    /// The Python module by which a program of another sends what the sensor of this name reads
+    /// ([`VirtualSensor::python`]), or simulates the robot of this name ([`Driver::python`](crate::robot::Driver::python)); `None`
+    /// if no program does, or there is neither.
+    #[must_use]
+    pub fn python(&self, name: &str) -> Option<String> {
+        let mut sensors = self.parts.sensors.iter().filter(|sensor| sensor.name() == name);
+        let mut robots = self.parts.robots.iter().filter(|robot| robot.name() == name);
+        sensors.find_map(|sensor| sensor.python()).or_else(|| robots.find_map(|robot| robot.python()))
     }
 
     /// The length of a step.
@@ -393,6 +425,24 @@ impl Cell {
     pub fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
         self.watching.witnesses.push(witness);
         self
+    }
+
+    /// Shows a witness what a picture needs besides the robots: every [`Step`](crate::observe::witness::What::Step) of the MP,
+    /// every [`Reading`](crate::observe::witness::What::Reading) that a process collects, the
+    /// [`Signals`](crate::observe::witness::What::Signals) of every robot. On the memory link it sees everything else, too.
+    ///
+    /// Where the cell runs as processes and the program [watches](Self::watched_in_plant), it is shown these on a thread of the
+    /// plant: what one process shows in its order, but what several show in any order, and in real time not all of it if
+    /// the plant is slow.
+    #[must_use]
+    pub fn shown_to_picture(mut self, witness: SharedWitness) -> Cell {
+        self.watching.of_picture.push(witness);
+        self
+    }
+
+    /// Takes the witnesses of its [picture](Cell::shown_to_picture).
+    pub fn take_witnesses_of_picture(&mut self) -> Vec<SharedWitness> {
+        core::mem::take(&mut self.watching.of_picture)
     }
 
     /// Replaces drives, sensors and the operator by a recording of this cell, which gives their answers.

@@ -10,8 +10,10 @@ use crate::control::guarded::guarded;
 use crate::link::places::MAX_PROCESSES;
 use crate::model::fault::Fault;
 use crate::model::name::Name;
+use crate::model::named::CellNames;
 use crate::model::pace::{Pace, ServoPeriod};
 use crate::model::robot::Robot;
+use crate::safety::stopping::noticing_time;
 use crate::suggestion::suggestion;
 
 use super::CellError;
@@ -24,6 +26,8 @@ use super::timing::Timing;
 pub(super) struct Parts {
     pub robots: Vec<Box<dyn AnyRobot>>,
     pub sensors: Vec<Box<dyn AnySensor>>,
+    /// Its frames and tools.
+    pub named: CellNames,
     /// Sensors that the cell's file names.
     pub expected_sensors: Vec<String>,
     /// What was found wrong while the cell was put together.
@@ -76,7 +80,7 @@ impl Parts {
                 errors.push(CellError::Twice(name));
             }
             // The model and the driver are the user's code.
-            match guarded(|| check_robot(&**robot, name, timing)) {
+            match guarded(|| check_robot(&**robot, name, timing, self.noticing_time(timing))) {
                 Ok(found) => errors.extend(found),
                 Err(panic) => errors.push(CellError::Panicked(name, quoted(panic.message(), 120))),
             }
@@ -84,6 +88,16 @@ impl Parts {
         }
         self.check_mountings(&names, errors);
         names
+    }
+
+    /// How long it takes until robots begin to stop for what is lost \[s\].
+    pub fn noticing_time(&self, timing: &Timing) -> f64 {
+        let silence = |robot: &dyn AnyRobot| match robot.servo_period().pace {
+            Pace::Cell => Duration::ZERO,
+            Pace::Robot { patience } => patience,
+        };
+        let silences = self.robots.iter().map(|robot| silence(&**robot));
+        noticing_time(timing.step, silences.max().unwrap_or_default())
     }
 
     /// Checks that robots are mounted on robots of the cell, and none on itself, not even through others.
@@ -104,26 +118,40 @@ impl Parts {
         }
     }
 
-    /// Refuses drives that cannot follow the virtual clock.
+    /// Refuses drives and sensors that cannot follow the virtual clock.
     ///
     /// # Errors
-    /// [`CellError::RealDrives`] for the first robot that has such.
+    /// [`CellError::RealDrives`] for the first robot that has such, [`CellError::RealSensor`] for the first sensor.
     pub fn refuse_hardware(&self, names: &[Name]) -> Result<(), CellError> {
-        let real = self.robots.iter().zip(names).find_map(|(robot, &name)| Some((name, robot.hardware()?)));
-        real.map_or(Ok(()), |(robot, hardware)| Err(CellError::RealDrives { robot, hardware }))
+        let mut robots = self.robots.iter().zip(names).filter(|(robot, _)| !robot.is_in_simulator());
+        let real = robots.find_map(|(robot, &name)| Some((name, robot.hardware()?)));
+        if let Some((robot, hardware)) = real {
+            return Err(CellError::RealDrives { robot, hardware });
+        }
+        match self.sensors.iter().find_map(|sensor| Some((sensor.name(), sensor.hardware()?))) {
+            Some((sensor, hardware)) => Err(CellError::RealSensor { sensor: Name::new(sensor)?, hardware }),
+            None => Ok(()),
+        }
     }
 
-    /// Lets simulated drives stand in for real ones.
+    /// Lets simulated drives and sensors stand in for real ones.
     ///
     /// # Errors
-    /// Why there are none for some robots.
+    /// Why there are none for some robots and sensors.
     pub fn simulate(&mut self) -> Result<(), CellError> {
         let robots = self.robots.iter_mut().filter(|robot| robot.hardware().is_some());
         let refused = robots.filter_map(|robot| {
             let name = Name::new(robot.name()).map_err(CellError::from);
             name.and_then(|name| robot.simulate(name)).err()
         });
-        CellError::all(refused.collect())
+        let mut refused: Vec<_> = refused.collect();
+        for sensor in core::mem::take(&mut self.sensors) {
+            match sensor.simulated() {
+                Ok(sensor) => self.sensors.push(sensor),
+                Err(error) => refused.push(error),
+            }
+        }
+        CellError::all(refused)
     }
 
     /// Checks the sensors of robots with these names.
@@ -145,6 +173,27 @@ impl Parts {
         errors.extend(self.expected_sensors.iter().filter(without).cloned().map(CellError::NoVsp));
     }
 
+    /// Checks the frames and tools.
+    pub fn check_named(&self, errors: &mut Vec<CellError>) {
+        let frames: Vec<_> = self.named.frames.iter().map(|(name, _)| &**name).collect();
+        let tools: Vec<_> = self.named.tools.iter().map(|(name, _)| &**name).collect();
+        for (what, names) in [("frame", frames), ("tool", tools)] {
+            for (i, name) in names.iter().enumerate() {
+                if let Err(bad) = Name::new(name) {
+                    errors.push(bad.into());
+                }
+                if names[..i].contains(name) {
+                    errors.push(CellError::TwoNamed { what, name: (*name).to_owned() });
+                }
+            }
+        }
+        for (name, tool) in &self.named.tools {
+            if let Some(wrong) = tool.load.fault() {
+                errors.push(CellError::ToolLoad { name: name.clone(), wrong });
+            }
+        }
+    }
+
     /// Whether an ECP has a program.
     pub fn has_program(&self) -> bool {
         self.robots.iter().any(|robot| robot.has_program())
@@ -152,7 +201,7 @@ impl Parts {
 }
 
 /// What is wrong with the set-up of one robot.
-fn check_robot(robot: &dyn AnyRobot, name: Name, timing: &Timing) -> Vec<CellError> {
+fn check_robot(robot: &dyn AnyRobot, name: Name, timing: &Timing, noticing: f64) -> Vec<CellError> {
     let mut errors = Vec::new();
     let step = timing.step;
     let ServoPeriod { length: servo, pace } = robot.servo_period();
@@ -163,6 +212,7 @@ fn check_robot(robot: &dyn AnyRobot, name: Name, timing: &Timing) -> Vec<CellErr
         errors.push(CellError::Period { robot: name, servo, step });
     }
     errors.extend(robot.check_space(name));
-    errors.extend(robot.check_limits(name, step, robot.stop_time(timing.stop_time)));
+    errors.extend(robot.check_signals(name));
+    errors.extend(robot.check_limits(name, noticing, robot.stop_time(timing.stop_time)));
     errors
 }

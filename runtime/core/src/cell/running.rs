@@ -41,7 +41,11 @@ impl Cell {
     }
 
     /// Runs a cell in which nothing is wrong.
-    pub fn run_on_memory(self, names: &[Name]) -> Result<RunReport, CellError> {
+    pub fn run_on_memory(mut self, names: &[Name]) -> Result<RunReport, CellError> {
+        // All processes are in this one.
+        for witness in self.take_witnesses_of_picture() {
+            self = self.witnessed_by(Rc::new(witness));
+        }
         let mut scheduler = Scheduler::new();
         let patience = self.timing.watchdog;
         let assembly = self.assemble(names, &mut scheduler)?;
@@ -67,6 +71,7 @@ impl Cell {
         self.parts.check_size(&mut errors);
         let names = self.parts.check_robots(&self.timing, &mut errors);
         self.parts.check_sensors(&names, self.timing.step, &mut errors);
+        self.parts.check_named(&mut errors);
         let layout = self.watching.recording.as_ref().map(|_| self.layout());
         let unrecorded =
             self.watching.recording.iter().zip(&layout).flat_map(|(asked, layout)| asked.check(layout));

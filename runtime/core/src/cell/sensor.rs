@@ -6,18 +6,19 @@ use std::rc::Rc;
 
 use super::CellError;
 use super::robot::StateWanted;
+use crate::control::opening::SensorOpening;
 use crate::control::plant::Site;
 use crate::control::replay::RecordedRun;
 use crate::control::sensing::{Asking, Reads, Sensing, SensorPort, Source};
 use crate::control::vsp::{Aggregator, Boards, Orders, Vsp};
-use crate::link::{Client, Link, Server, Simulation};
+use crate::link::{Client, Link, Preparation, Server, Simulation};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::image::Sensor;
 use crate::model::name::Name;
 use crate::model::sensor::{CONFIGURATION_WORDS, MAX_AGE, VirtualSensor, VspMode};
 use crate::model::time::Nanos;
 use crate::model::wire::{WORDS, Wire};
-use crate::observe::layout::SensorLayout;
+use crate::observe::layout::{HardwareLayout, SensorLayout};
 use crate::observe::recording::{FramesTo, NotRecorded, Recorder};
 
 /// A virtual sensor of a cell.
@@ -32,6 +33,9 @@ pub struct SensorSetup<V: VirtualSensor> {
     latency: Duration,
     every: u32,
     stale_after: Option<Duration>,
+    stand_in: Option<Box<dyn VirtualSensor<Kind = V::Kind>>>,
+    /// The hardware in whose place it is.
+    in_place_of: Option<String>,
 }
 
 impl<V: VirtualSensor> SensorSetup<V>
@@ -50,6 +54,8 @@ where
             latency: Duration::ZERO,
             every: 1,
             stale_after: None,
+            stand_in: None,
+            in_place_of: None,
         }
     }
 }
@@ -88,6 +94,14 @@ impl<V: VirtualSensor> SensorSetup<V> {
     #[must_use]
     pub fn stale_after(mut self, age: Duration) -> Self {
         self.stale_after = Some(age);
+        self
+    }
+
+    /// The sensor that takes the place of one with [hardware](VirtualSensor::hardware) where nothing real is to be read: in a dry
+    /// run, with `--simulated`, under the virtual clock. It must have none itself.
+    #[must_use]
+    pub fn stand_in(mut self, sensor: impl VirtualSensor<Kind = V::Kind>) -> Self {
+        self.stand_in = Some(Box::new(sensor));
         self
     }
 
@@ -167,6 +181,12 @@ pub(super) trait AnySensor {
     fn name(&self) -> &str;
     fn layout(&self, step: Duration) -> SensorLayout;
     fn check(&self, name: Name, robots: &[Name], step: Duration) -> Vec<CellError>;
+    /// What it opens in the world.
+    fn hardware(&self) -> Option<String>;
+    /// The Python module by which a program of another sends what it reads.
+    fn python(&self) -> Option<String>;
+    /// The same with what stands in for its hardware, if it has any.
+    fn simulated(self: Box<Self>) -> Result<Box<dyn AnySensor>, CellError>;
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError>;
 }
 
@@ -204,6 +224,7 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             mode: self.mode,
             latency: self.latency,
             reading: Self::reads().shape,
+            hardware: HardwareLayout::of(self.sensor.hardware(), self.in_place_of.as_deref()),
         }
     }
 
@@ -233,6 +254,36 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             errors.push(CellError::AskedEvery { sensor: name, every: self.every, max_age: asking.max_age });
         }
         errors
+    }
+
+    fn hardware(&self) -> Option<String> {
+        self.sensor.hardware()
+    }
+
+    fn python(&self) -> Option<String> {
+        self.sensor.python()
+    }
+
+    fn simulated(self: Box<Self>) -> Result<Box<dyn AnySensor>, CellError> {
+        let Some(hardware) = self.sensor.hardware() else { return Ok(self) };
+        let SensorSetup { name, configuration, robot, readers, mode, latency, every, stale_after, .. } =
+            *self;
+        match self.stand_in.filter(|sensor| sensor.hardware().is_none()) {
+            Some(sensor) => Ok(Box::new(SensorSetup {
+                name,
+                sensor,
+                configuration,
+                robot,
+                readers,
+                mode,
+                latency,
+                every,
+                stale_after,
+                stand_in: None,
+                in_place_of: Some(hardware),
+            })),
+            None => Err(CellError::NoSensorStandIn { sensor: Name::new(&name)?, hardware }),
+        }
     }
 
     fn spawn(self: Box<Self>, among: &mut Requesters<'_>) -> Result<(), CellError> {
@@ -301,11 +352,14 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             VspMode::NonInteractive(period) => Orders::Free { boards, period: period.as_nanos() as Nanos },
         };
         let step = step.as_nanos() as Nanos;
-        let sensors = plant.take_sensor(*link, place, Aggregator { process, sensor });
+        let aggregator = Aggregator { process, sensor, unopened: None };
+        let opening = Rc::new(SensorOpening::new(plant.take_sensor(*link, place, aggregator)));
+        link.prepare(place, Rc::clone(&opening) as Rc<dyn Preparation>);
         link.body(
             place,
             Box::new(move |host| {
                 let state = state.and_then(|board| board.get().map(Rc::clone));
+                let Some(sensors) = opening.take() else { return };
                 Vsp { sensors, configuration, host, orders, state, latency, step }.run();
             }),
         )?;

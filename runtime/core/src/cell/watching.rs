@@ -8,12 +8,14 @@ use crate::control::plant::Body;
 use crate::control::replay::RecordedRun;
 use crate::observe::layout::{BodyLayout, Layout};
 use crate::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
-use crate::observe::witness::Witness;
+use crate::observe::witness::{SharedWitness, Witness};
 
 /// Those who look on.
 #[derive(Default)]
 pub(super) struct Watching {
     pub witnesses: Vec<Rc<dyn Witness>>,
+    /// Those who are shown what a picture needs, of all processes.
+    pub of_picture: Vec<SharedWitness>,
     /// Bodies that are shown to witnesses.
     pub bodies: Vec<(BodyLayout, Body)>,
     /// What the run is recorded to.

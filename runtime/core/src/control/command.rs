@@ -3,7 +3,9 @@
 use crate::link::message::{Kind, Message};
 use crate::model::driver::{Driver, Measured, Regulators};
 use crate::model::joints::{JointVector, MAX_JOINTS};
+use crate::model::load::{LOAD_WORDS, Load};
 use crate::model::pose::Pose;
+use crate::model::signals::{OUTPUT_WORDS, Outputs, SIGNAL_WORDS, Signals};
 use crate::model::wire::{BadWords, WORDS, Wire};
 
 /// What drives are to do in a servo period.
@@ -20,6 +22,44 @@ pub(crate) struct Command<J> {
     pub demanded: J,
     /// The tool in force, `X_FE`: for those who look on.
     pub tool: Pose,
+    pub told: Told,
+}
+
+/// What drives are told beside where to be: it stays so until they are told something else.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Told {
+    /// The last value of each output that has been told one.
+    pub outputs: Outputs,
+    /// How often they were told what the robot carries, and what they were told last.
+    pub loads: u64,
+    pub load: Load,
+}
+
+impl Default for Told {
+    fn default() -> Self {
+        Told { outputs: Outputs::NONE, loads: 0, load: Load::NONE }
+    }
+}
+
+impl Told {
+    const LEN: usize = OUTPUT_WORDS + 1 + LOAD_WORDS;
+
+    fn is_nothing(&self) -> bool {
+        self.outputs.is_none() && self.loads == 0
+    }
+
+    fn put(&self, words: &mut [u64]) {
+        let (outputs, load) = words.split_at_mut(OUTPUT_WORDS);
+        self.outputs.put(outputs);
+        load[0] = self.loads;
+        self.load.put(&mut load[1..]);
+    }
+
+    fn get(words: &[u64]) -> Result<Self, BadWords> {
+        let outputs = Outputs::get(words)?;
+        let load = words.get(OUTPUT_WORDS..Told::LEN).ok_or(BadWords)?;
+        Ok(Told { outputs, loads: load[0], load: Load::get(&load[1..])? })
+    }
 }
 
 /// Power for drives that have none, or none for drives that stand.
@@ -41,15 +81,23 @@ pub(crate) struct Reading<J> {
     pub demanded: J,
     /// The currents of the motors then \[A\], if the drives measure them.
     pub currents: Option<J>,
+    /// What the robot's inputs read then, and what its outputs are.
+    pub signals: Signals,
 }
 
 const TOOL: usize = 3 + MAX_JOINTS;
 const COMMAND_WORDS: usize = TOOL + Pose::LEN;
+/// The same with what drives are told beside.
+const LONG_COMMAND_WORDS: usize = COMMAND_WORDS + Told::LEN;
 const READING_WORDS: usize = 3 * MAX_JOINTS;
-/// The same with currents.
-const LONG_READING_WORDS: usize = 4 * MAX_JOINTS;
+/// The same with currents, and with signals.
+const WITH_CURRENTS: usize = 4 * MAX_JOINTS;
+const LONG_READING_WORDS: usize = WITH_CURRENTS + SIGNAL_WORDS;
 const SWITCH_WORDS: usize = 1;
-const _: () = assert!(COMMAND_WORDS <= WORDS && LONG_READING_WORDS <= WORDS);
+const _: () = assert!(LONG_COMMAND_WORDS <= WORDS && LONG_READING_WORDS <= WORDS);
+
+/// What a reading with signals has in the place of currents that nobody measures: no current has these bits.
+const UNMEASURED: u64 = u64::MAX;
 
 fn put<J: JointVector>(joints: &J, words: &mut [u64]) {
     for (word, x) in words.iter_mut().zip(joints.as_slice()) {
@@ -69,15 +117,24 @@ impl<J: JointVector> Command<J> {
         message.body[..3].copy_from_slice(&[self.switched, self.choice, self.regulators.to_word()]);
         put(&self.demanded, &mut message.body[3..TOOL]);
         self.tool.put(&mut message.body[TOOL..COMMAND_WORDS]);
+        if !self.told.is_nothing() {
+            message.header.len = LONG_COMMAND_WORDS as u32;
+            self.told.put(&mut message.body[COMMAND_WORDS..LONG_COMMAND_WORDS]);
+        }
     }
 
     /// # Errors
     /// [`BadWords`] when the message is no command.
     pub fn get(message: &Message) -> Result<Self, BadWords> {
         let words = message.words();
-        if message.header.kind != Kind::Command || words.len() != COMMAND_WORDS {
+        if message.header.kind != Kind::Command {
             return Err(BadWords);
         }
+        let told = match words.len() {
+            COMMAND_WORDS => Told::default(),
+            LONG_COMMAND_WORDS => Told::get(&words[COMMAND_WORDS..])?,
+            _ => return Err(BadWords),
+        };
         Ok(Command {
             period: message.header.step,
             switched: words[0],
@@ -85,6 +142,7 @@ impl<J: JointVector> Command<J> {
             regulators: Regulators::from_word(words[2]),
             demanded: get(&words[3..TOOL]),
             tool: Pose::get(&words[TOOL..])?,
+            told,
         })
     }
 }
@@ -118,9 +176,17 @@ impl<J: JointVector> Reading<J> {
         put(&self.measured.position, &mut words[..MAX_JOINTS]);
         put(&self.measured.velocity, &mut words[MAX_JOINTS..2 * MAX_JOINTS]);
         put(&self.demanded, &mut words[2 * MAX_JOINTS..]);
-        if let Some(currents) = &self.currents {
+        let (currents, signals) = words[READING_WORDS..].split_at_mut(WITH_CURRENTS - READING_WORDS);
+        match &self.currents {
+            Some(measured) => {
+                message.header.len = WITH_CURRENTS as u32;
+                put(measured, currents);
+            }
+            None => currents[0] = UNMEASURED,
+        }
+        if !self.signals.are_off() {
             message.header.len = LONG_READING_WORDS as u32;
-            put(currents, &mut words[READING_WORDS..]);
+            self.signals.put(signals);
         }
     }
 
@@ -128,16 +194,19 @@ impl<J: JointVector> Reading<J> {
     /// [`BadWords`] when the message is no reading.
     pub fn get(message: &Message) -> Result<Self, BadWords> {
         let words = message.words();
-        let is_long = words.len() == LONG_READING_WORDS;
-        if message.header.kind != Kind::Reply || !(is_long || words.len() == READING_WORDS) {
+        let known = [READING_WORDS, WITH_CURRENTS, LONG_READING_WORDS].contains(&words.len());
+        if message.header.kind != Kind::Reply || !known {
             return Err(BadWords);
         }
+        let is_measured = words.get(READING_WORDS).is_some_and(|&word| word != UNMEASURED);
+        let signals = words.get(WITH_CURRENTS..).filter(|signals| !signals.is_empty());
         let measured = Measured { position: get(words), velocity: get(&words[MAX_JOINTS..]) };
         Ok(Reading {
             period: message.header.step,
             measured,
             demanded: get(&words[2 * MAX_JOINTS..]),
-            currents: is_long.then(|| get(&words[READING_WORDS..])),
+            currents: is_measured.then(|| get(&words[READING_WORDS..])),
+            signals: signals.map_or(Ok(Signals::OFF), Signals::get)?,
         })
     }
 }

@@ -5,9 +5,13 @@
 
 use core::time::Duration;
 
-use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::model::drive_fault::DriveFault;
+use crate::model::driver::{Channels, Driver, Measured, Recovery, Regulators};
+use crate::model::load::Load;
 use crate::model::pace::{Pace, Pulse};
 use crate::model::robot::Robot;
+use crate::model::signals::{Outputs, Signals};
+use crate::model::wrench::Wrench;
 
 /// Drives that are connected as soon as they exist, such as those of a manufacturer's library. A set-up gets this in their
 /// place; `connect` makes them when the robot's EDP opens its driver, and again at a reset, if that has failed. A check, a dry
@@ -29,6 +33,8 @@ pub struct Connecting<D, F> {
     hardware: String,
     period: Duration,
     pace: Pace,
+    channels: Channels,
+    declared: Option<(Outputs, Outputs)>,
     connect: F,
     drives: Option<D>,
 }
@@ -36,7 +42,22 @@ pub struct Connecting<D, F> {
 impl<D, F: FnMut() -> Result<D, DriveFault>> Connecting<D, F> {
     /// Drives of this [hardware](Driver::hardware), with this servo period.
     pub fn to(hardware: &str, period: Duration, connect: F) -> Self {
-        Connecting { hardware: hardware.to_owned(), period, pace: Pace::Cell, connect, drives: None }
+        Connecting {
+            hardware: hardware.to_owned(),
+            period,
+            pace: Pace::Cell,
+            channels: Channels::NONE,
+            declared: None,
+            connect,
+            drives: None,
+        }
+    }
+
+    /// The same, with these inputs and outputs.
+    #[must_use]
+    pub fn with_channels(mut self, channels: Channels) -> Self {
+        self.channels = channels;
+        self
     }
 
     /// The same, [paced](Pace) as said here.
@@ -68,11 +89,14 @@ impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for 
         // Hardware that one connection at a time may have is let go before.
         self.drives = None;
         let mut drives = (self.connect)()?;
+        if let Some((named, when_lost)) = &self.declared {
+            drives.declare_outputs(named, when_lost);
+        }
         drives.open()?;
-        if (drives.period(), drives.pace()) != (self.period, self.pace) {
+        if (drives.period(), drives.pace(), drives.channels()) != (self.period, self.pace, self.channels) {
             drives.close();
             return Err(DriveFault::Other(
-                "the drives have another servo period or pace than their set-up says",
+                "the drives have another servo period, pace or channels than their set-up says",
             ));
         }
         self.drives = Some(drives);
@@ -83,6 +107,10 @@ impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for 
         if let Some(mut drives) = self.drives.take() {
             drives.close();
         }
+    }
+
+    fn held(&self) -> Option<R::Joints> {
+        self.drives.as_ref()?.held()
     }
 
     fn measured(&self) -> Result<Measured<R::Joints>, DriveFault> {
@@ -98,6 +126,38 @@ impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for 
         self.drives.as_ref()?.motor_currents()
     }
 
+    fn wrench(&self) -> Option<Wrench> {
+        self.drives.as_ref()?.wrench()
+    }
+
+    fn speed_scaling(&self) -> f64 {
+        self.drives.as_ref().map_or(1.0, Driver::speed_scaling)
+    }
+
+    fn channels(&self) -> Channels {
+        self.channels
+    }
+
+    fn signals(&self) -> Signals {
+        self.drives.as_ref().map_or(Signals::OFF, Driver::signals)
+    }
+
+    fn switch_outputs(&mut self, outputs: &Outputs) {
+        self.drives.iter_mut().for_each(|drives| drives.switch_outputs(outputs));
+    }
+
+    fn declare_outputs(&mut self, named: &Outputs, when_lost: &Outputs) {
+        self.declared = Some((*named, *when_lost));
+    }
+
+    fn carry(&mut self, load: &Load) {
+        self.drives.iter_mut().for_each(|drives| drives.carry(load));
+    }
+
+    fn load_time(&self) -> Duration {
+        self.drives.as_ref().map_or(Duration::ZERO, Driver::load_time)
+    }
+
     fn hardware(&self) -> Option<String> {
         Some(self.hardware.clone())
     }
@@ -108,6 +168,10 @@ impl<R: Robot, D: Driver<R>, F: FnMut() -> Result<D, DriveFault>> Driver<R> for 
 
     fn switch_off(&mut self) {
         self.drives.iter_mut().for_each(Driver::switch_off);
+    }
+
+    fn recover(&mut self) -> Result<Recovery, DriveFault> {
+        self.connected()?.recover()
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {
@@ -162,6 +226,9 @@ mod tests {
     fn drives_with_another_servo_period_than_the_set_up_says_are_refused() {
         let mut driver = Connecting::to("a controller", 2 * MS, || Ok(Exact::new(MS)));
         let refused = Driver::<Slide>::open(&mut driver).expect_err("1 ms");
-        assert_eq!(refused.what(), "the drives have another servo period or pace than their set-up says");
+        assert_eq!(
+            refused.what(),
+            "the drives have another servo period, pace or channels than their set-up says"
+        );
     }
 }

@@ -5,17 +5,21 @@
 use core::time::Duration;
 use std::rc::Rc;
 
-use crate::control::command::{Command, Reading, RegulatorSets, Switch};
+use crate::control::command::{Command, Reading, RegulatorSets, Switch, Told};
 use crate::control::guarded::guarded;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Client, Waiter};
-use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::model::drive_fault::DriveFault;
+use crate::model::driver::{Driver, Measured, Recovery, Regulators};
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::joints::JointVector;
+use crate::model::load::Load;
 use crate::model::pace::{Pace, Pulse};
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
+use crate::model::signals::{Outputs, Signals};
 use crate::model::time::Nanos;
+use crate::model::wrench::Wrench;
 
 /// The drives of a robot.
 pub(crate) enum Drive<R: Robot> {
@@ -80,12 +84,32 @@ impl<R: Robot> Drive<R> {
     pub fn begin(self) -> (Self, Measured<R::Joints>) {
         match (guarded(|| self.measured()).and_then(|measured| measured), self) {
             (Ok(measured), drive) => (drive, measured),
-            (Err(fault), Drive::Here(mut driver)) => {
+            (Err(fault), drive) => (drive.let_go(fault), unknown()),
+        }
+    }
+
+    /// Drives that cannot be used, closed, to be opened again at a reset.
+    pub fn let_go(self, fault: Fault) -> Self {
+        match self {
+            Drive::Here(mut driver) => {
                 // Whether that goes well changes nothing.
                 drop(guarded(|| driver.close()));
-                (Drive::closed(driver, fault), unknown())
+                Drive::closed(driver, fault)
             }
-            (Err(_), drive) => (drive, unknown()),
+            Drive::Closed(_) | Drive::Plant(_) => self,
+        }
+    }
+
+    /// Tells a robot that paces itself to stay at `rest`, if one of its periods has begun.
+    ///
+    /// # Errors
+    /// The drives' fault.
+    pub fn keep(&mut self, rest: &R::Joints) -> Result<(), Fault> {
+        let Drive::Here(driver) = self else { return Ok(()) };
+        let begun = driver.pulse(Duration::ZERO).map_err(|trip| Fault::of_drive(&trip))?;
+        match begun {
+            Some(_) => driver.tick(rest).map(drop).map_err(|trip| Fault::of_drive(&trip)),
+            None => Ok(()),
         }
     }
 
@@ -102,6 +126,14 @@ impl<R: Robot> Drive<R> {
         match self {
             Drive::Here(driver) => driver.close(),
             Drive::Closed(_) | Drive::Plant(_) => {}
+        }
+    }
+
+    /// Where the drives hold the robot by themselves, if they know that better than by what the encoders read.
+    pub fn held(&self) -> Option<R::Joints> {
+        match self {
+            Drive::Here(driver) => driver.held(),
+            Drive::Closed(_) | Drive::Plant(_) => None,
         }
     }
 
@@ -157,6 +189,60 @@ impl<R: Robot> Drive<R> {
         }
     }
 
+    /// What the robot's inputs read, and what its outputs are.
+    pub fn signals(&self) -> Signals {
+        match self {
+            Drive::Here(driver) => driver.signals(),
+            Drive::Closed(_) => Signals::OFF,
+            Drive::Plant(drive) => drive.shown.signals,
+        }
+    }
+
+    /// Tells its outputs these values.
+    pub fn switch_outputs(&mut self, outputs: &Outputs) {
+        match self {
+            Drive::Here(driver) => driver.switch_outputs(outputs),
+            Drive::Closed(_) => {}
+            Drive::Plant(drive) => drive.told.outputs = *outputs,
+        }
+    }
+
+    /// Tells the drives what the robot carries.
+    pub fn carry(&mut self, load: &Load) {
+        match self {
+            Drive::Here(driver) => driver.carry(load),
+            Drive::Closed(_) => {}
+            Drive::Plant(drive) => {
+                drive.told.load = *load;
+                drive.told.loads += 1;
+            }
+        }
+    }
+
+    /// For how long the robot must stand until it reckons with that. Simulated drives in the plant do at once.
+    pub fn load_time(&self) -> Duration {
+        match self {
+            Drive::Here(driver) => driver.load_time(),
+            Drive::Closed(_) | Drive::Plant(_) => Duration::ZERO,
+        }
+    }
+
+    /// The wrench of the surroundings on the flange, `F_F`, if the robot tells it.
+    pub fn wrench(&self) -> Option<Wrench> {
+        match self {
+            Drive::Here(driver) => driver.wrench(),
+            Drive::Closed(_) | Drive::Plant(_) => None,
+        }
+    }
+
+    /// The share of its demands' speed at which the robot goes.
+    pub fn speed_scaling(&self) -> f64 {
+        match self {
+            Drive::Here(driver) => driver.speed_scaling(),
+            Drive::Closed(_) | Drive::Plant(_) => 1.0,
+        }
+    }
+
     pub fn has_regulator(&self, joint: usize, set: u8) -> bool {
         match self {
             Drive::Here(driver) => driver.has_regulator(joint, set),
@@ -191,6 +277,22 @@ impl<R: Robot> Drive<R> {
         }
     }
 
+    /// Does what the robot needs after a stop of its own; opens drives that could not be opened before.
+    ///
+    /// # Errors
+    /// What the robot refuses.
+    pub fn recover(&mut self) -> Result<Recovery, Fault> {
+        match self {
+            Drive::Here(driver) => driver.recover().map_err(|trip| Fault::of_drive(&trip)),
+            Drive::Closed(unopened) => {
+                let Some(driver) = unopened.driver.take() else { return Err(unopened.fault.clone()) };
+                *self = Drive::open(driver);
+                self.unopened().map_or(Ok(Recovery::Over), |fault| Err(fault.clone()))
+            }
+            Drive::Plant(_) => Ok(Recovery::Over),
+        }
+    }
+
     /// Gives power; where the plant runs in its own time, a drive that does not come on is a fault of the next tick.
     ///
     /// # Errors
@@ -198,11 +300,7 @@ impl<R: Robot> Drive<R> {
     pub fn switch_on(&mut self, waiter: &dyn Waiter) -> Result<(), Fault> {
         match self {
             Drive::Here(driver) => driver.switch_on().map_err(|trip| Fault::of_drive(&trip)),
-            Drive::Closed(unopened) => {
-                let Some(driver) = unopened.driver.take() else { return Err(unopened.fault.clone()) };
-                *self = Drive::open(driver);
-                self.unopened().map_or(Ok(()), |fault| Err(fault.clone()))
-            }
+            Drive::Closed(unopened) => Err(unopened.fault.clone()),
             Drive::Plant(drive) => drive.switch(true, waiter),
         }
     }
@@ -218,13 +316,33 @@ impl<R: Robot> Drive<R> {
     ) -> Result<Followed<R::Joints>, Fault> {
         match self {
             Drive::Here(driver) => {
-                let measured = driver.tick(demanded).map_err(|trip| Fault::of_drive(&trip))?;
+                let number = period_at(driver.period(), now);
+                let measured = match driver.stepped() {
+                    Some(drives) => drives.tick_in(number, demanded),
+                    None => driver.tick(demanded),
+                };
+                let measured = measured.map_err(|trip| Fault::of_drive(&trip))?;
                 Ok(Followed { measured, demanded: *demanded })
             }
             Drive::Closed(unopened) => Err(unopened.fault.clone()),
             Drive::Plant(drive) => drive.tick(now, demanded, X_FE, waiter),
         }
     }
+
+    /// The servo period that begins at `now` passes without power. A simulator of others waits for all of its robots.
+    pub fn stand_by(&mut self, now: Nanos) {
+        if let Drive::Here(driver) = self {
+            let number = period_at(driver.period(), now);
+            if let Some(drives) = driver.stepped() {
+                drives.stand_by(number);
+            }
+        }
+    }
+}
+
+/// The number of the servo period that begins at `now`, counted from the cell's start.
+fn period_at(period: Duration, now: Nanos) -> u64 {
+    now / (period.as_nanos() as Nanos).max(1)
 }
 
 /// Simulated drives in the plant.
@@ -239,6 +357,8 @@ pub(crate) struct PlantDrive<R: Robot> {
     began: bool,
     /// How many choices of regulators there were, and the last one.
     chosen: (u64, Regulators),
+    /// What its outputs were told, and what it carries.
+    told: Told,
     /// How often power was taken away or given.
     switched: u64,
     /// For how long no new reading may come \[ns\].
@@ -267,9 +387,16 @@ impl<R: Robot> PlantDrive<R> {
             period: driver.period(),
             sets: RegulatorSets::of(driver),
             brakes: driver.has_brakes(),
-            shown: Reading { period: 0, measured, demanded: measured.position, currents: None },
+            shown: Reading {
+                period: 0,
+                measured,
+                demanded: measured.position,
+                currents: None,
+                signals: Signals::OFF,
+            },
             began: false,
             chosen: (0, Regulators::default()),
+            told: Told::default(),
             switched: 0,
             patience,
             message: Message::empty(),
@@ -286,9 +413,10 @@ impl<R: Robot> PlantDrive<R> {
     ) -> Result<Followed<R::Joints>, Fault> {
         let servo = (self.period.as_nanos() as Nanos).max(1);
         let (choice, regulators) = self.chosen;
-        let period = now / servo;
+        let period = period_at(self.period, now);
         let switched = self.switched;
-        let command = Command { period, switched, choice, regulators, demanded: *demanded, tool: *X_FE };
+        let (demanded, tool, told) = (*demanded, *X_FE, self.told);
+        let command = Command { period, switched, choice, regulators, demanded, tool, told };
         command.put(&mut self.message);
         self.tell(waiter)?;
         if !core::mem::replace(&mut self.began, true) {

@@ -48,8 +48,12 @@ impl Guard {
 
     /// The robots of the cell.
     pub fn over(mut self, robots: impl Iterator<Item = Name>) -> Guard {
-        let state =
-            EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: Pose::identity() };
+        let state = EffectorState {
+            joints: [0.0; MAX_JOINTS],
+            velocity: [0.0; MAX_JOINTS],
+            pose: Pose::identity(),
+            wrench: None,
+        };
         self.views = robots.map(|name| RobotView { name, measured: state, demanded: state }).collect();
         self.known = vec![false; self.views.len()];
         self
@@ -120,7 +124,8 @@ mod tests {
     fn at(robot: &str, joint: f64) -> RobotView {
         let mut joints = [0.0; MAX_JOINTS];
         joints[0] = joint;
-        let state = EffectorState { joints, velocity: [0.0; MAX_JOINTS], pose: Pose::identity() };
+        let state =
+            EffectorState { joints, velocity: [0.0; MAX_JOINTS], pose: Pose::identity(), wrench: None };
         RobotView { name: name(robot), measured: state, demanded: state }
     }
 

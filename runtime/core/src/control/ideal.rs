@@ -5,7 +5,8 @@
 
 use core::time::Duration;
 
-use crate::model::driver::{DriveFault, Driver, Measured, SimulatedDrives};
+use crate::model::drive_fault::DriveFault;
+use crate::model::driver::{Driver, Measured, SimulatedDrives};
 use crate::model::excess::Excess;
 use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::robot::{Limits, Robot};

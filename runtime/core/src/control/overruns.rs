@@ -36,6 +36,7 @@ impl Overruns {
     ///
     /// # Errors
     /// `Overrun` when there are too many.
+    #[inline]
     pub fn note(&mut self, missed: u64) -> Result<(), Fault> {
         if missed == 0 {
             self.net = self.net.saturating_sub(1);

@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use crate::control::replay::RecordedReadings;
 use crate::control::replay::readings::RecordedReading;
+use crate::control::state_words::StateWords;
 use crate::control::vsp::Boards;
 use crate::link::message::{Kind, Message};
 use crate::link::patience::{Patience, Waiting};
@@ -92,7 +93,7 @@ impl SensorPort {
     }
 
     /// Orders a reading in `step` if one is due, with the state of the robot that the sensor belongs to.
-    fn order(&mut self, step: u64, robot: Option<&[u64]>) {
+    fn order(&mut self, step: u64, robot: Option<StateWords<'_>>) {
         // A step may ask more than once, before and after a motion begins: each gets the answer of that step.
         let is_due =
             self.ordered.is_none_or(|ordered| step == ordered || step >= ordered + self.asking.every);
@@ -102,9 +103,8 @@ impl SensorPort {
         }
         self.order.header.step = step;
         self.order.header.len = CONFIGURATION_WORDS as u32;
-        if let Some(words) = robot {
-            self.order.body[CONFIGURATION_WORDS..CONFIGURATION_WORDS + words.len()].copy_from_slice(words);
-            self.order.header.len += words.len() as u32;
+        if let Some(state) = robot {
+            self.order.header.len += state.put(&mut self.order.body[CONFIGURATION_WORDS..]) as u32;
         }
         match &self.source {
             Source::Interactive(client) => client.send(&self.order),
@@ -295,7 +295,7 @@ impl Sensing {
         &mut self,
         sensors: &impl SensorsOf<V>,
         step: u64,
-        robot: impl Fn(Option<usize>) -> Option<&'a [u64]>,
+        robot: impl Fn(Option<usize>) -> Option<StateWords<'a>>,
     ) {
         if V::LEN == 0 {
             return;

@@ -7,6 +7,7 @@ use crate::model::sensor::ReadingOrder;
 use crate::model::sensor::VirtualSensor;
 use std::rc::Rc;
 
+use crate::control::guarded::guarded;
 use crate::control::plant_sensor::PlantSensor;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Closed, Sample, Server};
@@ -71,6 +72,8 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                             if core::mem::replace(&mut aggregated, asked) != asked {
                                 self.work()?;
                                 self.aggregate(request, reply)?;
+                                // It answers this order, however old it is.
+                                reply.header.step = request.header.step;
                             }
                             port.reply(reply);
                         }
@@ -92,7 +95,9 @@ impl<V: VirtualSensor> Vsp<'_, V> {
                             continue;
                         }
                         self.work()?;
-                        self.aggregate(request, reply)?;
+                        if !self.aggregate(request, reply)? {
+                            continue;
+                        }
                         for (board, _) in boards.iter().zip(&requests).filter(|(_, other)| like(other)) {
                             board.readings.write(reply);
                         }
@@ -154,14 +159,15 @@ impl<V: VirtualSensor> Vsp<'_, V> {
         Ok(())
     }
 
-    fn aggregate(&mut self, request: &Message, reply: &mut Message) -> Result<(), Closed> {
+    /// Aggregates, and says whether there is anything to show.
+    fn aggregate(&mut self, request: &Message, reply: &mut Message) -> Result<bool, Closed> {
         let began = self.host.waiter.now();
-        match &mut self.sensors {
-            RawSensors::Here(aggregator) => aggregator.answer(request, reply),
-            RawSensors::Plant(sensor) => sensor.answer(request, reply, self.host.waiter)?,
-        }
+        let is_there = match &mut self.sensors {
+            RawSensors::Here(aggregator) => aggregator.answer(request, reply, began),
+            RawSensors::Plant(sensor) => sensor.answer(request, reply, self.host.waiter).map(|()| true)?,
+        };
         self.host.meter.sample(Sample::Worked(self.host.waiter.now().saturating_sub(began)));
-        Ok(())
+        Ok(is_there)
     }
 }
 
@@ -177,7 +183,12 @@ pub(crate) enum RawSensors<V: VirtualSensor> {
 pub(crate) struct Aggregator<V: VirtualSensor> {
     pub process: ProcessId,
     pub sensor: V,
+    /// Why its hardware could not be opened, and when that was tried last.
+    pub unopened: Option<(Fault, Nanos)>,
 }
+
+/// How long after an attempt to open a sensor's hardware that failed the next one follows, at an order \[ns\].
+const AGAIN: Nanos = 1_000_000_000;
 
 impl<V: VirtualSensor> Aggregator<V> {
     /// What an order says: a configuration that cannot be read is a fault, never the default one.
@@ -194,18 +205,33 @@ impl<V: VirtualSensor> Aggregator<V> {
         Ok(ReadingOrder { configuration, robot, step: request.header.step })
     }
 
-    /// Answers an order with a reading, or with the fault for which there is no reading.
-    pub fn answer(&mut self, request: &Message, reply: &mut Message) {
+    /// Opens its hardware, if it has any.
+    pub fn open(&mut self, now: Nanos) {
+        let opened = guarded(|| self.sensor.open()).and_then(|opened| opened);
+        self.unopened = opened.err().map(|fault| (fault, now));
+    }
+
+    /// Answers an order with a reading, or with the fault for which there is no reading. `false`: nothing has been taken yet.
+    pub fn answer(&mut self, request: &Message, reply: &mut Message, now: Nanos) -> bool {
+        if self.unopened.as_ref().is_some_and(|(_, tried)| now >= tried + AGAIN) {
+            self.open(now);
+        }
         reply.header.step = request.header.step;
-        let result = Self::read(request).and_then(|order| {
-            let aggregate = std::panic::AssertUnwindSafe(|| self.sensor.aggregate(&order));
-            let aggregated = std::panic::catch_unwind(aggregate);
-            aggregated
-                .unwrap_or_else(|panic| Err(crate::model::fault::panicked(&*panic)))
-                .map_err(Fault::thrown_by_program)
-        });
-        match result {
-            Ok(reading) => {
+        let result = match &self.unopened {
+            Some((fault, _)) => Err(fault.clone()),
+            None => Self::read(request).and_then(|order| {
+                let aggregated = guarded(|| {
+                    let Some(taken) = self.sensor.taken(&order) else { return Ok(None) };
+                    Ok(Some((taken, self.sensor.aggregate(&order)?)))
+                });
+                aggregated.and_then(|aggregated| aggregated).map_err(Fault::thrown_by_program)
+            }),
+        };
+        let nothing = || Fault::new(FaultKind::SensorFailed).text("nothing has been taken yet");
+        let is_there = !matches!(result, Ok(None));
+        match result.and_then(|reading| reading.ok_or_else(nothing)) {
+            Ok((taken, reading)) => {
+                reply.header.step = taken.min(request.header.step);
                 reply.header.kind = Kind::Reply;
                 reply.header.len = <V::Kind as Sensor>::Reading::LEN as u32;
                 reading.put(&mut reply.body);
@@ -215,5 +241,6 @@ impl<V: VirtualSensor> Aggregator<V> {
                 reply.set_fault(&fault);
             }
         }
+        is_there
     }
 }

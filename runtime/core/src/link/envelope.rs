@@ -7,10 +7,10 @@ use crate::safety::braking::BrakingLaw;
 use crate::safety::rate::{FullRate, RateHeadroom};
 
 /// Version of the layout of an [`Envelope`] and of what its words mean. Raise it with every change of either.
-pub const LAYOUT: u64 = 5;
+pub const LAYOUT: u64 = 7;
 
 /// Words of a message's head.
-const HEAD: usize = 16;
+const HEAD: usize = 17;
 
 /// Words of a message, head and body.
 pub const ENVELOPE_WORDS: usize = HEAD + WORDS;
@@ -83,7 +83,7 @@ impl Envelope {
         let Header { kind, flags, epoch, step, instruction, len, payload, dt, duration, headroom, law } =
             message.header;
         let kind = KINDS.iter().position(|&known| known == kind).map_or(u64::MAX, |place| place as u64);
-        let RateHeadroom { rise, fall, bend, full } = headroom;
+        let RateHeadroom { rise, fall, bend, full, most } = headroom;
         let head = [
             kind,
             u64::from(flags),
@@ -101,6 +101,7 @@ impl Envelope {
             u64::from(epoch),
             law.fall.to_bits(),
             law.bend.to_bits(),
+            most.to_bits(),
         ];
         let mut envelope = Envelope {
             layout: LAYOUT,
@@ -168,6 +169,7 @@ impl Envelope {
             epoch,
             law_fall,
             law_bend,
+            most,
         ] = self.head;
         let narrow = |word: u64| u32::try_from(word).map_err(|_| BadWords);
         let kind = usize::try_from(kind).ok().and_then(|place| KINDS.get(place));
@@ -190,6 +192,7 @@ impl Envelope {
                 fall: f64::from_bits(fall),
                 bend: f64::from_bits(bend),
                 full: FullRate { rise: f64::from_bits(full_rise), bend: f64::from_bits(full_bend) },
+                most: f64::from_bits(most),
             },
             law: BrakingLaw { fall: f64::from_bits(law_fall), bend: f64::from_bits(law_bend) },
         };
@@ -243,7 +246,7 @@ mod tests {
     fn message(kind: Kind) -> Message {
         let mut message = Message::new(kind);
         let full = FullRate { rise: 0.25, bend: 1e-300 };
-        let headroom = RateHeadroom { rise: 1.5, fall: -0.0, bend: f64::INFINITY, full };
+        let headroom = RateHeadroom { rise: 1.5, fall: -0.0, bend: f64::INFINITY, full, most: 0.5 };
         message.header = Header {
             kind,
             flags: 0x8000_0001,

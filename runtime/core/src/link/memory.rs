@@ -2,9 +2,13 @@
 //!
 //! The clock stands while any process can run and then jumps to the earliest deadline, so a run is as fast as
 //! the processor goes and the same to the bit every time: processes run in the order of their places.
+//!
+//! A process that waits for a reply runs the others itself, in that same order, until it is its turn again: mostly the one
+//! that it asks, and then it goes on without a switch back to the scheduler.
 
 use crate::link::Host;
-use core::cell::{Cell, RefCell};
+use core::any::Any;
+use core::cell::{Cell, OnceCell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
@@ -12,7 +16,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use corosensei::stack::DefaultStack;
 use corosensei::{Coroutine, CoroutineResult, Yielder};
 
-use super::overflow::{self, Guard, Running};
+use super::overflow::{self, Guard};
 use super::places::{MAX_PROCESSES, PlaceCells, Places};
 use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
 use crate::link::message::Message;
@@ -26,12 +30,36 @@ const NEVER: Nanos = Nanos::MAX;
 /// How often a process that ignores the closing of the cell is resumed before its stack is given up.
 const CLOSING_RESUMES: u32 = 10_000;
 
-/// What a process waits for.
-#[derive(Debug)]
-struct Waits {
+type Process = Coroutine<(), (), (), DefaultStack>;
+
+/// A process, and what it waits for.
+struct Seat {
+    /// Its coroutine, unless it runs, is over or has none yet.
+    asleep: Cell<Option<Box<(Process, Guard)>>>,
+    /// Whether it runs, or waits on a stack below the one that runs.
+    runs: Cell<bool>,
     deadline: Cell<Nanos>,
     /// The port whose reply alone wakes it; [`ANY`]: every message does.
     reply: Cell<usize>,
+}
+
+impl Seat {
+    fn empty() -> Seat {
+        Seat {
+            asleep: Cell::new(None),
+            runs: Cell::new(false),
+            deadline: Cell::new(NEVER),
+            reply: Cell::new(ANY),
+        }
+    }
+
+    /// Whether a process is here that is not over; none of them runs.
+    fn is_taken(&self) -> bool {
+        let asleep = self.asleep.take();
+        let is_taken = asleep.is_some();
+        self.asleep.set(asleep);
+        is_taken
+    }
 }
 
 /// Every message wakes the process.
@@ -42,19 +70,23 @@ struct Shared {
     now: Cell<Nanos>,
     /// The processes that have something to do.
     ready: PlaceCells,
-    /// What each process waits for, by its place.
-    waits: Box<[Waits]>,
+    /// The processes, by their places.
+    seats: Box<[Seat]>,
     closing: Cell<bool>,
+    pulse: OnceCell<Arc<Pulse>>,
+    /// The first panic that no process has caught.
+    panic: Cell<Option<Box<dyn Any + Send>>>,
 }
 
 impl Shared {
     fn new() -> Shared {
-        let nothing = |_| Waits { deadline: Cell::new(NEVER), reply: Cell::new(ANY) };
         Shared {
             now: Cell::new(0),
             ready: PlaceCells::default(),
-            waits: (0..MAX_PROCESSES).map(nothing).collect(),
+            seats: (0..MAX_PROCESSES).map(|_| Seat::empty()).collect(),
             closing: Cell::new(false),
+            pulse: OnceCell::new(),
+            panic: Cell::new(None),
         }
     }
 
@@ -65,10 +97,57 @@ impl Shared {
 
     /// The reply of a port has come for a process.
     fn wake_by_reply(&self, process: usize, port: usize) {
-        let reply = self.waits[process].reply.get();
+        let reply = self.seats[process].reply.get();
         if reply == ANY || reply == port {
             self.ready.insert(process);
         }
+    }
+
+    /// Runs a process until it waits, on the stack of whoever calls this; whether it is still alive.
+    fn resume(&self, place: usize) -> bool {
+        let seat = &self.seats[place];
+        let Some(mut process) = seat.asleep.take() else { return false };
+        seat.runs.set(true);
+        self.show(place);
+        let (coroutine, guard) = &mut *process;
+        let below = guard.enter();
+        let result = coroutine.resume(());
+        drop(below);
+        seat.runs.set(false);
+        let is_alive = matches!(result, CoroutineResult::Yield(()));
+        if is_alive {
+            seat.asleep.set(Some(process));
+        } else {
+            seat.deadline.set(NEVER);
+        }
+        is_alive
+    }
+
+    /// Shows the watchdog that the process at a place runs from now on.
+    fn show(&self, place: usize) {
+        if let Some(pulse) = self.pulse.get() {
+            pulse.place.store(place, Ordering::Relaxed);
+            pulse.resumed.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// Runs the processes that are ready, as the scheduler would, until it is the turn of the one at `place`, which calls
+    /// this. Whether that has come: not where none is ready, or where it is the turn of one on a stack below.
+    fn run_others(&self, place: usize) -> bool {
+        while !self.closing.get() {
+            let Some(first) = self.ready.first() else { return false };
+            if first == place {
+                self.ready.remove(place);
+                self.show(place);
+                return true;
+            }
+            if self.seats[first].runs.get() {
+                return false;
+            }
+            self.ready.remove(first);
+            self.resume(first);
+        }
+        false
     }
 }
 
@@ -81,15 +160,13 @@ pub struct Pulse {
     pub place: AtomicUsize,
 }
 
-type Process = Coroutine<(), (), (), DefaultStack>;
-
 /// All processes of a cell.
 pub struct Scheduler {
     shared: Rc<Shared>,
     /// How many ports there are.
     ports: usize,
-    processes: Vec<(String, Option<(Process, Guard)>)>,
-    pulse: Option<Arc<Pulse>>,
+    /// The processes' names, by their places.
+    names: Vec<String>,
 }
 
 /// The cell could not run on.
@@ -112,17 +189,18 @@ impl Default for Scheduler {
 impl Scheduler {
     /// No process, at time 0.
     pub fn new() -> Scheduler {
-        Scheduler { shared: Rc::new(Shared::new()), ports: 0, processes: Vec::new(), pulse: None }
+        Scheduler { shared: Rc::new(Shared::new()), ports: 0, names: Vec::new() }
     }
 
     /// Shows which process runs.
     pub fn show(&mut self, pulse: Arc<Pulse>) {
-        self.pulse = Some(pulse);
+        // The first one is shown them.
+        let _ = self.shared.pulse.set(pulse);
     }
 
     /// The processes' names, by their places.
     pub fn names(&self) -> Vec<String> {
-        self.processes.iter().map(|(name, _)| name.clone()).collect()
+        self.names.clone()
     }
 
     /// Wakes the processes at places, for messages that did not go through this link.
@@ -135,82 +213,83 @@ impl Scheduler {
     ///
     /// # Errors
     /// [`Stuck`] when none can run and none waits for a time.
-    pub fn run(mut self) -> Result<Nanos, Stuck> {
+    pub fn run(self) -> Result<Nanos, Stuck> {
         overflow::listen();
-        let running = Running::begin();
-        let outcome = self.run_until_closing(&running);
-        self.shared.closing.set(true);
+        let shared = &*self.shared;
+        let outcome = self.run_until_closing();
+        shared.closing.set(true);
         // Every wait now returns at once: bodies run to their end, whatever they were waiting for.
         for _ in 0..CLOSING_RESUMES {
             let mut alive = false;
-            for place in 0..self.processes.len() {
-                alive |= self.resume(place, &running);
+            for place in 0..self.names.len() {
+                alive |= shared.resume(place);
             }
             if !alive {
                 break;
             }
         }
-        running.leave();
         // What still runs ignores the closing. Its stack is given up: unwinding it could be caught again.
-        for (_, process) in &mut self.processes {
-            core::mem::forget(process.take());
+        for seat in &shared.seats {
+            core::mem::forget(seat.asleep.take());
         }
-        outcome.map(|()| self.shared.now.get())
+        if let Some(panic) = shared.panic.take() {
+            std::panic::resume_unwind(panic);
+        }
+        outcome.map(|()| shared.now.get())
     }
 
-    fn run_until_closing(&mut self, running: &Running) -> Result<(), Stuck> {
-        while !self.shared.closing.get() {
-            match self.shared.ready.take_first() {
-                Some(place) => drop(self.resume(place, running)),
+    fn run_until_closing(&self) -> Result<(), Stuck> {
+        let shared = &*self.shared;
+        while !shared.closing.get() {
+            match shared.ready.first() {
+                Some(place) => {
+                    shared.ready.remove(place);
+                    shared.resume(place);
+                }
                 None => self.advance()?,
             }
         }
         Ok(())
     }
 
-    /// Resumes a process; whether it is still alive.
-    fn resume(&mut self, place: usize, running: &Running) -> bool {
-        let Some((process, guard)) = &mut self.processes[place].1 else { return false };
-        if let Some(pulse) = &self.pulse {
-            pulse.place.store(place, Ordering::Relaxed);
-            pulse.resumed.fetch_add(1, Ordering::Relaxed);
-        }
-        guard.enter(running);
-        match process.resume(()) {
-            CoroutineResult::Yield(()) => true,
-            CoroutineResult::Return(()) => {
-                running.leave();
-                self.processes[place].1 = None;
-                self.shared.waits[place].deadline.set(NEVER);
-                false
-            }
-        }
-    }
-
     /// Moves the clock to the earliest deadline.
     fn advance(&self) -> Result<(), Stuck> {
-        let waits = &self.shared.waits[..self.processes.len()];
-        let next = waits.iter().map(|waits| waits.deadline.get()).min().unwrap_or(NEVER);
+        let seats = &self.shared.seats[..self.names.len()];
+        // In one pass: whoever waits for the earliest deadline so far.
+        let (mut next, mut due) = (NEVER, Places::NONE);
+        for (place, seat) in seats.iter().enumerate() {
+            let deadline = seat.deadline.get();
+            if deadline < next {
+                (next, due) = (deadline, Places::of(place));
+            } else if deadline == next && next != NEVER {
+                due = due.with(place);
+            }
+        }
         if next == NEVER {
-            let alive = self.processes.iter().filter(|(_, process)| process.is_some());
+            let alive = self.names.iter().zip(seats).filter(|(_, seat)| seat.is_taken());
             let names: Vec<_> = alive.map(|(name, _)| name.as_str()).collect();
             return Err(Stuck::Deadlock(names.join(", ")));
         }
         self.shared.now.set(next);
-        for (place, waits) in waits.iter().enumerate() {
-            if waits.deadline.get() <= next {
-                self.shared.wake(place);
-            }
-        }
+        self.shared.ready.insert_all(due);
         Ok(())
+    }
+}
+
+impl Drop for Scheduler {
+    /// The processes keep what they share, and it keeps them.
+    fn drop(&mut self) {
+        for seat in &self.shared.seats {
+            drop(seat.asleep.take());
+        }
     }
 }
 
 impl Link for Scheduler {
     fn place(&mut self, process: ProcessId) -> usize {
-        assert!(self.processes.len() < MAX_PROCESSES, "a cell has at most {MAX_PROCESSES} processes");
-        self.processes.push((process.to_string(), None));
-        self.processes.len() - 1
+        assert!(self.names.len() < MAX_PROCESSES, "a cell has at most {MAX_PROCESSES} processes");
+        self.names.push(process.to_string());
+        self.names.len() - 1
     }
 
     fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
@@ -231,15 +310,22 @@ impl Link for Scheduler {
     }
 
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck> {
-        let name = &self.processes[place].0;
+        let name = &self.names[place];
         let stack =
             DefaultStack::new(STACK).map_err(|error| Stuck::Stack(name.clone(), error.to_string()))?;
         let guard = Guard::of(name, &stack, STACK);
         let shared = Rc::clone(&self.shared);
         let process = Coroutine::with_stack(stack, move |yielder: &Yielder<(), ()>, ()| {
-            body(Host::of(&MemoryWaiter { shared, place, yielder }));
+            let waiter = MemoryWaiter { shared, place, yielder };
+            let run = core::panic::AssertUnwindSafe(|| body(Host::of(&waiter)));
+            if let Err(panic) = std::panic::catch_unwind(run) {
+                // On another process's stack it would be that one's.
+                let first = waiter.shared.panic.take().unwrap_or(panic);
+                waiter.shared.panic.set(Some(first));
+                waiter.shared.closing.set(true);
+            }
         });
-        self.processes[place].1 = Some((process, guard));
+        self.shared.seats[place].asleep.set(Some(Box::new((process, guard))));
         self.shared.wake(place);
         Ok(())
     }
@@ -262,12 +348,14 @@ impl MemoryWaiter<'_> {
         let shared = &*self.shared;
         let deadline = deadline.unwrap_or(NEVER);
         if deadline > shared.now.get() && !shared.closing.get() {
-            let waits = &shared.waits[self.place];
-            waits.deadline.set(deadline);
-            waits.reply.set(reply);
-            self.yielder.suspend(());
-            waits.deadline.set(NEVER);
-            waits.reply.set(ANY);
+            let seat = &shared.seats[self.place];
+            seat.deadline.set(deadline);
+            seat.reply.set(reply);
+            if reply == ANY || !shared.run_others(self.place) {
+                self.yielder.suspend(());
+            }
+            seat.deadline.set(NEVER);
+            seat.reply.set(ANY);
         }
         if shared.closing.get() { Err(Closed) } else { Ok(()) }
     }
@@ -377,3 +465,6 @@ impl Board for MemoryBoard {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -83,6 +83,14 @@ pub mod flag {
     pub const TOGETHER: u32 = 1 << 9;
     /// The robot still moves on its path but is to stop on it. Body: the fault, in place of the image.
     pub const TROUBLE: u32 = 1 << 10;
+    /// In an order to stop: the operator resets the cell, and it is this robot's turn to recover from a stop of its own.
+    pub const RECOVER: u32 = 1 << 11;
+    /// The cell is at reduced speed: no demand may move the tool faster than that.
+    pub const REDUCED: u32 = 1 << 13;
+    /// An abort ends the instruction: the robot's outputs take the values that the cell declares for a stop.
+    pub const ABORTED: u32 = 1 << 14;
+    /// The robot still recovers, or its EDP has not answered whether it does.
+    pub const RECOVERS: u32 = 1 << 12;
 }
 
 /// The head of a message.
@@ -119,8 +127,8 @@ impl Header {
     pub(crate) fn is_sound(&self) -> bool {
         // Quotients and products of times are rounded.
         const ROUND_OFF: f64 = 1e-9;
-        let RateHeadroom { rise, fall, bend, full } = self.headroom;
-        let bounds = [rise, fall, bend, full.rise, full.bend, self.law.fall, self.law.bend];
+        let RateHeadroom { rise, fall, bend, full, most } = self.headroom;
+        let bounds = [rise, fall, bend, full.rise, full.bend, most, self.law.fall, self.law.bend];
         let times =
             self.dt >= 0.0 && self.dt <= self.duration * (1.0 + ROUND_OFF) && self.duration.is_finite();
         times && bounds.into_iter().all(|bound| bound >= 0.0)
@@ -161,11 +169,13 @@ impl Message {
     }
 
     /// Whether a flag is set.
+    #[inline]
     pub const fn is(&self, flag: u32) -> bool {
         self.header.flags & flag != 0
     }
 
     /// The words that count.
+    #[inline]
     pub fn words(&self) -> &[u64] {
         &self.body[..(self.header.len as usize).min(WORDS)]
     }
@@ -182,10 +192,17 @@ impl Message {
         FaultWords::get(self.words()).map_or_else(|_| Fault::new(FaultKind::Message), Fault::from)
     }
 
-    /// Copies head and the words that count.
+    /// Copies head and the words that count, and maybe words that do not.
+    #[inline]
     pub fn copy_from(&mut self, other: &Message) {
+        // Most bodies are a demand or nothing: so many words are copied without a call.
+        const SHORT: usize = 8;
         self.header = other.header;
         let len = (other.header.len as usize).min(WORDS);
-        self.body[..len].copy_from_slice(&other.body[..len]);
+        if len > SHORT {
+            self.body[..len].copy_from_slice(&other.body[..len]);
+        } else if len > 0 {
+            self.body[..SHORT].copy_from_slice(&other.body[..SHORT]);
+        }
     }
 }

@@ -181,6 +181,16 @@ pub trait Board {
 /// The code of a process. It runs when the link runs, and cannot keep its [`Host`].
 pub type Body = Box<dyn for<'w> FnOnce(Host<'w>)>;
 
+/// What a process does before the cell begins.
+pub trait Preparation {
+    /// Connects to what it drives; it may take seconds. What fails then is told by the process when it runs. The second call
+    /// does nothing.
+    fn open(&self);
+
+    /// Keeps that connected, between `open` and the process's body; called about twice in a millisecond.
+    fn keep(&self);
+}
+
 /// Where the simulated drives of a cell are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Simulation {
@@ -209,6 +219,10 @@ pub trait Link {
     /// # Errors
     /// [`Stuck`] if the process cannot have one.
     fn body(&mut self, place: usize, body: Body) -> Result<(), Stuck>;
+
+    /// What the process at `place` does before the cell begins. Links on which a process may take any time when it begins
+    /// need not implement this: the body does it then.
+    fn prepare(&mut self, _place: usize, _preparation: Rc<dyn Preparation>) {}
 
     /// Whether the process at `place` runs in this process of the operating system.
     fn is_here(&self, _place: usize) -> bool {

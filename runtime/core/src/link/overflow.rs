@@ -35,31 +35,18 @@ impl Guard {
         Guard { page: stack.limit().get()..stack.base().get() - size, text }
     }
 
-    /// From now on this thread runs on the stack of this guard page, until a [`Running`] says otherwise. The guard page must
-    /// not go before that.
-    pub fn enter(&self, _: &Running) {
-        RUNNING.set(self);
+    /// While what it returns lives, this thread runs on the stack of this guard page, which must not go before that.
+    pub fn enter(&self) -> Below {
+        Below(RUNNING.replace(self))
     }
 }
 
-/// While it lives, a thread may run on stacks with guard pages; dropped, also by a panic, it forgets them.
-pub(super) struct Running(*const Guard);
+/// The stack from which another one was entered: dropped, also by a panic, the thread is back on it.
+pub(super) struct Below(*const Guard);
 
-impl Running {
-    /// Begins on the thread's own stack, or on that of the cell in whose process this one is run.
-    pub fn begin() -> Running {
-        Running(RUNNING.get())
-    }
-
-    /// The thread is back where it began.
-    pub fn leave(&self) {
-        RUNNING.set(self.0);
-    }
-}
-
-impl Drop for Running {
+impl Drop for Below {
     fn drop(&mut self) {
-        self.leave();
+        RUNNING.set(self.0);
     }
 }
 
@@ -134,7 +121,7 @@ mod signal {
         // SAFETY: the kernel gives a handler with SA_SIGINFO valid information, and that of SIGSEGV has an address.
         #[allow(unsafe_code)]
         let (address, code) = unsafe { ((*info).si_addr() as usize, (*info).si_code) };
-        // SAFETY: a scheduler keeps what `Guard::enter` has pointed to for as long as its `Running` lives, or calls `leave` before.
+        // SAFETY: a scheduler keeps what `Guard::enter` has pointed to for as long as its `Below` lives.
         #[allow(unsafe_code)]
         let running = unsafe { RUNNING.get().as_ref() };
         // A code above zero means that the kernel has found the fault, and not that somebody has sent the signal.

@@ -22,6 +22,7 @@ impl Patience {
     }
 
     /// Begins to wait for answers to requests that are sent now.
+    #[inline]
     pub fn begin(self, waiter: &dyn Waiter) -> Waiting {
         let now = waiter.now();
         Waiting { until: now + self.most, next: now + self.again, again: self.again.max(1) }
@@ -42,6 +43,7 @@ impl Waiting {
     ///
     /// # Errors
     /// [`Closed`] when the cell is closing.
+    #[inline]
     pub fn goes_on(&mut self, client: &dyn Client, waiter: &dyn Waiter) -> Result<bool, Closed> {
         let now = waiter.now();
         if now >= self.until {

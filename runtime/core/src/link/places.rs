@@ -82,22 +82,27 @@ impl PlaceCells {
         }
     }
 
-    /// Takes the lowest place out of the set.
-    pub fn take_first(&self) -> Option<usize> {
-        for (i, word) in self.0.iter().enumerate() {
-            let bits = word.get();
-            if bits != 0 {
-                word.set(bits & (bits - 1));
-                return Some(64 * i + bits.trailing_zeros() as usize);
-            }
+    /// Takes a place out of the set.
+    pub fn remove(&self, place: usize) {
+        if let Some(word) = self.0.get(place / 64) {
+            word.set(word.get() & !(1 << (place % 64)));
         }
-        None
+    }
+
+    /// The lowest place of the set.
+    pub fn first(&self) -> Option<usize> {
+        let (i, word) = self.0.iter().enumerate().find(|(_, word)| word.get() != 0)?;
+        Some(64 * i + word.get().trailing_zeros() as usize)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn take_first(set: &PlaceCells) -> Option<usize> {
+        set.first().inspect(|&place| set.remove(place))
+    }
 
     #[test]
     fn places_are_taken_out_of_a_set_from_the_lowest_to_the_highest() {
@@ -106,7 +111,7 @@ mod tests {
         for place in [3, 191, 0, 3, MAX_PROCESSES] {
             set.insert(place);
         }
-        let taken: Vec<_> = std::iter::from_fn(|| set.take_first()).collect();
+        let taken: Vec<_> = std::iter::from_fn(|| take_first(&set)).collect();
         assert_eq!(taken, [0, 3, 64, 127, 191]);
     }
 
@@ -118,11 +123,11 @@ mod tests {
         let cells = PlaceCells::default();
         cells.insert_all(set);
         for place in all {
-            assert_eq!(cells.take_first(), Some(place));
+            assert_eq!(take_first(&cells), Some(place));
             assert_ne!(set, set.without(place));
             set = set.without(place);
         }
-        assert_eq!((set, cells.take_first()), (Places::NONE, None));
+        assert_eq!((set, take_first(&cells)), (Places::NONE, None));
         assert_eq!(Places::of(MAX_PROCESSES).without(MAX_PROCESSES), Places::NONE);
     }
 }

@@ -4,13 +4,15 @@ use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, Translation3, UnitQuater
 
 use crate::model::driver::Regulators;
 use crate::model::joints::{JointVector, MAX_JOINTS};
+use crate::model::load::{CompactLoad, LOAD_WORDS, Load};
 use crate::model::pose::{AngleAxis, Pose, Zyz};
 use crate::model::robot::Robot;
 use crate::model::shape::Shape;
+use crate::model::signals::{Level, OUTPUT_WORDS, Output, Outputs};
 use crate::model::wire::{BadWords, Wire};
 
 /// One representation of the next state of a robot of kind `R`, and optionally the tool that it refers to, the value of
-/// the robot's redundancy, and the regulators' parameter sets.
+/// the robot's redundancy, the regulators' parameter sets, values for the robot's outputs, and what it carries.
 ///
 /// All poses are of the tool frame E in the world W, lengths in metres, angles in radians. The EDP converts;
 /// only joint coordinates depend on the kind of robot.
@@ -20,6 +22,8 @@ pub struct Demand<R: Robot> {
     pub(crate) tool: Option<Pose>,
     pub(crate) redundancy: Option<f64>,
     pub(crate) regulators: Option<Regulators>,
+    pub(crate) outputs: Outputs,
+    load: Option<CompactLoad>,
 }
 
 /// The coordinates of a demand.
@@ -47,6 +51,7 @@ impl<R: Robot> Copy for Coordinates<R> {}
 impl<R: Robot> PartialEq for Demand<R> {
     fn eq(&self, other: &Self) -> bool {
         (self.tool, self.redundancy, self.regulators) == (other.tool, other.redundancy, other.regulators)
+            && (self.outputs, self.load) == (other.outputs, other.load)
             && self.coordinates == other.coordinates
     }
 }
@@ -70,7 +75,14 @@ impl<R: Robot> PartialEq for Coordinates<R> {
 
 impl<R: Robot> Demand<R> {
     const fn of(coordinates: Coordinates<R>) -> Self {
-        Demand { coordinates, tool: None, redundancy: None, regulators: None }
+        Demand {
+            coordinates,
+            tool: None,
+            redundancy: None,
+            regulators: None,
+            outputs: Outputs::NONE,
+            load: None,
+        }
     }
 
     /// Stay at the state demanded last.
@@ -199,6 +211,42 @@ impl<R: Robot> Demand<R> {
         self.regulators = Some(sets);
         self
     }
+
+    /// The same demand with this value for an output of the robot. It switches when the drives have come to the position that
+    /// is demanded with it, and stays so until another demand, or a stop for which the cell declares a value. A demand may
+    /// switch several outputs; of two values for one the last counts.
+    ///
+    /// ```
+    /// use mrroc::prelude::*;
+    /// use mrroc::robot::{Channel, Output};
+    /// use mrroc_robots::Irp6;
+    ///
+    /// # let arm_output = |_: &str| Output::<bool>::of(Channel::Digital(0)).ok_or("no digital channel");
+    /// // In a program: `let vacuum = arm.output("vacuum")?`.
+    /// let vacuum = arm_output("vacuum")?;
+    /// let grasp = Demand::<Irp6>::hold().with_output(vacuum, true);
+    /// assert_ne!(grasp, Demand::hold());
+    /// # Ok::<(), &str>(())
+    /// ```
+    #[must_use]
+    pub fn with_output<T: Level>(mut self, output: Output<T>, value: T) -> Self {
+        self.outputs = self.outputs.with(output.channel(), value.value());
+        self
+    }
+
+    /// The same demand, and the drives are told that the robot carries this from now on, when the step of the demand begins. It
+    /// stays so until another demand with a load. Drives that need not know it ignore it. A demand has the centre and the inertia
+    /// to seven digits.
+    #[must_use]
+    pub fn with_load(mut self, load: Load) -> Self {
+        self.load = Some(load.into());
+        self
+    }
+
+    /// What the robot is said to carry from now on.
+    pub(crate) fn load(&self) -> Option<Load> {
+        self.load.map(Load::from)
+    }
 }
 
 /// The pose `X_WE` of the tool in the world, which can be demanded of every kind of robot.
@@ -212,6 +260,14 @@ impl<R: Robot> From<Pose> for Demand<R> {
 const TOOL: u64 = 1 << 8;
 const REDUNDANCY: u64 = 1 << 9;
 const REGULATORS: u64 = 1 << 10;
+const OUTPUTS: u64 = 1 << 11;
+const LOAD: u64 = 1 << 12;
+const MORE: u64 = TOOL | REDUNDANCY | REGULATORS | OUTPUTS | LOAD;
+
+/// Words up to the end of the choices, of the outputs, of the load.
+const CHOSEN: usize = 1 + MAX_JOINTS + 7 + 2;
+const SWITCHED: usize = CHOSEN + OUTPUT_WORDS;
+const LOADED: usize = SWITCHED + LOAD_WORDS;
 
 impl<R: Robot> Demand<R> {
     /// The layout depends on the kind of robot through its name and its number of joints.
@@ -219,15 +275,14 @@ impl<R: Robot> Demand<R> {
 }
 
 impl<R: Robot> Wire for Demand<R> {
-    const LEN: usize = 1 + MAX_JOINTS + 7 + 2;
+    const LEN: usize = LOADED;
     const LAYOUT: u64 = crate::model::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::generator::Demand");
     const SHAPE: &'static Shape = &Shape::Demand;
 
+    #[inline]
     fn put(&self, words: &mut [u64]) {
         let (head, body) = words.split_at_mut(1);
-        let (body, tool) = body.split_at_mut(MAX_JOINTS);
-        let (tool, choices) = tool.split_at_mut(7);
-        let kind = match &self.coordinates {
+        head[0] = match &self.coordinates {
             Coordinates::Hold => 0,
             Coordinates::Joints(q) => {
                 for (word, q) in body.iter_mut().zip(q.as_slice()) {
@@ -244,35 +299,32 @@ impl<R: Robot> Wire for Demand<R> {
                 3
             }
         };
-        head[0] = kind;
-        if let Some(pose) = &self.tool {
-            head[0] |= TOOL;
-            pose.put(tool);
-        }
-        if let Some(redundancy) = self.redundancy {
-            head[0] |= REDUNDANCY;
-            choices[0] = redundancy.to_bits();
-        }
-        if let Some(regulators) = self.regulators {
-            head[0] |= REGULATORS;
-            choices[1] = regulators.to_word();
+        if self.says_more() {
+            self.put_choices(words);
         }
     }
 
-    /// Its coordinates; the tool and what is chosen with it, where there are any.
+    /// Its coordinates; the tool, what is chosen with it, the outputs, the load, up to the last that is there.
+    #[inline]
     fn used(&self) -> usize {
-        let is_whole = self.tool.is_some() || self.redundancy.is_some() || self.regulators.is_some();
+        if self.says_more() {
+            return match (self.load.is_some(), self.outputs.is_none()) {
+                (true, _) => LOADED,
+                (false, false) => SWITCHED,
+                (false, true) => CHOSEN,
+            };
+        }
         1 + match &self.coordinates {
-            _ if is_whole => Self::LEN - 1,
             Coordinates::Hold => 0,
             Coordinates::Joints(_) => R::Joints::LEN,
             Coordinates::Pose(_) | Coordinates::Displacement(_) => Pose::LEN,
         }
     }
 
+    #[inline]
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let (&head, body) = words.split_first().ok_or(BadWords)?;
-        let coordinates = match head & !(TOOL | REDUNDANCY | REGULATORS) {
+        let coordinates = match head & !MORE {
             0 => Coordinates::Hold,
             1 => {
                 let joints = body.get(..R::Joints::LEN).ok_or(BadWords)?;
@@ -283,19 +335,77 @@ impl<R: Robot> Wire for Demand<R> {
             _ => return Err(BadWords),
         };
         let mut demand = Demand::of(coordinates);
-        if head & (TOOL | REDUNDANCY | REGULATORS) != 0 {
-            let choices = body.get(MAX_JOINTS..MAX_JOINTS + 9).ok_or(BadWords)?;
-            demand.tool = if head & TOOL == 0 { None } else { Some(Pose::get(choices)?) };
-            demand.redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(choices[7]));
-            demand.regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(choices[8]));
+        if head & MORE != 0 {
+            demand.get_choices(head, words)?;
         }
         Ok(demand)
+    }
+}
+
+/// What most demands do not say, so it is kept apart from what all do.
+impl<R: Robot> Demand<R> {
+    /// Whether it says anything but coordinates.
+    #[inline]
+    fn says_more(&self) -> bool {
+        self.tool.is_some()
+            || self.redundancy.is_some()
+            || self.regulators.is_some()
+            || !self.outputs.is_none()
+            || self.load.is_some()
+    }
+
+    #[cold]
+    fn put_choices(&self, words: &mut [u64]) {
+        let (body, choices) = words[1 + MAX_JOINTS..LOADED].split_at_mut(7);
+        let (choices, outputs) = choices.split_at_mut(2);
+        let (outputs, load) = outputs.split_at_mut(OUTPUT_WORDS);
+        let mut more = 0;
+        if let Some(tool) = &self.tool {
+            more |= TOOL;
+            tool.put(body);
+        }
+        if let Some(redundancy) = self.redundancy {
+            more |= REDUNDANCY;
+            choices[0] = redundancy.to_bits();
+        }
+        if let Some(regulators) = self.regulators {
+            more |= REGULATORS;
+            choices[1] = regulators.to_word();
+        }
+        if !self.outputs.is_none() {
+            more |= OUTPUTS;
+            self.outputs.put(outputs);
+        }
+        if let Some(carried) = self.load() {
+            more |= LOAD;
+            carried.put(load);
+        }
+        words[0] |= more;
+    }
+
+    #[cold]
+    fn get_choices(&mut self, head: u64, words: &[u64]) -> Result<(), BadWords> {
+        let part = |from: usize, to: usize| words.get(from..to).ok_or(BadWords);
+        if head & (TOOL | REDUNDANCY | REGULATORS) != 0 {
+            let choices = part(1 + MAX_JOINTS, CHOSEN)?;
+            self.tool = if head & TOOL == 0 { None } else { Some(Pose::get(choices)?) };
+            self.redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(choices[7]));
+            self.regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(choices[8]));
+        }
+        if head & OUTPUTS != 0 {
+            self.outputs = Outputs::get(part(CHOSEN, SWITCHED)?)?;
+        }
+        if head & LOAD != 0 {
+            self.load = Some(Load::get(part(SWITCHED, LOADED)?)?.into());
+        }
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::signals::{Channel, Value};
     use crate::model::wire::WORDS;
     use crate::tests::slide::{One, Slide};
 
@@ -309,12 +419,21 @@ mod tests {
             Demand::displacement(pose),
         ];
         let sent = [1, 2, 8, 8];
-        let chosen: [fn(Demand<Slide>) -> Demand<Slide>; 4] = [
+        let output = Output::<f64>::of(Channel::Analog(1)).expect("an analog one");
+        let switched = Demand::<Slide>::hold().with_output(output, 0.25).outputs;
+        assert_eq!(switched.value(Channel::Analog(1)), Some(Value::Analog(0.25)));
+        let chosen: [fn(Demand<Slide>) -> Demand<Slide>; 6] = [
             |demand| demand,
             |demand| demand.with_tool(Pose::translation(0.0, 0.0, 0.1)),
             |demand| demand.with_redundancy(-0.25),
             |demand| demand.with_regulators(Regulators::default()),
+            |demand| Demand {
+                outputs: Outputs::NONE.with(Channel::Digital(3), Value::Digital(false)),
+                ..demand
+            },
+            |demand| demand.with_load(Load::point(1.0, Vector3::z())),
         ];
+        let whole = [0, 18, 18, 18, 24, 34];
         for (form, sent) in forms.into_iter().zip(sent) {
             for (i, chosen) in chosen.iter().enumerate() {
                 let demand = chosen(form);
@@ -322,7 +441,7 @@ mod tests {
                 let mut words = [u64::MAX; WORDS];
                 demand.put(&mut words);
                 let used = demand.used();
-                assert_eq!(used, if i == 0 { sent } else { <Demand<Slide> as Wire>::LEN }, "{demand:?}");
+                assert_eq!(used, if i == 0 { sent } else { whole[i] }, "{demand:?}");
                 assert_eq!(Demand::get(&words[..used]), Ok(demand));
                 assert_eq!(Demand::<Slide>::get(&words[..used - 1]), Err(BadWords), "{demand:?}");
             }

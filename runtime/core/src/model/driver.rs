@@ -3,13 +3,18 @@
 //! Drives whose encoders do not know where the robot is begin as [`Homing`], and become a [`Driver`] when they know.
 //! Only a `Driver` takes joint positions: before homing there is nothing that could move the robot by a demand.
 
-use core::fmt;
 use core::time::Duration;
 
-use crate::model::excess::Excess;
+use crate::model::drive_fault::DriveFault;
 use crate::model::joints::MAX_JOINTS;
+use crate::model::load::Load;
 use crate::model::pace::{Pace, Pulse};
 use crate::model::robot::Robot;
+#[cfg(doc)]
+use crate::model::robot_stop::{RobotStop, StopCause};
+use crate::model::signals::{ANALOG, Channel, DIGITAL, Outputs, Signals};
+use crate::model::time::Clock;
+use crate::model::wrench::Wrench;
 
 /// Joint state as the encoders give it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,9 +47,10 @@ pub trait Driver<R: Robot> {
         Ok(None)
     }
 
-    /// Connects to the drives. Only the robot's EDP calls this: once when it starts, before any method but
+    /// Connects to the drives. Only the robot's EDP calls this: once before the cell begins, and before any method but
     /// [`period`](Driver::period), [`hardware`](Driver::hardware) and [`simulation`](Driver::simulation); and again at
-    /// a reset, if the call has failed. A constructor must not connect, because every process of a cell makes all
+    /// a reset, if the call has failed. It may take seconds: the cell begins when the drives of all robots are open. Until
+    /// then a robot that [paces](Pace::Robot) itself is told in each of its periods to stay where it is. A constructor must not connect, because every process of a cell makes all
     /// drivers for their names and periods, and so does a check or a dry run. If it cannot be helped, wrap the drives in
     /// [`Connecting`](crate::robot::Connecting). Simulated drives need not implement this.
     ///
@@ -56,6 +62,13 @@ pub trait Driver<R: Robot> {
 
     /// Disconnects from the drives. Called after the last servo period, when the robot stands or has no power.
     fn close(&mut self) {}
+
+    /// Where the drives hold the robot by themselves when they have been opened or switched on, if they know that better than
+    /// by what the encoders read: a controller that goes on from the position that it was told last, which differs from the
+    /// measured one by what the arm sags. Demands begin there. `None`, the default: where the encoders say.
+    fn held(&self) -> Option<R::Joints> {
+        None
+    }
 
     /// What the encoders read now, without moving anything.
     ///
@@ -74,11 +87,61 @@ pub trait Driver<R: Robot> {
     /// [`DriveFault`] when a drive trips; the drives then apply their brakes.
     fn tick(&mut self, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
 
+    /// The inputs and outputs that the robot's controller has; by default none. Always the same, and known before
+    /// [`open`](Driver::open).
+    fn channels(&self) -> Channels {
+        Channels::NONE
+    }
+
+    /// What its inputs read and its outputs are, at the end of the last servo period. It returns at once. Asked only of drives
+    /// that have [channels](Driver::channels).
+    fn signals(&self) -> Signals {
+        Signals::default()
+    }
+
+    /// Tells the controller what programs have told its outputs so far, each the last value: an output that none has told
+    /// anything stays as it was before the cell began. Called after [`open`](Driver::open), whenever a value changes; also
+    /// when the robot has no power. It returns at once.
+    fn switch_outputs(&mut self, _outputs: &Outputs) {}
+
+    /// Which outputs programs may switch, and what outputs shall take when this process is lost: once before
+    /// [`open`](Driver::open), of a robot with named signals. The controller itself must do the latter;
+    /// [`Channels::when_lost`] says whether it does.
+    fn declare_outputs(&mut self, _named: &Outputs, _when_lost: &Outputs) {}
+
+    /// Tells the drives what the flange carries from now on, its tool included: mass \[kg\], centre of mass in the flange frame
+    /// \[m\], inertia about that centre in the axes of the flange \[kg m²\]. The load is that of a body, and not
+    /// [nothing](Load::NONE) before it was another one. Called at the beginning of a step, and again when drives that had no power
+    /// are switched on. It returns at once; what the robot refuses is the fault of a later [`pulse`](Driver::pulse) or
+    /// [`tick`](Driver::tick). Drives that need not know it do nothing.
+    fn carry(&mut self, _load: &Load) {}
+
+    /// For how long the robot must stand until it reckons with what [`carry`](Driver::carry) said: a motion that has told it and ends at
+    /// standstill is over no sooner, so that nothing is lifted with the load of before. By default it does at once. Always the same,
+    /// and known before [`open`](Driver::open): a replay counts with it.
+    fn load_time(&self) -> Duration {
+        Duration::ZERO
+    }
+
     /// The currents of the motors at the end of the last servo period \[A\], in the order of the motors: for recordings,
     /// once in a step of a cell that is recorded. It neither waits nor allocates. `None`, the default: the drives do not
     /// measure them.
     fn motor_currents(&self) -> Option<R::Joints> {
         None
+    }
+
+    /// The wrench of the surroundings on the flange, `F_F`: at the origin of the flange frame and in its axes, without the
+    /// weight of what the robot knows that it carries, as the robot measures or estimates it at the end of the last servo
+    /// period. It returns at once, and is asked once in a step. `None`, the default: the robot does neither.
+    fn wrench(&self) -> Option<Wrench> {
+        None
+    }
+
+    /// The share of its demands' speed at which the robot goes now, 0 to 1, where its controller or a person at its pendant
+    /// scales the speed: the path time of the whole cell goes no faster then, within the limits of all robots, so that each
+    /// stays on its path. By default 1.
+    fn speed_scaling(&self) -> f64 {
+        1.0
     }
 
     /// A name of the hardware that is unique on this machine, such as `udp 10.0.0.7:30004` or the serial number of a
@@ -88,6 +151,16 @@ pub trait Driver<R: Robot> {
     /// once, such as simulated ones and those of tests, have no name: `None`, the default.
     fn hardware(&self) -> Option<String> {
         None
+    }
+
+    /// The calibration of this one robot, as the text of the file that its entry in `cell.toml` names as `calibration`, for kinds that
+    /// read one. It is read from the robot's controller, before anything is [open](Driver::open), which may take seconds; it moves
+    /// nothing. `None`, the default: the drives tell none.
+    ///
+    /// # Errors
+    /// [`DriveFault`] when the controller cannot be reached.
+    fn calibration(&mut self) -> Result<Option<String>, DriveFault> {
+        Ok(None)
     }
 
     /// Whether brakes hold the robot when its drives have no power; by default they do not. Drives without brakes are
@@ -100,6 +173,18 @@ pub trait Driver<R: Robot> {
     /// Switches the power off and applies the [brakes](Driver::has_brakes), after a fault stop, when the robot stands.
     /// The next call is [`switch_on`](Driver::switch_on).
     fn switch_off(&mut self) {}
+
+    /// Does what the robot needs after a [stop](RobotStop) of its own, when the operator has asked for a reset and the
+    /// robot is without power here. Called in every step until it is [over](Recovery::Over) or fails, for one robot after
+    /// the other, at most for [`RECOVERY`]; [`switch_on`](Driver::switch_on) follows, and says why the robot cannot go on, if
+    /// it cannot. It returns at once. It never starts a motion, and clears nothing that
+    /// [needs a person](StopCause::needs_a_person) at the robot. Drives that come on by themselves need not implement this.
+    ///
+    /// # Errors
+    /// What the robot refuses: `switch_on` is asked all the same.
+    fn recover(&mut self) -> Result<Recovery, DriveFault> {
+        Ok(Recovery::Over)
+    }
 
     /// Switches the power on at a reset, after a trip or a [`switch_off`](Driver::switch_off). The robot stays where it
     /// stands: the next tick demands the position that [`measured`](Driver::measured) returns after this call. Drives
@@ -126,13 +211,117 @@ pub trait Driver<R: Robot> {
     fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<R>> {
         None
     }
+
+    /// Drives in a simulator that others wrote return themselves here, all others `None`, the default.
+    fn stepped(&mut self) -> Option<&mut dyn Stepped<R>> {
+        None
+    }
+
+    /// A Python module by which a program of another simulates this robot: `external NAME` on the command line prints it. `None`,
+    /// the default, of drives that no such program has.
+    fn python(&self) -> Option<String> {
+        None
+    }
 }
+
+/// The inputs and outputs of a robot's controller: channels below these numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Channels {
+    /// Digital inputs, at most 32.
+    pub digital_inputs: u8,
+    /// Digital outputs, at most 32.
+    pub digital_outputs: u8,
+    /// Analog inputs, at most 4.
+    pub analog_inputs: u8,
+    /// Analog outputs, at most 4.
+    pub analog_outputs: u8,
+    /// What its outputs do when nobody tells the controller anything any more.
+    pub when_lost: WhenLost,
+}
+
+/// What the outputs of a controller do when it is told nothing any more, because the connection or its EDP is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhenLost {
+    /// They take the values that the cell [declares](Driver::declare_outputs) for a stop; the others hold.
+    AsDeclared,
+    /// All hold.
+    Hold,
+    /// All drop: off, and 0.
+    Drop,
+}
+
+impl Channels {
+    /// No inputs and no outputs.
+    pub const NONE: Channels = Channels {
+        digital_inputs: 0,
+        digital_outputs: 0,
+        analog_inputs: 0,
+        analog_outputs: 0,
+        when_lost: WhenLost::AsDeclared,
+    };
+
+    /// As many as there may be, of which each output does as the cell declares: those of simulated drives.
+    pub const ALL: Channels = Channels {
+        digital_inputs: DIGITAL as u8,
+        digital_outputs: DIGITAL as u8,
+        analog_inputs: ANALOG as u8,
+        analog_outputs: ANALOG as u8,
+        when_lost: WhenLost::AsDeclared,
+    };
+
+    /// Inputs of this type.
+    #[must_use]
+    pub const fn inputs(&self, channel: Channel) -> u8 {
+        match channel {
+            Channel::Digital(_) => self.digital_inputs,
+            Channel::Analog(_) => self.analog_inputs,
+        }
+    }
+
+    /// Outputs of this type.
+    #[must_use]
+    pub const fn outputs(&self, channel: Channel) -> u8 {
+        match channel {
+            Channel::Digital(_) => self.digital_outputs,
+            Channel::Analog(_) => self.analog_outputs,
+        }
+    }
+}
+
+/// How far a robot's own recovery has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Recovery {
+    /// There is nothing more to do.
+    Over,
+    /// The robot is busy: ask again.
+    GoesOn,
+}
+
+/// How long the recovery of one robot may take.
+pub const RECOVERY: Duration = Duration::from_secs(20);
 
 /// Simulated drives of one robot. They must be told what real drives do by themselves.
 pub trait SimulatedDrives<R: Robot> {
     /// Runs one servo period without power and with the brakes applied, after demands have been missing for too long.
     /// Returns what the encoders read at its end.
     fn brake(&mut self) -> Measured<R::Joints>;
+}
+
+/// Drives of one robot in a simulator that others wrote. It makes a step when it is told to, with several robots at a time: so it must
+/// be told by which clock the cell runs, and of every servo period, by its number.
+pub trait Stepped<R: Robot> {
+    /// Says by which clock the cell runs, before they are opened.
+    fn run_by(&mut self, clock: Clock);
+
+    /// As [`Driver::tick`], in the servo period with this number, counted from the cell's start.
+    ///
+    /// # Errors
+    /// [`DriveFault`] when the simulator is lost.
+    fn tick_in(&mut self, period: u64, demanded: &R::Joints) -> Result<Measured<R::Joints>, DriveFault>;
+
+    /// The servo period with this number passes without power. A simulator that is lost meanwhile is told of when the robot
+    /// gets power again.
+    fn stand_by(&mut self, period: u64);
 }
 
 /// Which parameter set the regulator of each joint works with: the dynamic behaviour of a robot.
@@ -202,68 +391,3 @@ pub enum Search<H, D> {
     /// All marks are found, and the robot stands.
     Found(D),
 }
-
-/// Why a drive gave up.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DriveFault {
-    /// A value of one joint is beyond its limit.
-    Exceeded {
-        /// Index of the joint, from 0.
-        joint: usize,
-        /// The quantity, for the message: `"motor current"`.
-        what: &'static str,
-        /// The actual value, and the value allowed.
-        excess: Excess,
-    },
-    /// The hardware does not answer.
-    NoAnswer,
-    /// Something else, for the message: `"the enabling switch is open"`.
-    Other(&'static str),
-}
-
-impl DriveFault {
-    /// `what` of a joint, from 0, is beyond its limit.
-    #[must_use]
-    pub const fn exceeded(joint: usize, what: &'static str, excess: Excess) -> Self {
-        DriveFault::Exceeded { joint, what, excess }
-    }
-
-    /// The joint concerned, from 0, if it is one joint's fault.
-    #[must_use]
-    pub const fn joint(&self) -> Option<usize> {
-        match *self {
-            DriveFault::Exceeded { joint, .. } => Some(joint),
-            DriveFault::NoAnswer | DriveFault::Other(_) => None,
-        }
-    }
-
-    /// What went wrong, for the message.
-    #[must_use]
-    pub const fn what(&self) -> &'static str {
-        match *self {
-            DriveFault::Exceeded { what, .. } | DriveFault::Other(what) => what,
-            DriveFault::NoAnswer => "no answer",
-        }
-    }
-
-    /// The value that is beyond its limit, if one is.
-    #[must_use]
-    pub const fn excess(&self) -> Option<Excess> {
-        match *self {
-            DriveFault::Exceeded { excess, .. } => Some(excess),
-            DriveFault::NoAnswer | DriveFault::Other(_) => None,
-        }
-    }
-}
-
-impl fmt::Display for DriveFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.what())?;
-        match self.excess() {
-            Some(Excess { actual, limit, unit }) => write!(f, ": {actual} {unit}, limit {limit} {unit}"),
-            None => Ok(()),
-        }
-    }
-}
-
-impl std::error::Error for DriveFault {}

@@ -6,6 +6,7 @@ use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::payload::Payload;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
+use crate::model::signals::{SIGNAL_WORDS, Signal, Signals};
 use crate::model::wire::{BadWords, Wire};
 
 /// One state of a robot.
@@ -18,24 +19,32 @@ pub struct RobotState<R: Robot> {
     pub pose: Pose,
 }
 
-/// The image of a robot: the state that it has and the state that it was last told to attain.
+/// The image of a robot: the state that it has, the state that it was last told to attain, and its inputs and outputs.
 pub struct RobotImage<R: Robot> {
     measured: RobotState<R>,
     demanded: RobotState<R>,
+    signals: Signals,
 }
 
 impl<R: Robot> RobotImage<R> {
     /// An image of the two states, for calling a step function in a test.
     #[must_use]
     pub const fn new(measured: RobotState<R>, demanded: RobotState<R>) -> Self {
-        RobotImage { measured, demanded }
+        RobotImage { measured, demanded, signals: Signals::OFF }
+    }
+
+    /// The same with these inputs and outputs.
+    #[must_use]
+    pub const fn with_signals(mut self, signals: Signals) -> Self {
+        self.signals = signals;
+        self
     }
 
     /// An image of a robot whose state is not known yet: at the origin, at rest.
     pub(crate) fn unknown() -> Self {
         let state =
             RobotState { joints: R::Joints::zeros(), velocity: R::Joints::zeros(), pose: Pose::identity() };
-        RobotImage { measured: state, demanded: state }
+        RobotImage { measured: state, demanded: state, signals: Signals::OFF }
     }
 
     /// The state that the encoders gave last.
@@ -49,6 +58,19 @@ impl<R: Robot> RobotImage<R> {
     #[must_use]
     pub const fn demanded(&self) -> &RobotState<R> {
         &self.demanded
+    }
+
+    /// What an input of this robot reads, or an output is: `true` and `false` of a digital one, a number in the unit of the
+    /// driver of an analog one. An output has the value that it was told as soon as the drives have been told it.
+    #[must_use]
+    pub fn value<S: Signal>(&self, signal: S) -> S::Value {
+        signal.read(&self.signals)
+    }
+
+    /// All inputs and outputs of the robot.
+    #[must_use]
+    pub const fn signals(&self) -> &Signals {
+        &self.signals
     }
 }
 
@@ -84,9 +106,13 @@ impl<R: Robot> fmt::Debug for RobotImage<R> {
         f.debug_struct("RobotImage")
             .field("measured", &self.measured)
             .field("demanded", &self.demanded)
+            .field("signals", &self.signals)
             .finish()
     }
 }
+
+/// Words of the image of a robot of any kind, with its inputs and outputs.
+pub(crate) const IMAGE_WORDS: usize = 2 * STATE_WORDS + SIGNAL_WORDS;
 
 /// Words of one state of a robot of any kind.
 pub const STATE_WORDS: usize = 2 * MAX_JOINTS + 7;
@@ -116,18 +142,31 @@ impl<R: Robot> Wire for RobotState<R> {
 }
 
 impl<R: Robot> Wire for RobotImage<R> {
-    const LEN: usize = 2 * STATE_WORDS;
+    const LEN: usize = IMAGE_WORDS;
     const LAYOUT: u64 = crate::model::wire::layout_hash(R::Joints::LEN as u64, "mrroc::robot::RobotImage");
 
     fn put(&self, words: &mut [u64]) {
         let (measured, demanded) = words.split_at_mut(STATE_WORDS);
+        let (demanded, signals) = demanded.split_at_mut(STATE_WORDS);
         self.measured.put(measured);
         self.demanded.put(demanded);
+        if !self.signals.are_off() {
+            self.signals.put(signals);
+        }
+    }
+
+    /// Its two states; its inputs and outputs, unless all are off.
+    fn used(&self) -> usize {
+        if self.signals.are_off() { 2 * STATE_WORDS } else { Self::LEN }
     }
 
     fn get(words: &[u64]) -> Result<Self, BadWords> {
         let demanded = words.get(STATE_WORDS..).ok_or(BadWords)?;
-        Ok(RobotImage { measured: RobotState::get(words)?, demanded: RobotState::get(demanded)? })
+        let signals = match words.get(2 * STATE_WORDS..) {
+            None | Some([]) => Signals::OFF,
+            Some(signals) => Signals::get(signals)?,
+        };
+        Ok(RobotImage { measured: RobotState::get(words)?, demanded: RobotState::get(demanded)?, signals })
     }
 }
 

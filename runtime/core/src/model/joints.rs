@@ -22,7 +22,7 @@ pub trait JointVector:
     + Sub<Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// Number of joints, 1..=[`MAX_JOINTS`].
+    /// Number of joints, 0..=[`MAX_JOINTS`]. A device without joints has inputs and outputs alone.
     const LEN: usize;
 
     /// The vector whose entry `i` is `entry(i)`.
@@ -45,7 +45,7 @@ pub trait JointVector:
 
 impl<const N: usize> JointVector for SVector<f64, N> {
     const LEN: usize = {
-        assert!(N >= 1 && N <= MAX_JOINTS, "a robot has 1 to 8 joints");
+        assert!(N <= MAX_JOINTS, "a robot has up to 8 joints");
         N
     };
 

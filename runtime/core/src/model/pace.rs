@@ -13,7 +13,8 @@ pub enum Pace {
     /// cell measures when, and how fast that clock goes, and gives each period the position for its end. The period may be
     /// of any length.
     Robot {
-        /// How long the controller may say nothing before that is a fault of its drives.
+        /// How long the controller may say nothing before that is a fault of its drives. The other robots of the cell go on
+        /// for so long: it is a part of the time that a stop takes, which `stop_ms` bounds.
         patience: Duration,
     },
 }

@@ -5,6 +5,7 @@
 //! allowed: the Move or Wait that reads it ends with that. A sensor that lies within its bounds is nobody's to find out.
 
 use crate::model::fault::{Fault, FaultKind};
+use crate::model::frames::Frames;
 use crate::model::image::Sensor;
 use crate::model::sensor::{ReadingOrder, VirtualSensor};
 
@@ -109,5 +110,29 @@ impl<V: VirtualSensor, const N: usize> VirtualSensor for Plausible<V, N> {
         let reading = self.sensor.aggregate(order)?;
         self.check(order.step, &(self.numbers)(&reading))?;
         Ok(reading)
+    }
+
+    fn is_simulated(&self) -> bool {
+        self.sensor.is_simulated()
+    }
+
+    fn hardware(&self) -> Option<String> {
+        self.sensor.hardware()
+    }
+
+    fn open(&mut self) -> Result<(), Fault> {
+        self.sensor.open()
+    }
+
+    fn taken(&mut self, order: &ReadingOrder<ConfigurationOf<V>>) -> Option<u64> {
+        self.sensor.taken(order)
+    }
+
+    fn python(&self) -> Option<String> {
+        self.sensor.python()
+    }
+
+    fn frames(&mut self) -> Option<&mut Frames> {
+        self.sensor.frames()
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use crate::model::excess::Excess;
 use crate::model::joints::JointVector;
+use crate::model::load::Tool;
 use crate::model::pose::Pose;
 
 /// Round-off of a position of order 1 [rad or m]. The error of an n-th difference of positions is up to 2^n times this:
@@ -64,6 +65,12 @@ pub trait Robot: Clone + Send + Sync + 'static {
     /// \[m\], and its radius \[m\], finite, > 0. By default there are none, and a viewer is given bars between the
     /// [frames](Robot::frames).
     fn capsules_of_links(&self, _q: &Self::Joints, _visit: &mut dyn FnMut([Vector3<f64>; 2], f64)) {}
+
+    /// The robot as a URDF for programs of others: a `<robot>` of this name, from the world to the tool, with what a URDF
+    /// cannot say of it in a comment. `None` by default.
+    fn urdf(&self, _name: &str, _tool: &Tool) -> Option<String> {
+        None
+    }
 
     /// Inverse kinematics: the joint positions that put the flange at `X_WF`, on the branch nearest to `near`.
     ///

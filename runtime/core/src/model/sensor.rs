@@ -4,11 +4,12 @@ use core::time::Duration;
 
 use crate::model::fault::Fault;
 use crate::model::frames::Frames;
-use crate::model::image::Sensor;
+use crate::model::image::{STATE_WORDS, Sensor};
 use crate::model::joints::MAX_JOINTS;
 use crate::model::pose::Pose;
 use crate::model::shape::Shape;
 use crate::model::wire::{BadWords, WORDS, Wire};
+use crate::model::wrench::Wrench;
 
 /// Words of a reading order that the configuration may take.
 pub(crate) const CONFIGURATION_WORDS: usize = 16;
@@ -36,9 +37,69 @@ pub trait VirtualSensor: 'static {
         false
     }
 
+    /// What it opens in the world, by a name that tells it from all others, such as `camera /dev/video0` or `tcp 10.0.0.7:5000`:
+    /// no two cells of this machine may have it at once. It cannot follow the virtual clock, so that a run under that clock, a
+    /// dry run and a check do not open it. `None`, the default, of what opens nothing.
+    fn hardware(&self) -> Option<String> {
+        None
+    }
+
+    /// Opens its hardware, in the process that aggregates and before the cell begins: it may take seconds.
+    ///
+    /// # Errors
+    /// Why it could not be opened: each order is answered with that, and a second later it is tried again.
+    fn open(&mut self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// The step in which what it would aggregate for this order was taken, at the latest that of the order: a reading of a
+    /// free-running sensor is as old as that. `None`: nothing has been taken yet, and there is no reading. By default the
+    /// order's step.
+    fn taken(&mut self, order: &ReadingOrder<<Self::Kind as Sensor>::Configuration>) -> Option<u64> {
+        Some(order.step)
+    }
+
+    /// A Python module by which a program of another sends what this sensor reads: `external NAME` on the command line prints
+    /// it. `None`, the default, of sensors that read no program.
+    fn python(&self) -> Option<String> {
+        None
+    }
+
     /// What it hands its images or echoes to, if it has any: they are recorded, and drawn, outside of the control step.
     fn frames(&mut self) -> Option<&mut Frames> {
         None
+    }
+}
+
+impl<K: Sensor> VirtualSensor for Box<dyn VirtualSensor<Kind = K>> {
+    type Kind = K;
+
+    fn aggregate(&mut self, order: &ReadingOrder<K::Configuration>) -> Result<K::Reading, Fault> {
+        (**self).aggregate(order)
+    }
+
+    fn is_simulated(&self) -> bool {
+        (**self).is_simulated()
+    }
+
+    fn hardware(&self) -> Option<String> {
+        (**self).hardware()
+    }
+
+    fn open(&mut self) -> Result<(), Fault> {
+        (**self).open()
+    }
+
+    fn taken(&mut self, order: &ReadingOrder<K::Configuration>) -> Option<u64> {
+        (**self).taken(order)
+    }
+
+    fn python(&self) -> Option<String> {
+        (**self).python()
+    }
+
+    fn frames(&mut self) -> Option<&mut Frames> {
+        (**self).frames()
     }
 }
 
@@ -62,29 +123,44 @@ pub struct EffectorState {
     pub velocity: [f64; MAX_JOINTS],
     /// `X_WE`, the pose of the tool in the world.
     pub pose: Pose,
+    /// `F_E`, the wrench of the surroundings on the tool, at its frame's origin and in its axes, without the weight of what
+    /// the robot carries; `None` of a robot that neither measures nor estimates it.
+    pub wrench: Option<Wrench>,
 }
 
 impl Wire for EffectorState {
-    const LEN: usize = 2 * MAX_JOINTS + 7;
+    const LEN: usize = STATE_WORDS + Wrench::LEN;
     const LAYOUT: u64 = crate::model::wire::layout_hash(0, "mrroc::sensor::EffectorState");
     const SHAPE: &'static Shape = &Shape::Fields(&[
         ("joints", <[f64; MAX_JOINTS]>::SHAPE),
         ("velocity", <[f64; MAX_JOINTS]>::SHAPE),
         ("pose", Shape::POSE),
+        ("wrench", Wrench::SHAPE),
     ]);
 
     fn put(&self, words: &mut [u64]) {
         self.joints.put(words);
         self.velocity.put(&mut words[MAX_JOINTS..]);
         self.pose.put(&mut words[2 * MAX_JOINTS..]);
+        if let Some(wrench) = &self.wrench {
+            wrench.put(&mut words[STATE_WORDS..]);
+        }
+    }
+
+    fn used(&self) -> usize {
+        if self.wrench.is_some() { Self::LEN } else { STATE_WORDS }
     }
 
     fn get(words: &[u64]) -> Result<Self, BadWords> {
-        let words = words.get(..Self::LEN).ok_or(BadWords)?;
+        if words.len() < STATE_WORDS {
+            return Err(BadWords);
+        }
+        let wrench = words.get(STATE_WORDS..).filter(|wrench| !wrench.is_empty());
         Ok(EffectorState {
             joints: Wire::get(words)?,
             velocity: Wire::get(&words[MAX_JOINTS..])?,
             pose: Wire::get(&words[2 * MAX_JOINTS..])?,
+            wrench: wrench.map(Wrench::get).transpose()?,
         })
     }
 }

@@ -9,7 +9,7 @@ use crate::model::pose::Pose;
 use crate::model::shape::Shape;
 
 /// Words in the body of a message.
-pub const WORDS: usize = 56;
+pub const WORDS: usize = 64;
 
 /// Words that do not spell a value of the type asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

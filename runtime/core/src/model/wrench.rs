@@ -42,6 +42,7 @@ impl Wrench {
 
 impl Add for Wrench {
     type Output = Wrench;
+    #[inline]
     fn add(self, other: Wrench) -> Wrench {
         Wrench { force: self.force + other.force, torque: self.torque + other.torque }
     }
@@ -49,6 +50,7 @@ impl Add for Wrench {
 
 impl Sub for Wrench {
     type Output = Wrench;
+    #[inline]
     fn sub(self, other: Wrench) -> Wrench {
         Wrench { force: self.force - other.force, torque: self.torque - other.torque }
     }
@@ -56,6 +58,7 @@ impl Sub for Wrench {
 
 impl Neg for Wrench {
     type Output = Wrench;
+    #[inline]
     fn neg(self) -> Wrench {
         Wrench { force: -self.force, torque: -self.torque }
     }
@@ -63,6 +66,7 @@ impl Neg for Wrench {
 
 impl Mul<f64> for Wrench {
     type Output = Wrench;
+    #[inline]
     fn mul(self, factor: f64) -> Wrench {
         Wrench { force: self.force * factor, torque: self.torque * factor }
     }

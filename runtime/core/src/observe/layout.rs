@@ -11,6 +11,7 @@ use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, JointKind, Robot};
 use crate::model::sensor::VspMode;
 use crate::model::shape::Shape;
+use crate::model::signals::Channel;
 
 /// A cell.
 #[derive(Clone, Debug)]
@@ -54,7 +55,7 @@ pub struct RobotLayout {
     /// How often its drives take a position.
     pub servo: Duration,
     /// What its drives are.
-    pub drives: DrivesLayout,
+    pub drives: HardwareLayout,
     /// Whether its drives know where it is.
     pub homed: bool,
     /// Whether its ECP has a program of its own.
@@ -65,10 +66,25 @@ pub struct RobotLayout {
     pub mounted_on: Option<String>,
     /// The longest stop that it is allowed.
     pub stop_time: Duration,
+    /// Its named inputs and outputs.
+    pub signals: Vec<SignalLayout>,
     /// Its joints, from the base on.
     pub joints: Vec<JointLayout>,
     /// Where its links are.
     pub figure: Arc<dyn Figure>,
+}
+
+/// A named input or output of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalLayout {
+    /// Its name.
+    pub name: String,
+    /// Its channel.
+    pub channel: Channel,
+    /// Whether it is an output.
+    pub is_output: bool,
+    /// What an output does at a stop, and when its controller is told nothing any more.
+    pub note: String,
 }
 
 /// Where the links of a robot of any kind are, for those who draw it, in a thread of their own.
@@ -103,15 +119,30 @@ impl<R: Robot> Figure for R {
     }
 }
 
-/// What the drives of a robot are, as they [say themselves](crate::robot::Driver::hardware).
+/// What the drives of a robot, or what a sensor reads, are in the world: they say so themselves,
+/// [`Driver::hardware`](crate::robot::Driver::hardware), [`VirtualSensor::hardware`](crate::sensor::VirtualSensor::hardware).
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DrivesLayout {
-    /// Drives without a name, such as simulated ones.
-    Unnamed,
+pub enum HardwareLayout {
+    /// Nothing: they are simulated, or say nothing.
+    Nothing,
     /// This hardware.
-    Hardware(String),
-    /// Simulated drives that stand in for this hardware.
+    Real(String),
+    /// A simulator of others.
+    Simulator(String),
+    /// What is simulated in place of this hardware.
     StandIn(String),
+}
+
+impl HardwareLayout {
+    /// Of what has this hardware, or is in the place of that.
+    #[must_use]
+    pub fn of(hardware: Option<String>, in_place_of: Option<&str>) -> Self {
+        match (hardware, in_place_of) {
+            (Some(hardware), _) => HardwareLayout::Real(hardware),
+            (None, Some(hardware)) => HardwareLayout::StandIn(hardware.to_owned()),
+            (None, None) => HardwareLayout::Nothing,
+        }
+    }
 }
 
 /// A joint of a robot: its limits, in radians or metres by its kind.
@@ -156,4 +187,6 @@ pub struct SensorLayout {
     pub latency: Duration,
     /// What its readings' words say.
     pub reading: &'static Shape,
+    /// What it reads in the world.
+    pub hardware: HardwareLayout,
 }

@@ -6,6 +6,7 @@
 pub mod activity;
 pub mod layout;
 pub mod recording;
+pub mod ring;
 pub mod servo;
 pub mod shown;
 pub mod witness;

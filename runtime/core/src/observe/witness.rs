@@ -4,12 +4,14 @@
 //! but for one word: the run is [over](Witness::is_over). A run that nobody watches pays a branch.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::link::message::OrderKind;
 use crate::model::fault::{Fault, FaultWords, ProcessId};
 pub use crate::model::image::STATE_WORDS;
 use crate::model::name::Name;
 use crate::model::shape::Shape;
+pub use crate::model::signals::SIGNAL_WORDS;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::model::wire::Wire;
@@ -33,6 +35,8 @@ pub enum What {
         speed: f64,
         /// Whether the operator has suspended the cell.
         suspended: bool,
+        /// Whether the limit of reduced speed is in force.
+        reduced: bool,
         /// Whether the operator aborts.
         aborting: bool,
         /// Whether the operator has asked for a protective stop since the step before.
@@ -98,6 +102,12 @@ pub enum What {
     },
     /// What the motors of a robot take when an EDP begins a step: a word for each motor, its current \[A\].
     Currents {
+        /// The step.
+        step: u64,
+    },
+    /// The inputs and outputs of a robot that has such, when an EDP begins a step: [`SIGNAL_WORDS`] words of its
+    /// [`Signals`](crate::robot::Signals).
+    Signals {
         /// The step.
         step: u64,
     },
@@ -169,6 +179,19 @@ pub trait Witness {
     /// Whether the cell is to end before this step.
     fn is_over(&self, _step: u64) -> bool {
         false
+    }
+}
+
+/// A witness that may be on another thread than the steps.
+pub type SharedWitness = Arc<dyn Witness + Send + Sync>;
+
+impl Witness for SharedWitness {
+    fn see(&self, time: Nanos, by: ProcessId, what: &What, words: &[u64]) {
+        (**self).see(time, by, what, words);
+    }
+
+    fn is_over(&self, step: u64) -> bool {
+        (**self).is_over(step)
     }
 }
 

@@ -6,6 +6,7 @@
 use core::fmt;
 
 use crate::operator::Operator;
+use crate::operator::hold::Renewal;
 use crate::safety::latch::Latch;
 
 /// A button of the console.
@@ -25,6 +26,12 @@ pub enum Button {
     Acknowledge,
     /// Lets the programs start again after an acknowledged fault.
     Reset,
+    /// Reduced speed, or no longer.
+    Reduced(bool),
+    /// A person holds what lets robots move at reduced speed.
+    Hold(Renewal),
+    /// The person lets go; with the number of the hold.
+    LetGo(u64),
 }
 
 /// A word that is no button.
@@ -39,11 +46,11 @@ pub struct NoButton {
 
 impl Button {
     /// How many kinds there are.
-    pub const KINDS: usize = 7;
+    pub const KINDS: usize = 10;
 
     /// Their words; the place of one is its kind, and kinds are carried out in this order.
     pub const WORDS: [&str; Button::KINDS] =
-        ["stop", "abort", "suspend", "resume", "speed", "acknowledge", "reset"];
+        ["stop", "abort", "suspend", "resume", "speed", "acknowledge", "reset", "reduced", "hold", "let-go"];
 
     /// Its place among the kinds.
     pub const fn kind(self) -> usize {
@@ -55,10 +62,14 @@ impl Button {
             Button::Speed(_) => 4,
             Button::Acknowledge => 5,
             Button::Reset => 6,
+            Button::Reduced(_) => 7,
+            Button::Hold(_) => 8,
+            Button::LetGo(_) => 9,
         }
     }
 
-    /// Reads a button's word, and what belongs to it: the speed in percent, as `50`, `50%` or `50 %`.
+    /// Reads a button's word, and what belongs to it: the speed in percent, as `50`, `50%` or `50 %`; `reduced on` or `off`;
+    /// `hold`'s number and count, `let-go`'s number.
     ///
     /// # Errors
     /// [`NoButton`]: what is wrong, and what to write.
@@ -71,6 +82,33 @@ impl Button {
             "resume" => Button::Resume,
             "acknowledge" => Button::Acknowledge,
             "reset" => Button::Reset,
+            "reduced" => {
+                return match rest.trim() {
+                    "on" => Ok(Button::Reduced(true)),
+                    "off" => Ok(Button::Reduced(false)),
+                    _ => Err(bad(
+                        format!("reduced `{}`", rest.trim().escape_default()),
+                        "write reduced on, or reduced off",
+                    )),
+                };
+            }
+            "hold" => {
+                let mut numbers = rest.split_whitespace().map(str::parse::<u64>);
+                let word = match (numbers.next(), numbers.next(), numbers.next()) {
+                    (Some(Ok(hold)), Some(Ok(count)), None) => Renewal::of(hold, count),
+                    _ => None,
+                };
+                let help = "write the number of the hold and the count of the renewal: hold 4711 0";
+                return word
+                    .map(Button::Hold)
+                    .ok_or_else(|| bad(format!("`{}` is no renewal", rest.trim().escape_default()), help));
+            }
+            "let-go" => {
+                let number = rest.trim().parse().map(Button::LetGo);
+                let help = "write the number of the hold: let-go 4711";
+                return number
+                    .map_err(|_| bad(format!("`{}` is no hold", rest.trim().escape_default()), help));
+            }
             "speed" => {
                 let rest = rest.trim();
                 let percent = rest.strip_suffix('%').unwrap_or(rest).trim_end();
@@ -102,7 +140,18 @@ impl Button {
 
     /// As two words of a message.
     pub fn to_words(self) -> [u64; 2] {
-        let value = if let Button::Speed(speed) = self { speed.to_bits() } else { 0 };
+        let value = match self {
+            Button::Speed(speed) => speed.to_bits(),
+            Button::Reduced(reduced) => u64::from(reduced),
+            Button::Hold(renewal) => renewal.to_word(),
+            Button::LetGo(hold) => hold,
+            Button::Stop
+            | Button::Abort
+            | Button::Suspend
+            | Button::Resume
+            | Button::Acknowledge
+            | Button::Reset => 0,
+        };
         [self.kind() as u64, value]
     }
 
@@ -116,8 +165,13 @@ impl Button {
             Button::Acknowledge,
             Button::Reset,
         ];
-        let speed = Button::Speed(f64::from_bits(value));
-        plain.into_iter().chain([speed]).find(|button| button.kind() as u64 == kind)
+        let valued = [
+            Button::Speed(f64::from_bits(value)),
+            Button::Reduced(value != 0),
+            Button::Hold(Renewal::from_word(value)),
+            Button::LetGo(value),
+        ];
+        plain.into_iter().chain(valued).find(|button| button.kind() as u64 == kind)
     }
 }
 
@@ -128,6 +182,10 @@ impl fmt::Display for Button {
         match self {
             // Without the last digits of the product: 7%, not 7.000000000000001%.
             Button::Speed(speed) => write!(f, " {}%", (1e11 * speed).round() / 1e9),
+            Button::Reduced(true) => f.write_str(" on"),
+            Button::Reduced(false) => f.write_str(" off"),
+            Button::Hold(renewal) => write!(f, " {} {}", renewal.hold(), renewal.count()),
+            Button::LetGo(hold) => write!(f, " {hold}"),
             _ => Ok(()),
         }
     }
@@ -186,6 +244,7 @@ impl CellState {
     pub const fn reason(self, button: Button) -> &'static str {
         match self {
             CellState::Acknowledged if matches!(button, Button::Reset) => "the cause of the fault persists",
+            _ if matches!(button, Button::Hold(_)) => "the cell is not at reduced speed: write reduced on",
             CellState::Idle => "nothing runs",
             CellState::Running => "it runs",
             CellState::Suspended => "it is suspended",
@@ -243,6 +302,20 @@ impl Operator {
             (Button::Speed(speed), _) => self.set_speed(speed).is_ok(),
             (Button::Acknowledge, _) => self.acknowledge().is_ok(),
             (Button::Reset, _) => self.reset().is_ok(),
+            (Button::Reduced(reduced), _) => {
+                self.set_reduced(reduced);
+                true
+            }
+            (Button::Hold(renewal), _) => {
+                if self.is_reduced() {
+                    self.renew_hold(renewal);
+                }
+                self.is_reduced()
+            }
+            (Button::LetGo(hold), _) => {
+                self.let_go(hold);
+                true
+            }
             (Button::Abort | Button::Suspend | Button::Resume, _) => false,
         }
     }
@@ -278,6 +351,9 @@ mod tests {
         Button::Speed(0.5),
         Button::Acknowledge,
         Button::Reset,
+        Button::Reduced(true),
+        Button::Hold(Renewal::first(4711)),
+        Button::LetGo(4711),
     ];
 
     #[test]
@@ -292,7 +368,7 @@ mod tests {
         assert_eq!(Button::read("speed", "12.5 %"), Ok(Button::Speed(0.125)));
         assert_eq!(Button::read("speed", "50"), Ok(Button::Speed(0.5)));
         assert_eq!(Button::read("speed", "4.63e-200"), Ok(Button::Speed(0.0)));
-        assert_eq!(Button::from_words([7, 0]), None);
+        assert_eq!(Button::from_words([10, 0]), None);
         for (word, rest, told) in [
             ("speed", "0.5.", "write 0% to 100%"),
             ("speed", "%", "write 0% to 100%"),

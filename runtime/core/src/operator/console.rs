@@ -6,6 +6,11 @@ use super::state::{EcpState, MpState};
 /// Where an MP hears its operator, and where an MP and ECPs show what they do. Each method has an answer for processes
 /// without a console.
 pub trait Console {
+    /// Whether there is one, on which buttons may be pressed.
+    fn is_there(&self) -> bool {
+        true
+    }
+
     /// The button of a kind that the operator has pressed, and the number of that press, once.
     fn pressed(&self, _kind: usize) -> Option<(u64, Button)> {
         None
@@ -22,4 +27,8 @@ pub trait Console {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoConsole;
 
-impl Console for NoConsole {}
+impl Console for NoConsole {
+    fn is_there(&self) -> bool {
+        false
+    }
+}

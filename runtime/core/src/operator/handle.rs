@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::hold::{Hold, Renewal};
 use crate::model::fault::Fault;
+use crate::model::time::Nanos;
 use crate::safety::latch::{Event, Latch, LatchRefusal, Latching};
 
 /// The operator's handle of a cell. It may be cloned and used from any thread.
@@ -45,6 +47,13 @@ struct Shared {
     homing: AtomicBool,
     /// A protective stop that the MP has not seen yet.
     protective: AtomicBool,
+    /// Robots move only while a hold lasts, and slowly.
+    reduced: AtomicBool,
+    /// The word of the newest renewal, and the number of the newest hold that was let go, each and 1; 0 before any.
+    renewal: AtomicU64,
+    let_go: AtomicU64,
+    /// Whether a hold lasts, as the MP has found it.
+    held: AtomicBool,
 }
 
 /// What an operator is told of a latched cell.
@@ -98,6 +107,66 @@ impl Operator {
         self.shared.suspended.store(true, Ordering::Release);
     }
 
+    /// Reduced speed: robots move only while a person [holds](Operator::renew_hold), and no tool faster than
+    /// [`REDUCED_SPEED`](super::REDUCED_SPEED), which is checked where demands are accepted. Robots that move come to a
+    /// standstill first. At its end the cell stays suspended until it is [resumed](Operator::resume).
+    ///
+    /// This replaces neither an enabling device nor an emergency stop.
+    pub fn set_reduced(&self, reduced: bool) {
+        if !reduced && self.is_reduced() {
+            self.suspend();
+        }
+        self.shared.reduced.store(reduced, Ordering::Release);
+    }
+
+    /// Whether the cell is at reduced speed.
+    #[must_use]
+    pub fn is_reduced(&self) -> bool {
+        self.shared.reduced.load(Ordering::Acquire)
+    }
+
+    /// Says that a person holds what lets robots move at [reduced speed](Operator::set_reduced): the first time begins the
+    /// hold, which ends [`LAPSE`](super::LAPSE) after its last renewal. One that has ended stays so.
+    ///
+    /// ```
+    /// # use mrroc_core::operator::{Operator, Renewal};
+    /// # fn pressed(operator: &Operator, milliseconds_of_machine: u64) -> Option<()> {
+    /// let mut renewal = Renewal::first(milliseconds_of_machine);
+    /// operator.renew_hold(renewal);
+    /// // A tenth of a second later:
+    /// renewal = renewal.next()?;
+    /// operator.renew_hold(renewal);
+    /// // The person lets go.
+    /// operator.let_go(renewal.hold());
+    /// # Some(()) }
+    /// ```
+    pub fn renew_hold(&self, renewal: Renewal) {
+        self.shared.renewal.fetch_max(renewal.to_word().saturating_add(1), Ordering::AcqRel);
+    }
+
+    /// Ends a hold, and all before it: robots stop on their paths.
+    pub fn let_go(&self, hold: u64) {
+        self.shared.let_go.fetch_max(hold.saturating_add(1), Ordering::AcqRel);
+    }
+
+    /// Finds out whether a hold lasts at `now` \[ns\].
+    pub(crate) fn look_at_hold(&self, hold: &mut Hold, now: Nanos) {
+        let renewal = self.shared.renewal.load(Ordering::Acquire).checked_sub(1).map(Renewal::from_word);
+        let let_go = self.shared.let_go.load(Ordering::Acquire).checked_sub(1);
+        self.show_held(hold.lasts(renewal, let_go, now));
+    }
+
+    /// A hold lasts, or none does.
+    pub(crate) fn show_held(&self, held: bool) {
+        self.shared.held.store(held, Ordering::Release);
+    }
+
+    /// Whether a hold lasts.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.shared.held.load(Ordering::Acquire)
+    }
+
     /// Continues a suspended instruction.
     pub fn resume(&self) {
         self.shared.suspended.store(false, Ordering::Release);
@@ -118,10 +187,10 @@ impl Operator {
         self.shared.stage.load(Ordering::Acquire) != IDLE
     }
 
-    /// Whether the cell is suspended.
+    /// Whether the cell is suspended; at reduced speed also while nobody holds.
     #[must_use]
     pub fn is_suspended(&self) -> bool {
-        self.shared.suspended.load(Ordering::Acquire)
+        self.shared.suspended.load(Ordering::Acquire) || self.is_reduced() && !self.is_held()
     }
 
     /// Stops all robots on their paths and latches the cell, as a guard's protective stop does. It has priority over whatever

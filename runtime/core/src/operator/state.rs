@@ -53,6 +53,10 @@ pub struct MpState {
     pub rate: f64,
     /// The speed that the operator set, 0 to 1.
     pub speed: f64,
+    /// Whether the cell is at reduced speed.
+    pub reduced: bool,
+    /// Whether a person holds what lets its robots move then.
+    pub held: bool,
     /// The cell's state, as far as its operator is concerned.
     pub state: CellState,
     /// What became of the last press of each button.

@@ -1,7 +1,8 @@
 //! What to do about a fault: a sentence for the person at the terminal.
 
 use crate::model::fault::{BY_OPERATOR, Fault, FaultKind, Role, UNSUPERVISED};
-use crate::safety::limits::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
+use crate::model::robot_stop::Stopped;
+use crate::safety::limits::{AT_REDUCED_SPEED, DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 
 impl Fault {
     /// What to do about it, where its kind alone tells.
@@ -11,6 +12,17 @@ impl Fault {
         let demanded = match self.kind() {
             K::DemandOutOfRange => {
                 "keep the motion within the joint's limits: a joint must always be able to stop before them"
+            }
+            K::DemandedVelocity if self.message() == AT_REDUCED_SPEED => {
+                return Some("set a lower speed before the next try: speed 10%");
+            }
+            K::DemandedVelocity | K::DemandedAcceleration | K::DemandedJerk | K::StartPoseMismatch
+                if self.message().contains("singularity") =>
+            {
+                return Some(
+                    "beside a singularity joints turn fast even if the tool moves slowly: demand joints there, as JointMove does, \
+                     or keep the tool away from it",
+                );
             }
             K::DemandedVelocity => {
                 "move slower: give the motion more time, or its profile a lower velocity; near a singularity joints turn \
@@ -100,6 +112,13 @@ impl Fault {
                     "choose a parameter set that the driver's `has_regulator` knows; set 0 is always there",
                 );
             }
+            K::NoOutput => {
+                return Some(
+                    "name the output in `outputs` of the robot's table in cell.toml, and ask this robot for it: \
+                     `arm.output(\"vacuum\")?`",
+                );
+            }
+            K::RobotStopped => return self.stopped().map(Stopped::help),
             K::DriveFault => return Some("look at the drive: clear what tripped it, then start again"),
             K::PeerLost if self.process().is_some_and(|process| process.role == Role::Vsp) => {
                 return Some(
@@ -109,8 +128,10 @@ impl Fault {
             }
             K::PeerLost => {
                 return Some(
-                    "a process has ended, or gave no answer for longer than 20 ms, because it stood still or computed: let every \
-                     step return at once, also the first one; plan what takes longer before the Move, while the robots hold",
+                    "a process has ended, or gave no answer for longer than 20 ms (for longer than a step, where a Move leads several \
+                     robots by poses), because it stood still or computed: let every step return at once, also the first one; plan \
+                     what takes longer before the Move, while the robots hold; if nothing computes, the machine gives its processes \
+                     too little time: see `doctor`, and write a [realtime] table or a longer step_ms in cell.toml",
                 );
             }
             K::SensorStale | K::SensorFailed => {

@@ -9,6 +9,7 @@
 use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
 use crate::safety::ramp::steepest;
+use crate::safety::rate::smaller;
 
 /// How fast arms may slow down on their screw, so that no robot of an instruction exceeds its limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,8 +26,9 @@ impl BrakingLaw {
 
     /// The law for two robots together: the smaller of each value.
     #[must_use]
+    #[inline]
     pub fn and(self, other: BrakingLaw) -> BrakingLaw {
-        BrakingLaw { fall: self.fall.min(other.fall), bend: self.bend.min(other.bend) }
+        BrakingLaw { fall: smaller(self.fall, other.fall), bend: smaller(self.bend, other.bend) }
     }
 
     /// Whether all robots may stand in the next step of `duration` \[s\].

@@ -192,6 +192,7 @@ impl Gate {
 
     /// The gate after a message of an epoch, and what becomes of that; `stands` says whether the robot does.
     #[must_use]
+    #[inline]
     pub const fn meet(self, epoch: u32, asked: Asked, stands: bool) -> (Gate, Admission) {
         if epoch < self.epoch {
             return (self, Admission::Ignored);

@@ -44,6 +44,12 @@ mod state;
 mod tests;
 mod ways;
 
+/// The largest velocity of a tool at reduced speed \[m/s\].
+pub const REDUCED_SPEED: f64 = 0.25;
+
+/// The message of a tool that is too fast for reduced speed.
+pub(crate) const AT_REDUCED_SPEED: &str = "the tool at reduced speed";
+
 /// Relative excess over a limit that is round-off.
 const RELATIVE: f64 = 1e-9;
 
@@ -73,6 +79,8 @@ pub(crate) struct Acceptor<R: Robot> {
     track: Track<R::Joints>,
     motion: Motion<R::Joints>,
     pace: Pace<R::Joints>,
+    /// Whether the tool may go at reduced speed only.
+    slow: bool,
 }
 
 /// What an acceptor knew before it accepted a demand.
@@ -101,7 +109,13 @@ impl<R: Robot> Acceptor<R> {
             track: Track::at(position, R::Joints::zeros(), 0.0),
             motion: Motion::none(tool, position),
             pace: Pace::at_rest(),
+            slow: false,
         }
+    }
+
+    /// Lets the tool go at reduced speed only, or at any.
+    pub const fn slow_tool(&mut self, slow: bool) {
+        self.slow = slow;
     }
 
     /// The robot whose demands it accepts.
@@ -168,8 +182,20 @@ impl<R: Robot> Acceptor<R> {
         Before { state: self.state, track: self.track, motion: self.motion, pace: self.pace }
     }
 
+    /// The same, in the place of what it knew earlier.
+    pub fn keep(&self, before: &mut Before<R::Joints>) {
+        before.state = self.state;
+        before.track.path = self.track.path;
+        match &self.track.off_path {
+            None => before.track.off_path = None,
+            Some(off_path) => before.track.off_path = Some(*off_path),
+        }
+        before.motion = self.motion;
+        before.pace = self.pace;
+    }
+
     /// Takes back the demand that was accepted since then: no drive has been told of it.
-    pub fn take_back(&mut self, before: Before<R::Joints>) {
+    pub fn take_back(&mut self, before: &Before<R::Joints>) {
         self.state = before.state;
         self.track = before.track;
         self.motion = before.motion;
@@ -209,19 +235,46 @@ impl<R: Robot> Acceptor<R> {
         all_missed: bool,
     ) -> Result<AcceptedDemand<R>, Fault> {
         let target = self.target(demand)?;
-        let next = self.next(&target.position, duration, all_missed).map_err(|fault| {
+        let missing = self.track.path.missing;
+        // In step with its path, as nearly always, a robot has nothing to come back to.
+        let accepted = if self.track.is_in_step() {
+            self.follow(&target, duration)
+        } else {
+            self.come_back(&target, duration, all_missed)
+        };
+        let accepted = accepted.map_err(|fault| {
             let robot = &self.checks.robot;
             let disagreement = poses::disagreement(robot, demand, &target.position, &target.tool);
             disagreement
                 .unwrap_or_else(|| poses::beside_singularity(robot, demand, &self.state.position, fault))
         })?;
-        self.pace.accept(dt, duration, self.track.path.missing);
+        self.pace.accept(dt, duration, missing);
         self.motion.starting = false;
-        self.motion.tool = target.tool;
-        let accepted = self.take(next, duration);
+        if demand.tool.is_some() {
+            self.motion.tool = target.tool;
+        }
         let (_, velocity) = self.demanded();
         self.pace.learn_path_speed(&velocity);
         Ok(accepted)
+    }
+
+    /// Where the robot moves at reduced speed, the velocity of its tool on the way to `position` \[rad or m\] in
+    /// `duration` \[s\].
+    ///
+    /// # Errors
+    /// The tool is faster.
+    fn check_tool(&self, tool: &Pose, position: &R::Joints, duration: f64) -> Result<(), Fault> {
+        if !self.slow {
+            return Ok(());
+        }
+        let place = |joints: &R::Joints| (self.checks.robot.forward(joints) * tool).translation.vector;
+        let speed = (place(position) - place(&self.state.position)).norm() / duration;
+        let keeps = speed <= REDUCED_SPEED * (1.0 + RELATIVE);
+        if keeps {
+            return Ok(());
+        }
+        let fault = Fault::new(FaultKind::DemandedVelocity).text(AT_REDUCED_SPEED);
+        Err(fault.exceeds(speed, REDUCED_SPEED, "m/s"))
     }
 
     /// The tool of a demand, and the joint positions that it asks for.
@@ -255,6 +308,39 @@ impl<R: Robot> Acceptor<R> {
             Some(joint) => Err(Fault::new(FaultKind::DemandNotFinite).at_joint(joint)),
             None => Ok(Target { tool, position }),
         }
+    }
+
+    /// Goes to a demand, of a robot in step with its path.
+    ///
+    /// # Errors
+    /// The first limit that it breaks; nothing is changed then.
+    #[inline]
+    fn follow(&mut self, target: &Target<R::Joints>, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
+        let demand = &target.position;
+        let path = self.track.path_to(demand, duration);
+        let velocity = self.velocity_to(demand, Some(&path.velocity), duration)?;
+        self.check_tool(&target.tool, demand, duration)?;
+        self.state.go_to(*demand, velocity, duration);
+        self.track.follow(path);
+        Ok(AcceptedDemand::new(*demand))
+    }
+
+    /// Comes nearer to the path that a demand belongs to, of a robot that is elsewhere or has missed demands.
+    ///
+    /// # Errors
+    /// The first limit that it breaks; nothing is changed then.
+    fn come_back(
+        &mut self,
+        target: &Target<R::Joints>,
+        duration: f64,
+        all_missed: bool,
+    ) -> Result<AcceptedDemand<R>, Fault> {
+        let next = self.next(&target.position, duration, all_missed).map_err(|fault| {
+            // Who reads it would look for a jump in the program's demands.
+            if fault.message().is_empty() { fault.text("after late demands") } else { fault }
+        })?;
+        self.check_tool(&target.tool, &next.position, duration)?;
+        Ok(self.take(next, duration))
     }
 
     /// A state that has been checked is the present one.

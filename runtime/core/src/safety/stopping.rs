@@ -29,6 +29,12 @@ pub(crate) fn detection_time(step: Duration) -> f64 {
     step.as_secs_f64() * (f64::from(missed_step_budget(step)) + 1.0)
 }
 
+/// The longest time until the robots of a cell begin to stop for what is lost \[s\]: a peer, or a robot that paces itself and may
+/// say nothing for `silence`.
+pub(crate) fn noticing_time(step: Duration, silence: Duration) -> f64 {
+    detection_time(step).max(silence.as_secs_f64())
+}
+
 /// The longest time that a joint brakes for \[s\].
 pub(crate) fn braking_time<J: JointVector>(limits: &Limits<J>, joint: usize) -> f64 {
     let v = limits.velocity[joint];
@@ -91,6 +97,9 @@ mod tests {
     fn a_lost_peer_is_noticed_after_the_budget_and_one_step() {
         assert!((detection_time(Duration::from_millis(1)) - 0.021).abs() < 1e-12);
         assert!((detection_time(Duration::from_millis(2)) - 0.022).abs() < 1e-12);
+        let (step, millis) = (Duration::from_millis(2), Duration::from_millis);
+        assert_eq!(noticing_time(step, millis(10)), detection_time(step));
+        assert_eq!(noticing_time(step, millis(400)), 0.4);
         // 1.0 / 10 s of braking, on a screw 1.0 / 8 s; 21 ms, 8 ms.
         let steps = stop_steps(&limits(1.0, 10.0, None), Duration::from_millis(1), Duration::from_millis(8));
         assert!((154..=155).contains(&steps), "{steps}");

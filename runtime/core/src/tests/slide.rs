@@ -4,7 +4,8 @@ use core::time::Duration;
 
 use nalgebra::Vector1;
 
-use crate::model::driver::{DriveFault, Driver, Measured};
+use crate::model::drive_fault::DriveFault;
+use crate::model::driver::{Driver, Measured};
 use crate::model::pose::Pose;
 use crate::model::robot::{Limits, NoInverse, Robot};
 

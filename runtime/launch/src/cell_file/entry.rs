@@ -1,6 +1,6 @@
 //! A robot and a sensor as the cell file describes them.
 
-use core::cell::Cell;
+use core::cell::RefCell;
 use core::ops::Range;
 use core::time::Duration;
 use std::net::{IpAddr, SocketAddr};
@@ -8,13 +8,15 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::str::FromStr;
 
-use mrroc_core::cell::CellError;
+use mrroc_core::cell::{CellError, InputSetup, OutputSetup};
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::JointVector;
-use mrroc_core::robot::Robot;
+use mrroc_core::robot::{Robot, Tool};
 use mrroc_core::sensor::VspMode;
 
 use super::error::Source;
+use super::external::ExternalEntry;
+use super::plant::PlantEntry;
 
 /// A value and where it stands in the text.
 #[derive(Clone, Debug)]
@@ -32,9 +34,12 @@ pub struct RobotEntry {
     pub(super) start: Option<At<Vec<At<f64>>>>,
     pub(super) homed: Option<At<bool>>,
     pub(super) base: Option<Pose>,
-    pub(super) tool: Option<Pose>,
+    pub(super) tool: Option<Tool>,
     pub(super) mounted_on: Option<At<String>>,
     pub(super) stop_time: Option<Duration>,
+    pub(super) inputs: Vec<InputSetup>,
+    pub(super) outputs: Vec<OutputSetup>,
+    pub(super) plant: Option<PlantEntry>,
     pub(super) description: Description,
 }
 
@@ -47,8 +52,33 @@ pub(super) struct Description {
     pub acceleration: Option<At<Vec<At<f64>>>>,
     pub address: Option<At<String>>,
     pub listen: Option<At<String>>,
-    /// Whether the kind asked for any of it.
-    pub asked: Rc<Cell<bool>>,
+    pub period: Option<At<Duration>>,
+    pub corrections: Option<At<String>>,
+    pub calibration: Option<At<String>>,
+    pub coupled: Option<At<bool>>,
+    /// What of it the kind asked for.
+    pub asked: Rc<RefCell<Vec<EntryKey>>>,
+}
+
+impl Description {
+    /// Where this key stands, if it is there.
+    fn span(&self, key: EntryKey) -> Option<&Range<usize>> {
+        fn of<T>(at: &Option<At<T>>) -> Option<&Range<usize>> {
+            at.as_ref().map(|at| &at.span)
+        }
+        match key {
+            EntryKey::File => of(&self.file),
+            EntryKey::BaseLink => of(&self.base_link),
+            EntryKey::Tip => of(&self.tip),
+            EntryKey::Acceleration => of(&self.acceleration),
+            EntryKey::Address => of(&self.address),
+            EntryKey::Listen => of(&self.listen),
+            EntryKey::Period => of(&self.period),
+            EntryKey::Corrections => of(&self.corrections),
+            EntryKey::Calibration => of(&self.calibration),
+            EntryKey::Coupled => of(&self.coupled),
+        }
+    }
 }
 
 impl RobotEntry {
@@ -81,7 +111,7 @@ impl RobotEntry {
     /// set-up does not use it.
     #[must_use]
     pub fn tool(&self) -> Pose {
-        self.tool.unwrap_or_else(Pose::identity)
+        self.tool.map_or_else(Pose::identity, |tool| tool.frame)
     }
 
     /// `stop_ms`: the longest stop that the robot may take, if it is not that of the cell. The robot gets it even if the set-up
@@ -89,6 +119,13 @@ impl RobotEntry {
     #[must_use]
     pub fn stop_time(&self) -> Option<Duration> {
         self.stop_time
+    }
+
+    /// `plant`: the simulator of others in which the robot moves, if it does. The robot gets it even if the set-up does not use
+    /// it.
+    #[must_use]
+    pub const fn plant(&self) -> Option<&PlantEntry> {
+        self.plant.as_ref()
     }
 
     /// `homed`: whether the drives know where the robot is when the cell starts; true by default.
@@ -100,6 +137,11 @@ impl RobotEntry {
     /// The same with drives that know where the robot is.
     pub(super) fn homed(&self) -> RobotEntry {
         RobotEntry { homed: None, ..self.clone() }
+    }
+
+    /// The same with drives of its own.
+    pub(super) fn without_plant(&self) -> RobotEntry {
+        RobotEntry { plant: None, ..self.clone() }
     }
 
     /// Refuses `homed = false` for a kind whose drives know where the robot is anyway.
@@ -147,9 +189,13 @@ impl RobotEntry {
     /// # Errors
     /// The cell file has no `file`.
     pub fn file(&self) -> Result<PathBuf, CellError> {
-        let file = self.asked(&self.description.file, "file", "\"arm.urdf\", the file that describes it")?;
-        let folder = Path::new(&self.source.file).parent().unwrap_or(Path::new(""));
-        Ok(folder.join(&file.value))
+        let example = "\"arm.urdf\", the file that describes it";
+        let file = self.asked(&self.description.file, EntryKey::File, example)?;
+        Ok(self.in_folder(&file.value))
+    }
+
+    fn in_folder(&self, file: &str) -> PathBuf {
+        Path::new(&self.source.file).parent().unwrap_or(Path::new("")).join(file)
     }
 
     /// `tip`: the link of that description that is the flange.
@@ -157,15 +203,15 @@ impl RobotEntry {
     /// # Errors
     /// The cell file has no `tip`.
     pub fn tip(&self) -> Result<&str, CellError> {
-        self.asked(&self.description.tip, "tip", "\"tool0\", the link of its file that is the flange")
-            .map(|tip| &*tip.value)
+        let example = "\"tool0\", the link of its file that is the flange";
+        self.asked(&self.description.tip, EntryKey::Tip, example).map(|tip| &*tip.value)
     }
 
     /// `base_link`: the link of that description that is the base; `None` by default, which is the one on which all
     /// others hang.
     #[must_use]
     pub fn base_link(&self) -> Option<&str> {
-        self.description.asked.set(true);
+        self.ask(EntryKey::BaseLink);
         self.description.base_link.as_ref().map(|link| &*link.value)
     }
 
@@ -175,7 +221,7 @@ impl RobotEntry {
     /// # Errors
     /// Another number of values than `joints`.
     pub fn acceleration(&self, joints: usize) -> Result<Option<Vec<f64>>, CellError> {
-        self.description.asked.set(true);
+        self.ask(EntryKey::Acceleration);
         let Some(given) = &self.description.acceleration else { return Ok(None) };
         if given.value.len() != joints {
             let what =
@@ -191,11 +237,22 @@ impl RobotEntry {
     /// # Errors
     /// The cell file has no `address`, or it is none.
     pub fn address(&self) -> Result<IpAddr, CellError> {
-        self.network(
-            &self.description.address,
-            "address",
-            "\"192.168.1.10\", where the robot's controller is",
-        )
+        let example = "\"192.168.1.10\", where the robot's controller is";
+        self.network(&self.description.address, EntryKey::Address, example)
+    }
+
+    /// `address` of a controller that is called at a port: `port`, unless the cell file says another one.
+    ///
+    /// # Errors
+    /// The cell file has no `address`, or it is none.
+    pub fn address_and_port(&self, port: u16) -> Result<SocketAddr, CellError> {
+        let example =
+            "\"192.168.1.10\", where the robot's controller is, or \"192.168.1.10:1502\", with a port";
+        let text = self.asked(&self.description.address, EntryKey::Address, example)?;
+        match text.value.parse::<IpAddr>() {
+            Ok(address) => Ok(SocketAddr::new(address, port)),
+            Err(_) => self.network(&self.description.address, EntryKey::Address, example),
+        }
     }
 
     /// `listen`: the address of this machine in that network, and the port on which it listens for the robot.
@@ -204,7 +261,7 @@ impl RobotEntry {
     /// The cell file has no `listen`, or it is none, or says any address: a robot is listened for on one.
     pub fn listen(&self) -> Result<SocketAddr, CellError> {
         let example = "\"192.168.1.2:49152\", this machine's address there and a port";
-        let listen: SocketAddr = self.network(&self.description.listen, "listen", example)?;
+        let listen: SocketAddr = self.network(&self.description.listen, EntryKey::Listen, example)?;
         if listen.ip().is_unspecified() {
             let what =
                 format!("robot `{}` would be listened for on every network of this machine", self.name());
@@ -213,70 +270,82 @@ impl RobotEntry {
         Ok(listen)
     }
 
+    /// `period_ms`: the period of the robot's controller, where that may be chosen; `None` if the cell file has none.
+    #[must_use]
+    pub fn period(&self) -> Option<Duration> {
+        self.ask(EntryKey::Period);
+        self.description.period.as_ref().map(|period| period.value)
+    }
+
+    /// `corrections`: what the robot's controller counts the corrections from that it is sent; `None` if the cell file does not
+    /// say it.
+    #[must_use]
+    pub fn corrections(&self) -> Option<&str> {
+        self.ask(EntryKey::Corrections);
+        self.description.corrections.as_ref().map(|text| &*text.value)
+    }
+
+    /// `calibration`: the file with the calibration of this one arm; `None` if the cell file names none. A relative path is
+    /// looked for in the folder of the cell file.
+    #[must_use]
+    pub fn calibration(&self) -> Option<PathBuf> {
+        self.ask(EntryKey::Calibration);
+        self.description.calibration.as_ref().map(|file| self.in_folder(&file.value))
+    }
+
+    /// `coupled`: whether the links of a simulated robot couple its motors; false by default.
+    #[must_use]
+    pub fn is_coupled(&self) -> bool {
+        self.ask(EntryKey::Coupled);
+        self.description.coupled.as_ref().is_some_and(|coupled| coupled.value)
+    }
+
     fn network<T: FromStr>(
         &self,
         value: &Option<At<String>>,
-        key: &str,
+        key: EntryKey,
         example: &str,
     ) -> Result<T, CellError> {
         let text = self.asked(value, key, example)?;
         text.value.parse().map_err(|_| {
-            let what = format!("`{}` is no {key} of a network", text.value);
-            self.source.complain(&text.span, what, format!("write {key} = {example}")).into()
+            let what = format!("`{}` is no {} of a network", text.value, key.name());
+            self.source.complain(&text.span, what, format!("write {} = {example}", key.name())).into()
         })
     }
 
     /// Refuses what a key of this entry says, or that it is not there: `what` is wrong with it, and `help` says what to write.
     #[must_use]
     pub fn refuse(&self, key: EntryKey, what: String, help: String) -> CellError {
-        let Description { file, base_link, tip, acceleration, address, listen, .. } = &self.description;
-        let span = match key {
-            EntryKey::File => file.as_ref().map(|file| &file.span),
-            EntryKey::BaseLink => base_link.as_ref().map(|link| &link.span),
-            EntryKey::Tip => tip.as_ref().map(|tip| &tip.span),
-            EntryKey::Acceleration => acceleration.as_ref().map(|given| &given.span),
-            EntryKey::Address => address.as_ref().map(|address| &address.span),
-            EntryKey::Listen => listen.as_ref().map(|listen| &listen.span),
-        };
+        let span = self.description.span(key);
         self.source.complain(span.unwrap_or(&self.name.span), what, help).into()
+    }
+
+    fn ask(&self, key: EntryKey) {
+        self.description.asked.borrow_mut().push(key);
     }
 
     fn asked<'a, T>(
         &self,
         value: &'a Option<At<T>>,
-        key: &str,
+        key: EntryKey,
         example: &str,
     ) -> Result<&'a At<T>, CellError> {
-        self.description.asked.set(true);
+        self.ask(key);
         value.as_ref().ok_or_else(|| {
-            let what = format!("robot `{}` has no `{key}`", self.name());
-            self.source.complain(&self.name.span, what, format!("write {key} = {example}")).into()
+            let what = format!("robot `{}` has no `{}`", self.name(), key.name());
+            self.source.complain(&self.name.span, what, format!("write {} = {example}", key.name())).into()
         })
     }
 
     /// Refuses what describes the robot if its kind has not asked for it, and so has not read it.
     pub(super) fn all_read(&self) -> Result<(), CellError> {
-        let Description { file, base_link, tip, acceleration, address, listen, asked } = &self.description;
-        let texts = [
-            ("file", file),
-            ("base_link", base_link),
-            ("tip", tip),
-            ("address", address),
-            ("listen", listen),
-        ];
-        let texts = texts.into_iter().filter_map(|(key, text)| text.as_ref().map(|text| (key, &text.span)));
-        let mut given = texts.chain(acceleration.as_ref().map(|given| ("acceleration", &given.span)));
-        match given.next().filter(|_| !asked.get()) {
+        let asked = self.description.asked.borrow();
+        let unread = EntryKey::ALL.into_iter().filter(|key| !asked.contains(key));
+        match unread.filter_map(|key| Some((key, self.description.span(key)?))).next() {
             None => Ok(()),
             Some((key, span)) => {
-                let what = format!("the kind `{}` does not read `{key}`", self.kind());
-                let help = match key {
-                    "address" | "listen" => {
-                        "leave it out, or write the kind of a robot on a network".to_owned()
-                    }
-                    _ => "leave it out, or write kind = \"urdf\" for an arm that a file describes".to_owned(),
-                };
-                Err(self.source.complain(span, what, help).into())
+                let what = format!("the kind `{}` does not read `{}`", self.kind(), key.name());
+                Err(self.source.complain(span, what, key.instead().to_owned()).into())
             }
         }
     }
@@ -311,6 +380,61 @@ pub enum EntryKey {
     Address,
     /// `listen`.
     Listen,
+    /// `period_ms`.
+    Period,
+    /// `corrections`.
+    Corrections,
+    /// `calibration`.
+    Calibration,
+    /// `coupled`.
+    Coupled,
+}
+
+impl EntryKey {
+    const ALL: [EntryKey; 10] = [
+        EntryKey::File,
+        EntryKey::BaseLink,
+        EntryKey::Tip,
+        EntryKey::Address,
+        EntryKey::Listen,
+        EntryKey::Acceleration,
+        EntryKey::Period,
+        EntryKey::Corrections,
+        EntryKey::Calibration,
+        EntryKey::Coupled,
+    ];
+
+    /// As the cell file writes it.
+    const fn name(self) -> &'static str {
+        match self {
+            EntryKey::File => "file",
+            EntryKey::BaseLink => "base_link",
+            EntryKey::Tip => "tip",
+            EntryKey::Acceleration => "acceleration",
+            EntryKey::Address => "address",
+            EntryKey::Listen => "listen",
+            EntryKey::Period => "period_ms",
+            EntryKey::Corrections => "corrections",
+            EntryKey::Calibration => "calibration",
+            EntryKey::Coupled => "coupled",
+        }
+    }
+
+    /// What to do where a kind does not read it.
+    const fn instead(self) -> &'static str {
+        match self {
+            EntryKey::File | EntryKey::BaseLink | EntryKey::Tip | EntryKey::Acceleration => {
+                "leave it out, or write kind = \"urdf\" for an arm that a file describes"
+            }
+            EntryKey::Address | EntryKey::Listen => "leave it out, or write the kind of a robot on a network",
+            EntryKey::Period => "leave it out: the period of these drives cannot be chosen",
+            EntryKey::Corrections => "leave it out, or write the kind of a robot that is sent corrections",
+            EntryKey::Calibration => {
+                "leave it out, or write the kind of a robot whose controller tells its calibration"
+            }
+            EntryKey::Coupled => "leave it out: the drives of this kind are not simulated by their masses",
+        }
+    }
 }
 
 /// A sensor of a cell file.
@@ -323,4 +447,5 @@ pub(super) struct SensorEntry {
     pub stale_after: Option<Duration>,
     pub mode: VspMode,
     pub latency: Duration,
+    pub external: Option<ExternalEntry>,
 }

@@ -6,15 +6,22 @@ use std::rc::Rc;
 use mrroc_core::cell::{AnyRobot, CellError, RobotSetup};
 #[cfg(doc)]
 use mrroc_core::robot::Driver;
-use mrroc_core::robot::{IdealDrives, Robot};
+use mrroc_core::robot::{IdealDrives, Robot, Simulator};
 
 use super::entry::RobotEntry;
+use super::plant::PlantEntry;
 
-type Make = Rc<dyn Fn(&RobotEntry) -> Result<Box<dyn AnyRobot>, CellError>>;
+type Make = Rc<dyn Fn(&RobotEntry, Option<&MakeSimulator>) -> Result<Box<dyn AnyRobot>, CellError>>;
+
+/// Makes the way to the simulator of others in which a robot moves.
+type MakeSimulator = Box<dyn Fn(&PlantEntry) -> Box<dyn Simulator>>;
 
 /// The kinds of robots that a program knows, each with the function that makes a set-up: the model and the drives.
 #[derive(Default)]
-pub struct Kinds(Vec<(String, Make)>);
+pub struct Kinds {
+    makes: Vec<(String, Make)>,
+    simulator: Option<MakeSimulator>,
+}
 
 impl Kinds {
     /// No kinds.
@@ -46,21 +53,29 @@ impl Kinds {
         name: &str,
         set_up: impl Fn(&RobotEntry) -> Result<AnySetup, CellError> + 'static,
     ) -> Kinds {
-        let replaced = self.0.extract_if(.., |(known, _)| known == name).next().map(|(_, make)| make);
-        let make: Make = Rc::new(move |entry| {
+        let replaced = self.makes.extract_if(.., |(known, _)| known == name).next().map(|(_, make)| make);
+        let make: Make = Rc::new(move |entry, simulator| {
             let AnySetup(setup) = set_up(entry)?;
             entry.all_read()?;
-            setup(entry, replaced.clone())
+            setup(entry, replaced.clone(), simulator)
         });
-        self.0.push((name.to_owned(), make));
+        self.makes.push((name.to_owned(), make));
+        self
+    }
+
+    /// Lets robots whose entries say `plant` move in simulators that others wrote: `simulator` makes the way to that of an entry,
+    /// such as `mrroc_external::plant`. Their own simulated drives stand in for it in a dry run and with `--simulated`.
+    #[must_use]
+    pub fn plants(mut self, simulator: impl Fn(&PlantEntry) -> Box<dyn Simulator> + 'static) -> Kinds {
+        self.simulator = Some(Box::new(simulator));
         self
     }
 
     pub(super) fn set_up(&self, entry: &RobotEntry) -> Result<Box<dyn AnyRobot>, CellError> {
-        match self.0.iter().find(|(name, _)| name == entry.kind()) {
-            Some((_, make)) => make(entry),
+        match self.makes.iter().find(|(name, _)| name == entry.kind()) {
+            Some((_, make)) => make(entry, self.simulator.as_ref()),
             None => {
-                let known: Vec<_> = self.0.iter().map(|(name, _)| &**name).collect();
+                let known: Vec<_> = self.makes.iter().map(|(name, _)| &**name).collect();
                 Err(entry.unknown_kind(&known))
             }
         }
@@ -71,16 +86,22 @@ impl Kinds {
 pub struct AnySetup(Box<Finish>);
 
 /// Makes a robot of an entry, whose kind took the place of another one.
-type Finish = dyn FnOnce(&RobotEntry, Option<Make>) -> Result<Box<dyn AnyRobot>, CellError>;
+type Finish =
+    dyn FnOnce(&RobotEntry, Option<Make>, Option<&MakeSimulator>) -> Result<Box<dyn AnyRobot>, CellError>;
 
 impl<R: Robot> From<RobotSetup<R>> for AnySetup {
     fn from(mut setup: RobotSetup<R>) -> AnySetup {
-        AnySetup(Box::new(move |entry, replaced| {
+        AnySetup(Box::new(move |entry, replaced, simulator| {
             if !entry.is_homed() && setup.is_homed() {
                 return Err(entry.refuse_unhomed());
             }
             // The name of a robot comes from the file and not from its set-up.
             setup.rename(entry.name());
+            if let Some(plant) = entry.plant() {
+                let simulator = simulator.ok_or_else(|| plant.refuse_unknown())?(plant);
+                let moved = setup.in_simulator(simulator);
+                setup = moved.map_err(|why| plant.refuse_drives(&why, entry.kind()))?;
+            }
             let of = entry.clone();
             setup = setup.stand_in_of(move |robot, period| stand_in(replaced.as_ref(), &of, robot, period));
             if let Some(on) = entry.mounted_on() {
@@ -89,8 +110,10 @@ impl<R: Robot> From<RobotSetup<R>> for AnySetup {
             if let Some(limit) = entry.stop_time() {
                 setup = setup.stop_time(limit);
             }
+            setup = entry.inputs.iter().cloned().fold(setup, RobotSetup::input);
+            setup = entry.outputs.iter().cloned().fold(setup, RobotSetup::output);
             Ok(Box::new(match entry.tool {
-                Some(tool) => setup.tool(tool),
+                Some(tool) => setup.tool(tool.frame).load(tool.load),
                 None => setup,
             }))
         }))
@@ -105,8 +128,9 @@ fn stand_in<R: Robot>(
     period: Duration,
 ) -> Result<RobotSetup<R>, CellError> {
     // Simulated drives of that kind may not be able to look for marks: then they know where the robot is.
+    let entry = &entry.without_plant();
     let homed = entry.homed();
-    let made = simulated.map(|make| make(entry).or_else(|_| make(&homed))).transpose()?;
+    let made = simulated.map(|make| make(entry, None).or_else(|_| make(&homed, None))).transpose()?;
     if let Some(Ok(setup)) = made.map(|setup| setup.into_any().downcast::<RobotSetup<R>>()) {
         return Ok(*setup);
     }

@@ -15,7 +15,25 @@
 //! start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]   # where a simulated arm starts [rad or m]
 //! homed = false      # its drives must look for their reference marks first; they know where it is unless it is said
 //! base = { position = [0.0, 0.5, 0.0] }           # X_WB; the world's origin unless it is said
-//! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad]; the flange unless it is said
+//! tool = { position = [0.0, 0.0, 0.1], zyz = [0.0, 0.0, 0.0] }   # X_FE [m, rad], or the name of a tool; the flange unless
+//!                                                                 # it is said
+//!
+//! [robots.arm.inputs]    # of the robot's controller, by names for programs
+//! part_seen = "digital 3"
+//! sucked = { channel = "digital 4", follows = "vacuum", after_ms = 150 }   # simulated, it reads what that output has been
+//!
+//! [robots.arm.outputs]
+//! vacuum = { channel = "digital 0", holds_body = true }   # it holds at a stop, as every output that says nothing else
+//! spindle = { channel = "digital 1", turns_tool = true, on_stop = false }
+//!
+//! [frames.table]     # a frame in the world, for programs
+//! position = [0.4, 0.0, 0.1]
+//!
+//! [tools.pen]        # a tool: its frame on the flange, and what the flange carries with it [kg, m, kg m²]
+//! position = [0.0, 0.0, 0.1]
+//! mass = 0.3
+//! centre = [0.0, 0.0, 0.04]
+//! inertia = [1e-4, 0.0, 0.0, 1e-4, 0.0, 2e-5]   # xx, xy, xz, yy, yz, zz about the centre
 //!
 //! [robots.hand]      # a gripper on the flange of the arm
 //! kind = "gripper"
@@ -31,6 +49,8 @@
 //! start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]
 //!
 //! stop_ms = 800      # the longest stop that this robot may take [ms]; that of the cell unless it is said
+//! plant = { port = "mujoco", patience_ms = 10000 }   # it moves in a simulator that others wrote, found by this name and waited
+//!                                                     # for so long [ms]; 10 s unless it is said
 //!
 //! [sensors.touch]    # a virtual sensor of this name
 //! of = "arm"         # the robot that it belongs to, whose state goes with every order
@@ -40,6 +60,18 @@
 //! latency_ms = 2     # time that one aggregation takes under the virtual clock; none unless it is said
 //! every = 4          # a reading is ordered in every fourth step; in every step unless it is said
 //! stale_after_ms = 100   # a reading of that age is too old to move by; 20 steps unless it is said
+//!
+//! [sensors.camera]
+//! mode = "free running"
+//! period_ms = 5
+//! stale_after_ms = 200
+//!
+//! [sensors.camera.external]   # its readings are sent by a program of another, such as one in Python
+//! port = "camera"    # the name by which that program finds it; the sensor's unless it is said
+//! rate_hz = 30.0     # how many readings it sends in a second
+//! least = [0.0, -0.5, 0.0]    # of each number of a reading
+//! largest = [1.0, 0.5, 6.3]
+//! per_second = [2.0, 2.0, 10.0]   # by how much each may change in a second; by as much as it likes unless it is said
 //!
 //! [realtime]         # what the cell asks of the machine when it runs as processes; nothing unless the table is there
 //! priority = 50      # of every process under SCHED_FIFO, 1 to 95
@@ -56,12 +88,15 @@
 
 mod entry;
 mod error;
+mod external;
 mod kinds;
 #[cfg(test)]
 mod page;
+mod plant;
 mod reader;
 
 use core::time::Duration;
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 use std::rc::Rc;
@@ -69,12 +104,16 @@ use std::rc::Rc;
 use mrroc_core::cell::Realtime;
 use mrroc_core::cell::{AfterFault, Cell, CellError, SensorSetup};
 use mrroc_core::observe::Recording;
+use mrroc_core::pose::Pose;
+use mrroc_core::robot::Tool;
 use mrroc_core::sensor::Sensor;
 use mrroc_core::sensor::VirtualSensor;
 
 pub use entry::{EntryKey, RobotEntry};
 pub use error::CellFileError;
+pub use external::{Believable, ExternalEntry};
 pub use kinds::{AnySetup, Kinds};
+pub use plant::PlantEntry;
 
 use crate::files;
 use entry::SensorEntry;
@@ -92,6 +131,8 @@ pub struct CellFile {
     dry_run: bool,
     robots: Vec<RobotEntry>,
     sensors: Vec<SensorEntry>,
+    frames: Vec<(String, Pose)>,
+    tools: Vec<(String, Tool)>,
 }
 
 /// The longest file \[bytes\]; the file of a cell with 31 robots has some thousand bytes.
@@ -156,27 +197,58 @@ impl CellFile {
         if self.dry_run {
             cell = cell.demand_dry_run();
         }
+        cell = self.frames.iter().fold(cell, |cell, (name, frame)| cell.frame(name, *frame));
+        cell = self.tools.iter().fold(cell, |cell, (name, tool)| cell.tool(name, *tool));
         let mut errors = Vec::new();
+        // Of each simulator, its first robot and that one's servo period: it makes its steps with all robots at a time.
+        let mut periods = BTreeMap::new();
         for entry in &self.robots {
             match kinds.set_up(entry) {
-                Ok(robot) => cell.push_robot(robot),
+                Ok(robot) => {
+                    if let Some(plant) = entry.plant() {
+                        let period = robot.servo_period().length;
+                        let first = periods.entry(plant.port()).or_insert((entry.name(), period));
+                        if first.1 != period {
+                            errors.push(plant.refuse_period(period, first.0, first.1));
+                        }
+                    }
+                    cell.push_robot(robot);
+                }
                 Err(error) => errors.push(error),
             }
         }
         CellError::all(errors).map(|()| cell)
     }
 
+    fn sensor_entry(&self, name: &str) -> Result<&SensorEntry, CellError> {
+        let there = || self.sensors.iter().map(|sensor| &*sensor.name);
+        let found = self.sensors.iter().find(|entry| entry.name == name);
+        found.ok_or_else(|| self.source.missing("sensors", name, there()).into())
+    }
+
+    /// What the file says of the virtual sensor `name` and the program of another that sends its readings.
+    ///
+    /// # Errors
+    /// The file has no sensor of that name, or says nothing of such a program.
+    pub fn external(&self, name: &str) -> Result<&ExternalEntry, CellError> {
+        let there =
+            || self.sensors.iter().filter(|sensor| sensor.external.is_some()).map(|sensor| &*sensor.name);
+        let entry = self.sensor_entry(name)?.external.as_ref();
+        entry.ok_or_else(|| self.source.missing("sensors", &format!("{name}.external"), there()).into())
+    }
+
     /// The set-up of the virtual sensor that the file calls `name`, computed by `sensor`.
     ///
     /// # Errors
-    /// The file has no sensor of that name.
+    /// The file has no sensor of that name, or says that a program of another sends its readings.
     pub fn sensor<V: VirtualSensor>(&self, name: &str, sensor: V) -> Result<SensorSetup<V>, CellError>
     where
         <V::Kind as Sensor>::Configuration: Default,
     {
-        let Some(entry) = self.sensors.iter().find(|entry| entry.name == name) else {
-            return Err(self.source.missing("sensors", name, self.sensors.iter().map(|s| &*s.name)).into());
-        };
+        let entry = self.sensor_entry(name)?;
+        if let Some(external) = entry.external.as_ref().filter(|_| sensor.python().is_none()) {
+            return Err(external.refuse_computed());
+        }
         let mut setup = SensorSetup::new(name, sensor).mode(entry.mode).latency(entry.latency);
         if let Some(robot) = &entry.of {
             setup = setup.of(robot);

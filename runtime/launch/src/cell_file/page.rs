@@ -2,18 +2,27 @@
 
 use super::CellFile;
 use super::reader::cell::{CELL_KEYS, REALTIME_KEYS, RECORDING_KEYS};
+use super::reader::external::EXTERNAL_KEYS;
+use super::reader::plant::PLANT_KEYS;
 use super::reader::robot::ROBOT_KEYS;
 use super::reader::sensor::SENSOR_KEYS;
+use super::reader::signal::{INPUT_KEYS, OUTPUT_KEYS};
+use super::reader::tool::TOOL_KEYS;
 use super::reader::value::POSE_KEYS;
 
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
 /// The tables, by the names that the page gives them and in its order, with the keys of each table.
-const TABLES: [(&str, &[&str]); 6] = [
+const TABLES: [(&str, &[&str]); 11] = [
     ("## The cell", &CELL_KEYS),
     ("## A robot", &ROBOT_KEYS),
     ("A pose is", &POSE_KEYS),
+    ("### Inputs", &INPUT_KEYS),
+    ("### Outputs", &OUTPUT_KEYS),
+    ("### A simulator that others wrote", &PLANT_KEYS),
+    ("## A tool", &TOOL_KEYS),
     ("## A virtual sensor", &SENSOR_KEYS),
+    ("### Readings that a program of another sends", &EXTERNAL_KEYS),
     ("## `[realtime]`", &REALTIME_KEYS),
     ("## `[recording]`", &RECORDING_KEYS),
 ];
@@ -41,7 +50,8 @@ fn the_example_of_the_page_is_a_cell_file_that_has_every_key() {
     CellFile::parse("cell.md", example).expect("nothing is wrong with it");
     for (_, keys) in TABLES {
         for key in keys {
-            let is_there = [format!("{key} = "), format!("[{key}")].iter().any(|form| example.contains(form));
+            let forms = [format!("{key} = "), format!("[{key}"), format!(".{key}]")];
+            let is_there = forms.iter().any(|form| example.contains(form));
             assert!(is_there, "{key}");
         }
     }

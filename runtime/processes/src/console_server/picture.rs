@@ -31,6 +31,10 @@ pub struct Picture {
     pub rate: f64,
     /// The speed that the operator has set, as a share of the planned speed, 0 to 1.
     pub speed: f64,
+    /// Whether the cell is at reduced speed.
+    pub reduced: bool,
+    /// Whether a person holds what lets its robots move then.
+    pub held: bool,
     /// Number of instructions begun.
     pub instructions: u64,
     /// The kind of the present instruction.
@@ -83,7 +87,7 @@ impl fmt::Display for Picture {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "picture")?;
         writeln!(f, "cell {} {} {}", self.state.word(), self.step, self.period)?;
-        writeln!(f, "feed {} {}", self.rate, self.speed)?;
+        writeln!(f, "feed {} {} {} {}", self.rate, self.speed, self.reduced, self.held)?;
         writeln!(f, "instruction {} {} {}", self.instructions, self.doing.word(), self.by)?;
         if let Some(holder) = self.holder {
             writeln!(f, "token {holder}")?;
@@ -116,6 +120,18 @@ impl Picture {
         match self.doing {
             Doing::Move if self.by.is_empty() => "of each robot by its own program",
             Doing::Nothing | Doing::Homing | Doing::Move | Doing::Wait => &self.by,
+        }
+    }
+}
+
+impl Picture {
+    /// How its speed is reduced, in words that follow others; empty where it is not.
+    #[must_use]
+    pub const fn reduction(&self) -> &'static str {
+        match (self.reduced, self.held) {
+            (false, _) => "",
+            (true, true) => ", reduced, held",
+            (true, false) => ", reduced, nobody holds",
         }
     }
 }
@@ -174,6 +190,7 @@ impl Picture {
 
     fn take_feed(&mut self, words: &mut SplitAsciiWhitespace<'_>) -> Option<()> {
         (self.rate, self.speed) = (number(words)?, number(words)?);
+        (self.reduced, self.held) = (number(words)?, number(words)?);
         Some(())
     }
 

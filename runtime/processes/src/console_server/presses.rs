@@ -94,7 +94,11 @@ fn say(button: Button, answer: Answer) -> Reply {
         (Button::Resume, _) => "resumed".to_owned(),
         (Button::Speed(_), _) => button.to_string(),
         (Button::Acknowledge, _) => "acknowledged".to_owned(),
-        (Button::Reset, _) => "reset".to_owned(),
+        (Button::Reset, _) => "resetting".to_owned(),
+        (Button::Reduced(true), _) => "reduced speed, while a key is held: hold".to_owned(),
+        (Button::Reduced(false), _) => "full speed, and suspended: resume goes on".to_owned(),
+        (Button::Hold(_), _) => "held".to_owned(),
+        (Button::LetGo(_), _) => "let go".to_owned(),
     };
     Reply::Done(format!("{what}: step {step}"))
 }

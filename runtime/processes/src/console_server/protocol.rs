@@ -5,7 +5,7 @@
 //! | request | answer |
 //! |---|---|
 //! | `stop`, `abort` | to every console |
-//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset` | only to the console that holds the control token; a console that asks while the token is free takes it |
+//! | `suspend`, `resume`, `speed 50%`, `acknowledge`, `reset`, `reduced on`, `hold 4711 0`, `let-go 4711` | only to the console that holds the control token; a console that asks while the token is free takes it |
 //! | `take`, `release` | takes or returns the token; the end of a console returns it as well |
 //! | `status` | a picture |
 //! | `watch` | a picture, and from then on up to 20 pictures a second between the answers |
@@ -226,27 +226,36 @@ mod tests {
             },
         );
         (
-            (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0),
+            (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0, any::<[bool; 2]>()),
             (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<Option<u8>>()),
             proptest::collection::vec(process, 0..64),
             proptest::collection::vec(robot, 0..32),
         )
-            .prop_map(|((state, n, rate, speed), (doing, by, holder, fault), processes, robots)| {
-                Picture {
-                    state: CellState::ALL[state],
-                    step: n[0],
-                    period: n[1],
-                    instructions: n[2],
-                    rate,
-                    speed,
-                    doing: Doing::ALL[doing],
-                    by,
-                    holder,
-                    fault: fault.map(|step| format!("mp: protective stop: gone at step {step}")),
+            .prop_map(
+                |(
+                    (state, n, rate, speed, [reduced, held]),
+                    (doing, by, holder, fault),
                     processes,
                     robots,
-                }
-            })
+                )| {
+                    Picture {
+                        state: CellState::ALL[state],
+                        step: n[0],
+                        period: n[1],
+                        instructions: n[2],
+                        rate,
+                        speed,
+                        reduced,
+                        held,
+                        doing: Doing::ALL[doing],
+                        by,
+                        holder,
+                        fault: fault.map(|step| format!("mp: protective stop: gone at step {step}")),
+                        processes,
+                        robots,
+                    }
+                },
+            )
     }
 
     proptest! {

@@ -335,6 +335,8 @@ impl Service {
             period: mp.period,
             rate: mp.rate,
             speed: mp.speed,
+            reduced: mp.reduced,
+            held: mp.held,
             instructions: mp.instructions,
             doing: mp.doing,
             by: mp.by,

@@ -20,7 +20,7 @@ use mrroc_core::link::Clock;
 use mrroc_core::link::envelope::{Envelope, LAYOUT, Seal};
 use mrroc_core::link::memory::Stuck;
 use mrroc_core::link::places::Places;
-use mrroc_core::link::{Board, Body, Client, Link, Server, Simulation};
+use mrroc_core::link::{Board, Body, Client, Link, Preparation, Server, Simulation};
 use mrroc_core::payload::layout_hash;
 
 /// The key of a board's only value.
@@ -55,6 +55,8 @@ pub(crate) struct Fabric {
     places: Vec<ProcessId>,
     planned: Vec<Planned>,
     body: Option<Body>,
+    /// What is done before it runs.
+    preparation: Option<Rc<dyn Preparation>>,
     /// Places to which messages were sent since the process was resumed, in lock-step.
     woken: Rc<Cell<Places>>,
     /// What the process sleeps on, and the prefix of all futexes' names; in real time only.
@@ -71,6 +73,7 @@ impl Fabric {
             places: Vec::new(),
             planned: Vec::new(),
             body: None,
+            preparation: None,
             woken: Rc::default(),
             wake_futex: None,
             node: None,
@@ -85,6 +88,11 @@ impl Fabric {
     /// What this process runs; `None` if the cell has no such process.
     pub fn take_body(&mut self) -> Option<Body> {
         self.body.take()
+    }
+
+    /// What this process does before the cell begins, if it does anything.
+    pub fn take_preparation(&mut self) -> Option<Rc<dyn Preparation>> {
+        self.preparation.take()
     }
 
     /// The places to which messages were sent.
@@ -260,6 +268,12 @@ impl Link for Fabric {
             self.body = Some(body);
         }
         Ok(())
+    }
+
+    fn prepare(&mut self, place: usize, preparation: Rc<dyn Preparation>) {
+        if self.here(place) {
+            self.preparation = Some(preparation);
+        }
     }
 
     fn is_here(&self, place: usize) -> bool {

@@ -18,13 +18,17 @@ use crate::control::replay::drives::recorded_drives;
 use crate::control::sensing::Sensing;
 use crate::link::memory::Stuck;
 use crate::link::{Link, Server};
+use crate::model::drive_fault::DriveFault;
+use crate::model::driver::Channels;
 use crate::model::joints::JointVector;
+use crate::model::load::{Load, Tool};
 use crate::model::name::Name;
+use crate::model::named::SignalNames;
 use crate::model::pace::ServoPeriod;
 use crate::model::robot::{InterpolationSpace, NoInverse, Robot};
 use crate::model::time::Nanos;
 use crate::observe::activity::Activity;
-use crate::observe::layout::{DrivesLayout, RobotLayout};
+use crate::observe::layout::{HardwareLayout, RobotLayout};
 use crate::observe::servo::Observation;
 use crate::observe::shown::Shown;
 use crate::safety::limits::rates::least_headroom;
@@ -62,6 +66,17 @@ pub trait AnyRobot {
     fn is_homed(&self) -> bool;
     /// What its drives are, for the whole machine.
     fn hardware(&self) -> Option<String>;
+    /// Whether its drives are in a simulator of others, which follows the virtual clock.
+    fn is_in_simulator(&self) -> bool;
+    /// The Python module of that simulator.
+    fn python(&self) -> Option<String>;
+    /// Its calibration, as its controller tells it.
+    ///
+    /// # Errors
+    /// [`DriveFault`] when that cannot be reached.
+    fn calibration(&mut self) -> Result<Option<String>, DriveFault>;
+    /// Itself as a URDF with its tool, as [`Robot::urdf`].
+    fn urdf(&self) -> Option<String>;
     /// Lets simulated drives stand in for real ones, if it has such.
     ///
     /// # Errors
@@ -79,10 +94,15 @@ pub trait AnyRobot {
     fn least_headroom(&self, rate: f64, step: Duration) -> RateHeadroom;
     /// The robot that it is mounted on.
     fn mounted_on(&self) -> Option<&str>;
+    /// The names of its inputs and outputs.
+    fn signal_names(&self) -> Rc<SignalNames>;
+    /// What is wrong with these.
+    fn check_signals(&self, name: Name) -> Vec<CellError>;
     /// The longest stop that it may take, in a cell that allows others `cell`.
     fn stop_time(&self, cell: Duration) -> Duration;
-    /// What is wrong with its limits, in a cell of this step that allows a stop of this robot to take `stop_time`.
-    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError>;
+    /// What is wrong with its limits, in a cell that notices a loss after `noticing` \[s\] and allows a stop of this robot to take
+    /// `stop_time`.
+    fn check_limits(&self, name: Name, noticing: f64, stop_time: Duration) -> Vec<CellError>;
     /// Steps within which it must stand after a stop began, in a cell whose drives are `delay` behind their demands.
     fn stop_steps(&self, step: Duration, delay: Duration) -> u64;
     /// Puts its EDP and its ECP on the link.
@@ -162,16 +182,16 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
             name: self.name.clone(),
             kind: R::KIND,
             servo: self.drives.period(),
-            drives: match (self.drives.hardware(), &self.stand_in) {
-                (Some(hardware), _) => DrivesLayout::Hardware(hardware),
-                (None, StandIn::For(hardware)) => DrivesLayout::StandIn(hardware.clone()),
-                (None, _) => DrivesLayout::Unnamed,
+            drives: match (self.drives.hardware(), self.is_in_simulator) {
+                (Some(simulator), true) => HardwareLayout::Simulator(simulator),
+                (hardware, _) => HardwareLayout::of(hardware, self.stand_in.in_place_of()),
             },
             homed: self.is_homed(),
             ecp_program: self.program.is_some(),
             space: self.space,
             mounted_on: self.mounted_on.clone(),
             stop_time: self.stop_time.unwrap_or(stop_time),
+            signals: self.signals.layout(self.channels().unwrap_or(Channels::ALL).when_lost),
             joints: joints(&self.robot, &self.following_error),
             figure: Arc::new(self.robot.clone()),
         }
@@ -202,6 +222,29 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.drives.hardware()
     }
 
+    fn is_in_simulator(&self) -> bool {
+        self.is_in_simulator
+    }
+
+    fn python(&self) -> Option<String> {
+        match &self.drives {
+            Drives::Homed(driver) => driver.python(),
+            Drives::Unhomed(_) => None,
+        }
+    }
+
+    fn calibration(&mut self) -> Result<Option<String>, DriveFault> {
+        match &mut self.drives {
+            Drives::Homed(driver) => driver.calibration(),
+            Drives::Unhomed(_) => Ok(None),
+        }
+    }
+
+    fn urdf(&self) -> Option<String> {
+        let load = self.signals.load.unwrap_or(Load::NONE);
+        self.robot.urdf(&self.name, &Tool { frame: self.tool, load })
+    }
+
     fn simulate(&mut self, name: Name) -> Result<(), CellError> {
         let Some(hardware) = self.drives.hardware() else { return Ok(()) };
         let stand_in = core::mem::replace(&mut self.stand_in, StandIn::For(hardware.clone()));
@@ -227,17 +270,26 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         self.mounted_on.as_deref()
     }
 
+    fn signal_names(&self) -> Rc<SignalNames> {
+        self.signals.names()
+    }
+
+    fn check_signals(&self, name: Name) -> Vec<CellError> {
+        let wrong = self.signals.check(self.channels()).into_iter();
+        wrong.map(|(signal, wrong)| CellError::Signal { robot: name, signal, wrong }).collect()
+    }
+
     fn stop_time(&self, cell: Duration) -> Duration {
         self.stop_time.unwrap_or(cell)
     }
 
-    fn check_limits(&self, name: Name, step: Duration, stop_time: Duration) -> Vec<CellError> {
+    fn check_limits(&self, name: Name, noticing: f64, stop_time: Duration) -> Vec<CellError> {
         limits::check(
             name,
             |i| self.robot.joint(i),
             self.robot.limits(),
             &self.following_error,
-            step,
+            noticing,
             stop_time,
         )
     }
@@ -264,5 +316,19 @@ impl<R: Robot> AnyRobot for RobotSetup<R> {
         outcomes: Outcomes,
     ) -> Result<(), Stuck> {
         self.put_on(link, plant, place, mp, sensing, outcomes)
+    }
+}
+
+impl<R: Robot> RobotSetup<R> {
+    /// The channels of its drives; those of drives that look for their marks first are not known.
+    fn channels(&self) -> Option<Channels> {
+        match &self.drives {
+            // Drives without a name are simulated: they get signals.
+            Drives::Homed(driver) if driver.channels() == Channels::NONE && driver.hardware().is_none() => {
+                Some(Channels::ALL)
+            }
+            Drives::Homed(driver) => Some(driver.channels()),
+            Drives::Unhomed(_) => None,
+        }
     }
 }

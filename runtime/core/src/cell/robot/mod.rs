@@ -4,6 +4,7 @@
 //! how the ECP and the EDP of one come to life, [`stand_in`] what takes the place of real drives.
 
 mod any;
+pub mod signals;
 mod spawning;
 mod stand_in;
 
@@ -16,8 +17,12 @@ use crate::control::homing::Drives;
 use crate::control::replay::RecordedRobot;
 use crate::model::driver::{Driver, Homing};
 use crate::model::fault::Fault;
+#[cfg(doc)]
+use crate::model::list::RobotHandle;
+use crate::model::load::Load;
 use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
+use crate::model::stepped::{Simulator, SteppedDrives};
 use crate::model::wire::Wire;
 use crate::observe::activity::Activity;
 use crate::observe::servo::{Observer, ServoRecord};
@@ -25,10 +30,20 @@ use crate::observe::shown::{AnyShown, Shown};
 
 pub use any::AnyRobot;
 pub(super) use any::SharedObserver;
+use signals::{InputSetup, OutputSetup, SignalSetups};
 pub use spawning::{Place, StateWanted};
 use stand_in::StandIn;
 
 type EcpProgram<R> = Box<dyn FnMut(&mut Ecp<R>) -> Result<(), Fault>>;
+
+/// Why a robot cannot move in a simulator of others.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoSimulator {
+    /// Its drives are this hardware.
+    Real(String),
+    /// Its drives do not know where it is.
+    Unhomed,
+}
 
 /// A robot of a cell: its model, its drives and its program.
 pub struct RobotSetup<R: Robot> {
@@ -36,11 +51,14 @@ pub struct RobotSetup<R: Robot> {
     robot: R,
     drives: Drives<R>,
     stand_in: StandIn<R>,
+    /// Its drives are in a simulator of others.
+    is_in_simulator: bool,
     tool: Pose,
     space: InterpolationSpace,
     following_error: R::Joints,
     /// The robot on whose flange it is mounted.
     mounted_on: Option<String>,
+    signals: SignalSetups,
     /// The longest stop that it may take; the cell's where it says nothing.
     stop_time: Option<Duration>,
     program: Option<EcpProgram<R>>,
@@ -81,6 +99,26 @@ impl<R: Robot> RobotSetup<R> {
         self
     }
 
+    /// Lets the robot move in a simulator that others wrote, from where its simulated drives stand: these become its
+    /// [stand-in](Self::stand_in), and say its servo period and whether brakes hold it without power.
+    ///
+    /// # Errors
+    /// [`NoSimulator`]: its own drives are no simulated ones that know where it is.
+    pub fn in_simulator(mut self, simulator: Box<dyn Simulator>) -> Result<Self, NoSimulator> {
+        let Drives::Homed(own) = &self.drives else { return Err(NoSimulator::Unhomed) };
+        if let Some(hardware) = own.hardware() {
+            return Err(NoSimulator::Real(hardware));
+        }
+        let Ok(measured) = own.measured() else { return Err(NoSimulator::Unhomed) };
+        let drives = SteppedDrives::new(simulator, measured.position, own.period(), own.has_brakes());
+        let own = core::mem::replace(&mut self.drives, Drives::Homed(Box::new(drives)));
+        self.is_in_simulator = true;
+        if let (StandIn::None, Drives::Homed(own)) = (&self.stand_in, own) {
+            self.stand_in = StandIn::Drives(own);
+        }
+        Ok(self)
+    }
+
     /// The same, with the drives of another set-up of this kind of robot, which `make` makes when they are needed: of the
     /// model, and for drives of this servo period. A stand-in that it has stays.
     #[must_use]
@@ -100,10 +138,12 @@ impl<R: Robot> RobotSetup<R> {
             name: name.to_owned(),
             drives,
             stand_in: StandIn::None,
+            is_in_simulator: false,
             tool: Pose::identity(),
             space: InterpolationSpace::Joints,
             following_error,
             mounted_on: None,
+            signals: SignalSetups::default(),
             stop_time: None,
             program: None,
             observers: Vec::new(),
@@ -141,6 +181,28 @@ impl<R: Robot> RobotSetup<R> {
     #[must_use]
     pub fn mounted_on(mut self, robot: &str) -> Self {
         self.mounted_on = Some(robot.to_owned());
+        self
+    }
+
+    /// What the robot carries at the start, its tool included: its drives are told.
+    #[must_use]
+    pub fn load(mut self, load: Load) -> Self {
+        self.signals.load = Some(load);
+        self
+    }
+
+    /// Names an input of the robot's controller. A program asks for it by [`RobotHandle::input`], an ECP by [`Ecp::input`].
+    #[must_use]
+    pub fn input(mut self, input: InputSetup) -> Self {
+        self.signals.inputs.push(input);
+        self
+    }
+
+    /// Names an output of the robot's controller, and says what it does at a stop. A program asks for it by
+    /// [`RobotHandle::output`], an ECP by [`Ecp::output`].
+    #[must_use]
+    pub fn output(mut self, output: OutputSetup) -> Self {
+        self.signals.outputs.push(output);
         self
     }
 

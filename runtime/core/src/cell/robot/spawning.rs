@@ -8,15 +8,20 @@ use super::RobotSetup;
 use crate::cell::assembly::Outcomes;
 use crate::control::drive::Drive;
 use crate::control::ecp::{Ecp, Pace};
+use crate::control::edp::signals::Declared;
 use crate::control::edp::{Edp, EdpConfig};
 use crate::control::homing::{Drives, home};
+use crate::control::opening::Opening;
 use crate::control::overruns::Timed;
 use crate::control::plant::Site;
 use crate::control::sensing::Sensing;
+use crate::control::simulated_signals::{SimulatedSignals, SimulatedWire};
 use crate::link::memory::Stuck;
-use crate::link::{Board, Host, Link, Server};
+use crate::link::{Board, Host, Link, Preparation, Server};
+use crate::model::driver::{Channels, Driver};
 use crate::model::fault::{ProcessId, Role};
 use crate::model::name::Name;
+use crate::model::named::{CellNames, SignalNames};
 use crate::model::payload::Nudge;
 use crate::model::robot::Robot;
 use crate::observe::shown::AnyShown;
@@ -34,6 +39,9 @@ pub struct Place {
     pub pace: Pace,
     pub nudged: bool,
     pub witnesses: Witnesses,
+    /// The names of its inputs and outputs, and of the cell's frames and tools.
+    pub signals: Rc<SignalNames>,
+    pub named: Rc<CellNames>,
     /// The virtual sensors that want its state from its EDP.
     pub wanted: Vec<StateWanted>,
 }
@@ -75,8 +83,15 @@ impl<R: Robot> RobotSetup<R> {
         let ended = Rc::clone(&outcomes);
         // Drives that have to be homed stay with their EDP: what they search with is consumed step by step, and a search
         // that is called no more comes to rest by itself.
+        let (declared, wires) = (setup.signals.declared(), setup.signals.wires());
+        let prepared = move |driver| prepared(driver, &declared, &wires);
         let drives = match setup.drives {
-            Drives::Homed(driver) => Ok(plant.take(link, process, edp, driver, &mut observers)),
+            Drives::Homed(driver) => {
+                let driver = prepared(driver);
+                let opening = Rc::new(Opening::new(plant.take(link, process, edp, driver, &mut observers)));
+                link.prepare(edp, Rc::clone(&opening) as Rc<dyn Preparation>);
+                Ok(opening)
+            }
             Drives::Unhomed(homing) => Err(homing),
         };
         if setup.program.is_some()
@@ -91,11 +106,11 @@ impl<R: Robot> RobotSetup<R> {
             let waiter = host.waiter;
             let witnesses = place.witnesses.of(process);
             let homed = match drives {
-                Ok(drive) => Some((drive.opened(), Gate::default())),
+                Ok(opening) => opening.take().map(|drive| (drive, Gate::default())),
                 Err(homing) => home(process, waiter, &*server, homing).map(|(driver, gate)| {
                     let now = waiter.now();
                     witnesses.show(now, &What::Found { step: now / place.pace.period.max(1) }, &[]);
-                    (Drive::Here(driver), gate)
+                    (Drive::Here(prepared(driver)), gate)
                 }),
             };
             if let Some((drive, gate)) = homed {
@@ -109,6 +124,7 @@ impl<R: Robot> RobotSetup<R> {
                     space: setup.space,
                     following_error: setup.following_error,
                     stop_steps: place.pace.stop_steps,
+                    declared,
                     observers,
                     witnesses,
                     states,
@@ -126,11 +142,13 @@ impl<R: Robot> RobotSetup<R> {
         let process = ProcessId::new(Role::Ecp, name);
         let pace = place.pace;
         let recorded = setup.replayed;
+        let (signals, named) = (place.signals, place.named);
         link.body(
             place.ecp,
             Box::new(move |host| {
                 let timed = Timed::new(host);
                 let ecp = Ecp::<'_, R>::new(process, timed.host(), mp, client, sensing, pace, recorded);
+                let ecp = ecp.with_names(signals, named);
                 let mut ecp = ecp.showing_instructions(program.is_some().then_some(activity));
                 loop {
                     let outcome = ecp.run_program(|ecp| match &mut program {
@@ -150,4 +168,20 @@ impl<R: Robot> RobotSetup<R> {
             }),
         )
     }
+}
+
+/// Drives that know what their outputs do when they are told nothing any more; simulated ones without any signals get some, if
+/// the robot has names for them.
+fn prepared<R: Robot>(
+    driver: Box<dyn Driver<R>>,
+    declared: &Declared,
+    wires: &[SimulatedWire],
+) -> Box<dyn Driver<R>> {
+    if !declared.any {
+        return driver;
+    }
+    let has_none = driver.channels() == Channels::NONE && driver.hardware().is_none();
+    let mut driver = if has_none { Box::new(SimulatedSignals::new(driver, wires)) } else { driver };
+    driver.declare_outputs(&declared.outputs, &declared.on_stop);
+    driver
 }

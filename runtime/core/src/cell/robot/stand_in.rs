@@ -24,6 +24,14 @@ pub(super) enum StandIn<R: Robot> {
 }
 
 impl<R: Robot> StandIn<R> {
+    /// The hardware in whose place it is.
+    pub fn in_place_of(&self) -> Option<&str> {
+        match self {
+            StandIn::For(hardware) => Some(hardware),
+            StandIn::None | StandIn::Drives(_) | StandIn::Made(_) => None,
+        }
+    }
+
     /// The drives for a model whose real ones have this servo period, if there are any.
     ///
     /// # Errors

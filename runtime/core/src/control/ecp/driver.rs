@@ -2,6 +2,7 @@
 //!
 //! In: a request, and the order whose step it belongs to. Out: the EDP's reply, or its fault.
 
+use crate::control::state_words::StateWords;
 use crate::link::message::{Header, Kind, Message, RequestKind, flag};
 use crate::link::patience::Patience;
 use crate::link::{Client, Waiter};
@@ -9,8 +10,11 @@ use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotImage;
 use crate::model::robot::Robot;
-use crate::model::sensor::EffectorState;
 use crate::model::wire::Wire;
+
+/// What the MP's orders tell an EDP by their flags.
+const PASSED_ON: u32 =
+    flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER | flag::RECOVER | flag::REDUCED | flag::ABORTED;
 
 /// One robot's EDP as its ECP sees it.
 pub(super) struct DriverPort<R: Robot> {
@@ -50,8 +54,8 @@ impl<R: Robot> DriverPort<R> {
     }
 
     /// The robot's measured state in the last reply, as a sensor's order carries it.
-    pub fn effector_state(&self) -> Option<&[u64]> {
-        self.reply.is(flag::STATE).then(|| &self.reply.body[..EffectorState::LEN])
+    pub fn effector_state(&self) -> Option<StateWords<'_>> {
+        StateWords::of(&self.reply)
     }
 
     /// Writes the demand of the next request, and its step's path time \[s\].
@@ -77,7 +81,7 @@ impl<R: Robot> DriverPort<R> {
         header.epoch = order.epoch;
         header.instruction = order.instruction;
         header.law = order.law;
-        header.flags = flags | order.flags & (flag::WANT_STATE | flag::SUSPENDED | flag::TOGETHER);
+        header.flags = flags | order.flags & PASSED_ON;
         // What is no demand has no path time, whatever the demand before it had.
         if kind == RequestKind::Demand {
             header.len = self.demanded;
@@ -91,6 +95,10 @@ impl<R: Robot> DriverPort<R> {
         while !(self.port.receive(&mut self.reply) && to(&self.reply.header) == to(&self.request.header)) {
             let goes_on = waiting.goes_on(&*self.port, waiter);
             if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
+                if self.request.is(flag::RECOVER) {
+                    // Drives that are opened again may take their time.
+                    self.reply.header.flags |= flag::RECOVERS;
+                }
                 return Err(Fault::new(FaultKind::PeerLost).text("no answer from the EDP"));
             }
         }

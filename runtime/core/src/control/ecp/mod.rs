@@ -25,11 +25,18 @@ use crate::control::replay::RecordedRobot;
 use crate::control::sensing::Sensing;
 use crate::link::message::{RequestKind, flag};
 use crate::link::{Client, Server};
+#[cfg(doc)]
+use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::{RobotImage, Sensor};
 use crate::model::list::{PayloadType, SensorHandle};
+use crate::model::load::Tool;
+use crate::model::name::Name;
+use crate::model::named::{CellNames, SignalNames};
 use crate::model::payload::{Nudge, Order, Payload};
+use crate::model::pose::Pose;
 use crate::model::robot::Robot;
+use crate::model::signals::{Input, Level, Output};
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
@@ -59,6 +66,8 @@ pub struct Ecp<'w, R: Robot> {
     activity: Option<Shown<Activity>>,
     /// The robot's part of the run that is replayed.
     replayed: Option<Rc<RecordedRobot>>,
+    signals: Rc<SignalNames>,
+    named: Rc<CellNames>,
 }
 
 /// What is wrong while demands are sound.
@@ -108,7 +117,15 @@ impl<'w, R: Robot> Ecp<'w, R> {
             trouble: Trouble::None,
             activity: None,
             replayed,
+            signals: Rc::default(),
+            named: Rc::default(),
         }
+    }
+
+    /// The same with names of the robot's inputs and outputs, and of the cell's frames and tools.
+    pub(crate) fn with_names(mut self, signals: Rc<SignalNames>, named: Rc<CellNames>) -> Self {
+        (self.signals, self.named) = (signals, named);
+        self
     }
 
     /// The same, which shows the instructions of its program: to observers by `activity`.
@@ -131,6 +148,45 @@ impl<'w, R: Robot> Ecp<'w, R> {
     #[must_use]
     pub const fn image(&self) -> &RobotImage<R> {
         &self.driver.image
+    }
+
+    /// The input of the robot's controller that the cell calls `name`: `bool` of a digital one, `f64` of an analog one. Its value
+    /// is looked up in the [image](Self::image), [`RobotImage::value`].
+    ///
+    /// # Errors
+    /// `Config`: the robot has no input of that name and type.
+    pub fn input<T: Level>(&self, name: &str) -> Result<Input<T>, Fault> {
+        self.signals.input(self.robot_name(), name).map_err(|fault| fault.in_process(self.process))
+    }
+
+    /// The output of the robot's controller that the cell calls `name`: `bool` of a digital one, `f64` of an analog one. A demand
+    /// tells it a value, [`Demand::with_output`].
+    ///
+    /// # Errors
+    /// `Config`: the robot has no output of that name and type.
+    pub fn output<T: Level>(&self, name: &str) -> Result<Output<T>, Fault> {
+        self.signals.output(self.robot_name(), name).map_err(|fault| fault.in_process(self.process))
+    }
+
+    fn robot_name(&self) -> &str {
+        self.process.name.as_ref().map_or("", Name::as_str)
+    }
+
+    /// A frame that the cell names, such as a table or a fixture: its pose in the world, `X_WU` \[m\].
+    ///
+    /// # Errors
+    /// `Config`: the cell names no such frame.
+    pub fn frame(&self, name: &str) -> Result<Pose, Fault> {
+        self.named.frame(name).map_err(|fault| fault.in_process(self.process))
+    }
+
+    /// A tool that the cell names: where its tip is on the flange, for [`Demand::with_tool`], and what the flange carries with
+    /// it, for [`Demand::with_load`].
+    ///
+    /// # Errors
+    /// `Config`: the cell names no such tool.
+    pub fn tool(&self, name: &str) -> Result<Tool, Fault> {
+        self.named.tool(name).map_err(|fault| fault.in_process(self.process))
     }
 
     /// The handle of a virtual sensor of this robot, in its default configuration.

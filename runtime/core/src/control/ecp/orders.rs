@@ -61,6 +61,7 @@ pub(super) enum Duty {
 
 impl Phase {
     /// What an order asks for; `same` says whether it belongs to the instruction that was opened last.
+    #[inline]
     pub const fn duty(&self, order: OrderKind, same: bool) -> Duty {
         use OrderKind as O;
         match (self, order) {
@@ -123,6 +124,7 @@ impl Orders {
     }
 
     /// Waits for an order, unless one is open. Orders of another epoch are not taken.
+    #[inline]
     pub fn receive(&mut self, waiter: &dyn Waiter) -> Result<OrderKind, Closed> {
         loop {
             if let Some(open) = self.open {
@@ -141,6 +143,7 @@ impl Orders {
     }
 
     /// Whether an order is one of this epoch, or begins it. What it asks for is then the phase's to say.
+    #[inline]
     fn admit(&mut self, kind: OrderKind) -> bool {
         let gate = if matches!(self.phase, Phase::Latched(_)) { self.gate.closed() } else { self.gate };
         // The EDP knows whether the robot stands: it is asked before the phase changes.
@@ -161,6 +164,7 @@ impl Orders {
     }
 
     /// What an order of that kind asks for.
+    #[inline]
     pub fn duty(&self, order: OrderKind) -> Duty {
         self.phase.duty(order, self.order.header.instruction == self.instruction)
     }
@@ -171,6 +175,7 @@ impl Orders {
     }
 
     /// The body of the last order.
+    #[inline]
     pub fn words(&self) -> &[u64] {
         self.order.words()
     }
@@ -181,11 +186,13 @@ impl Orders {
     }
 
     /// Whether the open order ends an instruction while moving: the next one takes over in this very step.
+    #[inline]
     pub fn hands_over(&self) -> bool {
         self.open == Some(OrderKind::End) && self.order.is(flag::BLEND)
     }
 
     /// Whether the MP has ended the instruction, and by which order: the program has not left it yet.
+    #[inline]
     pub const fn ended_by(&self) -> Option<OrderKind> {
         match self.open {
             Some(kind @ (OrderKind::End | OrderKind::Abort)) => Some(kind),
@@ -217,6 +224,7 @@ impl Orders {
     }
 
     /// Answers the open order. With `flag::STATE` the image of the EDP's last reply goes with it.
+    #[inline]
     pub fn reply(&mut self, flags: u32, driver: &Message) {
         let answer = &mut self.answer;
         answer.header = self.order.header;
@@ -249,7 +257,7 @@ impl Orders {
     /// Answers the open order with a fault, and whether the robot stands.
     pub fn reply_fault(&mut self, fault: &Fault, driver: &Message) {
         self.answer.header = self.order.header;
-        self.answer.header.flags = driver.header.flags & flag::STANDSTILL;
+        self.answer.header.flags = driver.header.flags & (flag::STANDSTILL | flag::RECOVERS);
         self.answer.set_fault(fault);
         self.port.reply(&self.answer);
         self.open = None;

@@ -21,6 +21,8 @@ pub(super) struct Answers {
     pub nth: u32,
     /// The last reply.
     pub reply: Message,
+    /// Whether the robot is recovering from a stop of its own.
+    pub recovers: bool,
 }
 
 impl Answers {
@@ -33,6 +35,7 @@ impl Answers {
             request: Message::empty(),
             nth: 0,
             reply: Message::empty(),
+            recovers: false,
         }
     }
 
@@ -42,6 +45,7 @@ impl Answers {
     }
 
     /// Takes the next request, if one is there.
+    #[inline]
     pub fn receive(&mut self) -> bool {
         let last = self.request.header.step;
         let is_there = self.port.receive(&mut self.request);
@@ -52,6 +56,7 @@ impl Answers {
     }
 
     /// What the request asks for; `None` for a message that is no request.
+    #[inline]
     pub const fn kind(&self) -> Option<RequestKind> {
         match self.request.header.kind {
             Kind::Request(request) => Some(request),
@@ -60,6 +65,7 @@ impl Answers {
     }
 
     /// Whether the request is taken, of a robot that stands or not.
+    #[inline]
     pub fn admit(&mut self, at_standstill: bool) -> Admission {
         let asked = self.kind().map_or(Asked::Look, asked);
         let (gate, admission) = self.gate.meet(self.request.header.epoch, asked, at_standstill);
@@ -83,13 +89,15 @@ impl Answers {
     }
 
     /// Begins the reply to the request. Says whether it is the latched fault: then there is nothing to add.
+    #[inline]
     pub fn begin_reply(&mut self, at_standstill: bool) -> bool {
         let request = &self.request.header;
         let reply = &mut self.reply;
         reply.header.epoch = request.epoch;
         reply.header.step = request.step;
         reply.header.instruction = request.instruction;
-        reply.header.flags = if at_standstill { flag::STANDSTILL } else { 0 };
+        let recovers = if self.recovers { flag::RECOVERS } else { 0 };
+        reply.header.flags = recovers | if at_standstill { flag::STANDSTILL } else { 0 };
         if let Some(fault) = &self.fault {
             reply.set_fault(fault);
             return true;
@@ -100,12 +108,14 @@ impl Answers {
     }
 
     /// Sends the reply.
+    #[inline]
     pub fn send(&self) {
         self.port.reply(&self.reply);
     }
 }
 
 /// What a request asks, as far as the gate is concerned.
+#[inline]
 const fn asked(request: RequestKind) -> Asked {
     match request {
         RequestKind::Demand => Asked::Move,

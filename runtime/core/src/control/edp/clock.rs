@@ -74,6 +74,7 @@ impl ServoClock {
     }
 
     /// When the next step or servo period begins \[ns\].
+    #[inline]
     pub fn next(&self) -> Nanos {
         self.next_step.min(self.next_tick)
     }
@@ -84,6 +85,7 @@ impl ServoClock {
     }
 
     /// The step at a time.
+    #[inline]
     pub fn step_at(&self, time: Nanos) -> u64 {
         time / self.step_period.max(1)
     }
@@ -93,6 +95,7 @@ impl ServoClock {
     ///
     /// # Errors
     /// `Overrun` when too many steps were late.
+    #[inline]
     pub fn count_late_step(&mut self, now: Nanos, counts: bool) -> Result<(), Fault> {
         let missed = now.saturating_sub(self.next_step) / self.step_period.max(1);
         let goes_on = missed + 1 == core::mem::replace(&mut self.behind, missed);
@@ -113,6 +116,7 @@ impl ServoClock {
     }
 
     /// The next servo period by the cell's clock; `None` if it is over before it could begin.
+    #[inline]
     pub fn next_period(&mut self, now: Nanos) -> Option<Period> {
         let begins = self.next_tick;
         self.next_tick += self.servo_period;

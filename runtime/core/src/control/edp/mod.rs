@@ -8,7 +8,7 @@
 //! robot moves.
 //!
 //! Its parts own their state: [`answers`] is the ECP's side, [`path`] the demands and what replaces them, [`servo`] the drives,
-//! [`clock`] the time, [`shown`] those who watch. What takes all of them is here, in [`serving`], [`stepping`] and
+//! [`signals`] its inputs and outputs, [`clock`] the time, [`shown`] those who watch. What takes all of them is here, in [`serving`], [`stepping`] and
 //! [`resetting`].
 
 mod answers;
@@ -19,6 +19,7 @@ mod resetting;
 mod serving;
 mod servo;
 mod shown;
+pub(crate) mod signals;
 mod stepping;
 #[cfg(test)]
 mod tests;
@@ -42,6 +43,7 @@ use clock::{Period, ServoClock};
 use path::{DemandedPath, Mode};
 use servo::{Servo, Timing};
 use shown::Shown;
+use signals::{Declared, SignalPort};
 
 /// How a robot is set up.
 pub(crate) struct EdpConfig<R: Robot> {
@@ -58,6 +60,7 @@ pub(crate) struct EdpConfig<R: Robot> {
     pub following_error: R::Joints,
     /// Steps within which the robot must stand after a stop began.
     pub stop_steps: u64,
+    pub declared: Declared,
     pub observers: Vec<Observer<R>>,
     /// Where each step is shown.
     pub witnesses: Witnesses,
@@ -73,6 +76,7 @@ pub(crate) struct Edp<'w, R: Robot> {
     answers: Answers,
     path: DemandedPath<R>,
     servo: Servo<R>,
+    signals: SignalPort,
     clock: ServoClock,
     shown: Shown<R>,
     /// Length of a step.
@@ -94,8 +98,9 @@ impl<'w, R: Robot> Edp<'w, R> {
         let mut edp = Edp {
             host,
             answers: Answers::new(config.process, port),
-            path: DemandedPath::new(config.robot, config.tool, servo.measured.position, period),
+            path: DemandedPath::new(config.robot, config.tool, servo.commanded, period),
             servo,
+            signals: SignalPort::new(config.declared, period, config.delay),
             clock,
             shown: Shown { observers: config.observers, witnesses: config.witnesses, states: config.states },
             period,
@@ -118,10 +123,22 @@ impl<'w, R: Robot> Edp<'w, R> {
         self
     }
 
-    /// Keeps the first fault.
+    /// Keeps the first fault. Outputs take the values of a stop.
     fn latch(&mut self, fault: Fault, step: u64) {
+        self.stop_outputs(step);
         if let Some(fault) = self.answers.latch(fault, step) {
             self.shown.show_fault(self.host.waiter.now(), fault, step);
+        }
+    }
+
+    /// Gives outputs the values that the cell declares for a stop. A driver that panics at that is the fault, unless there is
+    /// one already.
+    fn stop_outputs(&mut self, step: u64) {
+        if let Err(panic) = self.signals.stop(&mut self.servo)
+            && let Some(fault) = self.answers.latch(panic, step)
+        {
+            self.shown.show_fault(self.host.waiter.now(), fault, step);
+            self.path.brake();
         }
     }
 
@@ -160,6 +177,7 @@ impl<'w, R: Robot> Edp<'w, R> {
     /// nothing moves.
     fn come_to_rest(&mut self) -> Result<(), Fault> {
         self.answers.shut();
+        self.stop_outputs(self.clock.due);
         self.path.brake();
         let began = self.clock.due;
         let last = began + self.stop_steps;
@@ -225,8 +243,9 @@ impl<'w, R: Robot> Edp<'w, R> {
         self.servo.check_following(self.path.acceptor.robot(), demanded, kind)
     }
 
-    /// Whether the robot stands, and its drives have come to the last demand.
+    /// Whether the robot stands, and its drives have come to the last demand, and switched what was demanded with it.
     fn is_at_standstill(&self) -> bool {
-        self.path.is_off() || self.path.is_at_its_end() && self.servo.has_settled()
+        self.path.is_off()
+            || self.path.is_at_its_end() && self.servo.has_settled() && self.signals.has_switched()
     }
 }

@@ -33,6 +33,8 @@ pub(super) enum Mode<J> {
 
 /// What was known before a demand was accepted for the step that is about to begin.
 struct Undone<J> {
+    /// Whether that is known, and the demand may be taken back.
+    is_kept: bool,
     acceptor: Before<J>,
     /// Demands that were missing, of a robot that moved.
     missed: Option<u32>,
@@ -46,7 +48,7 @@ pub(super) struct DemandedPath<R: Robot> {
     /// Accepted for the step that is about to begin.
     pub next: Option<AcceptedDemand<R>>,
     /// How to take that back, of a robot that moves together with others.
-    undone: Option<Undone<R::Joints>>,
+    undone: Undone<R::Joints>,
     /// How the robot brakes with those that it moves together with.
     together: Option<BrakingLaw>,
     /// The screw on which it does; known once a demand is missing.
@@ -62,11 +64,12 @@ pub(super) struct DemandedPath<R: Robot> {
 impl<R: Robot> DemandedPath<R> {
     /// A robot that holds `position`, in steps of `period`.
     pub fn new(robot: R, tool: Pose, position: R::Joints, period: Duration) -> Self {
+        let acceptor = Acceptor::new(robot, tool, position, detection_time(period));
         DemandedPath {
-            acceptor: Acceptor::new(robot, tool, position, detection_time(period)),
+            undone: Undone { is_kept: false, acceptor: acceptor.before(), missed: None, together: None },
+            acceptor,
             mode: Mode::Holding,
             next: None,
-            undone: None,
             together: None,
             screw: None,
             first_tool: tool,
@@ -105,20 +108,25 @@ impl<R: Robot> DemandedPath<R> {
             Mode::Holding | Mode::Braking(_) | Mode::OnScrew(_) | Mode::Off => None,
         };
         let together = law_together(demand, request);
-        let undone =
-            together.map(|_| Undone { acceptor: self.acceptor.before(), missed, together: self.together });
+        // That of an earlier demand is over with the step that the demand was for.
+        self.undone.is_kept = together.is_some();
+        if self.undone.is_kept {
+            self.acceptor.keep(&mut self.undone.acceptor);
+            self.undone.missed = missed;
+            self.undone.together = self.together;
+        }
         // A late demand's own count of periods says how far its path has come; the steps before it were bridged.
         let period = self.period.as_secs_f64();
         let dt = header.dt / header.duration * period;
         // Periods that the MP left out all robots have missed.
         let all_missed = request.is(flag::TOGETHER) && header.duration > 1.5 * period;
+        self.acceptor.slow_tool(request.is(flag::REDUCED));
         let accepted = match all_missed {
             true => self.acceptor.rejoin(demand, dt, period),
             false => self.acceptor.accept(demand, dt, period),
         };
         let first = request.is(flag::FIRST) && !self.is_moving();
         self.next = Some(accepted.map_err(|fault| if first { fault.of_first_demand() } else { fault })?);
-        self.undone = undone;
         self.move_together(together);
         self.mode = Mode::Moving { missed: 0 };
         Ok(())
@@ -127,9 +135,13 @@ impl<R: Robot> DemandedPath<R> {
     /// A stop comes before the step that a demand was accepted for, of a robot that moves together with others: one of them
     /// may have no demand for that step, so it goes for none. All brake from the step before, on the screw that led to it.
     fn take_back(&mut self) {
-        let Some(undone) = self.undone.take().filter(|_| self.next.is_some()) else { return };
+        let undone = &mut self.undone;
+        let is_kept = core::mem::take(&mut undone.is_kept);
+        if !is_kept || self.next.is_none() {
+            return;
+        }
         self.next = None;
-        self.acceptor.take_back(undone.acceptor);
+        self.acceptor.take_back(&undone.acceptor);
         self.together = undone.together;
         self.screw = None;
         self.mode = undone.missed.map_or(Mode::Holding, |missed| Mode::Moving { missed });
@@ -187,7 +199,7 @@ impl<R: Robot> DemandedPath<R> {
     pub fn next_demand(&mut self) -> AcceptedDemand<R> {
         // A demand accepted before a stop is still the state that the stop begins at, unless that took it back.
         if let Some(next) = self.next.take() {
-            self.undone = None;
+            self.undone.is_kept = false;
             return next;
         }
         let period = self.period.as_secs_f64();

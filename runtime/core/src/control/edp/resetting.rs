@@ -3,6 +3,8 @@
 //! In: a robot that stands, latched. Out: the same robot, whose demands begin where it is; nothing has moved.
 
 use crate::control::guarded::guarded;
+use crate::link::message::flag;
+use crate::model::driver::Recovery;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::robot::Robot;
 
@@ -16,6 +18,23 @@ impl<R: Robot> Edp<'_, R> {
         if holds && self.servo.drive.has_brakes() {
             self.path.mode = Mode::Off;
             if let Err(panic) = self.servo.switch_off(self.host.waiter) {
+                self.latch(panic, self.answers.request.header.step);
+            }
+        }
+    }
+
+    /// Lets a robot without power do what it needs after a stop of its own, if it is its turn. What it refuses is what a
+    /// reset fails with.
+    pub(super) fn recover(&mut self) {
+        self.answers.recovers = false;
+        if !self.answers.request.is(flag::RECOVER) || !self.path.is_off() || self.servo.lost {
+            return;
+        }
+        match guarded(|| self.servo.drive.recover()) {
+            Ok(Ok(recovery)) => self.answers.recovers = recovery == Recovery::GoesOn,
+            Ok(Err(_)) => {}
+            Err(panic) => {
+                self.servo.lost = true;
                 self.latch(panic, self.answers.request.header.step);
             }
         }
@@ -38,9 +57,12 @@ impl<R: Robot> Edp<'_, R> {
         }
         let goal = *self.servo.interpolation.goal();
         let follows = self.check_following(&goal, FaultKind::FollowingError).is_ok();
-        let position = if follows && !was_off { goal } else { self.servo.measured.position };
+        let position = if follows && !was_off { goal } else { self.servo.rest() };
         // Where encoders give no numbers there is nowhere to begin.
         self.check_following(&position, FaultKind::FollowingError)?;
+        if was_off {
+            self.signals.tell_again();
+        }
         self.path.begin_at(position);
         self.servo.begin_at(position, self.clock.due);
         Ok(())

@@ -5,6 +5,7 @@
 //! ignored.
 
 use crate::control::guarded::guarded;
+use crate::control::state_words::StateWords;
 use crate::link::message::{RequestKind, flag};
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
@@ -12,6 +13,7 @@ use crate::model::image::{RobotImage, RobotState};
 use crate::model::robot::Robot;
 use crate::model::wire::Wire;
 use crate::safety::latch::Admission;
+use crate::safety::rate::RateHeadroom;
 
 use super::Edp;
 use super::path::Mode;
@@ -37,6 +39,11 @@ impl<R: Robot> Edp<'_, R> {
     }
 
     pub(super) fn serve(&mut self) {
+        // Woken late: what was due before the request's step comes before the request, whatever it asks for.
+        while self.clock.due < self.answers.request.header.step && self.host.waiter.now() >= self.clock.next()
+        {
+            self.advance();
+        }
         self.show_if_late();
         let at_standstill = self.is_at_standstill();
         let admission = self.answers.admit(at_standstill);
@@ -72,6 +79,9 @@ impl<R: Robot> Edp<'_, R> {
                 }
             });
         }
+        if self.answers.request.is(flag::ABORTED) {
+            self.signals.stop(&mut self.servo)?;
+        }
         match request {
             RequestKind::Query => self.check_standing_start(),
             RequestKind::Demand => self.demand(),
@@ -80,8 +90,10 @@ impl<R: Robot> Edp<'_, R> {
                 Ok(())
             }
             RequestKind::Stop => {
+                self.signals.stop(&mut self.servo)?;
                 self.path.brake();
                 self.switch_off();
+                self.recover();
                 Ok(())
             }
             RequestKind::Reset => self.reset(),
@@ -100,10 +112,6 @@ impl<R: Robot> Edp<'_, R> {
 
     fn demand(&mut self) -> Result<(), Fault> {
         let step = self.answers.request.header.step;
-        // Woken late: what was due before the demand's step comes before the demand.
-        while self.clock.due < step && self.host.waiter.now() >= self.clock.next() {
-            self.advance();
-        }
         // A step has one demand: one that came twice, or again in place of another, would be a step of its own.
         if self.path.next.is_some() {
             return Ok(());
@@ -115,12 +123,15 @@ impl<R: Robot> Edp<'_, R> {
         if let Some(sets) = &demand.regulators {
             self.servo.order_regulators(sets)?;
         }
-        // A step that is over has been bridged, and its demand is never made up for. The tool and the regulators that
-        // were chosen with it are in force all the same, and a path that ends with this demand ends there.
+        self.signals.check(&demand)?;
+        // A step that is over has been bridged, and its demand is never made up for. The tool, the regulators and the outputs
+        // that were chosen with it are in force all the same, and a path that ends with this demand ends there.
         if step < self.clock.due {
+            self.signals.accept(&demand);
             return self.path.note_late(&demand, &self.answers.request, self.clock.due);
         }
         self.path.accept(&demand, &self.answers.request)?;
+        self.signals.accept(&demand);
         self.servo.accept(&demand.coordinates);
         Ok(())
     }
@@ -138,15 +149,24 @@ impl<R: Robot> Edp<'_, R> {
     fn tell_path(&mut self) {
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;
-        header.headroom = acceptor.headroom();
+        header.headroom = RateHeadroom { most: self.servo.speed_scaling(), ..acceptor.headroom() };
         header.law = acceptor.braking_law(self.period.as_secs_f64());
         if self.answers.request.is(flag::WANT_STATE) {
             header.flags |= flag::STATE;
-            header.len = RobotImage::<R>::LEN as u32;
             let (joints, velocity) = acceptor.demanded();
             let demanded = RobotState { joints, velocity, pose: acceptor.tool_pose(&joints) };
-            let image = RobotImage::<R>::new(self.measured_state(), demanded);
-            image.put(&mut self.answers.reply.body);
+            let mut image = RobotImage::<R>::new(self.measured_state(), demanded);
+            if self.signals.has_any() {
+                image = image.with_signals(*self.signals.signals());
+            }
+            let tool = *acceptor.tool();
+            let wrench = self.servo.wrench().map(|at_flange| at_flange.moved(&tool.inverse()));
+            let reply = &mut self.answers.reply;
+            image.put(&mut reply.body);
+            reply.header.len = image.used() as u32;
+            if let Some(wrench) = wrench {
+                reply.header.len = StateWords::put_wrench(&image, &wrench, &mut reply.body) as u32;
+            }
         }
     }
 }

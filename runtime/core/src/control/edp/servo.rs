@@ -18,6 +18,7 @@ use crate::model::pace::Pulse;
 use crate::model::pose::Pose;
 use crate::model::robot::{InterpolationSpace, Robot};
 use crate::model::time::Nanos;
+use crate::model::wrench::Wrench;
 use crate::safety::limits::Acceptor;
 
 /// Where a robot's drives are interpolated, and when.
@@ -62,7 +63,8 @@ impl<R: Robot> Servo<R> {
         timing: &Timing,
     ) -> Self {
         let (drive, measured) = drive.begin();
-        let interpolation = Interpolation::new(measured.position, timing.due, timing.period, timing.delay);
+        let rest = drive.held().unwrap_or(measured.position);
+        let interpolation = Interpolation::new(rest, timing.due, timing.period, timing.delay);
         Servo {
             drive,
             measured,
@@ -70,13 +72,18 @@ impl<R: Robot> Servo<R> {
             interpolation,
             task_space: TaskSpace::new(),
             space,
-            commanded: measured.position,
+            commanded: rest,
             following_error,
             regulators: None,
             lost: false,
             period: timing.period,
             delay: timing.delay,
         }
+    }
+
+    /// Where drives that have been opened or switched on hold the robot.
+    pub fn rest(&self) -> R::Joints {
+        self.drive.held().unwrap_or(self.measured.position)
     }
 
     /// Holds a position from step `due` on, as drives do that have just been set up there.
@@ -199,6 +206,18 @@ impl<R: Robot> Servo<R> {
         Ok(difference)
     }
 
+    /// The wrench of the surroundings on the flange, `F_F`. A driver that says what is no wrench, or panicked, says nothing.
+    pub fn wrench(&self) -> Option<Wrench> {
+        if self.lost { None } else { self.drive.wrench().filter(Wrench::is_finite) }
+    }
+
+    /// The share of its demands' speed at which the robot goes, 0 to 1. A driver that says something else, or panicked, says
+    /// nothing.
+    pub fn speed_scaling(&self) -> f64 {
+        let scaling = if self.lost { 1.0 } else { self.drive.speed_scaling() };
+        if (0.0..=1.0).contains(&scaling) { scaling } else { 1.0 }
+    }
+
     /// The beginning of a servo period that the robot has told by `now`.
     ///
     /// # Errors
@@ -237,6 +256,19 @@ impl<R: Robot> Servo<R> {
                 Err(panic)
             }
         }
+    }
+
+    /// A servo period, which begins at `now`, passes without power.
+    ///
+    /// # Errors
+    /// The driver's panic.
+    pub fn stand_by(&mut self, now: Nanos) -> Result<(), Fault> {
+        if self.lost {
+            return Ok(());
+        }
+        let stood = guarded(|| self.drive.stand_by(now));
+        self.lost = stood.is_err();
+        stood
     }
 
     /// Takes the power away.

@@ -9,7 +9,10 @@ use crate::model::image::RobotState;
 use crate::model::joints::{JointVector, MAX_JOINTS};
 use crate::model::pace::Pulse;
 use crate::model::robot::Robot;
+use crate::model::robot_stop::{RobotStop, StopCause};
+use crate::model::signals::SIGNAL_WORDS;
 use crate::model::time::Nanos;
+use crate::model::wire::Wire;
 use crate::observe::servo::ServoRecord;
 use crate::observe::witness::What;
 use crate::safety::limits::AcceptedDemand;
@@ -24,7 +27,8 @@ impl<R: Robot> Edp<'_, R> {
     pub(super) fn begin_step(&mut self) {
         if !self.path.is_off() {
             let demand = *self.next_demand().joints();
-            if let Err(panic) = self.servo.begin_step(demand) {
+            let told = self.servo.begin_step(demand);
+            if let Err(panic) = told.and_then(|()| self.signals.begin_step(self.clock.due, &mut self.servo)) {
                 self.path.mode = Mode::Off;
                 self.latch(panic, self.clock.due);
             }
@@ -46,8 +50,12 @@ impl<R: Robot> Edp<'_, R> {
     #[allow(non_snake_case)]
     pub(super) fn tick(&mut self, period: Period) {
         if self.path.is_off() {
+            if let Err(panic) = self.servo.stand_by(period.begins) {
+                self.latch(panic, self.clock.step_at(period.begins));
+            }
             return;
         }
+        let switched = self.signals.tick(period.ends, &mut self.servo);
         let demanded = self.position_at(period.ends);
         let X_FE = *self.path.acceptor.tool();
         let fault = match self.servo.tick(period.begins, &demanded, &X_FE, self.host.waiter) {
@@ -57,7 +65,8 @@ impl<R: Robot> Edp<'_, R> {
                 Some(fault)
             }
         };
-        let observed = self.show_servo(period.ends, demanded);
+        let looked = switched.and_then(|()| self.signals.look(&mut self.servo));
+        let observed = self.show_servo(period.ends, demanded).and(looked);
         if let Some(fault) = fault.or(observed.err()) {
             self.stop_for(fault, self.clock.step_at(period.begins));
         }
@@ -70,8 +79,9 @@ impl<R: Robot> Edp<'_, R> {
         let fault = match (pulse, silent) {
             (Ok(pulse), None) => return pulse,
             (Ok(_), Some(silent)) => {
-                let text = format!("the robot has said nothing for {:.0} ms", silent as f64 * 1e-6);
-                Fault::new(FaultKind::DriveFault).text(&text)
+                let lost = RobotStop::new(StopCause::CommunicationLost);
+                let text = format!("{lost}: the robot has said nothing for {:.0} ms", silent as f64 * 1e-6);
+                Fault::of_robot_stop(&lost).text(&text)
             }
             (Err(fault), _) => fault,
         };
@@ -122,6 +132,7 @@ impl<R: Robot> Edp<'_, R> {
             Err(panic) => self.stop_for(panic, self.clock.due),
         }
         self.show_currents();
+        self.show_signals();
     }
 
     /// Shows them what the motors take, if the drives measure it. Of drives that panicked nothing more is asked.
@@ -140,6 +151,16 @@ impl<R: Robot> Edp<'_, R> {
                 self.shown.witnesses.show(self.host.waiter.now(), &what, &words[..R::Joints::LEN]);
             }
             Err(panic) => self.stop_for(panic, self.clock.due),
+        }
+    }
+
+    /// Shows them the robot's inputs and outputs, if it has any.
+    fn show_signals(&self) {
+        if self.signals.has_any() {
+            let mut words = [0; SIGNAL_WORDS];
+            self.signals.signals().put(&mut words);
+            let what = What::Signals { step: self.clock.due };
+            self.shown.witnesses.show(self.host.waiter.now(), &what, &words);
         }
     }
 

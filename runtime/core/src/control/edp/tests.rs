@@ -18,6 +18,7 @@ use crate::model::wire::Wire;
 use crate::tests::slide::{Exact, Slide};
 
 mod answers;
+mod signals;
 
 struct Still;
 
@@ -53,6 +54,7 @@ fn config(servo: Duration) -> EdpConfig<Slide> {
         space: InterpolationSpace::Joints,
         following_error: Vector1::new(1.0),
         stop_steps: 200,
+        declared: Declared::default(),
         observers: Vec::new(),
         witnesses: crate::observe::witness::Witnesses::to(Vec::new()),
         states: Vec::new(),
@@ -238,5 +240,33 @@ fn fault_12_an_edp_that_is_late_for_too_many_steps_stops_its_robot_with_overrun(
             "naps of {nap}"
         );
         assert!(!matches!(robot.edp.path.mode, Mode::Moving { .. }));
+    }
+}
+
+/// What an answer and a recording say of a step is the same whether an EDP slept when a request came or not.
+#[test]
+fn fault_11_a_request_of_a_later_step_comes_after_what_was_due_before_it_whatever_it_asks_for() {
+    for kind in [RequestKind::Brake, RequestKind::Query, RequestKind::Stop] {
+        let (on_time, late) = (Late(core::cell::Cell::new(0)), Late(core::cell::Cell::new(0)));
+        let servo = Duration::from_millis(1);
+        let (mut punctual, mut delayed) = (Moving::new(&on_time, servo), Moving::new(&late, servo));
+        (1..20).for_each(|step| punctual.punctual(&on_time, step));
+        (1..20).for_each(|step| delayed.punctual(&late, step));
+        // Nobody demands anything in step 20; one of the two sleeps through it.
+        punctual.rest_of(&on_time, 20, 0);
+        for (robot, waiter) in [(&mut punctual, &on_time), (&mut delayed, &late)] {
+            waiter.0.set(21 * STEP + 10);
+            robot.edp.answers.request = Message::new(Kind::Request(kind));
+            robot.edp.answers.request.header.step = 21;
+            robot.edp.serve();
+            let (demanded, _) = robot.edp.path.acceptor.demanded();
+            // It moves at 0.1 m/s: step 20 was bridged, so its demand is one step further than that of step 19.
+            let way: f64 = (1..=20).map(|k| 1e-5 * f64::from(k.min(10))).sum();
+            assert_eq!(robot.edp.clock.due, 21, "{kind:?}");
+            assert!((demanded[0] - way).abs() < 1e-12, "{kind:?}: {}, {way}", demanded[0]);
+            (21..60).for_each(|step| robot.rest_of(waiter, step, 62_500));
+        }
+        let told = |robot: &Moving<'_>| robot.told.borrow().last().copied();
+        assert_eq!(told(&punctual), told(&delayed), "{kind:?}");
     }
 }

@@ -63,6 +63,11 @@ impl StepClock {
         self.step
     }
 
+    /// Steps in a time.
+    pub fn steps_of(&self, time: Duration) -> u64 {
+        time.as_nanos() as Nanos / self.period
+    }
+
     /// Real time of the step \[s\].
     pub const fn duration(&self) -> f64 {
         self.duration

@@ -3,11 +3,10 @@
 //! In: one order per robot. Out: one reply per robot, with its image and the headroom of its rate; or the first
 //! cause of what is wrong.
 
+use crate::control::state_words::StateWords;
 use crate::link::message::{Kind, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::list::{SensorList, SensorsOf};
-use crate::model::sensor::EffectorState;
-use crate::model::wire::Wire;
 use crate::safety::braking::BrakingLaw;
 
 use super::background::Background;
@@ -114,6 +113,7 @@ impl Mp<'_> {
     /// Sends a robot an order of this step.
     pub(super) fn send(&mut self, index: usize, kind: OrderKind, flags: u32, law: BrakingLaw) {
         let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
+        let flags = if self.operating.is_slow { flags | flag::REDUCED } else { flags };
         let ordinal = self.robots.ordinal;
         let epoch = self.robots.epoch;
         let robot = &mut self.robots[index];
@@ -133,7 +133,7 @@ impl Mp<'_> {
             header.len = 0;
         }
         robot.client.send(&robot.order);
-        robot.show_order(kind, &self.witnesses, self.host.waiter.now());
+        robot.show_order(kind, &self.witnesses, || self.host.waiter.now());
     }
 
     /// What the replies of robots say that an instruction, or a motion in the background, names: they bound the rate of path
@@ -219,9 +219,6 @@ impl Mp<'_> {
 
     pub(super) fn order_readings<S: SensorList>(&mut self, sensors: &impl SensorsOf<S>) {
         let robots = &self.robots;
-        self.sensing.order(sensors, self.clock.step(), |robot| {
-            let reply = robot.map(|robot| &robots[robot].reply).filter(|reply| reply.is(flag::STATE))?;
-            Some(&reply.body[..EffectorState::LEN])
-        });
+        self.sensing.order(sensors, self.clock.step(), |robot| StateWords::of(&robots[robot?].reply));
     }
 }

@@ -74,7 +74,8 @@ impl Mp<'_> {
         }
         loop {
             self.begin_step()?;
-            self.exchange(indices, kind, flag::WANT_STATE)?;
+            let aborted = if kind == OrderKind::Abort { flag::ABORTED } else { 0 };
+            self.exchange(indices, kind, flag::WANT_STATE | aborted)?;
             if self.robots.all_say(indices, flag::ENDED) {
                 // Nothing moved in this step: the next instruction may begin in it.
                 self.clock.keep();

@@ -29,9 +29,14 @@ use crate::control::guard::Guard;
 use crate::control::replay::Script;
 use crate::control::sensing::Sensing;
 use crate::link::{Host, News, Sample};
+#[cfg(doc)]
+use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::{RobotImage, Sensor};
 use crate::model::list::{Owner, RobotHandle, RobotList, RobotsOf, SensorHandle, SensorList, SensorsOf};
+use crate::model::load::Tool;
+use crate::model::named::CellNames;
+use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
@@ -66,6 +71,7 @@ pub struct Mp<'w> {
     path_stop: u64,
     /// The recorded steps, in a replay.
     script: Option<Rc<Script>>,
+    named: Rc<CellNames>,
 }
 
 /// The times that an MP uses.
@@ -100,7 +106,14 @@ impl<'w> Mp<'w> {
             stops: Stops::default(),
             path_stop: timing.path_stop,
             script: None,
+            named: Rc::default(),
         }
+    }
+
+    /// The same with the frames and tools that the cell names.
+    pub(crate) fn with_names(mut self, named: Rc<CellNames>) -> Self {
+        self.named = named;
+        self
     }
 
     /// Lets a guard watch over all robots.
@@ -151,6 +164,23 @@ impl<'w> Mp<'w> {
         self.sensing.handle(name, S::Configuration::default(), ProcessId::MP)
     }
 
+    /// A frame that the cell names, such as a table or a fixture: its pose in the world, `X_WU` \[m\].
+    ///
+    /// # Errors
+    /// `Config`: the cell names no such frame.
+    pub fn frame(&self, name: &str) -> Result<Pose, Fault> {
+        self.named.frame(name).map_err(|fault| fault.in_process(ProcessId::MP))
+    }
+
+    /// A tool that the cell names: where its tip is on the flange, for [`Demand::with_tool`], and what the flange carries with
+    /// it, for [`Demand::with_load`].
+    ///
+    /// # Errors
+    /// `Config`: the cell names no such tool.
+    pub fn tool(&self, name: &str) -> Result<Tool, Fault> {
+        self.named.tool(name).map_err(|fault| fault.in_process(ProcessId::MP))
+    }
+
     /// Index of the step that has begun, counted since the cell started.
     #[must_use]
     pub const fn step(&self) -> u64 {
@@ -169,6 +199,10 @@ impl<'w> Mp<'w> {
             self.operating.call_hook(self.clock.step());
             self.follow_script();
             self.hear_operator();
+            match &self.script {
+                Some(_) => self.operating.replay_hold(),
+                None => self.operating.look_at_hold(self.host.waiter.now(), self.clock.is_standing()),
+            }
             self.clock.advance(self.wanted_rate(), self.operating.operator.is_suspended());
             self.tell_step()?;
             self.operating.show_step(self.state(), &self.clock, self.host.console);

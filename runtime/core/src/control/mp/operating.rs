@@ -4,12 +4,14 @@
 //! of what the MP does, for an operator's panel outside of the cell: the MP does not wait for it.
 
 use crate::model::fault::{Fault, FaultWords};
+use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
 use crate::observe::shown::Shown;
 use crate::operator::Operator;
 use crate::operator::button::{Answer, Button, CellState};
 use crate::operator::console::Console;
+use crate::operator::hold::Hold;
 use crate::operator::state::{Doing, MpState};
 
 use super::clock::StepClock;
@@ -23,6 +25,9 @@ pub(super) struct Operating {
     hook: Option<StepHook>,
     /// Whether the operator has asked for a protective stop since the step before.
     pub stopping: bool,
+    /// Whether the limit of reduced speed is in force.
+    pub is_slow: bool,
+    hold: Hold,
     /// Whether the operator was seen to abort in this step.
     pub aborts: bool,
     /// What an operator is shown.
@@ -35,7 +40,16 @@ impl Operating {
     pub fn new(operator: Operator, hook: Option<StepHook>, activity: Shown<Activity>) -> Self {
         // From now on this process says what it is.
         activity.set(Activity::default());
-        Operating { operator, hook, stopping: false, aborts: false, shown: MpState::default(), activity }
+        Operating {
+            operator,
+            hook,
+            stopping: false,
+            is_slow: false,
+            hold: Hold::default(),
+            aborts: false,
+            shown: MpState::default(),
+            activity,
+        }
     }
 
     /// Calls the hook of a step that begins. One that panics is not called again by the stop that follows.
@@ -81,6 +95,7 @@ impl Operating {
         shown.period = clock.period();
         shown.rate = clock.feed.rate();
         shown.speed = self.operator.speed();
+        (shown.reduced, shown.held) = (self.operator.is_reduced(), self.operator.is_held());
         shown.state = state;
         console.show(shown);
     }
@@ -88,6 +103,9 @@ impl Operating {
     /// Carries out what the operator has pressed since the last step, each kind of button at most once. `state` is asked for
     /// before each of them.
     pub fn press(&mut self, step: u64, state: impl Fn(&Operator) -> CellState, console: &dyn Console) {
+        if !console.is_there() {
+            return;
+        }
         for kind in 0..Button::KINDS {
             if let Some((number, button)) = console.pressed(kind) {
                 let state = state(&self.operator);
@@ -95,6 +113,19 @@ impl Operating {
                 self.shown.answers[kind] = Answer { number, step, state, done };
             }
         }
+    }
+
+    /// Sees whether a hold lasts at `now`. The limit of reduced speed comes into force at a standstill on the path, so that no
+    /// motion is refused that was faster when it was asked for.
+    pub fn look_at_hold(&mut self, now: Nanos, stands: bool) {
+        self.operator.look_at_hold(&mut self.hold, now);
+        self.is_slow = self.operator.is_reduced() && (self.is_slow || stands || !self.operator.is_running());
+    }
+
+    /// The same in a replay, which knows from the recording what was suspended and what was in force.
+    pub fn replay_hold(&mut self) {
+        self.operator.show_held(true);
+        self.is_slow = self.operator.is_reduced();
     }
 
     /// Takes the protective stop that the operator has asked for.

@@ -5,6 +5,7 @@
 //! then waits until their drives have held for some steps.
 
 use crate::link::message::{OrderKind, flag};
+use crate::model::driver::RECOVERY;
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::type_name::TypeName;
 use crate::safety::latch::AfterFault;
@@ -142,11 +143,36 @@ impl Mp<'_> {
         }))
     }
 
+    /// Lets each robot in turn do what it needs after a stop of its own; what it refuses, the reset fails with.
+    ///
+    /// # Errors
+    /// The cell closes.
+    fn recover(&mut self) -> Result<(), Fault> {
+        for index in 0..self.robots.len() {
+            let most = self.clock.step() + self.clock.steps_of(RECOVERY);
+            loop {
+                self.begin_step()?;
+                match self.exchange(&[index], OrderKind::Stop, flag::RECOVER) {
+                    Err(fault) if fault.is_orderly() => return Err(fault),
+                    // Every answer of a latched robot is a fault.
+                    Ok(()) | Err(_) => {}
+                }
+                let robot = &self.robots[index];
+                let goes_on = robot.is_silent || robot.reply.is(flag::RECOVERS);
+                if !goes_on || self.clock.step() >= most || self.operating.operator.has_given_up() {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Makes every robot ready for a restart, in a new epoch; nothing moves.
     ///
     /// # Errors
     /// What is still wrong.
     fn reset(&mut self) -> Result<(), Fault> {
+        self.recover()?;
         self.robots.epoch += 1;
         self.stops.forget();
         self.clock.forget_late_steps();

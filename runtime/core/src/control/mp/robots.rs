@@ -5,16 +5,19 @@
 
 use core::any::TypeId;
 use core::ops::{Index, IndexMut};
+use std::rc::Rc;
 
 use crate::control::guard::RobotView;
 use crate::link::Client;
 use crate::link::message::{Header, Message, OrderKind, flag};
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::image::RobotImage;
+use crate::model::image::STATE_WORDS;
 use crate::model::joints::JointVector;
 use crate::model::list::State;
 use crate::model::list::{Owner, PayloadType, RobotHandle, RobotList, Robots};
 use crate::model::name::Name;
+use crate::model::named::SignalNames;
 use crate::model::robot::Robot;
 use crate::model::sensor::EffectorState;
 use crate::model::time::Nanos;
@@ -31,6 +34,8 @@ pub(crate) struct RobotPort {
     pub kind_name: &'static str,
     pub client: Box<dyn Client>,
     pub taken: bool,
+    /// The names of its inputs and outputs.
+    pub signals: Rc<SignalNames>,
     /// Whether its drives know where it is.
     pub(super) homed: bool,
     /// Steps after which the robot must stand when it was told to stop.
@@ -61,6 +66,7 @@ impl RobotPort {
             kind_name,
             client,
             taken: false,
+            signals: Rc::default(),
             homed,
             stop_steps,
             is_silent: false,
@@ -72,6 +78,12 @@ impl RobotPort {
         }
     }
 
+    /// The same with names for the robot's inputs and outputs.
+    pub fn with_signals(mut self, signals: Rc<SignalNames>) -> RobotPort {
+        self.signals = signals;
+        self
+    }
+
     /// Takes the answer to the last order, if it is there. An answer to an order that was given up is not one.
     pub(super) fn receives_answer(&mut self) -> bool {
         let to = |header: &Header| (header.epoch, header.step);
@@ -81,13 +93,16 @@ impl RobotPort {
     /// What its EDP reported in the last exchange, if it was asked.
     pub(super) fn view(&self) -> Option<RobotView> {
         let words = self.reply.is(flag::STATE).then(|| self.reply.words())?;
-        let (measured, demanded) = words.split_at_checked(EffectorState::LEN)?;
-        let state = |words: &[u64]| EffectorState::get(words).ok();
+        let (measured, demanded) = words.split_at_checked(STATE_WORDS)?;
+        let state = |words: &[u64]| EffectorState::get(words.get(..STATE_WORDS)?).ok();
         Some(RobotView { name: self.name, measured: state(measured)?, demanded: state(demanded)? })
     }
 
     /// Shows the order that it was sent.
-    pub(super) fn show_order(&self, kind: OrderKind, witnesses: &Witnesses, now: Nanos) {
+    pub(super) fn show_order(&self, kind: OrderKind, witnesses: &Witnesses, now: impl FnOnce() -> Nanos) {
+        if !witnesses.is_watched() {
+            return;
+        }
         let PayloadType { name: payload, shape, .. } = self.payload;
         let header = &self.order.header;
         let what = What::Order {
@@ -98,7 +113,7 @@ impl RobotPort {
             payload,
             shape,
         };
-        witnesses.show(now, &what, self.order.words());
+        witnesses.show(now(), &what, self.order.words());
     }
 
     pub(super) fn process(&self) -> ProcessId {
@@ -183,7 +198,8 @@ impl RobotPorts {
             return Err(config(&format!("robot `{name}` has a handle already: pass that one on")));
         }
         let name = port.name;
-        Ok(RobotHandle { owner: self.owner, index, name, image: RobotImage::unknown() })
+        let signals = Rc::clone(&port.signals);
+        Ok(RobotHandle { owner: self.owner, index, name, image: RobotImage::unknown(), signals })
     }
 
     /// The robots' programs start again: each robot has its handle to give, and has told nothing.

@@ -50,6 +50,7 @@ impl Mp<'_> {
             duration: self.clock.duration(),
             speed: self.operating.operator.speed(),
             suspended: self.clock.is_suspended(),
+            reduced: self.operating.is_slow,
             aborting: self.operating.aborts,
             stopping,
             resetting: self.operating.operator.latch() == Latch::Resetting,

@@ -12,7 +12,7 @@
 use std::rc::Rc;
 
 use super::{Part, Rest, stands};
-use crate::control::command::{Command, Reading, Switch};
+use crate::control::command::{Command, Reading, Switch, Told};
 use crate::control::guarded::guarded;
 use crate::link::message::Message;
 use crate::link::{Board, Server};
@@ -50,6 +50,7 @@ pub(super) struct Drives<R: Robot> {
     at: R::Joints,
     way: R::Joints,
     choice: u64,
+    told: Told,
     /// How often their power was switched.
     switched: u64,
     measured: Measured<R::Joints>,
@@ -91,6 +92,7 @@ impl<R: Robot> Drives<R> {
             at: measured.position,
             way: R::Joints::zeros(),
             choice: 0,
+            told: Told::default(),
             switched: 0,
             measured,
             observers,
@@ -192,6 +194,11 @@ impl<R: Robot> Drives<R> {
                 return self.trip(panic);
             }
         }
+        if newest.told != self.told
+            && let Err(panic) = guarded(|| self.hear(&newest.told))
+        {
+            return self.trip(panic);
+        }
         let demanded = if newest.period == self.next {
             newest.demanded
         } else if newest.period > self.next {
@@ -206,6 +213,17 @@ impl<R: Robot> Drives<R> {
             Ok(Err(trip)) => self.trip(Fault::of_drive(&trip)),
             Err(panic) => self.trip(panic),
         }
+    }
+
+    /// Tells the drives what is new beside where to be.
+    fn hear(&mut self, told: &Told) {
+        if told.outputs != self.told.outputs {
+            self.driver.switch_outputs(&told.outputs);
+        }
+        if told.loads != self.told.loads {
+            self.driver.carry(&told.load);
+        }
+        self.told = *told;
     }
 
     /// Reads the encoders; what was read last stays where they cannot be.
@@ -227,7 +245,8 @@ impl<R: Robot> Drives<R> {
             None => {
                 // What simulated drives tell of themselves ends no run: a panic tells nothing.
                 let currents = guarded(|| self.driver.motor_currents()).unwrap_or_default();
-                Reading { period, measured: self.measured, demanded: self.at, currents }
+                let signals = guarded(|| self.driver.signals()).unwrap_or_default();
+                Reading { period, measured: self.measured, demanded: self.at, currents, signals }
                     .put(&mut self.message);
             }
             Some(off) => {

@@ -29,7 +29,7 @@ use crate::control::plant_sensor::PlantSensor;
 use crate::control::vsp::{Aggregator, RawSensors};
 use crate::link::memory::Stuck;
 use crate::link::patience::Patience;
-use crate::link::{Board, Closed, Link, Sample, Simulation};
+use crate::link::{Board, Clock, Closed, Link, Sample, Simulation};
 use crate::model::driver::{Driver, Measured};
 use crate::model::fault::ProcessId;
 use crate::model::robot::Robot;
@@ -102,6 +102,12 @@ impl Site {
         mut driver: Box<dyn Driver<R>>,
         observers: &mut Vec<Observer<R>>,
     ) -> Drive<R> {
+        if let Some(drives) = driver.stepped() {
+            drives.run_by(match self.simulation {
+                Simulation::Free => Clock::Real,
+                Simulation::InEdps | Simulation::Asked => Clock::Virtual,
+            });
+        }
         let is_simulated = driver.simulation().is_some();
         let Some(plant) = self.place.filter(|_| is_simulated) else { return Drive::Here(driver) };
         let Patience { most: patience, again: period } = Patience::of_step(self.period);

@@ -26,7 +26,10 @@ impl<V: VirtualSensor> Sensor<V> {
 impl<V: VirtualSensor> Part for Sensor<V> {
     fn serve(&mut self) {
         if self.orders.receive(&mut self.request) {
-            self.aggregator.answer(&self.request, &mut self.reply);
+            let step = self.request.header.step;
+            // Simulated sensors open nothing.
+            self.aggregator.answer(&self.request, &mut self.reply, 0);
+            self.reply.header.step = step;
             self.orders.reply(&self.reply);
         }
     }

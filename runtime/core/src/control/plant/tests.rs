@@ -4,17 +4,22 @@ use core::cell::RefCell;
 use core::time::Duration;
 use std::rc::Rc;
 
+use nalgebra::Vector3;
+
 use super::drives::{Commands, Drives};
 use super::{Part, Rest};
 use crate::control::command::{Command, Reading, RegulatorSets, Switch};
 use crate::link::memory::MemoryBoard;
 use crate::link::message::{Kind, Message};
 use crate::link::{Board, Server};
-use crate::model::driver::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
+use crate::model::drive_fault::DriveFault;
+use crate::model::driver::{Driver, Measured, Regulators, SimulatedDrives};
 use crate::model::excess::Excess;
 use crate::model::fault::{FaultKind, ProcessId, Role};
+use crate::model::load::Load;
 use crate::model::name::Name;
 use crate::model::pose::Pose;
+use crate::model::signals::{Channel, Outputs, Signals, Value, Values};
 use crate::model::time::Nanos;
 use crate::tests::slide::{One, Slide};
 
@@ -28,6 +33,8 @@ enum Told {
     Position(f64),
     Brake,
     Choose(u8),
+    Outputs(u32, u32),
+    Carry(f64),
 }
 
 /// A drive that is where it is told, and keeps a third of its speed in each period of braking.
@@ -55,6 +62,12 @@ impl Driver<Slide> for Exact {
     }
     fn choose_regulators(&mut self, sets: &Regulators) {
         self.told.borrow_mut().push(Told::Choose(sets.set(0)));
+    }
+    fn switch_outputs(&mut self, outputs: &Outputs) {
+        self.told.borrow_mut().push(Told::Outputs(outputs.digital(), outputs.values().digital()));
+    }
+    fn carry(&mut self, load: &Load) {
+        self.told.borrow_mut().push(Told::Carry(load.mass));
     }
     fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Slide>> {
         Some(self)
@@ -89,8 +102,16 @@ fn edp() -> ProcessId {
 fn command(period: u64, demanded: f64) -> Message {
     let mut message = Message::empty();
     let (regulators, tool) = (Regulators::default(), Pose::identity());
-    Command { period, switched: 0, choice: 0, regulators, demanded: One::new(demanded), tool }
-        .put(&mut message);
+    Command {
+        period,
+        switched: 0,
+        choice: 0,
+        regulators,
+        demanded: One::new(demanded),
+        tool,
+        told: Default::default(),
+    }
+    .put(&mut message);
     message
 }
 
@@ -244,7 +265,16 @@ fn drives_that_have_braked_look_every_period_for_an_order_to_have_power_again() 
     let mut message = Message::empty();
     let (regulators, tool) = (Regulators::default(), Pose::identity());
     let demanded = One::new(3e-6);
-    Command { period: period + 1, switched: 1, choice: 0, regulators, demanded, tool }.put(&mut message);
+    Command {
+        period: period + 1,
+        switched: 1,
+        choice: 0,
+        regulators,
+        demanded,
+        tool,
+        told: Default::default(),
+    }
+    .put(&mut message);
     bench.commands.write(&message);
     assert_eq!(bench.period(period + 1).header.kind, Kind::Reply);
     near(&bench.told(), &[3e-6]);
@@ -279,7 +309,8 @@ fn an_order_to_switch_that_comes_twice_is_done_once() {
     for (period, x) in [(3, 0.0), (4, 0.1)] {
         let mut message = Message::empty();
         let (demanded, tool) = (One::new(x), Pose::identity());
-        Command { period, switched: 1, choice: 0, regulators, demanded, tool }.put(&mut message);
+        Command { period, switched: 1, choice: 0, regulators, demanded, tool, told: Default::default() }
+            .put(&mut message);
         bench.commands.write(&message);
         bench.period(period);
     }
@@ -348,8 +379,16 @@ fn drives_that_are_switched_on_go_on_although_the_plant_saw_nothing_but_the_next
     assert_eq!((told.header.kind, told.header.instruction), (Kind::Reply, 1));
     // The order to switch on is overwritten by the first demand after it.
     let (regulators, tool) = (Regulators::default(), Pose::identity());
-    Command { period: 9, switched: 2, choice: 0, regulators, demanded: One::new(1.0), tool }
-        .put(&mut message);
+    Command {
+        period: 9,
+        switched: 2,
+        choice: 0,
+        regulators,
+        demanded: One::new(1.0),
+        tool,
+        told: Default::default(),
+    }
+    .put(&mut message);
     bench.commands.write(&message);
     let reading = bench.period(9);
     assert_eq!((reading.header.kind, reading.header.instruction), (Kind::Reply, 2));
@@ -380,13 +419,67 @@ fn a_choice_of_regulators_is_made_once_and_before_the_period_that_it_is_for() {
     for (period, choice) in [(0, 0), (1, 1), (2, 1), (3, 2)] {
         let mut message = Message::empty();
         let (regulators, tool) = (Regulators::uniform(choice as u8 + 6), Pose::identity());
-        Command { period, switched: 0, choice, regulators, demanded: One::zeros(), tool }.put(&mut message);
+        Command {
+            period,
+            switched: 0,
+            choice,
+            regulators,
+            demanded: One::zeros(),
+            tool,
+            told: Default::default(),
+        }
+        .put(&mut message);
         bench.commands.write(&message);
         bench.period(period);
     }
     use Told::{Choose, Position};
     let at = Position(0.0);
     assert_eq!(bench.told(), [at, Choose(7), at, at, Choose(8), at]);
+}
+
+#[test]
+fn outputs_and_a_load_are_told_once_and_before_the_period_that_they_are_for() {
+    use crate::control::command::Told as Beside;
+    let on = |on| Outputs::NONE.with(Channel::Digital(2), Value::Digital(on));
+    let load = |mass| Load::point(mass, Vector3::z());
+    let orders = [
+        Beside::default(),
+        Beside { outputs: on(true), ..Beside::default() },
+        Beside { outputs: on(true), loads: 1, load: load(0.5) },
+        Beside { outputs: on(false), loads: 2, load: load(0.5) },
+    ];
+    let mut bench = Bench::new(None);
+    for (period, told) in orders.into_iter().enumerate() {
+        let mut message = Message::empty();
+        let (regulators, tool, demanded) = (Regulators::default(), Pose::identity(), One::zeros());
+        let command =
+            Command { period: period as u64, switched: 0, choice: 0, regulators, demanded, tool, told };
+        command.put(&mut message);
+        assert_eq!(Command::get(&message), Ok(command));
+        bench.commands.write(&message);
+        bench.period(period as u64);
+    }
+    let at = Told::Position(0.0);
+    let (switched, carried) = (Told::Outputs, Told::Carry);
+    let expected = [at, switched(4, 4), at, carried(0.5), at, switched(4, 0), carried(0.5), at];
+    assert_eq!(bench.told(), expected);
+}
+
+#[test]
+fn the_words_of_a_reading_say_its_currents_and_signals_where_there_are_any() {
+    let signals =
+        Signals { inputs: Values::new(5, [0.0, 1.5, 0.0, 0.0]), outputs: Values::new(1 << 31, [0.0; 4]) };
+    for currents in [None, Some(One::new(2.0))] {
+        for signals in [Signals::OFF, signals] {
+            let measured = Measured { position: One::new(0.1), velocity: One::new(0.2) };
+            let reading = Reading { period: 3, measured, demanded: One::new(0.3), currents, signals };
+            let mut message = Message::empty();
+            // Words of an earlier message are still there.
+            message.body = [7; crate::model::wire::WORDS];
+            reading.put(&mut message);
+            assert_eq!(Reading::get(&message), Ok(reading));
+        }
+    }
 }
 
 #[test]

@@ -8,9 +8,11 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use crate::control::homing::{AnyHoming, Drives};
-use crate::model::driver::{DriveFault, Driver, Measured, Regulators};
+use crate::model::drive_fault::DriveFault;
+use crate::model::driver::{Channels, Driver, Measured, Regulators};
 use crate::model::joints::JointVector;
 use crate::model::robot::Robot;
+use crate::model::signals::Signals;
 use crate::model::time::Nanos;
 
 use super::RecordedRobot;
@@ -36,13 +38,17 @@ impl Times {
 struct Recorded<R: Robot> {
     recorded: Rc<RecordedRobot>,
     times: Times,
+    /// As of the drives that were recorded.
+    load_time: Duration,
     ticks: u64,
+    /// The step whose image shows what was measured last.
+    step: u64,
     robot: PhantomData<fn() -> R>,
 }
 
 impl<R: Robot> Recorded<R> {
-    fn new(recorded: Rc<RecordedRobot>, times: Times) -> Recorded<R> {
-        Recorded { recorded, times, ticks: 0, robot: PhantomData }
+    fn new(recorded: Rc<RecordedRobot>, times: Times, load_time: Duration) -> Recorded<R> {
+        Recorded { step: recorded.first, recorded, times, load_time, ticks: 0, robot: PhantomData }
     }
 
     fn at(&self, step: u64) -> Measured<R::Joints> {
@@ -66,9 +72,22 @@ impl<R: Robot> Driver<R> for Recorded<R> {
     }
 
     fn tick(&mut self, _: &R::Joints) -> Result<Measured<R::Joints>, DriveFault> {
-        let measured = self.at(self.times.shown_in(self.ticks));
+        self.step = self.times.shown_in(self.ticks);
         self.ticks += 1;
-        Ok(measured)
+        Ok(self.at(self.step))
+    }
+
+    /// Which channels there are, the run that was recorded has judged.
+    fn channels(&self) -> Channels {
+        Channels::ALL
+    }
+
+    fn signals(&self) -> Signals {
+        self.recorded.signals(self.step)
+    }
+
+    fn load_time(&self) -> Duration {
+        self.load_time
     }
 
     /// Which sets there are, the run that was recorded has judged.
@@ -111,11 +130,14 @@ pub(crate) fn recorded_drives<R: Robot>(
     let period = drives.period();
     let times = Times { step: step.as_nanos() as Nanos, servo: period.as_nanos() as Nanos };
     match drives {
-        Drives::Homed(_) => Drives::Homed(Box::new(Recorded::new(recorded, times))),
+        Drives::Homed(drives) => {
+            let load_time = drives.load_time();
+            Drives::Homed(Box::new(Recorded::new(recorded, times, load_time)))
+        }
         Drives::Unhomed(_) => {
             // Drives that were never found are never found again.
             let first = recorded.found.map_or(u64::MAX, |found| found / times.servo.max(1));
-            let drives = Some(Recorded::new(recorded, times));
+            let drives = Some(Recorded::new(recorded, times, Duration::ZERO));
             Drives::Unhomed(Box::new(RecordedHoming { drives, first, ticks: 0, period }))
         }
     }

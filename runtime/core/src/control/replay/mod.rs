@@ -15,6 +15,7 @@ use crate::model::driver::Measured;
 use crate::model::fault::ProcessId;
 use crate::model::joints::MAX_JOINTS;
 use crate::model::name::Name;
+use crate::model::signals::Signals;
 use crate::model::time::Nanos;
 
 pub use readings::RecordedReadings;
@@ -53,6 +54,8 @@ pub struct RecordedRobot {
     pub first: u64,
     /// Its images, one per step.
     pub images: Vec<RecordedImage>,
+    /// The steps in which its inputs and outputs were other ones than before, and what they were then.
+    pub signals: Vec<(u64, Signals)>,
     /// The requests that came too late to its EDP, in the order of their steps.
     pub late: Vec<LateRequest>,
     /// Steps in which its ECP found no time to begin a motion.
@@ -69,6 +72,12 @@ impl RecordedRobot {
     pub fn nearest(&self, step: u64) -> Option<&RecordedImage> {
         let last = (self.first + self.images.len() as u64).checked_sub(1)?;
         self.image(step.clamp(self.first, last))
+    }
+
+    /// Its inputs and outputs in a step: off before the first that is recorded.
+    pub fn signals(&self, step: u64) -> Signals {
+        let until = self.signals.partition_point(|&(changed, _)| changed <= step);
+        until.checked_sub(1).map_or(Signals::OFF, |last| self.signals[last].1)
     }
 
     /// The step for which demands could be taken when this request came, if it came too late.

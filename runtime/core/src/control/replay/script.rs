@@ -12,6 +12,8 @@ pub struct ScriptedStep {
     pub speed: f64,
     /// Whether the operator had suspended the cell.
     pub suspended: bool,
+    /// Whether the limit of reduced speed was in force.
+    pub reduced: bool,
     /// Whether the operator was aborting when it began.
     pub aborting: bool,
     /// Whether the operator aborted after it had begun.
@@ -56,6 +58,7 @@ impl Script {
         let Some(scripted) = self.at(step) else { return };
         // The reader has checked that it is a share.
         let _ = operator.set_speed(scripted.speed);
+        operator.set_reduced(scripted.reduced);
         if scripted.suspended {
             operator.suspend();
         } else {
@@ -95,6 +98,7 @@ mod tests {
             step,
             speed: 1.0,
             suspended: false,
+            reduced: false,
             aborting: false,
             aborts: false,
             stopping: false,

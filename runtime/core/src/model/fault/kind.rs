@@ -89,10 +89,14 @@ fault_kinds! {
     FollowingError = 20: Stopped, "following error exceeds the limit";
     /// A drive tripped.
     DriveFault = 21: PowerOff, "drive fault";
+    /// The robot was stopped by its own controller, or by a person beside it.
+    RobotStopped = 28: PowerOff, "stopped at the robot";
     /// A step function, a driver or a guard panicked.
     Panicked = 22: Stopped, "panic in the program";
     /// A demand chooses a regulator's parameter set that the drive does not have.
     NoRegulator = 25: Stopped, "the drive has no such regulator";
+    /// A demand switches an output that the cell does not name, or tells it what is no number.
+    NoOutput = 29: Stopped, "the robot has no such output";
     /// A guard of the cell saw what must not go on: a protective stop on the path.
     ProtectiveStop = 26: Stopped, "protective stop";
     /// A process was late for too many steps.

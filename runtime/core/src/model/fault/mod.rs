@@ -10,9 +10,10 @@ mod wire;
 use core::fmt;
 
 use crate::console::quoted;
-use crate::model::driver::DriveFault;
+use crate::model::drive_fault::DriveFault;
 use crate::model::excess::Excess;
 use crate::model::name::Name;
+use crate::model::robot_stop::{ClearedBy, RobotStop, StopCause, Stopped};
 
 pub use kind::{FaultClass, FaultKind};
 pub use process::{ProcessId, Role};
@@ -36,6 +37,8 @@ struct Report {
     step: Option<u64>,
     excess: Option<Excess>,
     text: Text,
+    /// What has stopped the robot, if nothing in the cell has.
+    stopped: Option<Stopped>,
     /// Met by the first demand of a motion.
     first: bool,
     /// Made by the runtime as the end of an instruction at standstill: nothing is to be stopped for it. It never
@@ -60,6 +63,7 @@ impl Fault {
             step: None,
             excess: None,
             text: Text::new(""),
+            stopped: None,
             first: false,
             orderly: false,
         }))
@@ -117,8 +121,26 @@ impl Fault {
         let fault = Fault::new(FaultKind::DriveFault).text(trip.what());
         match *trip {
             DriveFault::Exceeded { joint, excess, .. } => fault.at_joint(joint).exceeds_by(excess),
+            DriveFault::Stopped(stop) => Fault::of_robot_stop(&stop),
             DriveFault::NoAnswer | DriveFault::Other(_) => fault,
         }
+    }
+
+    /// The fault of a robot that was stopped by its own controller or a person beside it.
+    pub fn of_robot_stop(stop: &RobotStop) -> Fault {
+        let mut fault = Fault::new(FaultKind::RobotStopped).text(&stop.to_string());
+        fault.0.stopped = Some(Stopped::from(stop));
+        fault
+    }
+
+    /// What has stopped the robot, and who may clear that, of a [`RobotStopped`](FaultKind::RobotStopped).
+    #[must_use]
+    pub fn robot_stop(&self) -> Option<(StopCause, ClearedBy)> {
+        self.stopped().map(|stopped| (stopped.cause, stopped.cleared_by))
+    }
+
+    pub(crate) fn stopped(&self) -> Option<Stopped> {
+        self.0.stopped
     }
 
     /// A fault that a program throws: lower case, what is wrong, what to do (cut at 120 bytes).

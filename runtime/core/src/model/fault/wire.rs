@@ -4,6 +4,7 @@ use super::text::Text;
 use super::{Fault, FaultKind, ProcessId, Report, Role};
 use crate::model::excess::Excess;
 use crate::model::name::Name;
+use crate::model::robot_stop::Stopped;
 use crate::model::wire::{BadWords, WORDS, Wire};
 
 /// The units that excesses come in; a unit travels as its place in this list.
@@ -31,6 +32,9 @@ const NONE: u64 = u64::MAX;
 /// The bit beside a text's length that says that the first demand of a motion met the fault.
 const FIRST_DEMAND: u64 = 1 << 32;
 
+/// Where beside a text's length it stands what has stopped the robot.
+const STOPPED: u32 = 48;
+
 impl Wire for FaultWords {
     const LEN: usize = 8 + 3 + 15;
     const LAYOUT: u64 = crate::model::wire::layout_hash(0, "fault");
@@ -46,7 +50,9 @@ impl Wire for FaultWords {
         words[4] = unit.unwrap_or(NONE);
         words[5] = report.excess.map_or(0, |excess| excess.actual.to_bits());
         words[6] = report.excess.map_or(0, |excess| excess.limit.to_bits());
-        words[7] = u64::from(report.text.len) | if report.first { FIRST_DEMAND } else { 0 };
+        let stopped = report.stopped.map_or(0, Stopped::to_bits);
+        let first = if report.first { FIRST_DEMAND } else { 0 };
+        words[7] = u64::from(report.text.len) | first | u64::from(stopped) << STOPPED;
         match report.process.and_then(|process| process.name) {
             Some(name) => name.put(&mut words[8..11]),
             None => words[8..11].fill(0),
@@ -81,7 +87,12 @@ impl Wire for FaultWords {
         for (chunk, word) in bytes.chunks_exact_mut(8).zip(&words[11..]) {
             chunk.copy_from_slice(&word.to_le_bytes());
         }
-        let len = u8::try_from(words[7] & !FIRST_DEMAND).ok().filter(|&len| len <= 120).ok_or(BadWords)?;
+        let stopped = match (words[7] >> STOPPED) as u16 {
+            0 => None,
+            bits => Some(Stopped::from_bits(bits).ok_or(BadWords)?),
+        };
+        let len = words[7] & !FIRST_DEMAND & ((1 << STOPPED) - 1);
+        let len = u8::try_from(len).ok().filter(|&len| len <= 120).ok_or(BadWords)?;
         Ok(FaultWords(Report {
             kind: FaultKind::from_code(words[0]).ok_or(BadWords)?,
             process,
@@ -89,6 +100,7 @@ impl Wire for FaultWords {
             step: some(words[3]),
             excess,
             text: Text { bytes, len },
+            stopped,
             first: words[7] & FIRST_DEMAND != 0,
             orderly: false,
         }))

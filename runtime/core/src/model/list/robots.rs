@@ -3,15 +3,18 @@
 use core::fmt;
 use core::ops::Deref;
 use core::sync::atomic::{AtomicU64, Ordering};
+use std::rc::Rc;
 
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::image::RobotImage;
 use crate::model::name::Name;
+use crate::model::named::SignalNames;
 use crate::model::payload::Payload;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::shape::Shape;
+use crate::model::signals::{Input, Level, Output};
 use crate::model::wire::{BadWords, Wire};
 
 /// A list of robots as a step function names it: `Rnt`, `(Rnt, Polycrank)`, `[Irp6; 3]`.
@@ -290,9 +293,28 @@ pub struct RobotHandle<R: Robot> {
     pub(crate) index: usize,
     pub(crate) name: Name,
     pub(crate) image: RobotImage<R>,
+    pub(crate) signals: Rc<SignalNames>,
 }
 
 impl<R: Robot> RobotHandle<R> {
+    /// The input of the robot's controller that the cell calls `name`: `bool` of a digital one, `f64` of an analog one. Its value
+    /// is looked up in the robot's image, [`RobotImage::value`], in a condition, a generator, or here after a Move or Wait.
+    ///
+    /// # Errors
+    /// `Config`: the robot has no input of that name and type.
+    pub fn input<T: Level>(&self, name: &str) -> Result<Input<T>, Fault> {
+        self.signals.input(self.name.as_str(), name)
+    }
+
+    /// The output of the robot's controller that the cell calls `name`: `bool` of a digital one, `f64` of an analog one. A demand
+    /// tells it a value, [`Demand::with_output`].
+    ///
+    /// # Errors
+    /// `Config`: the robot has no output of that name and type.
+    pub fn output<T: Level>(&self, name: &str) -> Result<Output<T>, Fault> {
+        self.signals.output(self.name.as_str(), name)
+    }
+
     /// The robot's name in the cell.
     #[must_use]
     pub const fn name(&self) -> Name {

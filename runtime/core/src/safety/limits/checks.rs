@@ -6,6 +6,7 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::joints::JointVector;
 use crate::model::robot::{CoupledLimit, Limits, POSITION_ROUND_OFF, Robot};
 use crate::safety::braking::{Release, stopping_distance};
+use crate::safety::rate::larger;
 
 use super::RELATIVE;
 use super::state::JointState;
@@ -248,10 +249,4 @@ impl<R: Robot> Checks<R> {
         }
         Ok(stop)
     }
-}
-
-/// The larger of two numbers, neither of which is NaN: one instruction, where `f64::max` takes six.
-#[inline]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
 }

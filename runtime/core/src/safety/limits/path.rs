@@ -66,6 +66,12 @@ impl<J: JointVector> Track<J> {
         self.is_followed() && self.path.missing == 0.0 && !self.path.on_screw
     }
 
+    /// The path goes on, and the robot that is in step with it follows it there.
+    pub fn follow(&mut self, path: Path<J>) {
+        self.path = path;
+        self.off_path = None;
+    }
+
     /// Where the path is, and its velocity, for a robot in this state.
     pub fn demanded(&self, state: &JointState<J>) -> (J, J) {
         let velocity = match &self.off_path {

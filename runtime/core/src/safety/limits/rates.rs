@@ -7,7 +7,7 @@ use crate::model::joints::JointVector;
 use crate::model::robot::Limits;
 use crate::safety::braking::{self, BrakingLaw};
 
-use crate::safety::rate::{FullRate, RateHeadroom, raised};
+use crate::safety::rate::{FullRate, RateHeadroom, larger, raised, smaller};
 
 use super::state::JointState;
 
@@ -95,16 +95,17 @@ impl<J: JointVector> Headroom<'_, J> {
         // By how much the rate itself may be higher at the end of a step in which it rises.
         let raised = raised(self.rate, self.period);
         let mut headroom = RateHeadroom::UNLIMITED;
+        let parts = (1.0 + self.bridged).powi(2);
+        let jerk = self.limits.jerk.as_ref();
         for i in 0..J::LEN {
             let limit = self.limits.acceleration[i];
             // Within the step the path's speed may grow by the limit.
             let along = speed(i) + limit * self.period;
-            let part = limit / (1.0 + self.bridged).powi(2);
+            let part = limit / parts;
             let left = |rate: f64| (USABLE_SHARE - PATH_SHARE * rate * rate) * part / along;
-            let Some(jerk) = self.limits.jerk.map(|jerk| jerk[i]) else {
-                let rise = left(raised);
-                let fall = left(self.rate);
-                headroom = headroom.and(RateHeadroom { rise, fall, ..RateHeadroom::UNLIMITED });
+            let Some(jerk) = jerk.map(|jerk| jerk[i]) else {
+                headroom.rise = smaller(headroom.rise, left(raised));
+                headroom.fall = smaller(headroom.fall, left(self.rate));
                 continue;
             };
             let rest = |rate: f64| 0.5 * (USABLE_SHARE - PATH_SHARE * rate.powi(3)) * jerk;
@@ -120,6 +121,7 @@ impl<J: JointVector> Headroom<'_, J> {
                 fall: change(self.rate),
                 bend: rest(raised) / along,
                 full: FullRate { rise: change(1.0), bend: (rest(1.0) / along).min(of_left).min(of_jerk) },
+                ..RateHeadroom::UNLIMITED
             });
         }
         headroom
@@ -150,7 +152,7 @@ pub(super) fn braking_law<J: JointVector>(
         let faster = (state.velocity[i] + state.acceleration[i] * period).abs() + 0.1 * a * period;
         let bend = limits.jerk.map_or(f64::INFINITY, |jerk| 0.5 * braking::SHARE * jerk[i] / faster);
         law = law.and(BrakingLaw { fall: braking::SHARE * a / faster, bend });
-        longest = longest.max(limits.velocity[i] / a);
+        longest = larger(longest, limits.velocity[i] / a);
     }
     BrakingLaw { fall: law.fall.max(longest.recip()), ..law }
 }

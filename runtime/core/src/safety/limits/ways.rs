@@ -34,7 +34,6 @@ impl<R: Robot> Acceptor<R> {
         duration: f64,
         all_missed: bool,
     ) -> Result<Next<R::Joints>, Fault> {
-        // In step with its path, as nearly always, a robot has nothing to come back to.
         if self.track.is_in_step() {
             return self.there(demand, duration);
         }

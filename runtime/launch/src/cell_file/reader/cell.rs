@@ -10,8 +10,18 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Reader, Value};
 
-pub(in super::super) const CELL_KEYS: [&str; 8] =
-    ["step_ms", "stop_ms", "after_fault", "robots", "sensors", "realtime", "dry_run", "recording"];
+pub(in super::super) const CELL_KEYS: [&str; 10] = [
+    "step_ms",
+    "stop_ms",
+    "after_fault",
+    "robots",
+    "sensors",
+    "frames",
+    "tools",
+    "realtime",
+    "dry_run",
+    "recording",
+];
 pub(in super::super) const REALTIME_KEYS: [&str; 4] = ["priority", "lock_memory", "cores", "permission"];
 pub(in super::super) const RECORDING_KEYS: [&str; 3] = ["file", "robots", "sensors"];
 const AFTER_FAULT: [&str; 2] = ["end", "await reset"];

@@ -4,8 +4,12 @@
 //! all errors at once.
 
 pub(super) mod cell;
+pub(super) mod external;
+pub(super) mod plant;
 pub(super) mod robot;
 pub(super) mod sensor;
+pub(super) mod signal;
+pub(super) mod tool;
 pub(super) mod value;
 
 use core::ops::Range;
@@ -55,7 +59,13 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let after_fault = table.get("after_fault").and_then(|value| reader.after_fault(value));
     let robots = reader.entries(table, "robots");
     let names: Vec<_> = robots.iter().map(|entry| entry.name.value.clone()).collect();
-    let robots: Vec<_> = robots.into_iter().filter_map(|entry| reader.robot(entry, &names)).collect();
+    let tools: Vec<_> =
+        reader.entries(table, "tools").into_iter().filter_map(|entry| reader.tool(entry)).collect();
+    let frames =
+        reader.entries(table, "frames").into_iter().filter_map(|entry| reader.frame(entry)).collect();
+    let mut robots: Vec<_> =
+        robots.into_iter().filter_map(|entry| reader.robot(entry, &names, &tools)).collect();
+    plant::introduce(&mut robots);
     if robots.is_empty() && reader.errors.is_empty() {
         let help = "write a table [robots.arm] with the kind of a robot that you will call arm";
         reader.complain(&(0..0), "the cell has no robot".to_owned(), help.to_owned());
@@ -64,7 +74,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let sensors: Vec<_> = reader
         .entries(table, "sensors")
         .into_iter()
-        .filter_map(|entry| reader.sensor(entry, &names))
+        .filter_map(|entry| reader.sensor(entry, &names, step))
         .collect();
     let realtime = table.get("realtime").and_then(|value| reader.realtime(value));
     let names: Vec<_> = sensors.iter().map(|sensor: &SensorEntry| sensor.name.clone()).collect();
@@ -84,6 +94,8 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         realtime,
         robots,
         sensors,
+        frames,
+        tools,
     })
 }
 

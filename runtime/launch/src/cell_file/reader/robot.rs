@@ -2,13 +2,14 @@
 
 use std::rc::Rc;
 
+use mrroc_core::robot::{Load, Tool};
 use mrroc_core::suggestion::suggestion;
 use toml::de::DeTable;
 
 use super::super::entry::{At, Description, RobotEntry};
 use super::{Entry, Reader, Value};
 
-pub(in super::super) const ROBOT_KEYS: [&str; 13] = [
+pub(in super::super) const ROBOT_KEYS: [&str; 20] = [
     "kind",
     "start",
     "homed",
@@ -16,12 +17,19 @@ pub(in super::super) const ROBOT_KEYS: [&str; 13] = [
     "tool",
     "mounted_on",
     "stop_ms",
+    "plant",
+    "inputs",
+    "outputs",
     "file",
     "base_link",
     "tip",
     "acceleration",
     "address",
     "listen",
+    "period_ms",
+    "corrections",
+    "calibration",
+    "coupled",
 ];
 
 impl Reader {
@@ -29,15 +37,19 @@ impl Reader {
         &mut self,
         Entry { name, table }: Entry<'_>,
         robots: &[String],
+        tools: &[(String, Tool)],
     ) -> Option<RobotEntry> {
         self.known(table, &ROBOT_KEYS, "a robot has");
         let start =
             table.get("start").and_then(|value| self.numbers(value, "a list of joint positions [rad or m]"));
         let homed = table.get("homed").and_then(|value| self.truth(value, "true or false"));
         let base = table.get("base").and_then(|value| self.pose(value));
-        let tool = table.get("tool").and_then(|value| self.pose(value));
+        let tool = table.get("tool").and_then(|value| self.tool_of_robot(value, tools));
+        let inputs = table.get("inputs").map_or_else(Vec::new, |value| self.inputs(value));
+        let outputs = table.get("outputs").map_or_else(Vec::new, |value| self.outputs(value));
         let mounted_on = table.get("mounted_on").and_then(|value| self.carrier(value, &name.value, robots));
         let stop_time = table.get("stop_ms").and_then(|value| self.duration(value));
+        let plant = table.get("plant").and_then(|value| self.plant(value, &name.value));
         let description = self.description(table);
         let Some(kind) = table.get("kind") else {
             let what = format!("robot `{}` has no `kind`", name.value);
@@ -47,7 +59,38 @@ impl Reader {
         let text = self.text(kind, "the name of a kind of robot, in quotes")?.to_owned();
         let kind = At { value: text, span: kind.span() };
         let source = Rc::clone(&self.source);
-        Some(RobotEntry { source, name, kind, start, homed, base, tool, mounted_on, stop_time, description })
+        Some(RobotEntry {
+            source,
+            name,
+            kind,
+            start,
+            homed,
+            base,
+            tool,
+            mounted_on,
+            stop_time,
+            inputs,
+            outputs,
+            plant,
+            description,
+        })
+    }
+
+    /// Reads the tool at the start: a pose, or the name of one of the cell's tools.
+    fn tool_of_robot(&mut self, value: &Value<'_>, tools: &[(String, Tool)]) -> Option<Tool> {
+        let Some(name) = value.get_ref().as_str() else {
+            return self.pose(value).map(|frame| Tool { frame, load: Load::NONE });
+        };
+        let found = tools.iter().find(|(known, _)| known == name);
+        if found.is_none() {
+            let names: Vec<_> = tools.iter().map(|(name, _)| name).collect();
+            let help = match names.is_empty() {
+                true => format!("write a table [tools.{name}], or a pose"),
+                false => suggestion(name, &names, "the cell has"),
+            };
+            self.complain(&value.span(), format!("no tool `{name}`"), help);
+        }
+        found.map(|(_, tool)| *tool)
     }
 
     /// Reads the name of the robot on which `robot` is mounted.
@@ -79,9 +122,27 @@ impl Reader {
         let tip = text("tip", "the name of a link, in quotes");
         let address = text("address", "the address of a controller, in quotes");
         let listen = text("listen", "an address of this machine and a port, in quotes");
+        let corrections = text("corrections", "a word, in quotes");
+        let calibration = text("calibration", "the name of a file, in quotes");
         let acceleration = table
             .get("acceleration")
             .and_then(|value| self.numbers(value, "a list of accelerations [rad/s² or m/s²]"));
-        Description { file, base_link, tip, acceleration, address, listen, asked: Rc::default() }
+        let coupled = table.get("coupled").and_then(|value| self.truth(value, "true or false"));
+        let period = table
+            .get("period_ms")
+            .and_then(|value| Some(At { value: self.duration(value)?, span: value.span() }));
+        Description {
+            file,
+            base_link,
+            tip,
+            acceleration,
+            address,
+            listen,
+            period,
+            corrections,
+            calibration,
+            coupled,
+            asked: Rc::default(),
+        }
     }
 }

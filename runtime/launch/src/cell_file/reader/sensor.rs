@@ -1,13 +1,16 @@
 //! Entries `[sensors.NAME]`.
 
+use core::time::Duration;
+
 use mrroc_core::sensor::VspMode;
 use mrroc_core::suggestion::suggestion;
 
 use super::super::entry::SensorEntry;
+use super::external::Around;
 use super::{Entry, Reader};
 
-pub(in super::super) const SENSOR_KEYS: [&str; 7] =
-    ["of", "readers", "mode", "period_ms", "latency_ms", "every", "stale_after_ms"];
+pub(in super::super) const SENSOR_KEYS: [&str; 8] =
+    ["of", "readers", "mode", "period_ms", "latency_ms", "every", "stale_after_ms", "external"];
 const MODES: [&str; 3] = ["interactive", "with delay", "free running"];
 
 impl Reader {
@@ -15,6 +18,7 @@ impl Reader {
         &mut self,
         Entry { name, table }: Entry<'_>,
         robots: &[String],
+        step: Duration,
     ) -> Option<SensorEntry> {
         self.known(table, &SENSOR_KEYS, "a sensor has");
         let of = table.get("of").and_then(|value| {
@@ -66,7 +70,14 @@ impl Reader {
             ("with delay", None) => VspMode::WithDelay,
             (_, None) => VspMode::Interactive,
         };
+        let external = match table.get("external") {
+            Some(value) => {
+                let around = Around { name: &name, mode, stale_after, step };
+                Some(self.external(value, &around)?)
+            }
+            None => None,
+        };
         let latency = latency.unwrap_or_default();
-        Some(SensorEntry { name: name.value, of, readers, every, stale_after, mode, latency })
+        Some(SensorEntry { name: name.value, of, readers, every, stale_after, mode, latency, external })
     }
 }

@@ -13,6 +13,9 @@ use super::{Reader, Value};
 
 pub(in super::super) const POSE_KEYS: [&str; 2] = ["position", "zyz"];
 
+/// How a pose is written.
+const POSE: &str = "{ position = [x, y, z], zyz = [a, b, c] } [m, rad]";
+
 impl Reader {
     /// Reports the keys that are not known.
     pub(super) fn known(&mut self, table: &DeTable<'_>, keys: &[&str], owner_has: &str) {
@@ -71,7 +74,8 @@ impl Reader {
     ) -> Option<usize> {
         let found = range.into_iter().find(|&whole| whole as f64 == number.value);
         if found.is_none() {
-            self.complain(&number.span, format!("{} is not", number.value), format!("write {expected}"));
+            let what = if number.value.fract() == 0.0 { "out of range" } else { "not a whole number" };
+            self.complain(&number.span, format!("{} is {what}", number.value), format!("write {expected}"));
         }
         found
     }
@@ -129,12 +133,16 @@ impl Reader {
 
     /// Reads `{ position = [x, y, z], zyz = [a, b, c] }` [m, rad]; each is zero by default.
     pub(super) fn pose(&mut self, value: &Value<'_>) -> Option<Pose> {
-        const FORM: &str = "{ position = [x, y, z], zyz = [a, b, c] } [m, rad]";
         let DeValue::Table(table) = value.get_ref() else {
-            self.wrong_type(value, FORM);
+            self.wrong_type(value, POSE);
             return None;
         };
         self.known(table, &POSE_KEYS, "a pose has");
+        self.pose_of(table)
+    }
+
+    /// Reads `position` and `zyz` of a table; each is zero by default.
+    pub(super) fn pose_of(&mut self, table: &DeTable<'_>) -> Option<Pose> {
         let mut three = |key: &str| {
             let Some(value) = table.get(key) else { return Some([0.0; 3]) };
             let numbers = self.numbers(value, "three numbers")?;
@@ -142,7 +150,7 @@ impl Reader {
                 return Some([x.value, y.value, z.value]);
             }
             let what = format!("`{key}` has {} numbers", numbers.value.len());
-            self.complain(&numbers.span, what, format!("write three: {FORM}"));
+            self.complain(&numbers.span, what, format!("write three: {POSE}"));
             None
         };
         let ([x, y, z], [alpha, beta, gamma]) = (three("position")?, three("zyz")?);

@@ -128,6 +128,27 @@ fn fault_06_a_path_of_nine_tenths_goes_on_after_any_demands_that_were_missing() 
     assert!(farthest > 0.5, "{farthest} {longest}");
 }
 
+/// A path of nine tenths leaves a tenth to come back with: less than what a machine costs that is late in every third step.
+#[test]
+fn fault_06_a_robot_that_never_comes_back_because_demands_are_late_again_and_again_says_so() {
+    let path = Trapezoid { v: 0.9, a: 9.0, cruise: 0.05 };
+    let mut acceptor = acceptor(Turntable::new());
+    let refused = (1..100).find_map(|step| {
+        if step % 3 == 0 {
+            acceptor.extrapolate(T);
+            return None;
+        }
+        let dt = if step % 3 == 1 && step > 1 { 2.0 * T } else { T };
+        acceptor.accept(&Demand::joints(path.at(f64::from(step) * T)), dt, T).err()
+    });
+    let refused = refused.expect("it falls behind while the path accelerates");
+    assert_eq!((refused.kind(), refused.message()), (FaultKind::DemandedAcceleration, "after late demands"));
+    // A jump of a program that is in step says nothing of late demands.
+    let mut punctual = super::acceptor(Turntable::new());
+    let jump = punctual.accept(&Demand::joints(Two::new(0.1, 0.0)), T, T).expect_err("a jump");
+    assert!(!jump.message().contains("late"), "{jump}");
+}
+
 #[test]
 fn fault_06_a_path_whose_acceleration_changes_goes_on_after_any_demands_that_were_missing() {
     // Its acceleration is 10/√3 length/duration² at most: nine tenths of the limit.

@@ -1,0 +1,101 @@
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::*;
+use crate::model::fault::Role;
+use crate::model::name::Name;
+
+type Log = Rc<RefCell<Vec<&'static str>>>;
+
+fn process(name: &str) -> ProcessId {
+    ProcessId::new(Role::Ecp, Name::new(name).expect("a name"))
+}
+
+/// Asks, and waits for the reply; whether it came.
+fn ask(client: &dyn Client, host: &Host<'_>) -> bool {
+    client.send(&Message::empty());
+    let mut reply = Message::empty();
+    while !client.receive(&mut reply) {
+        if host.waiter.wait_for_reply(client, None).is_err() {
+            return false;
+        }
+    }
+    true
+}
+
+/// Waits for a request; whether it came.
+fn is_asked(server: &dyn Server, host: &Host<'_>) -> bool {
+    let mut request = Message::empty();
+    while !server.receive(&mut request) {
+        if host.waiter.wait(None).is_err() {
+            return false;
+        }
+    }
+    true
+}
+
+/// Runs a master that asks two controllers at once and waits for the second one first. Each controller asks a driver of its
+/// own, which does `drive`. Who ran, one after another, in a cell whose processes were made in this order.
+fn run(names: [&'static str; 5], drive: fn()) -> (Log, std::thread::Result<Result<Nanos, Stuck>>) {
+    let log = Log::default();
+    let mut scheduler = Scheduler::new();
+    let places = names.map(|name| (name, scheduler.place(process(name))));
+    let place = |wanted: &str| places.iter().find(|(name, _)| *name == wanted).expect("made").1;
+    let mut clients = Vec::new();
+    for (controller, driver) in [("c1", "d1"), ("c2", "d2")] {
+        let (client, asked) = scheduler.port(place("m"), place(controller));
+        clients.push(client);
+        let (drives, server) = scheduler.port(place(controller), place(driver));
+        let shown = Rc::clone(&log);
+        let control = move |host: Host<'_>| {
+            if is_asked(&*asked, &host) {
+                shown.borrow_mut().push(controller);
+                let outcome = if ask(&*drives, &host) { controller } else { "closed" };
+                shown.borrow_mut().push(outcome);
+                asked.reply(&Message::empty());
+            }
+        };
+        scheduler.body(place(controller), Box::new(control)).expect("a stack");
+        let shown = Rc::clone(&log);
+        let serve = move |host: Host<'_>| {
+            if is_asked(&*server, &host) {
+                shown.borrow_mut().push(driver);
+                drive();
+                server.reply(&Message::empty());
+            }
+        };
+        scheduler.body(place(driver), Box::new(serve)).expect("a stack");
+    }
+    let (shown, close) = (Rc::clone(&log), scheduler.closer());
+    let master = move |host: Host<'_>| {
+        clients[0].send(&Message::empty());
+        if ask(&*clients[1], &host) {
+            shown.borrow_mut().push("m");
+        }
+        close();
+    };
+    scheduler.body(place("m"), Box::new(master)).expect("a stack");
+    let outcome = catch_unwind(AssertUnwindSafe(|| scheduler.run()));
+    (log, outcome)
+}
+
+#[test]
+fn of_the_processes_that_can_run_the_one_of_the_lowest_place_does_whoever_waits_for_a_reply() {
+    let (log, outcome) = run(["m", "c1", "d1", "c2", "d2"], || {});
+    assert!(matches!(outcome, Ok(Ok(0))), "{outcome:?}");
+    assert_eq!(*log.borrow(), ["c1", "d1", "c1", "c2", "d2", "c2", "m"]);
+    // The second controller runs while the first one waits, and goes on after it.
+    let (log, outcome) = run(["m", "c1", "c2", "d1", "d2"], || {});
+    assert!(matches!(outcome, Ok(Ok(0))), "{outcome:?}");
+    assert_eq!(*log.borrow(), ["c1", "c2", "d1", "c1", "d2", "c2", "m"]);
+    let (log, _) = run(["d2", "d1", "c2", "c1", "m"], || {});
+    assert_eq!(*log.borrow(), ["c2", "d2", "c2", "c1", "d1", "c1", "m"]);
+}
+
+#[test]
+fn a_panic_that_a_process_does_not_catch_is_not_that_of_the_process_that_waits_for_it() {
+    let (log, outcome) = run(["m", "c1", "d1", "c2", "d2"], || panic!("a bug of a driver"));
+    let panic = outcome.expect_err("the panic ends the run");
+    assert_eq!(panic.downcast_ref::<&str>(), Some(&"a bug of a driver"));
+    // The controller is told that the cell closes.
+    assert!(log.borrow().starts_with(&["c1", "d1", "closed"]), "{log:?}");
+}

@@ -1,0 +1,76 @@
+//! `calibration ROBOT`, `export-urdf ROBOT` and `external NAME`: print what a part of the cell tells of itself.
+//!
+//! In: a cell, and the name of one of its robots or sensors. Out: the text of the file that the robot's entry names as
+//! `calibration`, a URDF, or a Python module.
+
+use std::process::ExitCode;
+
+use mrroc_core::cell::{AnyRobot, Cell};
+use mrroc_core::console::{refused, say};
+use mrroc_core::suggestion::suggestion;
+
+use super::external;
+
+/// What a part of the cell is asked for instead of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// Its calibration, of its controller.
+    Calibration,
+    /// Itself as a URDF.
+    Urdf,
+    /// The Python module of the program that sends its readings, or simulates it.
+    Python,
+}
+
+impl Asked {
+    /// What the first word of a command line asks for.
+    pub fn of(word: &str) -> Option<Asked> {
+        match word {
+            "calibration" => Some(Asked::Calibration),
+            "export-urdf" => Some(Asked::Urdf),
+            "external" => Some(Asked::Python),
+            _ => None,
+        }
+    }
+}
+
+/// Prints what the robot, or the sensor, of this name tells. Nothing moves.
+pub(super) fn tell(cell: &mut Cell, name: &str, asked: Asked) -> ExitCode {
+    match asked {
+        Asked::Python => external::tell(cell, name),
+        Asked::Calibration => of_robot(cell, name, calibration),
+        Asked::Urdf => of_robot(cell, name, urdf),
+    }
+}
+
+fn of_robot(cell: &mut Cell, name: &str, tell: fn(&mut dyn AnyRobot) -> ExitCode) -> ExitCode {
+    let names: Vec<String> = cell.robots_mut().map(|robot| robot.name().to_owned()).collect();
+    if let Some(robot) = cell.robots_mut().find(|robot| robot.name() == name) {
+        return tell(robot);
+    }
+    let known: Vec<&str> = names.iter().map(String::as_str).collect();
+    refused(&format!("no robot `{name}`\n help: {}", suggestion(name, &known, "the cell has")))
+}
+
+fn calibration(robot: &mut dyn AnyRobot) -> ExitCode {
+    let told = robot.calibration();
+    let name = robot.name();
+    match told {
+        Ok(Some(text)) => say(&text),
+        Ok(None) => refused(&format!(
+            "the drives of robot `{name}` tell no calibration\n help: leave `calibration` out of its table in cell.toml"
+        )),
+        Err(fault) => refused(&format!("robot `{name}`: {fault}")),
+    }
+}
+
+fn urdf(robot: &mut dyn AnyRobot) -> ExitCode {
+    match robot.urdf() {
+        Some(text) => say(&text),
+        None => refused(&format!(
+            "robot `{}`, a {}, gives no URDF\n help: a model in Rust gives one by `Robot::urdf`",
+            robot.name(),
+            robot.kind_name()
+        )),
+    }
+}
