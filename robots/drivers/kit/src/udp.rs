@@ -7,7 +7,7 @@ use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// The most bytes that a datagram of a robot may have: more would be split on the way.
 pub const MAX_DATAGRAM: usize = 1472;
@@ -17,6 +17,9 @@ const WAITING: usize = 16;
 
 /// How long the receiving thread sleeps at most, which is how long [`Guest`] takes to end.
 const NAP: Duration = Duration::from_millis(50);
+
+/// A datagram that would have waited for longer came before the clock was set.
+const LONGEST: Duration = Duration::from_secs(1);
 
 /// A datagram of the robot.
 #[derive(Clone, Debug)]
@@ -167,13 +170,37 @@ impl Drop for Guest {
     }
 }
 
+/// How long the datagram that was received last has waited for this thread, by the kernel, which notes when it came in. Zero where
+/// it does not.
+#[cfg(target_os = "linux")]
+fn waited(socket: &UdpSocket) -> Duration {
+    use std::os::fd::AsRawFd;
+
+    /// `SIOCGSTAMPNS` of Linux, which turns the notes on when it is asked first.
+    const STAMP: libc::Ioctl = 0x8907;
+    let mut stamp = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: the socket is open, and this request writes one `timespec`.
+    let noted = unsafe { libc::ioctl(socket.as_raw_fd(), STAMP, &raw mut stamp) } == 0;
+    let came = Duration::new(stamp.tv_sec.max(0).cast_unsigned(), stamp.tv_nsec as u32);
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    // The clock may have been set in between.
+    let waited = now.saturating_sub(came);
+    if noted && waited <= LONGEST { waited } else { Duration::ZERO }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn waited(_: &UdpSocket) -> Duration {
+    Duration::ZERO
+}
+
 fn receive(socket: &UdpSocket, robot: IpAddr, mut sender: rtrb::Producer<Datagram>, counters: &Counters) {
     // One byte more than may be, to see what is too long.
     let mut buffer = [0; MAX_DATAGRAM + 1];
     while !counters.ends.load(Ordering::Acquire) {
         // A nap that is over, or an answer that nobody took: the robot is not there yet.
         let Ok((len, from)) = socket.recv_from(&mut buffer) else { continue };
-        let came = Instant::now();
+        let now = Instant::now();
+        let came = now.checked_sub(waited(socket)).unwrap_or(now);
         let count = |counter: &AtomicU64| counter.fetch_add(1, Ordering::Relaxed);
         if from.ip() != robot {
             count(&counters.of_others);
@@ -200,6 +227,28 @@ mod tests {
             }
             std::thread::sleep(Duration::from_millis(1));
         }
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_datagram_is_as_old_as_it_has_been_on_this_machine_and_not_in_this_program() {
+        let robot = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+        let here = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+        let to = here.local_addr().expect("bound");
+        let mut buffer = [0; 8];
+        // The first time turns the kernel's notes on, which it does when it has time for it.
+        for _ in 0..50 {
+            let before = Instant::now();
+            robot.send_to(b"here", to).expect("sent");
+            std::thread::sleep(Duration::from_millis(20));
+            here.recv_from(&mut buffer).expect("received");
+            let waited = waited(&here);
+            assert!(waited <= before.elapsed(), "{waited:?}");
+            if waited >= Duration::from_millis(19) {
+                return;
+            }
+        }
+        panic!("the kernel notes no times");
     }
 
     #[test]

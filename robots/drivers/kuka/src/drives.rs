@@ -8,21 +8,35 @@
     reason = "before the cell runs, and after it was stopped, the controller is waited for"
 )]
 
+#[cfg(test)]
+mod tests;
+
 use core::time::Duration;
 use std::net::{IpAddr, SocketAddr};
 use std::time::Instant;
 
-use mrroc::robot::{DriveFault, Driver, Measured, Pace, Pulse, Robot};
+use mrroc::robot::{
+    Channels, DriveFault, Driver, Load, Measured, Outputs, Pace, Pulse, Robot, RobotStop, Signals, StopCause,
+};
 use mrroc_driver_kit::{Counted, Datagram, Guest};
 use nalgebra::SVector;
 
+use crate::corrections::{Corrections, Counts, Sum};
 use crate::message::{AXES, FromController, ToController};
+use crate::words::{self, Words};
 
 /// Joint positions [rad].
 type Joints = SVector<f64, AXES>;
 
 /// Periods for which the controller may say nothing: as many as its own `Timeout` usually allows to be late.
 const SILENCE: u32 = 100;
+
+/// Answers in a row that the controller may not take, as far as it counts them, before that is told: half of what its own `Timeout`
+/// usually allows.
+const REFUSED: u64 = 50;
+
+/// How often it is tried to find out when the controller counts a late answer: it may be late by itself meanwhile.
+const TRIALS: u32 = 10;
 
 /// How long to wait for the first message, when the drives are opened.
 const FIRST: Duration = Duration::from_secs(2);
@@ -39,13 +53,21 @@ pub struct RsiSettings {
     pub sensor: String,
     /// The controller's period, 4 ms by default, or 12.
     pub period: Duration,
+    /// What corrections count from: [`Corrections::Absolute`] by default.
+    pub corrections: Corrections,
 }
 
 impl RsiSettings {
     /// With the defaults.
     #[must_use]
     pub fn new(listen: SocketAddr, robot: IpAddr) -> RsiSettings {
-        RsiSettings { listen, robot, sensor: "ImFree".to_owned(), period: Duration::from_millis(4) }
+        RsiSettings {
+            listen,
+            robot,
+            sensor: "ImFree".to_owned(),
+            period: Duration::from_millis(4),
+            corrections: Corrections::Absolute,
+        }
     }
 }
 
@@ -53,6 +75,9 @@ impl RsiSettings {
 #[derive(Debug)]
 pub struct Rsi {
     settings: RsiSettings,
+    words: Words,
+    /// It was to be told what the arm carries.
+    is_loaded: bool,
     link: Option<Link>,
 }
 
@@ -60,10 +85,12 @@ pub struct Rsi {
 #[derive(Debug)]
 struct Link {
     guest: Guest,
-    /// Where the axes were when the interface was switched on, against which it counts corrections \[deg\].
+    /// Where the axes were when the interface was switched on, against which demands are counted \[deg\].
     start: [f64; AXES],
-    /// The corrections that the controller was told last \[deg\].
-    told: [f64; AXES],
+    /// What the controller was told.
+    sum: Sum,
+    /// Answers in a row that it has not taken.
+    refused: u64,
     /// The controller's last message, and when it was read.
     said: FromController,
     read: Instant,
@@ -73,13 +100,15 @@ struct Link {
     /// not break off.
     is_idle: bool,
     measured: Measured<Joints>,
+    /// The position that was demanded last.
+    demanded: Option<Joints>,
 }
 
 impl Rsi {
     /// Drives that connect to nothing before they are opened.
     #[must_use]
     pub fn new(settings: RsiSettings) -> Rsi {
-        Rsi { settings, link: None }
+        Rsi { settings, words: Words::default(), is_loaded: false, link: None }
     }
 
     /// What was not taken of what came to this port; `None` while it is closed.
@@ -98,17 +127,42 @@ impl Rsi {
 }
 
 const CLOSED: DriveFault = DriveFault::Other("the controller is not connected");
-const SILENT: DriveFault =
-    DriveFault::Other("the controller sends nothing: start its program with RSI at the pendant, then reset");
-const ANEW: DriveFault = DriveFault::Other(
-    "the controller's program was started anew: reset, and the motion begins where the robot is",
+const SILENT: DriveFault = DriveFault::Stopped(
+    RobotStop::new(StopCause::ProgramNotRunning).named("the controller sends nothing").at_pendant(),
 );
+const NOT_TAKEN: DriveFault = DriveFault::Stopped(
+    RobotStop::new(StopCause::CommunicationLost)
+        .named("it takes no answers: they are late, or its SENTYPE differs"),
+);
+const NO_DELAY: DriveFault =
+    DriveFault::Other("relative corrections need its count of late answers: let it send DEF_Delay");
+const NO_COUNT: DriveFault = DriveFault::Other(
+    "relative corrections need its count of late answers, and it does not count one that is left out: write corrections = \"absolute\"",
+);
+const LOADED: DriveFault = DriveFault::Other(
+    "a KUKA arm is told no load by its Robot Sensor Interface: set the load data of its tools at the pendant, and say none here",
+);
+const ANEW: DriveFault =
+    DriveFault::Stopped(RobotStop::new(StopCause::ProgramNotRunning).named("it was started anew"));
+
+/// The next message of the controller.
+fn next(guest: &mut Guest, until: Instant) -> Option<(FromController, Datagram)> {
+    while Instant::now() < until {
+        let datagram = guest.newest();
+        let said = datagram.as_ref().and_then(|datagram| FromController::read(datagram.bytes()));
+        if let (Some(said), Some(datagram)) = (said, datagram) {
+            return Some((said, datagram));
+        }
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    None
+}
 
 impl Link {
     /// Answers the message that is to be answered, with what was told last.
-    fn answer(&mut self, sensor: &str) -> Result<(), DriveFault> {
+    fn answer(&mut self, sensor: &str, outputs: Option<u16>) -> Result<(), DriveFault> {
         let Some(datagram) = self.unanswered.take() else { return Ok(()) };
-        let answer = ToController::corrections(sensor, self.said.ipoc, &self.told);
+        let answer = ToController::corrections(sensor, self.said.ipoc, &self.sum.next(), outputs);
         let answer = answer.map_err(|_| DriveFault::Other("the name of the sensor is too long"))?;
         let sent = self.guest.answer(&datagram, answer.bytes());
         sent.map_err(|_| DriveFault::Other("the network takes nothing: is the cable plugged in?"))
@@ -116,7 +170,12 @@ impl Link {
 
     /// Takes over what the controller says.
     fn hear(&mut self, said: FromController, datagram: Datagram, period: Duration) {
-        let periods = said.ipoc.saturating_sub(self.said.ipoc) as f64 / (period.as_secs_f64() * 1e3);
+        let passed = said.ipoc.saturating_sub(self.said.ipoc);
+        let counted = said.late.unwrap_or(0).saturating_sub(self.said.late.unwrap_or(0));
+        let whole = passed / millis(period);
+        self.sum.settle(said.ipoc / millis(period), said.late.unwrap_or(0));
+        self.refused = if whole > 0 && counted >= whole { self.refused + whole } else { 0 };
+        let periods = passed as f64 / (period.as_secs_f64() * 1e3);
         let position = radians(&said.axes);
         let velocity = match periods > 0.0 {
             true => (position - self.measured.position) / (periods * period.as_secs_f64()),
@@ -126,13 +185,60 @@ impl Link {
         (self.said, self.read, self.unanswered) = (said, Instant::now(), Some(datagram));
     }
 
+    /// When the controller counts a late answer: one of its messages is left unanswered, while nothing moves.
+    fn find_out(
+        &mut self,
+        period: Duration,
+        sensor: &str,
+        outputs: Option<u16>,
+    ) -> Result<Counts, DriveFault> {
+        let until = Instant::now() + FIRST;
+        // Whether the message is the next one, and how many answers are late by it.
+        let next_one = |link: &mut Link, answers: bool| -> Result<Option<u64>, DriveFault> {
+            let (said, datagram) = next(&mut link.guest, until).ok_or(SILENT)?;
+            let is_next = said.ipoc == link.said.ipoc + millis(period);
+            link.hear(said, datagram, period);
+            if answers {
+                link.answer(sensor, outputs)?;
+            }
+            let late = said.late.ok_or(NO_DELAY)?;
+            Ok(is_next.then_some(late))
+        };
+        for _ in 0..TRIALS {
+            let before = next_one(self, true)?;
+            let Some(left_out) = next_one(self, false)? else { continue };
+            let at_once = next_one(self, true)?;
+            let later = next_one(self, true)?;
+            // Whatever else was late meanwhile says nothing.
+            if before != Some(left_out) {
+                continue;
+            }
+            match (at_once, later) {
+                (Some(once), Some(twice)) if once == left_out + 1 && twice <= once => {
+                    return Ok(Counts::AtOnce);
+                }
+                (Some(once), Some(twice)) if once == left_out && twice == once + 1 => {
+                    return Ok(Counts::Later);
+                }
+                _ => {}
+            }
+        }
+        Err(NO_COUNT)
+    }
+
     /// The interface was switched on where the robot is now.
-    fn begin(&mut self) {
+    fn begin(&mut self, period: Duration) {
         self.start = self.said.axes;
-        self.told = [0.0; AXES];
+        self.sum.clear(self.said.ipoc / millis(period), self.said.late.unwrap_or(0));
+        self.refused = 0;
         self.measured.velocity = Joints::zeros();
         self.is_idle = true;
     }
+}
+
+/// A period, in the unit of the controller's clock.
+fn millis(period: Duration) -> u64 {
+    (period.as_millis() as u64).max(1)
 }
 
 fn radians(degrees: &[f64; AXES]) -> Joints {
@@ -159,28 +265,32 @@ impl<R: Robot<Joints = Joints>> Driver<R> for Rsi {
         let mut guest =
             guest.map_err(|_| DriveFault::Other("this machine has no such address, or its port is taken"))?;
         let until = Instant::now() + FIRST;
-        while Instant::now() < until {
-            let datagram = guest.newest();
-            let said = datagram.as_ref().and_then(|datagram| FromController::read(datagram.bytes()));
-            if let (Some(said), Some(datagram)) = (said, datagram) {
-                let measured = Measured { position: radians(&said.axes), velocity: Joints::zeros() };
-                let mut link = Link {
-                    guest,
-                    start: said.axes,
-                    told: [0.0; AXES],
-                    said,
-                    read: Instant::now(),
-                    unanswered: Some(datagram),
-                    is_idle: true,
-                    measured,
-                };
-                link.answer(&self.settings.sensor)?;
-                self.link = Some(link);
-                return Ok(());
-            }
-            std::thread::sleep(Duration::from_micros(200));
+        let (said, datagram) = next(&mut guest, until).ok_or(SILENT)?;
+        let measured = Measured { position: radians(&said.axes), velocity: Joints::zeros() };
+        let mut link = Link {
+            guest,
+            start: said.axes,
+            sum: Sum::new(self.settings.corrections, Counts::AtOnce),
+            refused: 0,
+            said,
+            read: Instant::now(),
+            unanswered: Some(datagram),
+            is_idle: true,
+            measured,
+            demanded: None,
+        };
+        self.words.begin(&said)?;
+        let outputs = self.words.word();
+        let (period, sensor) = (self.settings.period, self.settings.sensor.clone());
+        link.begin(period);
+        link.answer(&sensor, outputs)?;
+        if self.settings.corrections == Corrections::Relative {
+            let counts = link.find_out(period, &sensor, outputs)?;
+            link.sum = Sum::new(self.settings.corrections, counts);
+            link.begin(period);
         }
-        Err(SILENT)
+        self.link = Some(link);
+        Ok(())
     }
 
     fn close(&mut self) {
@@ -196,17 +306,27 @@ impl<R: Robot<Joints = Joints>> Driver<R> for Rsi {
         let Some(said) = FromController::read(datagram.bytes()) else { return Ok(None) };
         if said.ipoc < link.said.ipoc {
             link.hear(said, datagram, period);
-            link.begin();
-            link.answer(&self.settings.sensor)?;
+            link.begin(period);
+            self.words.begin(&said)?;
+            link.answer(&self.settings.sensor, self.words.word())?;
             return Err(ANEW);
         }
         let age = datagram.age();
         link.is_idle |= link.unanswered.is_some();
         link.hear(said, datagram, period);
         if link.is_idle {
-            link.answer(&self.settings.sensor)?;
+            link.answer(&self.settings.sensor, self.words.word())?;
         }
-        let count = said.ipoc / (period.as_millis() as u64).max(1);
+        if let Err(fault) = self.words.hear(&said, link.refused == 0) {
+            link.is_idle = true;
+            return Err(fault);
+        }
+        if link.refused >= REFUSED {
+            link.refused = 0;
+            link.is_idle = true;
+            return Err(NOT_TAKEN);
+        }
+        let count = said.ipoc / millis(period);
         Ok(Some(Pulse { count, age }))
     }
 
@@ -217,16 +337,46 @@ impl<R: Robot<Joints = Joints>> Driver<R> for Rsi {
     fn tick(&mut self, demanded: &Joints) -> Result<Measured<Joints>, DriveFault> {
         let sensor = &self.settings.sensor;
         let link = self.link.as_mut().ok_or(CLOSED)?;
-        link.told = core::array::from_fn(|i| demanded[i].to_degrees() - link.start[i]);
+        // It is brought to rest before.
+        let stands = link.demanded.replace(*demanded).is_none_or(|before| before == *demanded);
+        if self.is_loaded && stands {
+            link.is_idle = true;
+            return Err(LOADED);
+        }
+        link.sum.demand(&core::array::from_fn(|i| demanded[i].to_degrees() - link.start[i]));
         link.is_idle = false;
-        link.answer(sensor)?;
+        link.answer(sensor, self.words.word())?;
         Ok(link.measured)
+    }
+
+    fn channels(&self) -> Channels {
+        words::CHANNELS
+    }
+
+    fn signals(&self) -> Signals {
+        self.words.signals()
+    }
+
+    fn switch_outputs(&mut self, told: &Outputs) {
+        self.words.switch(told);
+    }
+
+    fn declare_outputs(&mut self, _: &Outputs, _: &Outputs) {
+        self.words.name();
+    }
+
+    /// The interface has no word for it: a fault, when the arm stands.
+    fn carry(&mut self, _: &Load) {
+        self.is_loaded = true;
     }
 
     fn switch_on(&mut self) -> Result<(), DriveFault> {
         let (period, patience) = (self.settings.period, self.patience());
         let sensor = self.settings.sensor.clone();
+        self.is_loaded = false;
+        let outputs = self.words.word();
         let link = self.link()?;
+        link.demanded = None;
         let silent = link.read.elapsed() > patience;
         let newest = link.guest.newest();
         let said = newest.as_ref().and_then(|datagram| FromController::read(datagram.bytes()));
@@ -237,175 +387,8 @@ impl<R: Robot<Joints = Joints>> Driver<R> for Rsi {
         }
         // After a silence the interface was switched on anew, and counts corrections from where the robot stands.
         if silent {
-            link.begin();
+            link.begin(period);
         }
-        link.answer(&sensor)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use core::sync::atomic::{AtomicBool, Ordering};
-    use std::net::UdpSocket;
-
-    use mrroc::pose::Pose;
-    use mrroc::robot::{Limits, NoInverse};
-
-    use super::*;
-
-    #[derive(Clone)]
-    struct Arm(Limits<Joints>);
-
-    impl Robot for Arm {
-        const KIND: &'static str = "arm";
-        type Joints = Joints;
-        fn limits(&self) -> &Limits<Joints> {
-            &self.0
-        }
-        fn forward(&self, _: &Joints) -> Pose {
-            Pose::identity()
-        }
-        fn inverse(&self, _: &Pose, near: &Joints) -> Result<Joints, NoInverse> {
-            Ok(*near)
-        }
-    }
-
-    /// A controller on loopback, and the drives that it talks to.
-    struct Bench {
-        controller: UdpSocket,
-        drives: Box<dyn Driver<Arm>>,
-        listen: SocketAddr,
-    }
-
-    impl Bench {
-        fn opened() -> Bench {
-            let controller = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-            // A port that was free a moment ago.
-            let listen = UdpSocket::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a port");
-            let robot = controller.local_addr().expect("bound").ip();
-            let mut drives: Box<dyn Driver<Arm>> = Box::new(Rsi::new(RsiSettings::new(listen, robot)));
-            assert!(drives.measured().is_err(), "nothing is open yet");
-            let says = controller.try_clone().expect("the same socket");
-            // It says the same until somebody listens.
-            let done = AtomicBool::new(false);
-            let opened = std::thread::scope(|scope| {
-                scope.spawn(|| {
-                    while !done.load(Ordering::Acquire) {
-                        says.send_to(&said(4000, 10.0), listen).expect("sent");
-                        std::thread::sleep(Duration::from_millis(4));
-                    }
-                });
-                let opened = drives.open();
-                done.store(true, Ordering::Release);
-                opened
-            });
-            opened.expect("the controller speaks");
-            Bench { controller, drives, listen }
-        }
-
-        fn says(&self, ipoc: u64, a1: f64) {
-            self.controller.send_to(&said(ipoc, a1), self.listen).expect("sent");
-        }
-
-        /// The next answer, as text.
-        fn answer(&self) -> String {
-            let mut bytes = [0; 512];
-            let len = self.controller.recv(&mut bytes).expect("an answer");
-            String::from_utf8(bytes[..len].to_vec()).expect("text")
-        }
-
-        fn pulse(&mut self) -> Result<Pulse, DriveFault> {
-            loop {
-                if let Some(pulse) = self.drives.pulse(Duration::ZERO)? {
-                    return Ok(pulse);
-                }
-                std::thread::sleep(Duration::from_micros(100));
-            }
-        }
-    }
-
-    fn said(ipoc: u64, a1: f64) -> Vec<u8> {
-        let axes = r#"A2="-90" A3="90" A4="0" A5="45" A6="0""#;
-        format!(r#"<Rob Type="KUKA"><AIPos A1="{a1}" {axes}/><IPOC>{ipoc}</IPOC></Rob>"#).into_bytes()
-    }
-
-    fn at(a1: f64) -> Joints {
-        radians(&[a1, -90.0, 90.0, 0.0, 45.0, 0.0])
-    }
-
-    #[test]
-    fn every_message_gets_one_answer_with_its_clock_and_corrections_against_the_start() {
-        let mut bench = Bench::opened();
-        assert_eq!(bench.drives.measured().map(|measured| measured.position), Ok(at(10.0)));
-        let first = bench.answer();
-        assert!(first.contains(r#"A1="0.000000""#) && first.contains("<IPOC>4000</IPOC>"), "{first}");
-
-        // What had come while the drives were opened is not what comes now.
-        bench.says(4004, 10.0);
-        while bench.pulse().expect("it goes on").count != 1001 {}
-        bench.drives.tick(&at(10.5)).expect("sent");
-        bench.says(4008, 10.25);
-        assert_eq!(bench.pulse().map(|pulse| pulse.count), Ok(1002));
-        let measured = bench.drives.tick(&at(11.0)).expect("sent");
-        assert_eq!(measured.position, at(10.25));
-        let velocity = 0.25_f64.to_radians() / 4e-3;
-        assert!((measured.velocity[0] - velocity).abs() < 1e-9, "{}", measured.velocity[0]);
-        let mut answer = bench.answer();
-        while !answer.contains("<IPOC>4008</IPOC>") {
-            answer = bench.answer();
-        }
-        assert!(answer.contains(r#"A1="1.000000" A2="0.000000""#), "{answer}");
-
-        // Nobody demands anything: the next message is left unanswered, and from then on the drives hold by themselves.
-        bench.says(4012, 11.0);
-        bench.pulse().expect("it goes on");
-        bench.says(4016, 11.0);
-        bench.pulse().expect("it goes on");
-        let held = bench.answer();
-        assert!(held.contains(r#"A1="1.000000""#) && held.contains("<IPOC>4016</IPOC>"), "{held}");
-    }
-
-    #[test]
-    fn fault_89_a_controller_that_was_started_anew_moves_by_nothing_until_a_reset() {
-        let mut bench = Bench::opened();
-        bench.says(4004, 10.0);
-        while bench.pulse().expect("it goes on").count != 1001 {}
-        bench.drives.tick(&at(20.0)).expect("sent");
-        // Its clock counts from the beginning, and corrections from where it stands.
-        bench.says(8, 20.0);
-        assert_eq!(bench.pulse(), Err(ANEW));
-        let mut answer = bench.answer();
-        while !answer.contains("<IPOC>8</IPOC>") {
-            answer = bench.answer();
-        }
-        assert!(answer.contains(r#"A1="0.000000""#), "{answer}");
-        bench.drives.switch_on().expect("it speaks");
-        bench.says(12, 20.0);
-        assert_eq!(bench.pulse().map(|pulse| pulse.count), Ok(3));
-        bench.drives.tick(&at(20.5)).expect("sent");
-        while !answer.contains("<IPOC>12</IPOC>") {
-            answer = bench.answer();
-        }
-        // Held by the drives, or demanded: the message may have been answered before the tick.
-        bench.says(16, 20.0);
-        bench.pulse().expect("it goes on");
-        bench.drives.tick(&at(20.5)).expect("sent");
-        while !answer.contains("<IPOC>16</IPOC>") {
-            answer = bench.answer();
-        }
-        assert!(answer.contains(r#"A1="0.500000""#), "{answer}");
-    }
-
-    #[test]
-    fn fault_89_what_is_no_message_of_the_controller_is_not_answered() {
-        let mut bench = Bench::opened();
-        bench.says(4004, 10.0);
-        while bench.pulse().expect("it goes on").count != 1001 {}
-        let stranger = UdpSocket::bind("127.0.0.2:0").expect("a socket");
-        stranger.send_to(&said(4008, 90.0), bench.listen).expect("sent");
-        bench.controller.send_to(b"<Rob Type=\"KUKA\"><IPOC>4008</IPOC></Rob>", bench.listen).expect("sent");
-        bench.says(4012, 10.0);
-        while bench.pulse().expect("it goes on").count != 1003 {}
-        assert_eq!(bench.drives.measured().map(|measured| measured.position), Ok(at(10.0)));
+        link.answer(&sensor, outputs)
     }
 }

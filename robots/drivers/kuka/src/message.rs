@@ -18,19 +18,24 @@ pub struct FromController {
     pub axes: [f64; AXES],
     /// Answers so far that came too late or could not be read, if it says so.
     pub late: Option<u64>,
+    /// Its word of digital inputs, `DiL`, if it says so.
+    pub inputs: Option<u16>,
+    /// Its word of digital outputs, `DoutW`, if it says so.
+    pub outputs: Option<u16>,
 }
 
 impl FromController {
-    /// Reads a message: the elements `AIPos`, `IPOC` and, where it is there, `Delay`.
+    /// Reads a message: the elements `AIPos`, `IPOC` and, where they are there, `Delay`, `DiL` and `DoutW`.
     ///
     /// `None` if it is no such message, or a number in it is none.
     ///
     /// ```
     /// use mrroc_kuka::FromController;
     ///
-    /// let text = br#"<Rob Type="KUKA"><AIPos A1="0.5" A2="-90" A3="90" A4="0" A5="45" A6="-1e-3"/><Delay D="2"/><IPOC>123460</IPOC></Rob>"#;
+    /// let text = br#"<Rob Type="KUKA"><AIPos A1="0.5" A2="-90" A3="90" A4="0" A5="45" A6="-1e-3"/><Delay D="2"/><DiL>5</DiL><IPOC>123460</IPOC></Rob>"#;
     /// let said = FromController::read(text).expect("a message");
     /// assert_eq!((said.ipoc, said.axes[0], said.late), (123_460, 0.5, Some(2)));
+    /// assert_eq!((said.inputs, said.outputs), (Some(5), None));
     /// ```
     #[must_use]
     pub fn read(bytes: &[u8]) -> Option<FromController> {
@@ -49,7 +54,20 @@ impl FromController {
                 .filter(|a: &f64| a.is_finite())?;
         }
         let late = element(text, "Delay").and_then(|delay| attribute(delay, "D")?.parse().ok());
-        Some(FromController { ipoc: ipoc.trim().parse().ok()?, axes, late })
+        let [inputs, outputs] = ["DiL", "DoutW"].map(|name| word(text, name));
+        Some(FromController { ipoc: ipoc.trim().parse().ok()?, axes, late, inputs, outputs })
+    }
+}
+
+/// The word of 16 bits in the element of this name, of 32 bits with a sign as XML has it.
+fn word(text: &str, name: &str) -> Option<u16> {
+    let mut rest = text;
+    loop {
+        rest = rest.split_once('<')?.1;
+        if let Some(after) = rest.strip_prefix(name).and_then(|after| after.strip_prefix('>')) {
+            let number: i32 = after.split_once('<')?.0.trim().parse().ok()?;
+            return Some(number as u16);
+        }
     }
 }
 
@@ -90,18 +108,28 @@ pub struct ToController {
 
 impl ToController {
     /// Corrections of the axes \[deg\], against where they were when the interface was switched on, for the period of
-    /// this clock. `sensor` is the name that the controller's configuration gives this end, its `SENTYPE`.
+    /// this clock, and its word of digital outputs, `DiO`, where that is to be told. `sensor` is the name that the controller's configuration
+    /// gives this end, its `SENTYPE`.
     ///
     /// # Errors
     /// The name has no room.
-    pub fn corrections(sensor: &str, ipoc: u64, axes: &[f64; AXES]) -> Result<ToController, fmt::Error> {
+    pub fn corrections(
+        sensor: &str,
+        ipoc: u64,
+        axes: &[f64; AXES],
+        outputs: Option<u16>,
+    ) -> Result<ToController, fmt::Error> {
         let mut answer = ToController { bytes: [0; 512], len: 0 };
         write!(answer, r#"<Sen Type="{sensor}"><AKorr"#)?;
         for (i, axis) in axes.iter().enumerate() {
             // A millionth of a degree is below the resolution of any axis.
             write!(answer, r#" A{}="{axis:.6}""#, i + 1)?;
         }
-        write!(answer, "/><IPOC>{ipoc}</IPOC></Sen>")?;
+        answer.write_str("/>")?;
+        if let Some(outputs) = outputs {
+            write!(answer, "<DiO>{outputs}</DiO>")?;
+        }
+        write!(answer, "<IPOC>{ipoc}</IPOC></Sen>")?;
         Ok(answer)
     }
 
@@ -130,7 +158,17 @@ mod tests {
         let text = "<Rob Type='KUKA'>\n <RIst X=\"1\" A=\"7\"/><IPOC> 42 </IPOC><AIPosOld A1=\"9\"/>\
                     <AIPos\tA6=\"6.5\" A5 = '5' A4=\"4\" A3=\"3\" A2=\"2\" A1=\"-1.25\"></AIPos></Rob>";
         let said = FromController::read(text.as_bytes()).expect("a message");
-        assert_eq!(said, FromController { ipoc: 42, axes: [-1.25, 2.0, 3.0, 4.0, 5.0, 6.5], late: None });
+        let axes = [-1.25, 2.0, 3.0, 4.0, 5.0, 6.5];
+        assert_eq!(said, FromController { ipoc: 42, axes, late: None, inputs: None, outputs: None });
+        let words = |words: &str| {
+            let text = String::from_utf8_lossy(text.as_bytes()).replace("<IPOC>", &format!("{words}<IPOC>"));
+            let said = FromController::read(text.as_bytes()).expect("a message");
+            (said.inputs, said.outputs)
+        };
+        assert_eq!(words("<DiL> 65535 </DiL>\n<DoutW>3</DoutW>"), (Some(0xffff), Some(3)));
+        // A LONG has a sign.
+        assert_eq!(words("<DoutW>-32768</DoutW><DiLed>1</DiLed>"), (None, Some(0x8000)));
+        assert_eq!(words("<DiL>on</DiL><DoutW></DoutW>"), (None, None));
     }
 
     #[test]
@@ -156,9 +194,12 @@ mod tests {
     #[test]
     fn an_answer_has_the_controllers_clock_and_a_name_that_is_too_long_is_refused() {
         let axes = [0.5, -0.000_001_4, 0.0, 12.0, -170.123_456_7, 1e-9];
-        let answer = ToController::corrections("ImFree", 123_464, &axes).expect("room");
+        let answer = ToController::corrections("ImFree", 123_464, &axes, None).expect("room");
         let expected = r#"<Sen Type="ImFree"><AKorr A1="0.500000" A2="-0.000001" A3="0.000000" A4="12.000000" A5="-170.123457" A6="0.000000"/><IPOC>123464</IPOC></Sen>"#;
         assert_eq!(str::from_utf8(answer.bytes()), Ok(expected));
-        assert!(ToController::corrections(&"x".repeat(500), 1, &axes).is_err());
+        let switching = ToController::corrections("ImFree", 123_464, &axes, Some(0x8001)).expect("room");
+        let expected = expected.replace("<IPOC>", "<DiO>32769</DiO><IPOC>");
+        assert_eq!(str::from_utf8(switching.bytes()), Ok(expected.as_str()));
+        assert!(ToController::corrections(&"x".repeat(500), 1, &axes, None).is_err());
     }
 }
