@@ -19,7 +19,7 @@ const CALLS: u32 = 1_000;
 const MEASUREMENTS: u32 = 300;
 
 fn view(name: &str, joints: [f64; 8]) -> RobotView {
-    let state = EffectorState { joints, velocity: [0.05; 8], pose: Pose::identity() };
+    let state = EffectorState { joints, velocity: [0.05; 8], pose: Pose::identity(), wrench: None };
     RobotView { name: Name::new(name).expect("a plain name"), measured: state, demanded: state }
 }
 

@@ -3,8 +3,9 @@
 
 #![expect(clippy::disallowed_methods, reason = "a benchmark measures")]
 
+mod stopwatch;
+
 use std::hint::black_box;
-use std::time::Instant;
 
 use mrroc::robot::Driver;
 use mrroc_robots::{
@@ -17,15 +18,8 @@ const CALLS: u32 = 5_000;
 /// Measurements, of which the best counts.
 const MEASUREMENTS: u32 = 300;
 
-/// Nanoseconds of one call: the best of the means.
-fn time(mut call: impl FnMut(u32)) -> f64 {
-    let mut best = f64::INFINITY;
-    for _ in 0..MEASUREMENTS {
-        let start = Instant::now();
-        (0..CALLS).for_each(&mut call);
-        best = best.min(start.elapsed().as_secs_f64() / f64::from(CALLS));
-    }
-    best * 1e9
+fn time(call: impl FnMut(u32)) -> f64 {
+    stopwatch::best_mean(MEASUREMENTS, CALLS, call)
 }
 
 /// Prints a line per operation of one robot around the joints `start`.

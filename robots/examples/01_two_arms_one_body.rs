@@ -5,7 +5,8 @@
 use std::time::Duration;
 
 use mrroc::prelude::*;
-use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World, WristForce};
+use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World};
+use mrroc_robots::sensors::WristForce;
 use mrroc_robots::{Polycrank, Seven, Simulated};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 

@@ -1,19 +1,23 @@
 //! The kinds of robots that a `cell.toml` may name, simulated.
 
 use core::f64::consts::PI;
+use core::time::Duration;
 use std::path::{Path, PathBuf};
 
 use mrroc::fault::Excess;
 use mrroc::prelude::*;
-use mrroc::robot::CoupledLimit;
+use mrroc::robot::{CoupledLimit, IdealDrives};
 use mrroc_launch::cell_file::{AnySetup, EntryKey, Kinds, RobotEntry};
 use nalgebra::SVector;
 
 use crate::models::{
-    Conveyor, Driven, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Serial,
-    UrdfError, UrdfText,
+    Conveyor, Driven, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Kinematics, NoJoints, One, Polycrank,
+    Rnt, Serial, UrdfError, UrdfText,
 };
 use crate::simulation::{Simulated, Unhomed};
+
+/// The servo period of a device without joints.
+const BLOCK: Duration = Duration::from_millis(2);
 
 /// The robots of this crate, each simulated from the joint positions that the cell file gives as its `start`, and standing
 /// at its `base`.
@@ -28,10 +32,13 @@ use crate::simulation::{Simulated, Unhomed};
 /// | `polycrank` | [`Polycrank`] | 7 x rad |
 /// | `gripper` | [`Gripper`], which an object may stop anywhere | m |
 /// | `conveyor` | [`Conveyor`]; it needs `stop_ms = 5000` in its table | m |
+/// | `io-block` | [`IoBlock`]: inputs and outputs, and no joints | none |
 /// | `urdf` | [`Serial`], read from the `file` of the entry, from its `base_link` to its `tip`, with its `acceleration` | a rad or m for each joint |
 ///
 /// With `homed = false` the drives do not know where the robot is, which is near `start`, and look for their marks first
 /// ([`Unhomed`]).
+///
+/// With `coupled = true` the links couple the motors ([`Simulated::coupled`]); a robot whose masses are not known is refused.
 ///
 /// A `start` that the drives cannot take is refused, as one beyond the joint limits is. [`Kinds::with`] puts the drives of
 /// a real robot in the place of simulated ones.
@@ -63,6 +70,10 @@ pub fn simulated() -> Kinds {
             Ok(set_up(entry, robot, [0.07])?.following_error(stroke))
         })
         .with("conveyor", |entry| set_up(entry, Conveyor::new().with_base(entry.base()), [0.0]))
+        .with("io-block", |entry| {
+            let drives = IdealDrives::new(&IoBlock::new(), NoJoints::zeros(), BLOCK);
+            Ok(RobotSetup::new(entry.name(), IoBlock::new(), drives))
+        })
         .with_any("urdf", urdf)
 }
 
@@ -188,11 +199,26 @@ fn set_up<const N: usize, R: Driven<N> + Kinematics<N>>(
         );
         entry.refuse_start(what, format!("write joint positions that they can take, such as {example:?}"))
     })?;
+    let massless = || {
+        let what = format!("no masses are known of the links of robot `{}`", entry.name());
+        entry.refuse(
+            EntryKey::Coupled,
+            what,
+            "leave it out, or give the links of its URDF an <inertial>".to_owned(),
+        )
+    };
     if entry.is_homed() {
-        let drives = Simulated::new(robot.clone(), &start);
+        let drives = match entry.is_coupled() {
+            true => Simulated::coupled(robot.clone(), &start).ok_or_else(massless)?,
+            false => Simulated::new(robot.clone(), &start),
+        };
         return Ok(RobotSetup::new(entry.name(), robot, drives));
     }
-    let drives = Unhomed::new(robot.clone(), &hidden(&robot, &start, entry.name()));
+    let hidden = hidden(&robot, &start, entry.name());
+    let drives = match entry.is_coupled() {
+        true => Unhomed::coupled(robot.clone(), &hidden).ok_or_else(massless)?,
+        false => Unhomed::new(robot.clone(), &hidden),
+    };
     Ok(RobotSetup::unhomed(entry.name(), robot, drives))
 }
 

@@ -2,8 +2,10 @@
 //!
 //! | module | what it holds | may use |
 //! |---|---|---|
-//! | [`models`] | robots: kinematics, limits, shapes, motors and transmissions | |
-//! | [`simulation`] | simulated drives, and bodies that simulated arms hold | models |
+//! | [`dynamics`] | rigid-body dynamics of open trees | |
+//! | [`models`] | robots: kinematics, limits, shapes, masses, motors and transmissions | dynamics |
+//! | [`sensors`] | the kind of a force sensor at a wrist, and the wrench that robots tell themselves | |
+//! | [`simulation`] | simulated drives, and bodies that simulated arms hold | dynamics, models, sensors |
 //! | [`clearance`] | how near arms come to one another, and to obstacles | models |
 //! | [`conformance`] | tests that every robot must pass, of this crate or another | models |
 //!
@@ -19,7 +21,8 @@
 //! | [`Irp6Track`] | 1 + 6 | closed form; the track's position follows from a rule, or is given |
 //! | [`Rnt`], with assumed dimensions | 6, two of them linear actuators | closed form through three closed loops |
 //! | [`Polycrank`] | 7, endless | closed form, 8 families; the stretch is that of the seed, or is given |
-//! | [`Gripper`], [`Conveyor`] | 1 | one solution |
+//! | [`Gripper`], [`TwoFingers`], [`Conveyor`] | 1 | one solution |
+//! | [`IoBlock`] | none: inputs and outputs alone | its place is the origin |
 //! | [`Serial`], read from a URDF | 1 to 8 | closed form for ortho-parallel arms, UR-type arms and seven axes with spherical shoulder and wrist, else iteration |
 //!
 //! ```
@@ -39,14 +42,16 @@
 
 pub mod clearance;
 pub mod conformance;
+pub mod dynamics;
 mod kinds;
 pub mod models;
+pub mod sensors;
 pub mod simulation;
 
 pub use kinds::{simulated, urdf_arm};
 pub use models::{
-    Conveyor, Driven, Encoder, Five, Gains, Gripper, Irp6, Irp6FiveDof, Irp6Track, Jacobian, Kinematics,
-    Linear, LinkState, MotorData, MotorLimits, One, Overload, Polycrank, Rnt, Screw, Serial, SerialBuilder,
-    SerialOutline, Seven, Shafts, Six, Transmission, UrdfError, UrdfText,
+    Conveyor, Driven, Encoder, Five, Gains, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Jacobian,
+    Kinematics, Linear, LinkState, MotorData, MotorLimits, NoJoints, One, Overload, Polycrank, Rnt, Screw,
+    Serial, SerialBuilder, SerialOutline, Seven, Shafts, Six, Transmission, TwoFingers, UrdfError, UrdfText,
 };
 pub use simulation::{Plant, Regulator, RegulatorSet, Shaft, Simulated, SimulatedIrp6, Unhomed, grasp};

@@ -26,6 +26,7 @@ fn state(name: &str, q: &[f64], velocity: &[f64]) -> RobotView {
         joints: padded(q),
         velocity: padded(velocity),
         pose: Pose::identity(),
+        wrench: None,
     };
     RobotView { name: Name::new(name).unwrap(), measured: state, demanded: state }
 }

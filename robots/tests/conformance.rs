@@ -6,7 +6,7 @@ use mrroc::pose::Pose;
 use mrroc::robot::IdealDrives;
 use mrroc_robots::{
     Conveyor, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, One, Polycrank, Rnt, Seven, Simulated,
-    SimulatedIrp6, Six, driver_conformance, kinematics_conformance,
+    SimulatedIrp6, Six, TwoFingers, driver_conformance, kinematics_conformance,
 };
 use nalgebra::Vector3;
 
@@ -73,12 +73,19 @@ driver_conformance!(polycrank_drives, Polycrank::new(), Simulated::new(Polycrank
 driver_conformance!(rnt_drives, Rnt::new(), Simulated::new(Rnt::new(), &drawn()), drawn());
 
 kinematics_conformance!(gripper, Gripper::new().with_base(base()), One::new(0.07));
+kinematics_conformance!(two_fingers, TwoFingers::new().with_base(base()), One::new(0.05));
 kinematics_conformance!(conveyor, Conveyor::new().with_base(base()), One::new(0.5));
 driver_conformance!(
     gripper_drive,
     Gripper::new(),
     Simulated::new(Gripper::new(), &One::new(0.07)),
     One::new(0.07)
+);
+driver_conformance!(
+    two_fingers_drive,
+    TwoFingers::new(),
+    Simulated::new(TwoFingers::new(), &One::new(0.05)),
+    One::new(0.05)
 );
 driver_conformance!(
     conveyor_drive,

@@ -10,7 +10,8 @@ use mrroc::generator::RobotHandle;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc::robot::Driver;
-use mrroc_robots::grasp::{Body, Fingers, Grasp, Grasping, Hand, SimulatedWrist, Table, World, WristForce};
+use mrroc_robots::grasp::{Body, Fingers, Grasp, Grasping, Hand, SimulatedWrist, Table, World};
+use mrroc_robots::sensors::WristForce;
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven,
     Simulated, Six,

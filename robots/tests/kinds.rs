@@ -46,15 +46,25 @@ fn begin<R: Robot>(c: &mut Wave<R>, e: &State<(R,)>, t: Tick) -> Step<(R,)> {
 }
 
 fn file(kind: &str, start: &[f64]) -> CellFile {
+    file_with(kind, start, "")
+}
+
+/// The same with a line more.
+fn file_with(kind: &str, start: &[f64], line: &str) -> CellFile {
     let text = format!(
-        "step_ms = 2\nstop_ms = 5000\n[robots.a]\nkind = \"{kind}\"\nstart = {start:?}\nbase = {{ position = [0.1, -0.2, 0.3], zyz = [0.4, 0.5, 0.6] }}\n"
+        "step_ms = 2\nstop_ms = 5000\n[robots.a]\nkind = \"{kind}\"\nstart = {start:?}\nbase = {{ position = [0.1, -0.2, 0.3], zyz = [0.4, 0.5, 0.6] }}\n{line}\n"
     );
     CellFile::parse("cell.toml", &text).expect("well-formed")
 }
 
 /// `robot` is what the kind is expected to be: it must hold its start, and its drives must follow the wave.
 fn waves<const N: usize, R: Kinematics<N>>(kind: &str, robot: &R, start: [f64; N]) {
-    let file = file(kind, &start);
+    for line in ["", "coupled = true"] {
+        waves_in(&file_with(kind, &start, line), kind, robot, start);
+    }
+}
+
+fn waves_in<const N: usize, R: Kinematics<N>>(file: &CellFile, kind: &str, robot: &R, start: [f64; N]) {
     let start = nalgebra::SVector::from(start);
     let wave = Wave::about(robot, start);
     let base = file.robots()[0].base();
@@ -80,7 +90,7 @@ fn waves<const N: usize, R: Kinematics<N>>(kind: &str, robot: &R, start: [f64; N
 const ARM: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
 
 #[test]
-fn every_kind_moves_in_a_cell_made_of_its_file() {
+fn every_kind_moves_in_a_cell_made_of_its_file_with_its_motors_coupled_too() {
     waves("irp6", &Irp6::nominal(), ARM);
     waves("irp6-calibrated", &Irp6::calibrated(), ARM);
     waves("irp6-5dof", &Irp6FiveDof::nominal(), [0.0, -1.57, 0.16, 0.6, 1.0]);

@@ -203,3 +203,20 @@ fn accelerations_of_the_file_need_no_key() {
     assert!(why.to_string().contains("acceleration 10 exceeds 7"), "{why}");
     std::fs::remove_dir_all(folder).expect("removed");
 }
+
+#[test]
+fn motors_are_coupled_only_where_the_links_have_masses() {
+    let why = refusal(&format!("{THREE_PARALLEL}coupled = true\n"));
+    assert!(
+        why.contains("no masses are known of the links of robot `arm`") && why.contains(":11:11"),
+        "{why}"
+    );
+    assert!(why.contains("<inertial>"), "{why}");
+    let weighted = with("file =", "file = \"weighted_arm.urdf\"").replace("wrist_3", "tool0");
+    let weighted = weighted
+        .replace("start = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]", "start = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]");
+    for homed in ["", "homed = false\n"] {
+        let cell = file(&format!("{weighted}\ncoupled = true\n{homed}")).cell(&simulated());
+        cell.unwrap_or_else(|why| panic!("{why}"));
+    }
+}

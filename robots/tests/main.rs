@@ -4,6 +4,8 @@ mod cell;
 mod clearance;
 mod conformance;
 mod conformance_catches;
+mod coupled;
+mod dynamics;
 mod examples;
 mod grasp;
 mod gripper;

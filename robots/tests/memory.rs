@@ -6,7 +6,8 @@ use mrroc::robot::{Driver, MAX_JOINTS, RobotView};
 use mrroc::sensor::EffectorState;
 use mrroc_counting_allocator::count;
 use mrroc_robots::clearance::{Capsule, Clearance, Obstacle, Stopping};
-use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, Table, World, WristOrder};
+use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, Table, World};
+use mrroc_robots::sensors::WristOrder;
 use mrroc_robots::{
     Conveyor, Driven, Five, Gripper, Irp6, Irp6FiveDof, Irp6Track, Kinematics, One, Polycrank, Rnt, Seven,
     Simulated, Six,
@@ -73,8 +74,12 @@ fn servo_periods_of_arms_that_hold_a_body_and_readings_of_a_wrist_allocate_nothi
             }
             sum += one.tick(&start).map_or(0.0, |measured| measured.position[0]);
             sum += two.tick(&start).map_or(0.0, |measured| measured.position[0]);
-            let robot =
-                EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: flange };
+            let robot = EffectorState {
+                joints: [0.0; MAX_JOINTS],
+                velocity: [0.0; MAX_JOINTS],
+                pose: flange,
+                wrench: None,
+            };
             let order = ReadingOrder { configuration: WristOrder::Read, robot: Some(robot), step: k };
             sum += wrist.aggregate(&order).map_or(0.0, |wrench| wrench.force.x);
             sum += world.energy() + world.internal_force() + hands[0].internal().torque.x;
@@ -85,7 +90,7 @@ fn servo_periods_of_arms_that_hold_a_body_and_readings_of_a_wrist_allocate_nothi
 }
 
 fn view(name: &str, joints: [f64; 8]) -> RobotView {
-    let demanded = EffectorState { joints, velocity: [0.02; 8], pose: Pose::identity() };
+    let demanded = EffectorState { joints, velocity: [0.02; 8], pose: Pose::identity(), wrench: None };
     RobotView { name: Name::new(name).unwrap(), measured: demanded, demanded }
 }
 

@@ -13,12 +13,14 @@
 //! IRp-6's column) are assumed.
 
 use mrroc::prelude::*;
-use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Load, Measured, NoInverse, Tool};
 use nalgebra::{Translation3, Vector3};
 
+use crate::dynamics::{Segment, Tree};
 use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
+use crate::models::urdf::export::exported;
 use crate::models::vectors::One;
 
 /// A conveyor belt.
@@ -33,6 +35,8 @@ impl Conveyor {
     pub const OFF: f64 = 1e-6;
     /// Motor angle per way of the belt [rad/m] (MRROC++).
     pub const GEAR: f64 = 2250.0;
+    /// Mass of the belt, its drums counted with it \[kg\] (assumed).
+    pub const BELT: f64 = 10.0;
     /// The drive: encoder and current are facts, the rest assumed.
     pub const MOTOR: MotorData = MotorData {
         current_limit: 0.2,
@@ -106,6 +110,10 @@ impl Robot for Conveyor {
     fn inverse(&self, X_WF: &Pose, _near: &One) -> Result<One, NoInverse> {
         way_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(One::new)
     }
+
+    fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {
+        exported(self, name, tool)
+    }
 }
 
 /// One solution; no posture is singular.
@@ -136,6 +144,15 @@ impl Driven<1> for Conveyor {
 
     fn motors(&self, q: &One) -> One {
         q * Self::GEAR
+    }
+
+    /// Two strands, of which one returns: on a slope their weights balance.
+    fn tree(&self) -> Option<Tree<1>> {
+        let half = Load::point(0.5 * Self::BELT, Vector3::zeros());
+        let strand =
+            |name, parent| Segment::sliding(name, parent, 0, Vector3::zeros(), Vector3::x()).carrying(half);
+        let strands = vec![strand("returning_strand", None).following(-1.0), strand("belt", None)];
+        Tree::new(self.base.X_WB, strands, Pose::identity()).ok()
     }
 
     fn shafts(&self, angles: &One, speeds: &One) -> Shafts<1> {

@@ -7,7 +7,9 @@ use core::f64::consts::{PI, TAU};
 
 use mrroc::fault::Excess;
 use mrroc::robot::{CoupledLimit, Measured, Robot};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
+
+use crate::dynamics::{Dynamics, Tree};
 
 /// Gravity [m/s²].
 pub(crate) const GRAVITY: f64 = 9.80665;
@@ -141,13 +143,50 @@ pub trait Driven<const N: usize>: Robot<Joints = SVector<f64, N>> {
     /// The joints and the loads at motor angles \[rad\] and motor speeds [rad/s].
     fn shafts(&self, angles: &SVector<f64, N>, speeds: &SVector<f64, N>) -> Shafts<N>;
 
-    /// Torques at the motors [N m] that do the same work as `torques` do at the joints [N m, or N on a prismatic joint]:
-    /// `(dq/dm)^T torques`, with the columns of dq/dm as the joint speeds of one motor that turns alone.
-    fn motor_torques(&self, angles: &SVector<f64, N>, torques: &SVector<f64, N>) -> SVector<f64, N> {
-        SVector::from_fn(|i, _| {
+    /// The links with their masses, as an open tree whose coordinates are the joints; `None` (by default) where they are no such
+    /// tree, or nothing is known of them.
+    fn tree(&self) -> Option<Tree<N>> {
+        None
+    }
+
+    /// What the links do to the joints: by default their [`tree`](Driven::tree), if it has a mass.
+    fn dynamics(&self) -> Option<Box<dyn Dynamics<N>>> {
+        let tree = self.tree().filter(|tree| tree.mass() > 0.0)?;
+        Some(Box::new(tree))
+    }
+
+    /// Joint positions at motor angles \[rad\] [rad or m].
+    fn positions(&self, angles: &SVector<f64, N>) -> SVector<f64, N> {
+        self.shafts(angles, &SVector::zeros()).joints.position
+    }
+
+    /// dq/dm at motor angles \[rad\], the joint speeds of one motor that turns alone in each column [rad/rad or m/rad].
+    fn ratios(&self, angles: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        let mut ratios = SMatrix::<f64, N, N>::zeros();
+        for i in 0..N {
             let alone = SVector::from_fn(|j, _| if i == j { 1.0 } else { 0.0 });
-            self.shafts(angles, &alone).joints.velocity.dot(torques)
-        })
+            ratios.set_column(i, &self.shafts(angles, &alone).joints.velocity);
+        }
+        ratios
+    }
+
+    /// Inertias of the rotors [kg m²], apart from their links: by default what the links, at the [marks](Driven::marks), leave of
+    /// [`MotorData::inertia`], so that there a motor has the same inertia with its links as without.
+    fn rotors(&self) -> SVector<f64, N> {
+        let marks = self.marks();
+        let data = self.motor_data();
+        let ratios = self.ratios(&marks);
+        let q = self.shafts(&marks, &SVector::zeros()).joints.position;
+        let links = self.dynamics().map(|links| links.equation(&q, &SVector::zeros()).mass);
+        let seen = links.map_or_else(SMatrix::zeros, |mass| ratios.transpose() * mass * ratios);
+        SVector::from_fn(|i, _| data[i].inertia - seen[(i, i)])
+    }
+
+    /// Torques at the motors [N m] that do the same work as `torques` do at the joints [N m, or N on a prismatic joint]:
+    /// `(dq/dm)^T torques`.
+    fn motor_torques(&self, angles: &SVector<f64, N>, torques: &SVector<f64, N>) -> SVector<f64, N> {
+        let ratios = self.ratios(angles);
+        SVector::from_fn(|i, _| ratios.column(i).dot(torques))
     }
 }
 

@@ -19,12 +19,14 @@
 use core::f64::consts::TAU;
 
 use mrroc::prelude::*;
-use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Load, Measured, NoInverse, Tool};
 use nalgebra::{Translation3, Vector3};
 
+use crate::dynamics::{Segment, Tree};
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column, way_along_x};
+use crate::models::urdf::export::exported;
 use crate::models::vectors::One;
 
 /// Opening at motor angle 0 \[m\], and its linear [m/rad] and quadratic [m/rad²] terms, both negative (MRROC++).
@@ -40,6 +42,8 @@ pub struct Gripper {
 impl Gripper {
     /// Largest distance of a demanded pose from the nearest one that the finger attains \[m or rad\].
     pub const OFF: f64 = 1e-6;
+    /// Mass of a finger \[kg\] (assumed).
+    pub const FINGER: f64 = 0.2;
     /// The drive: encoder, gains and current are facts, the rest assumed.
     pub const MOTOR: MotorData = MotorData {
         encoder: Encoder { pulses: 128.0 },
@@ -117,6 +121,10 @@ impl Robot for Gripper {
     fn inverse(&self, X_WF: &Pose, _near: &One) -> Result<One, NoInverse> {
         way_along_x(&(self.base.X_BW * X_WF), Self::OFF).map(|way| One::new(2.0 * way))
     }
+
+    fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {
+        exported(self, name, tool)
+    }
 }
 
 /// One solution. The one column is 1/2: no posture is singular.
@@ -149,6 +157,15 @@ impl Driven<1> for Gripper {
     fn motors(&self, q: &One) -> One {
         let [at_zero, b, c] = OPENING;
         One::new(((b * b + 4.0 * c * (at_zero - q[0])).sqrt() - b) / (2.0 * c))
+    }
+
+    /// The other finger mirrors it: in the frame of that one, this one stands at x.
+    fn tree(&self) -> Option<Tree<1>> {
+        let mass = Load::point(Self::FINGER, Vector3::zeros());
+        let other = Segment::sliding("other_finger", None, 0, Vector3::zeros(), Vector3::x());
+        let finger = Segment::sliding("finger", Some(0), 0, Vector3::zeros(), Vector3::x());
+        let fingers = vec![other.following(-0.5).carrying(mass), finger.carrying(mass)];
+        Tree::new(self.base.X_WB, fingers, Pose::identity()).ok()
     }
 
     fn shafts(&self, angles: &One, speeds: &One) -> Shafts<1> {

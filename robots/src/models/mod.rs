@@ -7,11 +7,11 @@
 //! |---|---|
 //! | [`mrroc::robot::Robot`] | limits, `forward`, `inverse`: what the runtime needs |
 //! | [`Kinematics`] | Jacobian, all solutions, distance to singularities |
-//! | [`Driven`] | its motors, and how they move the joints |
+//! | [`Driven`] | its motors, how they move the joints, and the masses of its links |
 //! | [`Outline`] | its links as [`Capsule`]s, and what moves them |
 //!
 //! A robot is a file, or a folder where it is one of a family or has more to say: `irp6/`, `rnt.rs`, `polycrank.rs`,
-//! `gripper.rs`, `conveyor.rs`; `urdf/` reads any serial chain. Three families of arms are solved in closed form: `opw.rs` (ortho-parallel),
+//! `gripper.rs`, `two_fingers.rs`, `conveyor.rs`, `io_block.rs`; `urdf/` reads any serial chain. Three families of arms are solved in closed form: `opw.rs` (ortho-parallel),
 //! `three_parallel.rs` (UR type) and `spherical.rs` (seven axes); `planar.rs` is what these have in common.
 //! They share `base.rs` (where a robot stands), `xml.rs` (what is read of XML), `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
 //! `singular.rs` and `sines.rs`.
@@ -20,6 +20,7 @@ mod base;
 mod conveyor;
 mod drives;
 mod gripper;
+mod io_block;
 mod irp6;
 mod kinematics;
 mod opw;
@@ -31,6 +32,7 @@ mod sines;
 mod singular;
 mod spherical;
 mod three_parallel;
+mod two_fingers;
 mod urdf;
 mod vectors;
 pub mod xml;
@@ -39,11 +41,13 @@ pub use conveyor::Conveyor;
 pub(crate) use drives::GRAVITY;
 pub use drives::{Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts};
 pub use gripper::Gripper;
+pub use io_block::{IoBlock, NoJoints};
 pub use irp6::{Irp6, Irp6FiveDof, Irp6Track, Linear, LinkState, Screw, Transmission};
 pub(crate) use kinematics::closest;
 pub use kinematics::{Jacobian, Kinematics};
 pub use polycrank::Polycrank;
 pub use rnt::Rnt;
 pub use shape::{Capsule, Link, Motion, Outline};
+pub use two_fingers::TwoFingers;
 pub use urdf::{Serial, SerialBuilder, SerialOutline, UrdfError, UrdfText};
 pub use vectors::{Five, One, Seven, Six};

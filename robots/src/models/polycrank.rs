@@ -46,19 +46,22 @@
 //! joint, no limits). Its motors are assumed.
 
 mod heading;
+mod masses;
 mod outline;
 
 use core::f64::consts::{PI, TAU};
 
 use mrroc::prelude::*;
-use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse};
+use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse, Tool};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use crate::dynamics::Tree;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column, doubled};
 use crate::models::shape::Outline;
 use crate::models::sines::sin_cos;
+use crate::models::urdf::export::exported;
 use crate::models::vectors::Seven;
 use heading::{Heading, Least, Member, stretch_and_elbows};
 
@@ -275,6 +278,10 @@ impl Robot for Polycrank {
         heading.check(redundancy)?;
         Ok(heading.member(redundancy, stretch_and_elbows(near).1, near).q)
     }
+
+    fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {
+        exported(self, name, tool)
+    }
 }
 
 /// One solution of each of the eight families (two headings, two elbows): the one that [`Robot::inverse`] would take.
@@ -346,6 +353,10 @@ impl Driven<7> for Polycrank {
 
     fn motor_limits(&self) -> &MotorLimits<7> {
         &Self::MOTOR_LIMITS
+    }
+
+    fn tree(&self) -> Option<Tree<7>> {
+        self.bodies()
     }
 
     fn motors(&self, q: &Seven) -> Seven {

@@ -32,16 +32,19 @@
 //! [`Rnt::TRANSMISSION`] keeps away: a way nearer to one is refused as a limit that joints share. The wrist is singular at
 //! `q5 = 0` (forearm's and flange's axes in line).
 
+mod export;
 mod linkage;
+mod masses;
 mod outline;
 
 use core::f64::consts::PI;
 
 use mrroc::fault::Excess;
 use mrroc::prelude::*;
-use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Tool};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion, Vector2, Vector3};
 
+use crate::dynamics::Dynamics;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, GRAVITY, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::irp6::Irp6;
@@ -320,6 +323,10 @@ impl Robot for Rnt {
         })?;
         best.map(|(_, q)| q).ok_or(NoInverse::Singular { name: "wrist" })
     }
+
+    fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {
+        self.exported(name, tool)
+    }
 }
 
 /// Both wrists on each side of the column and of the elbow, where the linkages can be assembled so; [`Robot::inverse`]
@@ -388,6 +395,12 @@ impl Driven<6> for Rnt {
 
     fn motor_limits(&self) -> &MotorLimits<6> {
         &Self::MOTOR_LIMITS
+    }
+
+    /// The arm's tree has closed loops, so it is none in the joints: they are closed here.
+    fn dynamics(&self) -> Option<Box<dyn Dynamics<6>>> {
+        let tree = self.open_tree()?;
+        Some(Box::new(masses::Closed(tree)))
     }
 
     fn motors(&self, q: &Six) -> Six {

@@ -101,8 +101,17 @@ impl<const N: usize, R: Driven<N>> Unhomed<R, N> {
     /// know.
     #[must_use]
     pub fn new(robot: R, hidden: &SVector<f64, N>) -> Self {
-        let marks = robot.marks();
-        let mut drives = Simulated::new(robot, hidden);
+        Self::with(Simulated::new(robot, hidden))
+    }
+
+    /// The same with motors that their links couple ([`Simulated::coupled`]); `None` where the links' masses are not known.
+    #[must_use]
+    pub fn coupled(robot: R, hidden: &SVector<f64, N>) -> Option<Self> {
+        Simulated::coupled(robot, hidden).map(Self::with)
+    }
+
+    fn with(mut drives: Simulated<R, N>) -> Self {
+        let marks = drives.robot().marks();
         drives.forget();
         Self {
             drives,

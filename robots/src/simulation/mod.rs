@@ -10,7 +10,7 @@
 //!
 //! | file | concept |
 //! |---|---|
-//! | `plant.rs` | [`Plant`]: one motor with its load, integrated so that no energy is created |
+//! | `plant.rs` | [`Plant`]: one motor with its load, integrated so that no energy is created; `plant/coupled.rs`: all of a robot, coupled by its links |
 //! | `regulator.rs` | [`Regulator`]: the servo regulator of one motor, with three parameter sets |
 //! | `simulated.rs` | [`Simulated`]: both, for every motor of a robot, as a `mrroc::robot::Driver` |
 //! | `homing.rs` | [`Unhomed`]: drives that look for their reference marks first |

@@ -16,10 +16,13 @@
 //! where `U_m = R i + ke omega'` is the voltage at the motor (`U`, unless the current is limited) and `tau_f omega' >= 0`
 //! the power that Coulomb friction takes. The last term is energy that the integration loses: it never creates any. A motor
 //! in stiction stands exactly still. The armature's inductance is left out: the current follows the voltage at once.
-//! Coupling inertias between the links are left out; their weight comes in as `tau_load`.
+//! Coupling inertias between the links are left out; their weight comes in as `tau_load`. [`Coupling`] takes them in.
 
+mod coupled;
 #[cfg(test)]
 mod tests;
+
+pub(super) use coupled::Coupling;
 
 use super::regulator::Regulator;
 use crate::models::{MotorData, Overload};

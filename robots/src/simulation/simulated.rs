@@ -8,7 +8,7 @@ use mrroc::fault::Excess;
 use mrroc::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
 use nalgebra::SVector;
 
-use super::plant::{PERIOD, Plant};
+use super::plant::{Coupling, PERIOD, Plant};
 use super::regulator::{Regulator, RegulatorSet};
 use crate::models::{Driven, Irp6, MotorData, MotorLimits, Overload};
 
@@ -53,6 +53,7 @@ pub struct Simulated<R, const N: usize> {
     loads: SVector<f64, N>,
     pushes: SVector<f64, N>,
     fault: Option<DriveFault>,
+    coupling: Option<Coupling<N>>,
 }
 
 /// The simulated IRp-6.
@@ -88,10 +89,29 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
             core::array::from_fn(|i| Drive::at_rest(&data[i], Plant::at_rest(&data[i], motors[i]), loads[i]));
         let at_rest = Measured { position: *q, velocity: SVector::zeros() };
         let shaft = Shaft(Rc::new(Cell::new(at_rest)));
-        let mut simulated =
-            Self { robot, drives, measured: at_rest, shaft, loads, pushes: SVector::zeros(), fault: None };
+        let mut simulated = Self {
+            robot,
+            drives,
+            measured: at_rest,
+            shaft,
+            loads,
+            pushes: SVector::zeros(),
+            fault: None,
+            coupling: None,
+        };
         simulated.observe();
         simulated
+    }
+
+    /// The same with the links' inertia in every posture, the forces between them, and their rotors', in place of one inertia for
+    /// each motor; `None` where the links' masses are not known
+    /// ([`Driven::dynamics`]), or leave a motor no inertia for its rotor ([`Driven::rotors`]). What a flange carries is no part of it.
+    #[must_use]
+    pub fn coupled(robot: R, q: &SVector<f64, N>) -> Option<Self> {
+        let coupling = Coupling::of(&robot)?;
+        let mut simulated = Self { coupling: Some(coupling), ..Self::new(robot, q) };
+        simulated.reset();
+        Some(simulated)
     }
 
     /// The robot whose drives they are.
@@ -137,6 +157,10 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
     /// Resets the trip and powers the drives where they stand, holding their load.
     pub fn reset(&mut self) {
         self.fault = None;
+        if let Some(coupling) = &self.coupling {
+            let angles = SVector::from_fn(|i, _| self.drives[i].plant.angle());
+            self.loads = coupling.weight(&self.robot, &angles);
+        }
         for (i, drive) in self.drives.iter_mut().enumerate() {
             let (set, zero) = (drive.regulator.set(), drive.zero);
             *drive = Drive::at_rest(&drive.data, drive.plant, self.loads[i] + self.pushes[i]);
@@ -152,6 +176,9 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
     pub fn brake(&mut self) -> Measured<SVector<f64, N>> {
         for drive in &mut self.drives {
             drive.brake();
+        }
+        if let Some(coupling) = &mut self.coupling {
+            coupling.follow(&self.robot, &self.drives.each_ref().map(|drive| drive.plant));
         }
         self.observe();
         self.measured
@@ -183,15 +210,34 @@ impl<const N: usize, R: Driven<N>> Simulated<R, N> {
 
     /// One servo period towards the angles that the encoders are to read \[rad\], which need not be the true ones.
     pub(crate) fn follow(&mut self, angles: &SVector<f64, N>) -> Result<(), DriveFault> {
-        for (i, drive) in self.drives.iter_mut().enumerate() {
-            let tripped = drive.tick(i, angles[i], self.loads[i] + self.pushes[i]);
-            self.fault = self.fault.or(tripped);
-        }
+        self.run(angles);
         self.observe();
         if self.fault.is_some() {
             self.brake();
         }
         self.fault.map_or(Ok(()), Err)
+    }
+
+    /// One servo period of all drives towards these motor angles \[rad\].
+    fn run(&mut self, angles: &SVector<f64, N>) {
+        let Some(coupling) = &mut self.coupling else {
+            for (i, drive) in self.drives.iter_mut().enumerate() {
+                let pwm = drive.regulate(angles[i]);
+                drive.plant.run(pwm, self.loads[i] + self.pushes[i]);
+                self.fault = self.fault.or(drive.judge(i));
+            }
+            return;
+        };
+        let mut pwm = [0.0; N];
+        for (i, drive) in self.drives.iter_mut().enumerate() {
+            pwm[i] = drive.regulate(angles[i]);
+        }
+        let mut plants = self.drives.each_ref().map(|drive| drive.plant);
+        coupling.run(&self.robot, &mut plants, &pwm, &self.pushes);
+        for (i, (drive, plant)) in self.drives.iter_mut().zip(plants).enumerate() {
+            drive.plant = plant;
+            self.fault = self.fault.or(drive.judge(i));
+        }
     }
 
     pub(crate) fn true_angle(&self, motor: usize) -> f64 {
@@ -267,10 +313,7 @@ impl<const N: usize, R: Driven<N>> Driver<R> for Simulated<R, N> {
         if self.fault.is_some() {
             self.brake();
         } else {
-            for (i, drive) in self.drives.iter_mut().enumerate() {
-                let tripped = drive.tick(i, motors[i], self.loads[i] + self.pushes[i]);
-                self.fault = self.fault.or(tripped);
-            }
+            self.run(&motors);
             self.observe();
         }
         self.fault.map_or(Ok(self.measured), Err)
@@ -354,13 +397,16 @@ impl Drive {
         self.demanded * self.pulse
     }
 
-    /// One servo period towards `angle` \[rad\]; tells whether the drive trips at its end.
-    fn tick(&mut self, index: usize, angle: f64, load: f64) -> Option<DriveFault> {
+    /// The pulse width of a servo period towards `angle` \[rad\].
+    fn regulate(&mut self, angle: f64) -> f64 {
         let deviation = (self.demanded - self.previous) - self.increment;
         self.previous = self.demanded;
         self.demanded = angle / self.pulse;
-        let pwm = self.regulator.step(deviation, self.demanded - self.previous);
-        self.plant.run(pwm, load);
+        self.regulator.step(deviation, self.demanded - self.previous)
+    }
+
+    /// Reads the encoder at the end of a servo period; tells whether the drive trips.
+    fn judge(&mut self, index: usize) -> Option<DriveFault> {
         self.read_encoder();
         self.mean_current += CURRENT_SHARE * (self.plant.current().abs() - self.mean_current);
         let following = (self.demanded - self.count) * self.pulse;

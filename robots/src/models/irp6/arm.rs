@@ -46,16 +46,18 @@
 use core::f64::consts::PI;
 
 use mrroc::prelude::*;
-use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse};
+use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse, Tool};
 use nalgebra::Vector3;
 
 use super::links::{Elbow, Geometry};
 use super::transmission::{Linear, LinkState, Screw, Transmission};
 use super::wrist::{Side, Wrist};
+use crate::dynamics::Tree;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Encoder, GRAVITY, Gains, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics};
 use crate::models::shape::Outline;
+use crate::models::urdf::export::exported;
 use crate::models::vectors::Six;
 
 /// An IRp-6 arm on its postument, without gripper.
@@ -236,6 +238,10 @@ impl Robot for Irp6 {
     fn inverse(&self, X_WF: &Pose, near: &Six) -> Result<Six, NoInverse> {
         self.geometry.nearest(&(self.base.X_BW * X_WF), near)
     }
+
+    fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {
+        exported(self, name, tool)
+    }
 }
 
 /// All eight solutions: shoulder in front or behind, elbow up or down, wrist either way. The linkages allow the shoulder
@@ -272,6 +278,10 @@ impl Driven<6> for Irp6 {
 
     fn marks(&self) -> Six {
         self.transmission.marks()
+    }
+
+    fn tree(&self) -> Option<Tree<6>> {
+        Self::bodies(&self.geometry, self.base.X_WB)
     }
 
     fn motors(&self, q: &Six) -> Six {

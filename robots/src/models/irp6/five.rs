@@ -32,17 +32,19 @@
 use core::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
 use mrroc::prelude::*;
-use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse};
+use mrroc::robot::{CoupledLimit, Limits, Measured, NoInverse, Tool};
 use nalgebra::{Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 
 use super::arm::{Irp6, arm_shafts, nominal_transmission};
 use super::links::{Elbow, Geometry, two_links};
 use super::transmission::Transmission;
+use crate::dynamics::Tree;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, closest, doubled};
 use crate::models::shape::Outline;
 use crate::models::sines::sin_cos;
+use crate::models::urdf::export::exported;
 use crate::models::vectors::{Five, Six};
 
 /// Distance of the tool's point from the column axis below which q1 is undetermined \[m\].
@@ -225,6 +227,10 @@ impl Robot for Irp6FiveDof {
     fn inverse(&self, X_WF: &Pose, near: &Five) -> Result<Five, NoInverse> {
         self.solve(&(self.base.X_BW * X_WF), false, Elbow::Up, near)
     }
+
+    fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {
+        exported(self, name, tool)
+    }
 }
 
 /// All four solutions: shoulder in front or behind, elbow up or down. The linkages allow the first alone, which is what
@@ -270,6 +276,10 @@ impl Driven<5> for Irp6FiveDof {
 
     fn marks(&self) -> Five {
         first_five(&self.transmission.marks())
+    }
+
+    fn tree(&self) -> Option<Tree<5>> {
+        Self::bodies(&self.geometry, self.base.X_WB)
     }
 
     fn motors(&self, q: &Five) -> Five {

@@ -6,11 +6,13 @@
 //! | `five.rs`, `track.rs` | [`Irp6FiveDof`], [`Irp6Track`] |
 //! | `links.rs`, `wrist.rs` | kinematics of the planar arm on the column, and of the wrist |
 //! | `transmission.rs` | [`Transmission`]: motor angles from joint angles and back |
+//! | `masses.rs` | the links' masses, for dynamics |
 //! | `outline.rs` | the shape of all three |
 
 mod arm;
 mod five;
 mod links;
+mod masses;
 mod outline;
 mod track;
 mod transmission;

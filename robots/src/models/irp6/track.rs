@@ -25,16 +25,18 @@
 //! joint indices since 2010; here the arm is the same code as without the track.
 
 use mrroc::prelude::*;
-use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse};
+use mrroc::robot::{CoupledLimit, JointKind, Limits, Measured, NoInverse, Tool};
 use nalgebra::{Matrix3, Translation3, UnitQuaternion, Vector3};
 
 use super::arm::{Irp6, arm_shafts, nominal_transmission, transmission};
 use super::links::Geometry;
 use super::transmission::{Linear, Transmission};
+use crate::dynamics::Tree;
 use crate::models::base::Base;
 use crate::models::drives::{Driven, Gains, MotorData, MotorLimits, Shafts, check_motors};
 use crate::models::kinematics::{Jacobian, Kinematics, column};
 use crate::models::shape::Outline;
+use crate::models::urdf::export::exported;
 use crate::models::vectors::{Seven, Six};
 
 /// An IRp-6 arm on its track, without gripper.
@@ -275,6 +277,10 @@ impl Robot for Irp6Track {
     fn inverse_at(&self, X_WF: &Pose, redundancy: f64, near: &Seven) -> Result<Seven, NoInverse> {
         self.arm_at(&(self.base.X_BW * X_WF), redundancy, near).map(|arm| joined(redundancy, &arm))
     }
+
+    fn urdf(&self, name: &str, tool: &Tool) -> Option<String> {
+        exported(self, name, tool)
+    }
 }
 
 /// The solutions of the arm, eight as for [`Irp6`], with the track where `near` has it, or, when the arm does not reach
@@ -317,6 +323,10 @@ impl Driven<7> for Irp6Track {
 
     fn marks(&self) -> Seven {
         joined(self.track.synchro, &self.transmission.marks())
+    }
+
+    fn tree(&self) -> Option<Tree<7>> {
+        Self::bodies(&self.geometry, self.base.X_WB)
     }
 
     fn motors(&self, q: &Seven) -> Seven {

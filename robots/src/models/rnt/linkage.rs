@@ -50,7 +50,7 @@ pub(super) struct Linkage {
     /// From R to T \[m\].
     pub(super) rod: Vector2<f64>,
     /// Sine of the angle between the foot's direction and the crank, and between the rocker and its foot's.
-    sines: [f64; 2],
+    pub(super) sines: [f64; 2],
 }
 
 /// A vector turned by 90 deg upwards.

@@ -1,7 +1,8 @@
 //! Masses of the links: what `<inertial>` says of those that a joint moves, as one body.
 
 use mrroc::pose::Pose;
-use nalgebra::{Point3, Vector3};
+use mrroc::robot::Load;
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::chain::origin;
 use super::document::{Element, Tree};
@@ -16,6 +17,8 @@ pub(super) struct Body {
     pub(super) centre: Vector3<f64>,
     /// No axis through the centre has a greater moment of inertia [kg m²].
     pub(super) spin: f64,
+    /// Inertia about the centre, in the axes of the joint's frame [kg m²].
+    pub(super) inertia: Matrix3<f64>,
 }
 
 impl Body {
@@ -26,19 +29,31 @@ impl Body {
         let Some(inertial) = link.child("inertial")? else { return Ok(self) };
         let mass = at_least_zero(&inertial.required("mass", "<mass value=\"..\"/> [kg]")?, "value")?;
         let X_LC = origin(&inertial, tree.has_quaternions)?;
-        let spin = inertial.child("inertia")?.map_or(Ok(0.0), |inertia| spin(&inertia))?;
-        let centre = (X_JL * X_LC * Point3::origin()).coords;
-        Ok(self.joined(&Self { mass, centre, spin }))
+        let inertia = inertial.child("inertia")?.map_or(Ok(Matrix3::zeros()), |inertia| tensor(&inertia))?;
+        let X_JC = X_JL * X_LC;
+        let centre = (X_JC * Point3::origin()).coords;
+        let turned = X_JC.rotation.to_rotation_matrix().into_inner();
+        let spin = spin(&inertia);
+        Ok(self.joined(&Self { mass, centre, spin, inertia: turned * inertia * turned.transpose() }))
     }
 
     fn joined(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass == 0.0 {
-            return Self { spin: self.spin + other.spin, ..*self };
+            return Self { spin: self.spin + other.spin, inertia: self.inertia + other.inertia, ..*self };
         }
         let centre = (self.centre * self.mass + other.centre * other.mass) / mass;
         let off = |body: &Self| body.spin + body.mass * (body.centre - centre).norm_squared();
-        Self { mass, centre, spin: off(self) + off(other) }
+        let about = |body: &Self| {
+            let r = body.centre - centre;
+            body.inertia + (Matrix3::identity() * r.norm_squared() - r * r.transpose()) * body.mass
+        };
+        Self { mass, centre, spin: off(self) + off(other), inertia: about(self) + about(other) }
+    }
+
+    /// The body of a tree.
+    pub(super) fn load(&self) -> Load {
+        Load { mass: self.mass, centre: self.centre, inertia: self.inertia }
     }
 }
 
@@ -47,16 +62,24 @@ fn at_least_zero(element: &Element<'_, '_>, attribute: &'static str) -> Result<f
     if number < 0.0 { Err(element.bad(attribute, "a finite number >= 0")) } else { Ok(number) }
 }
 
-/// The root of the sum of the squares of a tensor of inertia: at least its largest moment.
-fn spin(inertia: &Element<'_, '_>) -> Result<f64, UrdfError> {
+/// A tensor of inertia.
+fn tensor(inertia: &Element<'_, '_>) -> Result<Matrix3<f64>, UrdfError> {
     inertia.only(&["ixx", "ixy", "ixz", "iyy", "iyz", "izz"])?;
+    let moment = |name| at_least_zero(inertia, name);
+    let product = |name| inertia.number(name)?.ok_or_else(|| inertia.missing(name, "a number [kg m^2]"));
+    let [xx, yy, zz] = [moment("ixx")?, moment("iyy")?, moment("izz")?];
+    let [xy, xz, yz] = [product("ixy")?, product("ixz")?, product("iyz")?];
+    Ok(Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+}
+
+/// The root of the sum of the squares of a tensor of inertia: at least its largest moment.
+fn spin(inertia: &Matrix3<f64>) -> f64 {
     let mut square = 0.0;
-    for moment in ["ixx", "iyy", "izz"] {
-        square += at_least_zero(inertia, moment)?.powi(2);
+    for i in 0..3 {
+        square += inertia[(i, i)].powi(2);
     }
-    for product in ["ixy", "ixz", "iyz"] {
-        let number = inertia.number(product)?.ok_or_else(|| inertia.missing(product, "a number [kg m^2]"))?;
-        square += 2.0 * number * number;
+    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+        square += 2.0 * inertia[(i, j)] * inertia[(i, j)];
     }
-    Ok(square.sqrt())
+    square.sqrt()
 }

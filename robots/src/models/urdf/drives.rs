@@ -18,11 +18,12 @@
 
 use mrroc::pose::Pose;
 use mrroc::robot::{JointKind, Measured};
-use nalgebra::{SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::body::Body;
 use super::chain::{Chain, MOST_SEGMENTS, Mover, Segment};
 use super::serial::Serial;
+use crate::dynamics::Tree;
 use crate::models::drives::{Driven, GRAVITY, Gains, MotorData, MotorLimits, Shafts};
 use crate::models::irp6::Irp6;
 
@@ -48,7 +49,7 @@ pub(super) struct Drives<const N: usize> {
     motors: [MotorData; N],
     limits: MotorLimits<N>,
     gears: SVector<f64, N>,
-    bodies: Vec<Body>,
+    pub(super) bodies: Vec<Body>,
 }
 
 impl<const N: usize> Drives<N> {
@@ -186,6 +187,24 @@ impl<const N: usize> Driven<N> for Serial<N> {
 
     fn motor_limits(&self) -> &MotorLimits<N> {
         &self.drives.limits
+    }
+
+    /// The links between base and tip, mimic joints too.
+    fn tree(&self) -> Option<Tree<N>> {
+        self.links()
+    }
+
+    fn positions(&self, angles: &SVector<f64, N>) -> SVector<f64, N> {
+        angles.component_div(&self.drives.gears)
+    }
+
+    fn ratios(&self, _angles: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        SMatrix::from_diagonal(&self.drives.gears.map(f64::recip))
+    }
+
+    /// The rotor that every motor was given beside its load.
+    fn rotors(&self) -> SVector<f64, N> {
+        SVector::repeat(ROTOR)
     }
 
     fn motors(&self, q: &SVector<f64, N>) -> SVector<f64, N> {

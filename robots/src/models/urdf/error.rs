@@ -373,4 +373,22 @@ pub enum UrdfError {
         /// What the file states.
         limit: f64,
     },
+    /// The arm is not the one whose solutions its own begin with.
+    #[error(
+        "the arm is {} mm and {angle:.3} rad off its nominal one, at most {} mm and {most_angle} rad: it is another model",
+        (position * 1e3).round(), most_position * 1e3
+    )]
+    NotNear {
+        /// The largest distance of their flanges \[m\].
+        position: f64,
+        /// The largest turn between them \[rad\].
+        angle: f64,
+        /// Largest distance allowed \[m\].
+        most_position: f64,
+        /// Largest turn allowed \[rad\].
+        most_angle: f64,
+    },
+    /// The arm that another one is near has no closed form.
+    #[error("the nominal arm has no closed form, with whose solutions others could begin")]
+    NoClosedForm,
 }

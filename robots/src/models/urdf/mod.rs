@@ -4,7 +4,8 @@
 //! text -> document (XML, strictly) -> chain (base to tip) -> Serial<N>: Robot
 //!                                                              |-- closed form, for three families of arms
 //!                                                              |-- Newton iteration, for all others
-//!                                                              '-- assumed motors, for simulation
+//!                                                              |-- assumed motors, for simulation
+//!                                                              '-- links, for dynamics; and back to a URDF (export)
 //! ```
 //!
 //! [`Serial`] says what is read of a URDF and what is not.
@@ -16,6 +17,8 @@ mod description;
 mod document;
 mod drives;
 mod error;
+pub(crate) mod export;
+mod links;
 mod motion;
 mod newton;
 mod outline;

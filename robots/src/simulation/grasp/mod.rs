@@ -56,4 +56,4 @@ pub use error::{OutOfReach, WorldError};
 pub use fingers::Fingers;
 pub use internal::Sharing;
 pub use world::{Hand, World};
-pub use wrist::{SimulatedWrist, WristForce, WristOrder};
+pub use wrist::SimulatedWrist;

@@ -15,29 +15,10 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::sensors::{Bias, WristForce, WristOrder};
+
 use super::noise::Noise;
 use super::world::Hand;
-
-/// The kind of sensor: a force and torque sensor at an arm's wrist. Its reading is `F_E`, the wrench of the surroundings on
-/// the tool, without the tool's weight: at the origin of the tool frame E and in its axes.
-#[derive(Clone, Copy, Debug)]
-pub struct WristForce;
-
-impl Sensor for WristForce {
-    const KIND: &'static str = "wrist force";
-    type Reading = Wrench;
-    type Configuration = WristOrder;
-}
-
-/// What is ordered of a wrist sensor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Payload)]
-pub enum WristOrder {
-    /// A reading.
-    #[default]
-    Read,
-    /// A measurement of its bias, during which nothing may touch the tool. Orders of consecutive steps are averaged.
-    MeasureBias,
-}
 
 /// A simulated wrist sensor, on the hand of an arm in a [`World`](super::World).
 #[derive(Clone, Debug)]
@@ -53,8 +34,7 @@ pub struct SimulatedWrist {
     range: Wrench,
     corner: Option<f64>,
     random: Noise,
-    measured_bias: Wrench,
-    averaged: f64,
+    measured_bias: Bias,
     filtered: Option<(f64, Wrench)>,
 }
 
@@ -96,8 +76,7 @@ impl SimulatedWrist {
             range: Self::RANGE,
             corner: None,
             random: Noise::seeded(0),
-            measured_bias: Wrench::default(),
-            averaged: 0.0,
+            measured_bias: Bias::default(),
             filtered: None,
         }
     }
@@ -131,7 +110,7 @@ impl SimulatedWrist {
     /// Subtracts this bias, in S, without measuring it.
     #[must_use]
     pub fn knowing_bias(self, bias: Wrench) -> Self {
-        Self { measured_bias: bias, ..self }
+        Self { measured_bias: Bias::known(bias), ..self }
     }
 
     /// With Gaussian noise of these standard deviations \[N\] and [N m], from `seed`.
@@ -235,17 +214,14 @@ impl VirtualSensor for SimulatedWrist {
         self.check(&raw)?;
         let weight = self.believed.weight(&self.hand.world().gravity(), &arm.pose.rotation);
         match order.configuration {
-            WristOrder::Read => self.averaged = 0.0,
+            WristOrder::Read => self.measured_bias.read(),
             WristOrder::MeasureBias => {
-                self.averaged += 1.0;
-                let bias = raw - weight.moved(&self.X_ES.inverse());
-                let last = if self.averaged > 1.0 { self.measured_bias } else { bias };
-                self.measured_bias = last + (bias - last) * self.averaged.recip();
+                self.measured_bias.measure(raw - weight.moved(&self.X_ES.inverse()));
                 // Readings with the old bias must not be smoothed into those with the new one.
                 self.filtered = None;
             }
         }
-        let reading = (raw - self.measured_bias).moved(&self.X_ES) - weight;
+        let reading = (raw - self.measured_bias.value).moved(&self.X_ES) - weight;
         Ok(self.filter(reading))
     }
 

@@ -11,12 +11,14 @@ use nalgebra::{Translation3, Vector3};
 
 use super::Bench;
 use super::bench::at;
+use crate::sensors::WristOrder;
 use crate::simulation::grasp::noise::Noise;
-use crate::simulation::grasp::{Body, Grasp, SimulatedWrist, World, WristOrder};
+use crate::simulation::grasp::{Body, Grasp, SimulatedWrist, World};
 
 #[allow(non_snake_case)]
 fn order(configuration: WristOrder, X_WE: Pose) -> ReadingOrder<WristOrder> {
-    let robot = EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: X_WE };
+    let robot =
+        EffectorState { joints: [0.0; MAX_JOINTS], velocity: [0.0; MAX_JOINTS], pose: X_WE, wrench: None };
     ReadingOrder { configuration, robot: Some(robot), step: 0 }
 }
 
