@@ -7,14 +7,20 @@
 //! | [`Each`](mrroc::generator::Each) | the motions of several robots at once, as one motion of the MP |
 //! | [`Corrected`] | any generator of poses, displaced by a sensor at a limited rate |
 //! | [`Override`] | brakes one on its path when a condition holds, then another takes over |
+//! | [`Arbitrate`] | of a list by priority, the first that the readings call for, handed over at rest |
+//! | [`Blind`] | one without sensors among others that have some |
 //!
 //! A combinator's class is what its parts take together; each is tested as the generators are.
 
+mod arbitrate;
+mod blind;
 mod corrected;
 mod handover;
 mod override_;
 mod sequence;
 
+pub use arbitrate::Arbitrate;
+pub use blind::Blind;
 pub use corrected::{Corrected, CorrectionLimits};
 pub use handover::Handover;
 pub use override_::Override;

@@ -75,6 +75,7 @@ pub const ROWS: &[Row] = &rows! {
     spline_track: SplineTrack<Irp6, Points>,
     squeezed_carry: SqueezedCarry<Two, [Wrist; 2], StraightBody>,
     straight_line: StraightLine<Irp6>,
+    tell: Tell<Irp6>,
     time_optimal_curve: TimeOptimalCurve<Irp6, mrroc_generators::curve::Helix>,
     time_optimal_joints: TimeOptimalJoints<Irp6>,
     tool_offset: ToolOffset<Irp6>,

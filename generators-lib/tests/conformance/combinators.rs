@@ -1,11 +1,11 @@
 //! Generators made of generators.
 
 use super::kit::{
-    Belt, Camera, Wrist, arm, away, bytes, corrected, handed, image, image_at, odd_poses, overridden,
-    pressed, seen, start, tool_limits,
+    Arbitrated, Belt, Camera, Wrist, arbitrated, arm, away, bytes, corrected, handed, image, image_at,
+    odd_poses, overridden, pressed, seen, start, tool_limits,
 };
 use mrroc::prelude::*;
-use mrroc_generators::combinators::{Corrected, Handover, Override, Sequence};
+use mrroc_generators::combinators::{Blind, Corrected, Handover, Override, Sequence};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{ForceLaw, GuardedApproach, JointMove, MovingFrame, StraightLine};
@@ -77,5 +77,24 @@ generator_conformance! {
     make: overridden(0.2),
     given: |step| pressed(-0.02 * step as f64),
     odd: |x| vec![overridden(x)],
+    allocated: bytes,
+}
+
+generator_conformance! {
+    arbitrate: Arbitrated,
+    class: "ECP f*3(c, e, v)",
+    make: arbitrated(0.2),
+    // Touched and free in turn.
+    given: |step| pressed(-10.0 * (0.01 * step as f64).sin().max(0.0)),
+    odd: |x| vec![arbitrated(x)],
+    allocated: bytes,
+}
+
+generator_conformance! {
+    blind: Blind<StraightLine<Irp6>, (Wrist,)>,
+    class: "ECP f*0(c), first step f*2(c, e)",
+    make: Blind::new(StraightLine::to(away(), tool_limits(0.3, 1.0))),
+    given: |_| pressed(-10.0),
+    odd: |x| odd_poses(x).map(|pose| Blind::new(StraightLine::to(pose, tool_limits(0.3, 1.0)))).collect(),
     allocated: bytes,
 }

@@ -9,7 +9,7 @@ use mrroc::robot::JointVector as _;
 use mrroc::robot::{RobotImage, RobotState};
 use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
-use mrroc_generators::combinators::{Corrected, CorrectionLimits, Handover, Override};
+use mrroc_generators::combinators::{Arbitrate, Corrected, CorrectionLimits, Handover, Override};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::{CurveError, Helix};
@@ -275,6 +275,23 @@ pub fn overridden(braking: f64) -> Override<GuardedApproach<Irp6, Wrist>, ForceL
     let press = ForceLaw::lasting(law(10.0, 0.0, Give::FORCE).expect("in range"), 1.0, 1);
     let touched = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z < -5.0);
     Override::of(approach, touched, braking, press)
+}
+
+/// An approach that gives way to pressing.
+pub type Arbitrated = Arbitrate<
+    ForceLaw<Irp6, Wrist>,
+    GuardedApproach<Irp6, Wrist>,
+    fn() -> ForceLaw<Irp6, Wrist>,
+    fn() -> GuardedApproach<Irp6, Wrist>,
+>;
+
+/// Goes on while it is pressed by less than 5 N, and presses from there on until it is by less than 1 N.
+pub fn arbitrated(braking: f64) -> Arbitrated {
+    let approach = || GuardedApproach::along(Vector3::z_axis(), 0.05, 0.5, 1.0, |_: &Wrench| false);
+    let press = || ForceLaw::lasting(law(10.0, 0.0, Give::FORCE).expect("in range"), 1.0, 1);
+    let touched = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z < -5.0);
+    let free = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z > -1.0);
+    Arbitrate::of(press, touched, free, braking, approach)
 }
 
 /// Two poses that were taught, of coordinates around `x`, with a share of velocity.

@@ -2,9 +2,10 @@
 
 use super::kit::{alone, behind, bytes};
 use mrroc::prelude::*;
+use mrroc::robot::{Channel, Output};
 use mrroc_generators::conformance::Given;
 use mrroc_generators::generator_conformance;
-use mrroc_generators::generators::{AwaitOperator, Delay, Settle, Sleep};
+use mrroc_generators::generators::{AwaitOperator, Delay, Settle, Sleep, Tell};
 use mrroc_robots::{Irp6, Six};
 
 generator_conformance! {
@@ -14,6 +15,20 @@ generator_conformance! {
     given: alone,
     odd: |x| vec![Sleep::lasting(x)],
     allocated: bytes,
+}
+
+generator_conformance! {
+    tell: Tell<Irp6>,
+    class: "ECP f*0(c)",
+    make: Tell::output(flow(), 0.5),
+    given: alone,
+    odd: |x| vec![Tell::output(flow(), x)],
+    allocated: bytes,
+}
+
+/// An analog output.
+fn flow() -> Output<f64> {
+    Output::of(Channel::Analog(0)).expect("an analog one")
 }
 
 generator_conformance! {

@@ -8,7 +8,8 @@ use mrroc_generators::cooperation::{
     BodyFrame, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw, TimedBody,
 };
 use mrroc_generators::generators::{RigidCarry, SqueezedCarry};
-use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World, WristForce};
+use mrroc_robots::grasp::{Body, Grasp, SimulatedWrist, World};
+use mrroc_robots::sensors::WristForce;
 use mrroc_robots::{Polycrank, Seven, Simulated};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
+use mrroc::robot::{Channel, Output};
 use mrroc::sensor::SensorImage;
 use mrroc_generators::bspline::SplineSettings;
 use mrroc_generators::combinators::*;
@@ -131,8 +132,14 @@ fn plain() -> Sheets {
         ("sleep", alone(Sleep::<Irp6>::lasting(0.5))),
         ("delay", alone(Delay::<Irp6>::lasting(0.5))),
         ("await_operator", alone(AwaitOperator::<Irp6, _>::until(confirmed))),
+        ("tell", alone(Sequence::of(telling(), Delay::<Irp6>::lasting(0.2)))),
         ("settle", alone(Settle::<Irp6>::within(Six::repeat(1e-3), 0.5, 1.0))),
     ])
+}
+
+/// A vacuum is switched on.
+fn telling() -> Tell<Irp6> {
+    Tell::output(Output::of(Channel::Digital(0)).expect("a digital one"), true)
 }
 
 fn onto_the_belt(duration: f64) -> MovingFrame<Irp6, impl Transform> {
@@ -199,6 +206,16 @@ fn told() -> Sheets {
     let blind: GuardedApproach<Irp6, Wrist> =
         GuardedApproach::along(start().rotation * Vector3::z_axis(), 0.05, 0.25, 0.2, |_: &Wrench| false);
     let over = Override::of(blind, touched, 0.1, ForceLaw::lasting(pressing(0.0)?, 1.5, 1));
+    // Somebody leans against the tool for 100 steps, and it stands meanwhile.
+    let leaned = |step: u64, _: &[Image; 2]| {
+        let push = if (60..160).contains(&step) { -5.0 } else { 0.0 };
+        let felt = Wrench::new(Vector3::z() * push, Vector3::zeros());
+        ((), Reading::new((SensorImage::<Wrist>::new(felt, 0),)))
+    };
+    let free = |v: &Reading<(Wrist,)>| v.0.reading().is_some_and(|felt| felt.force.z > -0.5);
+    let stand = || Blind::new(Sleep::<Irp6>::lasting(f64::INFINITY));
+    let go = || Blind::new(StraightLine::<Irp6>::to(start() * offset(), limits()));
+    let arbitrated = Arbitrate::of(stand, touched, free, 0.1, go);
     let felt = |step: u64, at: &[Image; 2]| (ordered(step), Reading::new((table(&at[0], 0.08),)));
     let stiffness = GraspStiffness { force: 2e3, torque: 20.0 };
     let gains = SqueezeGains { stiffness, rate: 5.0, inertia: 0.01 };
@@ -232,6 +249,8 @@ fn told() -> Sheets {
         ("followed_frame", follow(followed, 1000, late)),
         ("corrected", follow(corrected, 1000, aside)),
         ("override_", follow(over, 1000, pressed)),
+        ("arbitrate", follow(arbitrated, 1000, leaned)),
+        ("blind", follow(go(), 1000, leaned)),
         ("compliant_transmit", follow(CompliantTransmit::<Irp6, Wrist>::by(law, 1), 300, felt)),
         ("transmit_displacement", follow(TransmitDisplacement::<Irp6>::new(), 300, by_order)),
         ("watched_transmit", follow(WatchedTransmit::<Irp6>::within(5e-3, 0.05), 300, by_order)),

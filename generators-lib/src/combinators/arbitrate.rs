@@ -1,0 +1,317 @@
+//! The behaviour that matters most at the moment, of a list by priority.
+
+use mrroc::generator::{Class, Generator, Uses};
+use mrroc::prelude::*;
+
+/// Two behaviours, of which one is preferred: it takes over when its condition on the readings begins to hold, and gives back when
+/// another one ends it. Between the two conditions nothing changes, so that noise about a threshold does not hand the robot to and fro
+/// (hysteresis). More than two are a list by priority: the usual behaviour is an `Arbitrate` itself.
+///
+/// The robot is handed over at rest: the behaviour that runs is braked *on its path* by taking its path time away within a given
+/// time, and then the other one is made anew and begins from where the robot stands. A behaviour is given as what makes it, because it
+/// may begin many times; what makes it runs in a step, so it must not allocate. The motion is done when the behaviour that runs is
+/// done; one that is to give back must go on until then.
+///
+/// This is subsumption with priorities fixed beforehand (Brooks, *A robust layered control system for a mobile robot*, 1986). Where a
+/// behaviour is to take over once, and for good, [`Override`](super::Override) does.
+///
+/// ```
+/// use mrroc::prelude::*;
+/// use mrroc::sensor::SensorImage;
+/// use mrroc_generators::combinators::{Arbitrate, Blind};
+/// use mrroc_generators::generators::{Sleep, StraightLine};
+/// use mrroc_generators::line::ToolLimits;
+/// use mrroc_generators::profile::ProfileLimits;
+/// use mrroc_generators::rehearsal::rehearse_with;
+/// use mrroc_robots::{Irp6, Six};
+///
+/// # #[derive(Clone, Copy, Debug, PartialEq, Payload)]
+/// # struct Distance {
+/// #     to_person: f64,
+/// # }
+/// # struct Scanner;
+/// # impl Sensor for Scanner {
+/// #     const KIND: &'static str = "scanner";
+/// #     type Reading = Distance;
+/// #     type Configuration = ();
+/// # }
+/// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
+/// # let irp6 = Irp6::nominal();
+/// // To the goal; from where somebody is nearer than 1 m until they are 1.2 m away it stands, braked within 0.1 s.
+/// let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+/// let limits = ToolLimits { translation: limits, rotation: limits };
+/// let goal = irp6.forward(&start) * Pose::translation(0.0, 0.0, -0.05);
+/// let nearer = |v: &Reading<(Scanner,)>| v.0.reading().is_some_and(|seen| seen.to_person < 1.0);
+/// let away = |v: &Reading<(Scanner,)>| v.0.reading().is_some_and(|seen| seen.to_person > 1.2);
+/// let stand = || Blind::new(Sleep::lasting(f64::INFINITY));
+/// let go = move || Blind::new(StraightLine::to(goal, limits));
+/// let motion = Arbitrate::of(stand, nearer, away, 0.1, go);
+/// // Somebody is near from 0.3 s to 1 s. It stands from 0.4 s, when it is braked, to 1.1 s: what stands is braked, too.
+/// let mut step = 0;
+/// let demands = rehearse_with(motion, &irp6, start, 0.002, |_| {
+///     step += 1;
+///     let to_person = if (150..500).contains(&step) { 0.9 } else { 1.3 };
+///     (Order::new(()), Reading::new((SensorImage::new(Distance { to_person }, 0),)))
+/// })?;
+/// let stood = demands.iter().filter(|demand| **demand == Demand::hold()).count();
+/// assert!((349..=351).contains(&stood), "{stood}");
+/// assert_eq!(demands.last().and_then(Demand::as_pose), Some(goal));
+/// # Ok::<(), Fault>(())
+/// ```
+pub struct Arbitrate<A: Generator, B, MakeA, MakeB> {
+    preferred: MakeA,
+    usual: MakeB,
+    begins: fn(&Reading<A::Sensors>) -> bool,
+    ends: fn(&Reading<A::Sensors>) -> bool,
+    braking: f64,
+    /// Whether the preferred behaviour is to run.
+    chosen: bool,
+    running: Option<Running<A, B>>,
+    /// The share of path time that the running behaviour still gets, while it is braked.
+    share: Option<f64>,
+}
+
+enum Running<A, B> {
+    Preferred(A),
+    Usual(B),
+}
+
+impl<A, B, MakeA, MakeB> Arbitrate<A, B, MakeA, MakeB>
+where
+    A: Generator,
+    B: Generator<Robots = A::Robots, Language = A::Language, Sensors = A::Sensors, Order = A::Order>,
+    MakeA: FnMut() -> A,
+    MakeB: FnMut() -> B,
+{
+    /// What `preferred` makes, from where `begins` holds until `ends` does, and else what `usual` makes. What hands over is braked
+    /// within `braking` \[s\], finite, > 0: at a speed `v` that is a deceleration of `v / braking`.
+    #[must_use]
+    pub fn of(
+        preferred: MakeA,
+        begins: fn(&Reading<A::Sensors>) -> bool,
+        ends: fn(&Reading<A::Sensors>) -> bool,
+        braking: f64,
+        usual: MakeB,
+    ) -> Self {
+        const { assert!(A::CLASS.level as u8 == B::CLASS.level as u8, "both of an MP, or both of an ECP") };
+        Arbitrate { preferred, usual, begins, ends, braking, chosen: false, running: None, share: None }
+    }
+
+    /// Chooses by the readings.
+    fn choose(&mut self, v: &Reading<A::Sensors>) {
+        self.chosen = if self.chosen { !(self.ends)(v) } else { (self.begins)(v) };
+    }
+
+    /// Makes the chosen behaviour, and its first step.
+    fn begin(
+        &mut self,
+        c0: &Order<A::Order>,
+        e: &State<A::Robots>,
+        v: &Reading<A::Sensors>,
+        t: Tick,
+    ) -> Result<Step<A::Robots, A::Language>, Fault> {
+        self.share = None;
+        if self.chosen {
+            let mut preferred = (self.preferred)();
+            let step = preferred.first_step(c0, e, v, t);
+            self.running = Some(Running::Preferred(preferred));
+            return step;
+        }
+        let mut usual = (self.usual)();
+        let step = usual.first_step(c0, e, v, t);
+        self.running = Some(Running::Usual(usual));
+        step
+    }
+}
+
+impl<A, B, MakeA, MakeB> Generator for Arbitrate<A, B, MakeA, MakeB>
+where
+    A: Generator,
+    B: Generator<Robots = A::Robots, Language = A::Language, Sensors = A::Sensors, Order = A::Order>,
+    MakeA: FnMut() -> A,
+    MakeB: FnMut() -> B,
+{
+    type Robots = A::Robots;
+    type Language = A::Language;
+    type Sensors = A::Sensors;
+    type Order = A::Order;
+    const CLASS: Class = {
+        let a = A::CLASS;
+        let b = B::CLASS;
+        let own = Uses { sensors: true, ..Uses::NOTHING };
+        let first = a.first_uses().and(b.first_uses()).and(own);
+        // Both may begin in any step.
+        let next = first.and(a.next_uses()).and(b.next_uses()).and(Uses { tick: true, ..Uses::NOTHING });
+        Class { level: a.level, first, next, until: None }
+    };
+    const ENDS: bool = A::ENDS || B::ENDS;
+
+    fn first_step(
+        &mut self,
+        c0: &Order<A::Order>,
+        e: &State<A::Robots>,
+        v: &Reading<A::Sensors>,
+        t: Tick,
+    ) -> Result<Step<A::Robots, A::Language>, Fault> {
+        if !(self.braking.is_finite() && self.braking > 0.0) {
+            return Err(Fault::thrown("the time in which a behaviour is braked must be finite and > 0"));
+        }
+        self.choose(v);
+        self.begin(c0, e, v, t)
+    }
+
+    fn next_step(
+        &mut self,
+        c0: &Order<A::Order>,
+        e: &State<A::Robots>,
+        v: &Reading<A::Sensors>,
+        t: Tick,
+    ) -> Result<Step<A::Robots, A::Language>, Fault> {
+        self.choose(v);
+        let stands = self.share.is_some_and(|share| share <= 0.0);
+        let Some(running) = self.running.as_mut().filter(|_| !stands) else {
+            return self.begin(c0, e, v, t);
+        };
+        let is_chosen = matches!(running, Running::Preferred(_)) == self.chosen;
+        // Once begun, braking goes on to rest, whatever is chosen meanwhile: no behaviour can speed up again where it was.
+        if self.share.is_some() || !is_chosen {
+            self.share = Some((self.share.unwrap_or(1.0) - t.dt / self.braking).max(0.0));
+        }
+        let t = Tick { dt: t.dt * self.share.unwrap_or(1.0), ..t };
+        match running {
+            Running::Preferred(preferred) => preferred.next_step(c0, e, v, t),
+            Running::Usual(usual) => usual.next_step(c0, e, v, t),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Blind;
+    use super::*;
+    use crate::generators::{Sleep, StraightLine};
+    use crate::line::ToolLimits;
+    use crate::profile::ProfileLimits;
+    use mrroc::generator::Motion;
+    use mrroc::robot::{RobotImage, RobotState};
+    use mrroc::sensor::SensorImage;
+    use mrroc_robots::{Irp6, Six};
+
+    #[derive(Clone, Copy, Debug, PartialEq, Payload)]
+    struct Distance {
+        to_person: f64,
+    }
+
+    struct Scanner;
+
+    impl Sensor for Scanner {
+        const KIND: &'static str = "scanner";
+        type Reading = Distance;
+        type Configuration = ();
+    }
+
+    const DT: f64 = 2e-3;
+    const BRAKING: f64 = 0.1;
+
+    fn to(x: f64) -> Blind<StraightLine<Irp6>, (Scanner,)> {
+        let limits = ProfileLimits { velocity: 0.1, acceleration: 0.5 };
+        let limits = ToolLimits { translation: limits, rotation: limits };
+        Blind::new(StraightLine::to(Pose::translation(x, 0.0, 0.0), limits))
+    }
+
+    fn nearer(than: f64, v: &Reading<(Scanner,)>) -> bool {
+        v.0.reading().is_some_and(|seen| seen.to_person < than)
+    }
+
+    /// Where the tool is demanded to be along x in each step, and whether the motion is done.
+    fn run<G>(mut generator: G, steps: u64, to_person: impl Fn(u64) -> f64) -> (Vec<f64>, bool)
+    where
+        G: Generator<Robots = Irp6, Language = Motion, Sensors = (Scanner,), Order = ()>,
+    {
+        let mut pose = Pose::identity();
+        let mut trace = vec![0.0; 2];
+        for step in 0..steps {
+            let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose };
+            let (c0, e) = (Order::new(()), State::new(RobotImage::new(state, state)));
+            let v = Reading::new((SensorImage::new(Distance { to_person: to_person(step) }, 0),));
+            let t = Tick { step, dt: DT, duration: DT };
+            let stepped = if step == 0 {
+                generator.first_step(&c0, &e, &v, t)
+            } else {
+                generator.next_step(&c0, &e, &v, t)
+            };
+            let Step::Next(demand) = stepped.expect("in range") else { return (trace, true) };
+            pose = demand.as_pose().unwrap_or(pose);
+            trace.push(pose.translation.x);
+        }
+        (trace, false)
+    }
+
+    fn accelerations(trace: &[f64]) -> impl Iterator<Item = f64> {
+        trace.windows(3).map(|x| (x[2] - 2.0 * x[1] + x[0]) / (DT * DT))
+    }
+
+    #[test]
+    fn it_is_handed_over_at_rest_as_often_as_the_readings_say_and_arrives() {
+        // Out of the way to x = -0.1 while somebody is near; else to x = 0.3.
+        let out = || to(-0.1);
+        let motion = Arbitrate::of(out, |v| nearer(1.0, v), |v| !nearer(1.2, v), BRAKING, || to(0.3));
+        // Near in steps 400..600 and 1400..1700: 0.8 s, in which it has come 0.06 m of them, and so on.
+        let near = |step| (400..600).contains(&step) || (1400..1700).contains(&step);
+        let (trace, done) = run(motion, 10_000, |step| if near(step) { 0.9 } else { 1.3 });
+        assert!(done);
+        assert!((trace[trace.len() - 1] - 0.3).abs() < 1e-12);
+        // The lines take 0.5 m/s², and braking 0.1 m/s within 0.1 s takes 1 m/s², on top of which a line may speed up or slow down.
+        let most = accelerations(&trace).map(f64::abs).fold(0.0, f64::max);
+        assert!(most < 1.0 + 0.5 + 1e-6, "{most}");
+        // It turned back four times: the velocity changes its sign so often.
+        let moves: Vec<_> = trace.windows(2).map(|x| x[1] - x[0]).filter(|x| x.abs() > 1e-12).collect();
+        let turns = moves.windows(2).filter(|x| x[0] * x[1] < 0.0).count();
+        assert_eq!(turns, 4);
+    }
+
+    #[test]
+    fn noise_about_the_threshold_hands_over_once() {
+        // The readings of a person at 1 m scatter by 5 cm about it: each crosses the first threshold, none the second.
+        let (stand, go) = (|| Blind::new(Sleep::lasting(f64::INFINITY)), || to(0.3));
+        let motion = Arbitrate::of(stand, |v| nearer(1.0, v), |v| !nearer(1.2, v), BRAKING, go);
+        let noisy = |step: u64| 1.0 + if step.is_multiple_of(2) { 0.05 } else { -0.05 };
+        let (trace, done) = run(motion, 3_000, noisy);
+        assert!(!done);
+        // It goes for one step, and is braked within 50.
+        assert!(trace.windows(2).skip(60).all(|x| x[0].to_bits() == x[1].to_bits()), "it stands for good");
+    }
+
+    #[test]
+    fn the_first_of_a_list_that_wants_to_has_the_robot() {
+        // Nearer than 0.5 m: out of the way; nearer than 1 m: stand; else go.
+        let list = || {
+            let stand = || Blind::new(Sleep::lasting(f64::INFINITY));
+            let rest =
+                move || Arbitrate::of(stand, |v| nearer(1.0, v), |v| !nearer(1.2, v), BRAKING, || to(0.3));
+            Arbitrate::of(|| to(-0.1), |v| nearer(0.5, v), |v| !nearer(0.6, v), BRAKING, rest)
+        };
+        // All the time one distance: out, stood, gone.
+        for (distance, end) in [(0.4, Some(-0.1)), (0.8, None), (1.5, Some(0.3))] {
+            let (trace, done) = run(list(), 5_000, |_| distance);
+            assert_eq!(done, end.is_some(), "{distance}");
+            assert!((trace[trace.len() - 1] - end.unwrap_or(0.0)).abs() < 1e-12, "{distance}");
+        }
+        // One after the other, and back.
+        let distance = |step| [1.5, 0.8, 0.4, 0.8, 1.5][(step as usize / 400).min(4)];
+        let (trace, done) = run(list(), 10_000, distance);
+        assert!(done && (trace[trace.len() - 1] - 0.3).abs() < 1e-12);
+        assert!(accelerations(&trace).all(|a| a.abs() < 1.5 + 1e-6));
+    }
+
+    #[test]
+    fn a_time_of_braking_that_is_none_is_refused() {
+        for braking in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let mut motion = Arbitrate::of(|| to(0.1), |_| true, |_| false, braking, || to(0.3));
+            let state = RobotState { joints: Six::zeros(), velocity: Six::zeros(), pose: Pose::identity() };
+            let (c0, e) = (Order::new(()), State::new(RobotImage::new(state, state)));
+            let v = Reading::new((SensorImage::new(Distance { to_person: 1.0 }, 0),));
+            assert!(motion.first_step(&c0, &e, &v, Tick { step: 0, dt: DT, duration: DT }).is_err());
+        }
+    }
+}
