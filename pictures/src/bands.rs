@@ -7,6 +7,7 @@ use mrroc::operator::state::Doing;
 use nalgebra::Vector2;
 
 use crate::instructions::{Log, Span};
+use crate::states::Spell;
 use crate::svg::palette::{GREY, GRID, INK, REGION, RULE};
 use crate::svg::{Area, Axis, Colour, Look, Range, Svg, TextStyle, shortened};
 
@@ -25,6 +26,13 @@ const CLOSE: f64 = 1.5;
 const WORDS: f64 = 10.0;
 const LETTER: f64 = 5.9;
 
+/// What is on, and what was on and off too often to be told apart.
+const ON: Colour = Colour::hex(0x4c9a77);
+const SEVERAL: Colour = Colour::hex(0xa9cfbd);
+
+/// Letters of a name at the right end of a row.
+const NAME: usize = 16;
+
 /// The ground of Waits.
 const WAITING: Colour = Colour::hex(0xf5e3bd);
 
@@ -35,6 +43,8 @@ pub(crate) enum Row {
     Suspensions(Vec<Range>),
     /// What a program did, and who it is.
     Program(&'static str, Vec<Span>),
+    /// A state over time: where it comes from, its name, the names of what it may be unless it is on or off.
+    States { side: &'static str, name: String, names: Option<Vec<&'static str>>, spells: Vec<Spell> },
 }
 
 struct Band {
@@ -64,6 +74,7 @@ impl Row {
         match self {
             Row::Suspensions(_) => "operator",
             Row::Program(label, _) => label,
+            Row::States { side, .. } => side,
         }
     }
 
@@ -75,6 +86,9 @@ impl Row {
                 times.iter().map(suspended).collect()
             }
             Row::Program(_, spans) => joined(time, spans).iter().map(band).collect(),
+            Row::States { name, names, spells, .. } => {
+                spells.iter().filter_map(|spell| state(spell, name, names.as_deref())).collect()
+            }
         }
     }
 }
@@ -97,6 +111,20 @@ fn band(span: &Span) -> Band {
         (None, n) => vec![format!("{n} {word}"), format!("{n} ×")],
     };
     Band { time: span.time, colour, words }
+}
+
+/// A state that is not off.
+fn state(spell: &Spell, name: &str, names: Option<&[&'static str]>) -> Option<Band> {
+    let band = |colour, words: String| Some(Band { time: spell.time, colour, words: vec![words] });
+    match (spell.state, names) {
+        (Some(0), None) => None,
+        (Some(_), None) => band(ON, format!("{name} on")),
+        (Some(place), Some(names)) => {
+            let named = usize::try_from(place).ok().and_then(|place| names.get(place));
+            band(REGION, (*named.unwrap_or(&"unknown")).to_owned())
+        }
+        (None, _) => band(SEVERAL, format!("{} changes", spell.count)),
+    }
 }
 
 /// Spans with narrow neighbours that touch as one: none of them could be told from the next.
@@ -140,19 +168,42 @@ pub(crate) fn draw(svg: &mut Svg, time: &Axis, across: Range, bottom: f64, rows:
         let y = bottom + GAP + ROW * i as f64;
         let left = Vector2::new(across.low - 6.0, y + 9.5);
         svg.text(left, TextStyle::new(WORDS, GREY).end(), row.label());
+        if let Row::States { name, spells, .. } = row {
+            let right = Vector2::new(across.high + 6.0, y + 9.5);
+            svg.text(right, TextStyle::new(WORDS, INK), &shortened(name, NAME));
+            known(svg, time, across, y + BAND, spells);
+        }
+        let class = if matches!(row, Row::States { .. }) { "state" } else { "band" };
         for band in row.bands(time) {
             let (from, to) =
                 (time.at(band.time.low).max(across.low), time.at(band.time.high).min(across.high));
             let area = Area { x: from, y, width: (to - from).max(0.75), height: BAND };
-            let look = Look::filled(band.colour).stroke(RULE).width(0.5).class("band");
+            let look = Look::filled(band.colour).stroke(RULE).width(0.5).class(class);
             svg.explained(&format!("{}, {}", band.words[0], when(band.time)), |svg| {
                 svg.rectangle(area, 1.5, look);
             });
-            if let Some(words) = fitting(&band.words, area.width) {
+            if band.colour != ON
+                && let Some(words) = fitting(&band.words, area.width)
+            {
                 let at = Vector2::new(area.x + 0.5 * area.width, y + 9.5);
                 svg.text(at, TextStyle::new(WORDS, INK).middle().class("words"), &words);
             }
         }
+    }
+}
+
+/// A line where a state is known, at the height of `y` \[px\]: where there is no bar on it, it is off.
+fn known(svg: &mut Svg, time: &Axis, across: Range, y: f64, spells: &[Spell]) {
+    let mut lines: Vec<Range> = Vec::new();
+    for spell in spells {
+        match lines.last_mut() {
+            Some(last) if spell.time.low <= last.high => last.high = spell.time.high,
+            _ => lines.push(spell.time),
+        }
+    }
+    for line in lines {
+        let at = |value: f64| Vector2::new(time.at(value).clamp(across.low, across.high), y);
+        svg.line(at(line.low), at(line.high), Look::new().stroke(RULE).width(1.0).class("known"));
     }
 }
 

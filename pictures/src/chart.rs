@@ -7,8 +7,8 @@ use mrroc::robot::JointKind;
 
 use crate::history::{History, Sample};
 use crate::speed::Rates;
-use crate::svg::Colour;
 use crate::svg::palette::{self, INK};
+use crate::svg::{Colour, Range};
 
 /// Room above a chart for its heading, and below the last one for times \[px\].
 pub(crate) const HEADING: f64 = 31.0;
@@ -42,19 +42,48 @@ pub(crate) enum Ends {
     Largest,
 }
 
+/// What the left axis of a chart spans, in its unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Span {
+    /// All values and 0, and at least so much.
+    WithZero(f64),
+    /// All values; 0, too, unless they are far away from it.
+    Values,
+    /// This.
+    Fixed(Range),
+}
+
 /// Curves of one unit.
 #[derive(Clone, Debug)]
 pub(crate) struct Chart {
-    pub heading: &'static str,
+    pub heading: String,
+    /// Empty where nobody tells it.
     pub unit: &'static str,
+    /// Of its lines in the SVG.
+    pub class: &'static str,
     /// Of the curves \[px\].
     pub height: f64,
-    /// What the axis spans at least, in the unit.
-    pub least: f64,
+    pub span: Span,
     pub ends: Ends,
     /// When the curves have their values \[s\], increasing.
     pub times: Vec<f64>,
     pub curves: Vec<Curve>,
+}
+
+impl Chart {
+    /// A chart without curves.
+    pub fn empty(heading: &str) -> Chart {
+        Chart {
+            heading: heading.to_owned(),
+            unit: "",
+            class: "measured",
+            height: 20.0,
+            span: Span::Fixed(Range { low: 0.0, high: 1.0 }),
+            ends: Ends::Largest,
+            times: Vec::new(),
+            curves: Vec::new(),
+        }
+    }
 }
 
 /// The charts of a robot.
@@ -74,10 +103,11 @@ pub(crate) fn charts(history: &History, samples: &[&Sample]) -> Vec<Chart> {
         peak: Some(history.tool_speed),
     };
     charts.push(Chart {
-        heading: "Tool speed",
+        heading: "Tool speed".to_owned(),
         unit: "m/s",
+        class: "measured",
         height: 60.0,
-        least: if history.moved() { 0.0 } else { PLAY },
+        span: Span::WithZero(if history.moved() { 0.0 } else { PLAY }),
         ends: Ends::Largest,
         times: rates(samples).map(|rates| rates.time).collect(),
         curves: vec![tool],
@@ -129,13 +159,22 @@ fn of_kind(history: &History, samples: &[&Sample], kind: JointKind, joints: &[us
     };
     let least = if joints.iter().any(|i| history.ranges[*i].moved()) { 0.0 } else { PLAY };
     let room = LABEL * joints.len() as f64;
-    let chart = |heading, order, height: f64, least, ends, curves| {
+    let chart = |heading: &str, order, height: f64, least, ends, curves| {
         let unit = kind.unit(order);
         let times = match order {
             0 => samples.iter().map(|sample| sample.time).collect(),
             _ => rates(samples).map(|rates| rates.time).collect(),
         };
-        Chart { heading, unit, height: height.max(room), least, ends, times, curves }
+        Chart {
+            heading: heading.to_owned(),
+            unit,
+            class: "measured",
+            height: height.max(room),
+            span: Span::WithZero(least),
+            ends,
+            times,
+            curves,
+        }
     };
     [
         chart(headings[0], 0, 150.0, least, Ends::Last, positions),

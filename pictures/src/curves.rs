@@ -6,7 +6,7 @@
 use nalgebra::Vector2;
 
 use crate::bands::{self, Row};
-use crate::chart::{Chart, Curve, Ends, HEADING, LABEL};
+use crate::chart::{Chart, Curve, Ends, HEADING, LABEL, Span};
 use crate::labels;
 use crate::playback::{self, Playback};
 use crate::svg::palette::{GREY, INK};
@@ -15,6 +15,9 @@ use crate::svg::{Area, Axes, Axis, Look, Range, Svg, TextStyle};
 /// Room for ticks at the left end of a chart, and usually for labels at its right end \[px\].
 const TICKS: f64 = 54.0;
 pub(crate) const LABELS: f64 = 108.0;
+
+/// Values that are so many times farther from 0 than from one another have an axis without 0.
+const FAR: f64 = 2.0;
 
 /// A time axis and what is drawn over it.
 #[derive(Clone, Copy, Debug)]
@@ -80,27 +83,47 @@ impl Chart {
     /// What the left axis spans.
     fn range(&self) -> Range {
         let lines = self.curves.iter().flat_map(|curve| [Some(&curve.measured), curve.demanded.as_ref()]);
-        Range::with_zero(lines.flatten().flatten(), self.least)
+        let values = lines.flatten().flatten();
+        match self.span {
+            Span::WithZero(least) => Range::with_zero(values, least),
+            Span::Fixed(range) => range,
+            Span::Values => {
+                let range = Range::of(values);
+                let away = range.low.abs().min(range.high.abs());
+                let is_far = range.low * range.high > 0.0 && away > FAR * range.width();
+                // A constant has an axis of its own size about it.
+                let half = 0.05 * away;
+                match (is_far, range.width() > 0.0) {
+                    (true, true) => range,
+                    (true, false) => Range { low: range.low - half, high: range.high + half },
+                    (false, _) => Range::with_zero(&[range.low, range.high], f64::MIN_POSITIVE),
+                }
+            }
+        }
     }
 
     fn draw(&self, svg: &mut Svg, axes: &Axes, times: &[f64], room: f64) {
         let frame = axes.frame();
-        let heading = format!("{} [{}]", self.heading, self.unit);
+        let heading = match self.unit {
+            "" => self.heading.clone(),
+            unit => format!("{} [{unit}]", self.heading),
+        };
         svg.text(Vector2::new(frame.x, frame.y - 9.0), TextStyle::new(12.0, INK).bold(), &heading);
         axes.draw_grid(svg);
         svg.group(Look::new().no_fill().round(), |svg| {
             for curve in &self.curves {
-                let look = Look::new().class("measured").stroke(curve.colour);
+                let look = Look::new().class(self.class).stroke(curve.colour);
                 let look = match curve.demanded {
                     Some(_) => look.width(3.2).stroke_opacity(0.5),
                     None => look.width(1.4),
                 };
-                svg.polyline(&axes.curve(times, &curve.measured), look);
+                pieces(svg, axes, times, &curve.measured, look);
             }
             for curve in &self.curves {
                 if let Some(demanded) = &curve.demanded {
-                    let look = Look::new().class("demanded").stroke(curve.colour).width(1.0);
-                    svg.polyline(&axes.curve(times, demanded), look);
+                    let class = if self.class == "measured" { "demanded" } else { "wanted" };
+                    let look = Look::new().class(class).stroke(curve.colour).width(1.0);
+                    pieces(svg, axes, times, demanded, look);
                 }
             }
         });
@@ -118,8 +141,12 @@ impl Chart {
             Ends::Last => "at the end",
             Ends::Largest => "largest",
         };
-        svg.text(Vector2::new(right + 20.0, frame.y - 9.0), TextStyle::new(11.0, GREY), caption);
-        let last = |curve: &Curve| curve.measured.last().copied().unwrap_or(0.0);
+        if !self.curves.is_empty() {
+            svg.text(Vector2::new(right + 20.0, frame.y - 9.0), TextStyle::new(11.0, GREY), caption);
+        }
+        let last = |curve: &Curve| {
+            curve.measured.iter().rev().find(|value| value.is_finite()).copied().unwrap_or(0.0)
+        };
         // Those that came back stand in their order, whatever their play.
         let play = 0.01 * ticks.range().width();
         let wish = |value: f64| height(if value.abs() < play { 0.0 } else { value });
@@ -148,6 +175,19 @@ impl Chart {
             svg.text(at, TextStyle::new(11.5, curve.colour).bold(), &curve.label);
             let at = Vector2::new(right + room - 6.0, y + 4.0);
             svg.text(at, TextStyle::new(11.5, INK).end(), &ticks.figure(value));
+        }
+    }
+}
+
+/// Draws a curve, with gaps where its values or its times are no numbers; a value between two gaps as a dot.
+fn pieces(svg: &mut Svg, axes: &Axes, times: &[f64], values: &[f64], look: Look) {
+    let samples: Vec<(f64, f64)> = times.iter().copied().zip(values.iter().copied()).collect();
+    for piece in samples.split(|(time, value)| !time.is_finite() || !value.is_finite()) {
+        let (times, values): (Vec<f64>, Vec<f64>) = piece.iter().copied().unzip();
+        match (times.as_slice(), values.as_slice()) {
+            ([], _) | (_, []) => {}
+            ([time], [value]) => svg.circle(axes.at(*time, *value), 1.1, look),
+            (times, values) => svg.polyline(&axes.curve(times, values), look),
         }
     }
 }

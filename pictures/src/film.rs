@@ -4,20 +4,23 @@ use std::cell::RefCell;
 use std::io;
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use mrroc::cell::RunPicture;
 use mrroc::observe::Observation;
+use mrroc::observe::witness::SharedWitness;
 use mrroc::prelude::*;
 
 use crate::block::Block;
 use crate::history::History;
 use crate::instructions::Log;
 use crate::page;
+use crate::seen::{Seen, Sights};
 
 /// Watches every robot of a cell and draws one self-contained SVG of what moved.
 ///
-/// Memory is bounded: at most 4000 samples of each robot are kept, evenly over the run, however long it is. Largest
-/// following errors and joint ranges are those of all servo periods.
+/// Memory is bounded: at most 4000 samples of each robot and each sensor are kept, evenly over the run, however long it is.
+/// Largest following errors, joint ranges, and the least and greatest numbers of readings are those of the whole run.
 ///
 /// ```no_run
 /// # fn cell() -> mrroc::cell::Cell { mrroc::cell::Cell::new(std::time::Duration::from_millis(2)) }
@@ -38,6 +41,8 @@ pub struct Film {
     /// What the MP's program did.
     program: Rc<RefCell<Log>>,
     left_out: Rc<Vec<String>>,
+    /// What the processes of the cell showed.
+    seen: Arc<Seen>,
 }
 
 impl Film {
@@ -69,9 +74,11 @@ impl Film {
     #[must_use]
     pub fn svg(&self) -> String {
         match (self.histories.try_borrow(), self.blocks.try_borrow(), self.program.try_borrow()) {
-            (Ok(histories), Ok(blocks), Ok(program)) => page::svg(&histories, &blocks, &program),
+            (Ok(histories), Ok(blocks), Ok(program)) => {
+                page::svg(&histories, &blocks, &program, &self.seen.sights())
+            }
             // Only while a robot is being observed, that is, inside of an observer of the user's.
-            _ => page::svg(&[], &[], &Log::default()),
+            _ => page::svg(&[], &[], &Log::default(), &Sights::default()),
         }
     }
 }
@@ -83,6 +90,8 @@ impl RunPicture for Film {
         let blocks = Rc::clone(&self.blocks);
         let program = Rc::clone(&self.program);
         let left_out = Rc::clone(&self.left_out);
+        self.seen.expect(&cell.layout());
+        let cell = cell.shown_to_picture(Arc::clone(&self.seen) as SharedWitness);
         cell.watch(move |observation| {
             let drawn = left_out.iter().all(|name| name != observation.robot);
             if let Ok(mut program) = program.try_borrow_mut() {

@@ -1,12 +1,15 @@
 //! Pictures of what moved: a [`Film`] watches the robots of a cell and draws one SVG that any browser shows.
 //!
-//! In: an [`Observation`](mrroc::observe::Observation) of every servo period of every robot. Out: a picture, in SI units:
+//! In: an [`Observation`](mrroc::observe::Observation) of every servo period of every robot, and what the processes of the
+//! cell show a [`Witness`](mrroc::observe::witness::Witness). Out: a picture, in SI units:
 //!
 //! ```text
 //! Observation -> History (bounded memory) -> scene:  stick figures in space, moving; tool paths coloured by speed
 //!                                         -> curves: positions, velocities, tool speed, following error over time
 //!                                         -> bands: Moves and Waits of the MP and of the robot's own program; suspensions
+//!                                         -> bands: digital inputs and outputs by name
 //!                                         -> figures: where each joint went, its largest following error
+//! what processes show -> Seen (bounded memory) -> instruments: rate of path time, readings of sensors over time
 //! ```
 //!
 //! A [`Plot`] shows other quantities over time in the same look. What either draws is written by [`svg`], which also
@@ -29,6 +32,7 @@ mod floor;
 mod ghosts;
 mod history;
 mod instructions;
+mod instruments;
 mod labels;
 mod marks;
 mod page;
@@ -36,11 +40,15 @@ mod panel;
 mod playback;
 mod plot;
 mod projection;
+mod quantities;
 mod scene;
+mod seen;
 mod speed;
+mod states;
 mod stick;
 pub mod svg;
 mod tool_path;
+mod track;
 mod wording;
 
 pub use film::Film;

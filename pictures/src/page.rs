@@ -1,6 +1,7 @@
-//! The page: a heading, the scene, and for each robot its tool's path, its figures and its curves.
+//! The page: a heading, the scene, for each robot its tool's path, its figures and its curves; then the rate of path time
+//! and each sensor.
 //!
-//! In: what is kept of each robot. Out: the SVG document.
+//! In: what is kept of each robot, and what was seen of the rest. Out: the SVG document.
 
 use mrroc::robot::JointKind;
 use nalgebra::{Vector2, Vector3};
@@ -13,12 +14,13 @@ use crate::history::{History, Sample};
 use crate::instructions::Log;
 use crate::playback::Playback;
 use crate::scene::{Actor, Scene};
+use crate::seen::Sights;
 use crate::stick::Motion;
 use crate::svg::palette::{self, GREY, INK, PAGE, WHITE};
 use crate::svg::{Area, Look, Page, Range, Svg, TextStyle, Ticks, shortened};
 use crate::tool_path::ToolPath;
 use crate::wording::{duration, figure};
-use crate::{closeup, figures, panel};
+use crate::{closeup, figures, instruments, panel};
 
 /// Width of the page \[px\], its margin, and the room for its heading.
 pub(crate) const WIDTH: f64 = 1200.0;
@@ -48,10 +50,15 @@ struct Robot<'a> {
 }
 
 impl<'a> Robot<'a> {
-    fn of(history: &'a History, mp: &Log) -> Robot<'a> {
+    fn of(history: &'a History, mp: &Log, sights: &Sights) -> Robot<'a> {
         let samples = history.samples();
-        let charts = chart::charts(history, &samples);
-        Robot { history, samples, charts, rows: bands::rows(mp, &history.program) }
+        let mut charts = chart::charts(history, &samples);
+        let mut rows = bands::rows(mp, &history.program);
+        if let Some(signals) = sights.robot(&history.name) {
+            charts.extend(instruments::analog(signals));
+            rows.extend(instruments::digital(signals));
+        }
+        Robot { history, samples, charts, rows }
     }
 
     /// How high its panel is \[px\].
@@ -68,9 +75,10 @@ impl<'a> Robot<'a> {
 }
 
 /// The picture of what some robots did, with the blocks that they handled, and of what the MP's program did.
-pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log) -> String {
+pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log, sights: &Sights) -> String {
     let observed = histories.iter().filter(|history| !history.samples().is_empty());
-    let robots: Vec<Robot<'_>> = observed.map(|history| Robot::of(history, mp)).collect();
+    let robots: Vec<Robot<'_>> = observed.map(|history| Robot::of(history, mp, sights)).collect();
+    let instruments = instruments::instruments(sights, mp);
     if robots.is_empty() {
         let title = "Nothing was seen";
         return document(title, HEADING + MARGIN, |svg| {
@@ -88,7 +96,9 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log) -> String {
 
     let fastest = fastest(&robots);
     let actors = actors(&robots, fastest);
-    let lines: usize = robots.iter().map(|robot| chart::lines(&robot.charts)).sum();
+    let all_charts =
+        robots.iter().map(|robot| &robot.charts).chain(instruments.iter().map(|panel| &panel.charts));
+    let lines: usize = all_charts.map(|charts| chart::lines(charts)).sum();
     let most = (MOST_POINTS / lines.max(1)).clamp(120, 600);
     let timeline =
         Timeline { run, playback: playback.as_ref(), most, labels: LABELS, suspensions: mp.suspensions() };
@@ -97,6 +107,7 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log) -> String {
     let area = Area { x: MARGIN, y: HEADING, width: WIDTH - 2.0 * MARGIN, height: 0.0 };
     let area = Area { height: scene.height(area.width), ..area };
     let panels: f64 = robots.iter().map(|robot| robot.height() + GAP).sum();
+    let panels = panels + instruments.iter().map(|panel| panel.height() + GAP).sum::<f64>();
     let height = HEADING + area.height + panels + MARGIN;
     let title = title(&robots, run);
     let subtitle = subtitle(playback.as_ref());
@@ -113,6 +124,13 @@ pub(crate) fn svg(histories: &[History], blocks: &[Block], mp: &Log) -> String {
                 &robot.charts,
                 &robot.rows,
             );
+            y += area.height + GAP;
+        }
+        for instrument in &instruments {
+            let area = Area { x: MARGIN, y, width: WIDTH - 2.0 * MARGIN, height: instrument.height() };
+            instrument.draw(svg, area, COLUMN);
+            let over_time = area.inset(COLUMN + 40.0, ROBOT_HEADING - 20.0, 8.0, 0.0);
+            timeline.draw(svg, over_time, &instrument.charts, &instrument.rows);
             y += area.height + GAP;
         }
     })
@@ -255,7 +273,7 @@ mod tests {
     #[test]
     fn names_of_any_text_come_back_from_a_parser() {
         let name = "<a href='x'>&amp; \"ż\"</a>";
-        let svg = svg(&[history(name, 500)], &[], &Log::default());
+        let svg = svg(&[history(name, 500)], &[], &Log::default(), &Sights::default());
         let document = roxmltree::Document::parse(&svg).unwrap();
         let texts: Vec<&str> = document.descendants().filter_map(|node| node.text()).collect();
         assert!(texts.contains(&name));
@@ -264,13 +282,14 @@ mod tests {
 
     #[test]
     fn a_robot_that_never_ticked_is_left_out() {
-        let svg = svg(&[history("first", 0), history("second", 500)], &[], &Log::default());
+        let svg =
+            svg(&[history("first", 0), history("second", 500)], &[], &Log::default(), &Sights::default());
         assert!(!svg.contains(">first<") && svg.contains("second moved in 1.00 s"));
     }
 
     #[test]
     fn one_servo_period_is_a_picture_without_motion() {
-        let svg = svg(&[history("one", 1)], &[], &Log::default());
+        let svg = svg(&[history("one", 1)], &[], &Log::default(), &Sights::default());
         roxmltree::Document::parse(&svg).unwrap();
         assert!(svg.contains("Nothing moved") && !svg.contains("<animate ") && !svg.contains("NaN"));
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use nalgebra::Vector2;
 
-use crate::chart::{self, Chart, Curve, Ends};
+use crate::chart::{self, Chart, Curve, Ends, Span};
 use crate::curves::Timeline;
 use crate::page::{self, MARGIN, WIDTH};
 use crate::panel;
@@ -69,10 +69,11 @@ impl Plot {
         };
         let curves = lines.into_iter().enumerate().map(|(i, line)| curve(i, line)).collect();
         self.charts.push(Chart {
-            heading,
+            heading: heading.to_owned(),
             unit,
+            class: "measured",
             height: HEIGHT,
-            least: 0.0,
+            span: Span::WithZero(0.0),
             ends: Ends::Largest,
             times,
             curves,

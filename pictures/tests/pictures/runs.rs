@@ -255,8 +255,8 @@ fn every_animation_has_as_many_times_as_values_from_0_to_1() {
     let svg = picture(cell().robot(arm("one", Pose::identity(), 2.0, wave)));
     let document = Document::parse(&svg).unwrap();
     let animations: Vec<_> = document.descendants().filter(|node| node.has_tag_name("animate")).collect();
-    // Links and gripper in three views, and the line over the curves.
-    assert_eq!(animations.len(), 7);
+    // Links and gripper in three views, and the lines over the robot's curves and over the rate.
+    assert_eq!(animations.len(), 8);
     for animation in animations {
         let of = |name| animation.attribute(name).unwrap();
         let times: Vec<f64> = of("keyTimes").split(';').map(|time| time.parse().unwrap()).collect();
@@ -437,7 +437,8 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     let ecp = |wait| ["Move Along", wait, "Move Along"];
     let mp = ["suspended", "Move ask", "Wait Pause", "Move ask"];
     // For a Wait of a second there is no room for both words.
-    let expected = [&mp[..], &ecp("Dwell"), &ecp("Dwell")].concat();
+    // Below the rate, the MP's once more.
+    let expected = [&mp[..], &ecp("Dwell"), &ecp("Dwell"), &mp].concat();
     assert_eq!(words, expected);
     // Told with their times: the operator suspends at 1 s and resumes at 3 s.
     let told: Vec<_> = document
@@ -460,8 +461,8 @@ fn moves_waits_and_suspensions_are_marked_below_the_time_axes() {
     assert!((dwell.0 - along.1).abs() < 0.01 && (dwell.1 - dwell.0 - 1.0).abs() < 0.05, "{dwell:?}");
     let pause = at("Wait Pause");
     assert!((pause.1 - pause.0 - 1.5).abs() < 0.05, "{pause:?}");
-    // One shade over the charts of the one robot; bands side by side, none over another one.
-    assert_eq!(of_class("suspended").len(), 1);
+    // One shade over the charts of the one robot, and one over the rate; bands side by side, none over another one.
+    assert_eq!(of_class("suspended").len(), 2);
     let number =
         |node: &Node<'_, '_>, name: &str| node.attribute(name).expect(name).parse::<f64>().expect("a number");
     let bands: Vec<_> =
