@@ -43,7 +43,7 @@ impl Entry {
         copied
     }
 
-    /// Whether it moves one robot, in the program of its ECP.
+    /// Whether it moves one robot, in the program of its ECP or of the MP.
     #[must_use]
     pub fn is_of_an_ecp(&self) -> bool {
         self.class.starts_with("ECP")
@@ -52,7 +52,17 @@ impl Entry {
     /// Whether it reads sensors.
     #[must_use]
     pub fn reads_sensors(&self) -> bool {
-        self.class.split(['(', ',', ')']).any(|used| used.trim() == "v")
+        self.reads("v")
+    }
+
+    /// Whether it is an ECP's and reads the MP's orders, so that the MP itself cannot move a robot by it.
+    #[must_use]
+    pub fn reads_orders(&self) -> bool {
+        self.is_of_an_ecp() && self.reads("c0")
+    }
+
+    fn reads(&self, argument: &str) -> bool {
+        self.class.split(['(', ',', ')']).any(|used| used.trim() == argument)
     }
 }
 
@@ -100,6 +110,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry!("spline_track", "SplineTrack", "ECP f*0(c)"),
     entry!("squeezed_carry", "SqueezedCarry", "MP f*1(c0, v), first step f*3(c0, e, v)"),
     entry!("straight_line", "StraightLine", "ECP f*0(c), first step f*2(c, e)"),
+    entry!("tell", "Tell", "ECP f*0(c)"),
     entry!("time_optimal_curve", "TimeOptimalCurve", "ECP f*0(c), first step f*2(c, e)"),
     entry!("time_optimal_joints", "TimeOptimalJoints", "ECP f*0(c), first step f*2(c, e)"),
     entry!("tool_offset", "ToolOffset", "ECP f*0(c)"),
@@ -162,6 +173,7 @@ mod tests {
             SplineTrack::<Irp6, Points>::CLASS,
             SqueezedCarry::<Two, [Wrist; 2], StraightBody>::CLASS,
             StraightLine::<Irp6>::CLASS,
+            Tell::<Irp6>::CLASS,
             TimeOptimalCurve::<Irp6, mrroc_generators::curve::Helix>::CLASS,
             TimeOptimalJoints::<Irp6>::CLASS,
             ToolOffset::<Irp6>::CLASS,
@@ -173,9 +185,11 @@ mod tests {
         for (entry, class) in CATALOGUE.iter().zip(classes) {
             assert_eq!(entry.class, class.to_string(), "{}", entry.name);
             let sensors = class.first_uses().sensors || class.next_uses().sensors;
+            let orders = class.first_uses().order || class.next_uses().order;
+            let is_of_an_ecp = class.level == mrroc::generator::Level::Ecp;
             assert_eq!(
-                (entry.is_of_an_ecp(), entry.reads_sensors()),
-                (class.level == mrroc::generator::Level::Ecp, sensors)
+                (entry.is_of_an_ecp(), entry.reads_sensors(), entry.reads_orders()),
+                (is_of_an_ecp, sensors, is_of_an_ecp && orders)
             );
         }
     }

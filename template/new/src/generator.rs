@@ -203,11 +203,16 @@ impl Copy {
         format!("crate::generators::{module}{}", self.type_name)
     }
 
+    /// Whether the project has a program of an ECP, which moves one robot.
+    fn has_ecp(&self) -> bool {
+        self.project.join("src/ecp.rs").is_file()
+    }
+
     /// What is missing for a Move of it in this project, if anything.
     fn caution(&self) -> &'static str {
-        if self.entry.is_of_an_ecp() && !self.project.join("src/ecp.rs").is_file() {
-            "\nIt moves one robot, in the program of its ECP, which this project has none of: make a project with `--define levels=ecp` \
-             or `levels=both`; or give the robot a program by `.ecp(..)` in src/lib.rs, in the place of `.program(..)`.\n"
+        if self.entry.reads_orders() && !self.has_ecp() {
+            "\nIt reads orders, in the program of an ECP, which this project has none of: make a project with `--define levels=both`, \
+             or give the robot a program by `.ecp(..)` in src/lib.rs.\n"
         } else {
             ""
         }
@@ -218,8 +223,10 @@ impl Copy {
         let sensors = if self.entry.reads_sensors() { "(&mut sensor,)" } else { "()" };
         let made = constructor(self.entry.source)
             .map_or_else(|| self.type_name.clone(), |call| format!("{}::{call}", self.type_name));
-        if self.entry.is_of_an_ecp() {
+        if self.entry.is_of_an_ecp() && (self.has_ecp() || self.entry.reads_orders()) {
             format!("ecp.move_robot({sensors}, {made})?;")
+        } else if self.entry.is_of_an_ecp() {
+            format!("mp.move_robot(&mut robot, {sensors}, {made})?;")
         } else {
             format!("mp.move_robots((&mut robot,), {sensors}, {made})?;")
         }

@@ -12,6 +12,7 @@
 pub mod catalogue;
 pub mod choices;
 pub mod error;
+pub mod external;
 pub mod generator;
 mod name;
 pub mod options;

@@ -2,6 +2,7 @@
 
 use std::env;
 use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use mrroc_new::choices::settle;
@@ -10,7 +11,7 @@ use mrroc_new::generator::{self, Copy};
 use mrroc_new::options::{Project, Request, Rest, parse};
 use mrroc_new::project::{GENERATION, generate, make, place};
 use mrroc_new::template::{Placeholder, Template};
-use mrroc_new::{prompt, shell, source};
+use mrroc_new::{external, prompt, shell, source};
 
 fn main() -> ExitCode {
     let mut arguments = env::args_os().skip(1);
@@ -38,15 +39,18 @@ fn carry_out(request: Request) -> Result<String, Error> {
         Request::Print(text) => Ok(text),
         Request::Choices => choices(),
         Request::Generators => Ok(generator::list()),
-        Request::Generator { name, as_name } => {
-            let here = env::current_dir().map_err(|error| Error::Failed {
-                what: format!("this folder cannot be entered: {error}"),
-                help: "go into the project's folder by `cd`".to_owned(),
-            })?;
-            Copy::new(&name, &as_name, &here)?.write()
-        }
+        Request::Generator { name, as_name } => Copy::new(&name, &as_name, &here()?)?.write(),
+        Request::External(sensor) => external::write(&sensor, &here()?),
         Request::Project(project) => new_project(project),
     }
+}
+
+/// The folder in which it was started.
+fn here() -> Result<PathBuf, Error> {
+    env::current_dir().map_err(|error| Error::Failed {
+        what: format!("this folder cannot be entered: {error}"),
+        help: "go into the project's folder by `cd`".to_owned(),
+    })
 }
 
 fn choices() -> Result<String, Error> {

@@ -21,6 +21,8 @@ pub enum Request {
         /// The name of the copy.
         as_name: String,
     },
+    /// The Python side of this sensor of the project's cell.
+    External(String),
     /// The list of generators, to be printed.
     Generators,
     /// The list of choices, to be printed.
@@ -62,14 +64,16 @@ Examples:
   mrroc-new my-task                  asks what it shall be
   mrroc-new my-task --defaults       asks nothing
   mrroc-new my-pair -d robots=two    asks the rest
-  mrroc-new generator straight_line  in a project: copies it there";
+  mrroc-new generator straight_line  in a project: copies it there
+  mrroc-new external --python camera in a project: a program that sends what
+                                     its sensor `camera` reads";
 
 /// The command line as it is written.
 #[derive(Debug, Parser)]
 #[command(
     version,
     about = "Makes a new mrroc project, and copies generators of the library into it",
-    override_usage = "mrroc-new [OPTIONS] NAME\n       mrroc-new generator [--as NAME] GENERATOR\n       mrroc-new generator --list",
+    override_usage = "mrroc-new [OPTIONS] NAME\n       mrroc-new generator [--as NAME] GENERATOR\n       mrroc-new generator --list\n       mrroc-new external --python SENSOR",
     after_help = AFTER_HELP,
     args_override_self = true,
     max_term_width = 80
@@ -97,10 +101,16 @@ struct Arguments {
     /// Print the library's generators.
     #[arg(long, help_heading = GENERATOR)]
     list: bool,
+
+    /// Make the program in Python.
+    #[arg(long, value_name = "SENSOR", help_heading = EXTERNAL)]
+    python: Option<String>,
 }
 
 const PROJECT: &str = "A new project, in a folder of its own";
 const GENERATOR: &str = "A generator of the library, copied into the project in which you are";
+
+const EXTERNAL: &str = "A program that sends what a sensor of the project's cell reads";
 
 /// Reads the arguments after the program's name.
 ///
@@ -110,6 +120,7 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, E
     let program = OsString::from("mrroc-new");
     match Arguments::try_parse_from(iter::once(program).chain(arguments)) {
         Ok(read) if read.words.first().is_some_and(|word| word == "generator") => read.generator(),
+        Ok(read) if read.words.first().is_some_and(|word| word == "external") => read.external(),
         Ok(read) => read.project(),
         Err(answer) if answer.use_stderr() => Err(Error::Usage(answer.to_string())),
         Err(answer) => Ok(Request::Print(answer.to_string())),
@@ -117,10 +128,25 @@ pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Request, E
 }
 
 impl Arguments {
+    fn external(self) -> Result<Request, Error> {
+        let help = "write `mrroc-new external --python SENSOR` in the project's folder";
+        if self.is_of_project() || self.list || self.as_name.is_some() {
+            return Err(Error::refused("this option is not for the program of a sensor", help));
+        }
+        no_more(self.words.get(1))?;
+        let refused = || Error::refused("no sensor given", help);
+        self.python.map(Request::External).ok_or_else(refused)
+    }
+
+    /// Whether it has an option for a new project.
+    fn is_of_project(&self) -> bool {
+        self.into.is_some() || self.choices || self.defaults || !self.defined.is_empty()
+    }
+
     fn generator(self) -> Result<Request, Error> {
-        if self.into.is_some() || self.choices || self.defaults || !self.defined.is_empty() {
+        if self.is_of_project() || self.python.is_some() {
             let help = "write `mrroc-new generator GENERATOR --as NAME` in the project's folder";
-            return Err(Error::refused("this option is for a new project", help));
+            return Err(Error::refused("this option is not for generators", help));
         }
         no_more(self.words.get(2))?;
         match self.words.into_iter().nth(1) {
@@ -136,6 +162,10 @@ impl Arguments {
         if self.list || self.as_name.is_some() {
             let help = "write `mrroc-new generator --list` or `mrroc-new generator GENERATOR --as NAME`";
             return Err(Error::refused("this option is for generators", help));
+        }
+        if self.python.is_some() {
+            let help = "write `mrroc-new external --python SENSOR`";
+            return Err(Error::refused("this option is for the program of a sensor", help));
         }
         no_more(self.words.get(1))?;
         let mut given = Given::new();
@@ -200,6 +230,7 @@ mod tests {
         assert_eq!(run("generator straight_line"), copy("straight_line", "straight_line"));
         assert_eq!(run("generator straight_line --as my_line"), copy("straight_line", "my_line"));
         assert_eq!(run("generator --list"), Ok(Request::Generators));
+        assert_eq!(run("external --python camera"), Ok(Request::External("camera".to_owned())));
         assert_eq!(run("--choices"), Ok(Request::Choices));
         let Ok(Request::Print(help)) = run("a -h") else { panic!() };
         assert!(help.contains("--define <CHOICE=VALUE>"), "{help}");
@@ -226,8 +257,12 @@ mod tests {
             ("a --list", "for generators"),
             ("generator", "no generator given"),
             ("generator a b", "one name too many"),
-            ("generator a --into b", "for a new project"),
-            ("--into b generator a", "for a new project"),
+            ("generator a --into b", "not for generators"),
+            ("--into b generator a", "not for generators"),
+            ("a --python b", "for the program of a sensor"),
+            ("external", "no sensor given"),
+            ("external a --python b", "one name too many"),
+            ("external --python b --list", "not for the program of a sensor"),
         ] {
             let message = run(line).expect_err(line);
             assert!(message.contains(part), "{line}: {message}");

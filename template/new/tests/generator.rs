@@ -56,11 +56,25 @@ fn without_another_name_the_copy_has_the_librarys() {
     fs::write(folder.path().join("src/generators/mod.rs"), "mod a;\n\npub use a::A;\n").expect("a file");
     let text = said(&folder.run(&["generator", "straight_line"]));
     assert!(text.contains("use crate::generators::StraightLine;"), "{text}");
-    assert!(text.contains("ecp.move_robot((), StraightLine::to(X_WE, limits))?;"), "{text}");
+    assert!(text.contains("mp.move_robot(&mut robot, (), StraightLine::to(X_WE, limits))?;"), "{text}");
     assert_eq!(
         folder.read("src/generators/mod.rs"),
         "mod a;\nmod straight_line;\n\npub use a::A;\npub use straight_line::StraightLine;\n"
     );
+}
+
+#[test]
+fn a_move_is_shown_of_the_program_that_the_project_has() {
+    let folder = project(Folder::new());
+    // What reads orders moves nothing from the coordinator.
+    let ordered = said(&folder.run(&["generator", "reach_state"]));
+    assert!(
+        ordered.contains("It reads orders, in the program of an ECP, which this project has none of"),
+        "{ordered}"
+    );
+    folder.write("src/ecp.rs", "");
+    let text = said(&folder.run(&["generator", "straight_line"]));
+    assert!(text.contains("ecp.move_robot((), StraightLine::to(X_WE, limits))?;"), "{text}");
 }
 
 #[test]

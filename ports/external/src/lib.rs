@@ -1,0 +1,293 @@
+//! Programs of others in a cell: virtual sensors whose readings a program of another sends, one in Python, say, with a camera and a
+//! network in it; and robots that move in a simulator of others ([`plant`](fn@plant)).
+//!
+//! In: messages over shared memory, and what `cell.toml` says may be believed of them. Out: a
+//! [`VirtualSensor`]. The program is a process of its own that nobody waits for: one that hangs is a reading that gets
+//! older, until the Move or Wait that reads it ends with `SensorStale` and the robots stop on their paths; one that lies
+//! is a `SensorFailed`.
+//!
+//! ```
+//! use mrroc::payload::Payload;
+//! use mrroc::sensor::{ReadingOrder, Sensor, VirtualSensor};
+//! use mrroc_external::External;
+//! # use mrroc::fault::Fault;
+//! # use mrroc_launch::cell_file::CellFile;
+//!
+//! /// Where a part lies on the table.
+//! #[derive(Clone, Copy, Payload)]
+//! pub struct Part { pub x: f64, pub y: f64 }
+//!
+//! pub struct Camera;
+//!
+//! impl Sensor for Camera {
+//!     const KIND: &'static str = "camera";
+//!     type Reading = Part;
+//!     type Configuration = ();
+//! }
+//!
+//! /// What is read where no program is: under the virtual clock.
+//! struct Table;
+//!
+//! impl VirtualSensor for Table {
+//!     type Kind = Camera;
+//!     fn aggregate(&mut self, _: &ReadingOrder<()>) -> Result<Part, Fault> {
+//!         Ok(Part { x: 0.4, y: 0.1 })
+//!     }
+//! }
+//!
+//! let file = CellFile::parse("cell.toml", r#"
+//! step_ms = 2
+//! robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
+//!
+//! [sensors.camera]
+//! mode = "free running"
+//! period_ms = 5
+//! stale_after_ms = 200
+//!
+//! [sensors.camera.external]
+//! rate_hz = 30.0
+//! least = [0.0, -0.5]
+//! largest = [1.0, 0.5]
+//! "#)?;
+//! let camera = External::<Camera>::in_cell(&file, "camera")?.stand_in(Table);
+//! # let _ = camera;
+//! # Ok::<(), mrroc::cell::CellError>(())
+//! ```
+//!
+//! `cargo run -- external camera > camera_port.py` prints the module by which a Python program sends what it measures; the
+//! book's page on programs of others has one of fifteen lines. Programs in other languages speak the same messages:
+//!
+//! # The port
+//!
+//! Two services of [iceoryx2](https://docs.rs/iceoryx2) 0.10, publish-subscribe, `mrroc/PORT/orders` and
+//! `mrroc/PORT/readings`, with one publisher each, 8 subscribers, a buffer of one message, no history and safe overflow. Their root
+//! path is `/tmp/mrroc-ports-UID`, or what `MRROC_PORTS` names, a folder of mode 0700; names of shared memory begin with
+//! `mrroc_ports_HASH_`, the FNV-1a hash of that path as 16 hexadecimal digits. Both carry the type `mrroc_external_1`, 544
+//! bytes, little-endian, at multiples of 8:
+//!
+//! | offset | type | of a reading | of an order |
+//! |---|---|---|---|
+//! | 0 | `u32` | version of this interface: 1 | the same |
+//! | 4 | `u32` | how many words a reading has | how many words follow: 16 without the state of a robot, more with it |
+//! | 8 | `u64` | layout of a reading: a hash of its type, in the Python module | layout of the configuration |
+//! | 16 | `u64` | step of the order that it was measured for, 0 for none | the step of the order |
+//! | 24 | `u64` | when it was measured, `CLOCK_MONOTONIC` \[ns\] | when it was sent |
+//! | 32 | `[u64; 64]` | the words of the reading, one for each number: the bits of an `f64`, a `bool` as 0 or 1 | 16 words of the configuration; then the state of the sensor's robot: joint positions, joint velocities, position and quaternion x, y, z, w of the tool in the world, and, of robots that tell it, force and torque |
+//!
+//! A reading counts from the time at which it was measured, not from that at which it came. One of the future, of another
+//! version or layout, or with a number beyond what `cell.toml` allows, is a fault of the sensor, `SensorFailed`, until one
+//! comes that is none.
+//!
+//! # The port of a simulator
+//!
+//! For each robot in it two services as above, `mrroc/PORT/ROBOT/orders`, of which 64 messages are kept, and
+//! `mrroc/PORT/ROBOT/states`, of which one is. They carry the types `mrroc_plant_order_1`, 152 bytes, and `mrroc_plant_state_1`,
+//! 248 bytes, little-endian:
+//!
+//! | offset | type | of an order |
+//! |---|---|---|
+//! | 0 | `u32` | version of this interface: 1 |
+//! | 4 | `u32` | 1: stand at these positions, and say where you are; 2: be there at the end of the period; 3: no power, brakes applied; 4: the end |
+//! | 8 | `u64` | a hash of the fields of both messages, in the Python module |
+//! | 16 | `u64` | which opening of the port this is; every state repeats it |
+//! | 24 | `u64` | the servo period, counted from the cell's start; of 1 the first that will be ordered |
+//! | 32 | `u64` | when it was sent, `CLOCK_MONOTONIC` \[ns\] |
+//! | 40 | `u64` | how long a period is \[ns\] |
+//! | 48 | `u64` | answers that were late so far, in real time |
+//! | 56 | `u32` | 0: under the virtual clock, 1: in real time |
+//! | 60 | `u32` | how many joints the robot has |
+//! | 64 | `[u8; 24]` | the robot's name, and zeros |
+//! | 88 | `[f64; 8]` | positions of its joints \[rad or m\] |
+//!
+//! | offset | type | of a state |
+//! |---|---|---|
+//! | 0 | `u32` | version of this interface: 1 |
+//! | 4 | `u32` | 1: it stands where it begins; 2: at the end of the period; 3: the simulation cannot go on |
+//! | 8 | `u64` | the hash |
+//! | 16, 24 | `u64` | of the order that it answers: which opening, which period |
+//! | 32 | `u64` | when it was sent, `CLOCK_MONOTONIC` \[ns\] |
+//! | 40 | `u32` | how many joints the robot has |
+//! | 44 | `u32` | 1: the wrench says something |
+//! | 48 | `[u8; 24]` | the robot's name, and zeros |
+//! | 72, 136 | `[f64; 8]` | positions \[rad or m\] and velocities \[rad/s or m/s\] of its joints |
+//! | 200 | `[f64; 6]` | force \[N\] and torque \[N m\] of the surroundings on the flange, in its axes |
+//!
+//! The simulator answers a period when it has simulated it, which it does when it has the orders of all robots that have begun. Under the
+//! virtual clock the cell waits for that; the answer is what its robots measure in the next period.
+
+mod message;
+mod numbers;
+mod plant;
+mod port;
+mod python;
+#[cfg(test)]
+mod tests;
+
+use core::fmt;
+use core::marker::PhantomData;
+use std::path::PathBuf;
+
+use mrroc::cell::{CellError, SensorSetup};
+use mrroc::fault::{Fault, FaultKind};
+use mrroc::payload::Wire;
+use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, VirtualSensor};
+use mrroc_launch::cell_file::{CellFile, ExternalEntry};
+
+pub use plant::plant;
+
+use message::{Foreign, Message, VERSION};
+use numbers::Numbers;
+use port::{Port, monotonic};
+
+/// Words of an order that say the configuration.
+const CONFIGURATION_WORDS: usize = 16;
+
+/// A sensor whose readings a program of another sends.
+pub struct External<K: Sensor> {
+    name: String,
+    port_name: String,
+    /// The folder of ports.
+    folder: PathBuf,
+    rate: f64,
+    /// The step of the cell \[ns\].
+    step: u64,
+    numbers: Numbers,
+    port: Option<Port>,
+    /// The last message that was believed.
+    last: Option<Message>,
+    /// Its reading, and the step in which it was measured; or why the newest message is not believed.
+    newest: Option<Result<(K::Reading, u64), Fault>>,
+    kind: PhantomData<K>,
+}
+
+impl<K: Sensor> fmt::Debug for External<K> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "External({} at port {})", self.name, self.port_name)
+    }
+}
+
+impl<K: Sensor> External<K> {
+    /// The sensor `name` of the cell file, with what its tables `[sensors.NAME]` and `[sensors.NAME.external]` say.
+    ///
+    /// # Errors
+    /// The file has no such sensor, says nothing of such a program, or has another number of bounds than a reading has numbers.
+    pub fn in_cell(file: &CellFile, name: &str) -> Result<SensorSetup<Self>, CellError>
+    where
+        K::Configuration: Default,
+    {
+        file.sensor(name, Self::new(file.external(name)?)?)
+    }
+
+    fn new(entry: &ExternalEntry) -> Result<Self, CellError> {
+        let shape = <K::Reading as Wire>::SHAPE;
+        let believable = entry.believable(&numbers::names(shape).unwrap_or_default())?;
+        let numbers = Numbers::new(shape, believable).ok_or_else(|| entry.refuse_reading(K::KIND))?;
+        Ok(External {
+            name: entry.name().to_owned(),
+            port_name: entry.port().to_owned(),
+            folder: port::folder(),
+            rate: entry.rate(),
+            step: u64::try_from(entry.step().as_nanos()).unwrap_or(u64::MAX).max(1),
+            numbers,
+            port: None,
+            last: None,
+            newest: None,
+            kind: PhantomData,
+        })
+    }
+
+    /// The order as a message, sent now.
+    fn order(order: &ReadingOrder<K::Configuration>, now: u64) -> Message {
+        let layout = <K::Configuration as Wire>::LAYOUT;
+        let mut message = Message { version: VERSION, layout, step: order.step, time: now, ..Message::EMPTY };
+        order.configuration.put(&mut message.words);
+        let mut len = CONFIGURATION_WORDS;
+        if let Some(state) = &order.robot {
+            state.put(&mut message.words[CONFIGURATION_WORDS..]);
+            len += EffectorState::used(state);
+        }
+        message.len = len as u32;
+        message
+    }
+
+    /// Looks at the newest message, which came in the step of an order.
+    fn hear(&mut self, message: &Message, step: u64, now: u64) {
+        let last = self.last.as_ref();
+        if last.is_some_and(|last| message.version == VERSION && message.time <= last.time) {
+            return; // the same measurement again, or one before it
+        }
+        match self.believe(message, now) {
+            // One that was measured before the cell began is none of it.
+            Ok(reading) => {
+                let age = now.saturating_sub(message.time).div_ceil(self.step);
+                self.newest = step.checked_sub(age).map(|taken| Ok((reading, taken))).or(self.newest.take());
+                self.last = Some(*message);
+            }
+            Err(fault) => self.newest = Some(Err(fault)),
+        }
+    }
+
+    fn believe(&self, message: &Message, now: u64) -> Result<K::Reading, Fault> {
+        let fault = |text: &str| Fault::new(FaultKind::SensorFailed).text(text);
+        let (layout, len) = (<K::Reading as Wire>::LAYOUT, <K::Reading as Wire>::LEN);
+        let words = message.reading(layout, len).map_err(|foreign| match foreign {
+            Foreign::Version(version) => fault("its program has another version of the port").exceeds(
+                version.into(),
+                VERSION.into(),
+                "",
+            ),
+            Foreign::Layout => fault("its program sends other fields: make its module anew"),
+            Foreign::Len(words) => {
+                fault("its program sends another number of words").exceeds(words.into(), len as f64, "")
+            }
+        })?;
+        if message.time > now {
+            let ahead = (message.time - now) as f64 / 1e6;
+            return Err(fault("a reading of the future: its time is that of CLOCK_MONOTONIC")
+                .exceeds(ahead, 0.0, "ms"));
+        }
+        let last = self.last.as_ref().and_then(|last| {
+            let time = (message.time - last.time) as f64 / 1e9;
+            Some((last.words.get(..len)?, time))
+        });
+        self.numbers.check(words, last)?;
+        K::Reading::get(words).map_err(|_| fault("its program sends a value that its type does not have"))
+    }
+}
+
+impl<K: Sensor> VirtualSensor for External<K> {
+    type Kind = K;
+
+    fn hardware(&self) -> Option<String> {
+        Some(format!("external port {}", self.port_name))
+    }
+
+    fn open(&mut self) -> Result<(), Fault> {
+        let port = Port::open(&self.folder, &self.port_name);
+        self.port = Some(port.map_err(|why| Fault::new(FaultKind::SensorFailed).text(&why))?);
+        Ok(())
+    }
+
+    fn taken(&mut self, order: &ReadingOrder<K::Configuration>) -> Option<u64> {
+        let now = monotonic();
+        let port = self.port.as_ref()?;
+        port.order(Self::order(order, now));
+        if let Some(message) = port.newest() {
+            // The message may have been written after `now`.
+            self.hear(&message, order.step, monotonic());
+        }
+        self.newest.as_ref().map(|newest| newest.as_ref().map_or(order.step, |(_, taken)| *taken))
+    }
+
+    fn aggregate(&mut self, _: &ReadingOrder<K::Configuration>) -> Result<K::Reading, Fault> {
+        match &self.newest {
+            Some(Ok((reading, _))) => Ok(*reading),
+            Some(Err(fault)) => Err(fault.clone()),
+            None => Err(Fault::new(FaultKind::SensorFailed).text("its program has sent nothing yet")),
+        }
+    }
+
+    fn python(&self) -> Option<String> {
+        Some(python::module::<K>(&self.name, &self.port_name, self.rate))
+    }
+}

@@ -1,0 +1,175 @@
+"""What the sensor `@NAME@` of a cell reads, sent by a program of yours. Needs iceoryx2==0.10.0, on the cell's machine.
+
+    with Port() as port:
+        port.send(Reading(@EXAMPLE@), time.monotonic_ns())
+
+This file is made by `cargo run -- external @NAME@`; make it anew when the sensor changes, and write nothing into it.
+"""
+
+import ctypes
+import os
+import struct
+from enum import IntEnum
+from typing import Any, Iterator, NamedTuple, Optional
+
+import iceoryx2 as iox2
+
+PORT = "@PORT@"
+RATE_HZ = @RATE@  # how many readings a second the cell expects
+VERSION = 1
+LAYOUT = @LAYOUT@  # of a reading
+CONFIGURATION_WORDS = 16
+MAX_JOINTS = @MAX_JOINTS@
+
+@CLASSES@
+
+class Robot(NamedTuple):
+    """The measured state of the robot that the sensor belongs to."""
+
+    joints: tuple  # positions [rad or m]; 0 beyond the robot's joints
+    velocity: tuple  # [rad/s or m/s]
+    position: tuple  # of the tool in the world, x, y, z [m]
+    orientation: tuple  # the tool's unit quaternion, x, y, z, w
+    wrench: Optional[tuple]  # force [N] and torque [N m] on the tool, of robots that tell it
+
+
+class Order(NamedTuple):
+    """The newest order of the cell."""
+
+    step: int  # its step; a reading that is measured for it is sent with it
+    time: int  # when it was sent [ns], as time.monotonic_ns() counts
+    configuration: Configuration
+    robot: Optional[Robot]
+
+
+class SecondWriter(Exception):
+    """Another program sends the readings of this sensor already."""
+
+
+class _Message(ctypes.Structure):
+    _fields_ = [
+        ("version", ctypes.c_uint32),
+        ("len", ctypes.c_uint32),
+        ("layout", ctypes.c_uint64),
+        ("step", ctypes.c_uint64),
+        ("time", ctypes.c_uint64),
+        ("words", ctypes.c_uint64 * 64),
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "mrroc_external_1"
+
+
+class Port:
+    """The two ends that this program has of the port; one program at a time may send."""
+
+    def __init__(self) -> None:
+        self._node = _node()
+        try:
+            self._readings = self._service("readings").publisher_builder().create()
+        except iox2.PublisherCreateError:
+            raise SecondWriter(f"another program sends what `{PORT}` reads; end it first") from None
+        self._orders = self._service("orders").subscriber_builder().create()
+        self._order = None
+
+    def _service(self, direction: str) -> Any:
+        return _channel(self._node, f"mrroc/{PORT}/{direction}", _Message, 1)
+
+    def order(self) -> Optional[Order]:
+        """The newest order of the cell; None before the first one."""
+        while (sample := self._orders.receive()) is not None:
+            message = sample.payload().contents
+            if message.version != VERSION:
+                raise OtherMessages(f"the cell has version {message.version} of the port, this module {VERSION}")
+            words = list(message.words[: message.len])
+            robot = _robot(words[CONFIGURATION_WORDS:])
+            configuration = _get(CONFIGURATION, iter(words))
+            self._order = Order(message.step, message.time, configuration, robot)
+        return self._order
+
+    def send(self, reading: Reading, measured_at: int, order: Optional[Order] = None) -> None:
+        """Sends what was measured at a time of time.monotonic_ns(), for an order if it was measured for one."""
+        words = words_of(reading)
+        message = _Message(VERSION, len(words), LAYOUT, order.step if order else 0, measured_at)
+        message.words[: len(words)] = words
+        self._readings.send_copy(message)
+
+    def close(self) -> None:
+        """Gives the port back."""
+        for end in (self._readings, self._orders):
+            end.delete()
+        del self._readings, self._orders, self._node
+
+    def __enter__(self) -> "Port":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+
+def words_of(reading: Reading) -> list:
+    """The words of a reading, as they are sent."""
+    words: list = []
+    _put(READING, reading, words)
+    return words
+
+
+def reading_of(words: list) -> Reading:
+    """The reading that these words say."""
+    return _get(READING, iter(words))
+
+
+def _put(shape: Any, value: Any, words: list) -> None:
+    """Writes a value as words."""
+    if shape == "float":
+        words += struct.unpack("<Q", struct.pack("<d", value))
+    elif shape == "single":
+        words += struct.unpack("<I", struct.pack("<f", value))
+    elif shape in ("unsigned", "signed"):
+        words += struct.unpack("<Q", struct.pack("<Q" if shape == "unsigned" else "<q", value))
+    elif shape == "truth":
+        words.append(1 if value else 0)
+    elif shape[0] == "choice":
+        words.append(int(shape[1](value)))
+    elif shape[0] == "array":
+        if len(value) != shape[2]:
+            raise ValueError(f"{len(value)} values where {shape[2]} are due")
+        for item in value:
+            _put(shape[1], item, words)
+    else:
+        for item, part in zip(value, shape[2], strict=True):
+            _put(part, item, words)
+
+
+def _get(shape: Any, words: Iterator) -> Any:
+    """Reads a value from words."""
+    if shape == "float":
+        return struct.unpack("<d", struct.pack("<Q", next(words)))[0]
+    if shape == "single":
+        return struct.unpack("<f", struct.pack("<I", next(words)))[0]
+    if shape == "unsigned":
+        return next(words)
+    if shape == "signed":
+        return struct.unpack("<q", struct.pack("<Q", next(words)))[0]
+    if shape == "truth":
+        return next(words) != 0
+    if shape[0] == "words":
+        return tuple(next(words) for _ in range(shape[1]))
+    if shape[0] == "choice":
+        return shape[1](next(words))
+    if shape[0] == "array":
+        return tuple(_get(shape[1], words) for _ in range(shape[2]))
+    return shape[1](*(_get(part, words) for part in shape[2]))
+
+
+def _robot(words: list) -> Optional[Robot]:
+    numbers = struct.unpack(f"<{len(words)}d", struct.pack(f"<{len(words)}Q", *words))
+    if len(numbers) < 2 * MAX_JOINTS + 7:
+        return None
+    at = 2 * MAX_JOINTS
+    joints, velocity = numbers[:MAX_JOINTS], numbers[MAX_JOINTS:at]
+    return Robot(joints, velocity, numbers[at : at + 3], numbers[at + 3 : at + 7], numbers[at + 7 :] or None)
+
+
+@ENDS@
