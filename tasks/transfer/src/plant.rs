@@ -25,7 +25,8 @@ pub fn drives() -> Kinds {
 }
 
 /// A hand; what it grasps keeps the fingers off their demand, which is no fault.
-fn hand(drive: impl mrroc::robot::Driver<Gripper> + 'static) -> RobotSetup<Gripper> {
+#[must_use]
+pub fn hand(drive: impl mrroc::robot::Driver<Gripper> + 'static) -> RobotSetup<Gripper> {
     let limits = *Gripper::new().limits();
     RobotSetup::new("hand", Gripper::new(), drive).following_error(limits.upper - limits.lower)
 }

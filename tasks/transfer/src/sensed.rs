@@ -6,7 +6,7 @@ use mrroc_generators::cooperation::{
     BodyFrame, BodyPath, Displacement, GraspStiffness, SqueezeBounds, SqueezeGains, SqueezeLaw,
 };
 use mrroc_generators::generators::SqueezedCarry;
-use mrroc_robots::grasp::{WristForce, WristOrder};
+use mrroc_robots::sensors::{WristForce, WristOrder};
 use mrroc_robots::{Gripper, Polycrank, Rnt};
 
 use crate::generators::Nudge;

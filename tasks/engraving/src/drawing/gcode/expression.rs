@@ -108,7 +108,11 @@ impl Values<'_, '_> {
         let parameter = self.parameter()?;
         match self.parameters.value(&parameter) {
             Some(value) => Ok(value),
-            None => malformed(byte, "a named parameter that was never set", "set it above: #<name> = 1"),
+            None => malformed(
+                byte,
+                "a named parameter that was never set here",
+                "set it above: #<name> = 1; in a subroutine only names that begin with _ are known from outside: #<_name>",
+            ),
         }
     }
 

@@ -98,12 +98,32 @@ fn text_is_written_at_its_place_in_its_size() {
 }
 
 #[test]
+fn images_are_told_of_once_after_whatever_was_told_before() {
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg' width='100' height='100'><text y='9'>é</text>\n\
+               <image width='9' height='9'/>\n<image width='9' height='9'/><rect width='9' height='9'/></svg>";
+    let told = read_str("a.svg", svg, Limits::default()).unwrap().warnings;
+    let images: Vec<_> = told.iter().filter(|told| told.contains("images are not engraved")).collect();
+    assert!(told[0].contains("text with 'é'"), "{told:?}");
+    assert_eq!(images, ["a.svg:2:1: images are not engraved: trace them to paths first"]);
+}
+
+#[test]
 fn bad_path_data_is_pointed_at() {
     let message = refusal("<svg xmlns='http://www.w3.org/2000/svg'>\n<path d='M 1 2 L 3 zap'/></svg>");
     assert!(
         message.contains("a.svg:2:") && message.contains("<path> has a bad d") && message.contains('^'),
         "{message}"
     );
+}
+
+#[test]
+fn a_shape_of_a_negative_size_is_refused_and_not_drawn_as_another() {
+    for shape in ["<circle r='-5'/>", "<ellipse rx='4' ry='-5'/>", "<rect width='-4' height='3'/>"] {
+        let message = refusal(&format!("<svg xmlns='http://www.w3.org/2000/svg'>{shape}</svg>"));
+        assert!(message.contains("it is negative") && message.contains('^'), "{message}");
+    }
+    // One without a size is not drawn.
+    assert!((drawn("<rect width='0' height='3'/><line x2='3'/>").length() - 3.0).abs() < 1e-9);
 }
 
 #[test]

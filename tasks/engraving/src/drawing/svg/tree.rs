@@ -157,10 +157,9 @@ impl<'a> Walk<'a> {
                 Ok(())
             }
             "image" if visible => {
-                if self.warnings.is_empty() {
-                    let place = self.place(node);
-                    self.warnings
-                        .push(format!("{place}: images are not engraved: trace them to paths first"));
+                const TOLD: &str = "images are not engraved: trace them to paths first";
+                if !self.warnings.iter().any(|warning| warning.ends_with(TOLD)) {
+                    self.warnings.push(format!("{}: {TOLD}", self.place(node)));
                 }
                 Ok(())
             }
@@ -257,23 +256,23 @@ impl<'a> Walk<'a> {
                     .map_err(|(at, why)| self.bad_data(node, "d", at, &why));
             }
             "rect" => {
-                let rx = self.length(node, "rx", view.x)?;
-                let ry = self.length(node, "ry", view.y)?;
+                let rx = self.size(node, "rx", view.x)?;
+                let ry = self.size(node, "ry", view.y)?;
                 let (rx, ry) = (rx.or(ry).unwrap_or(0.0), ry.or(rx).unwrap_or(0.0));
-                let width = x("width")?;
-                let height = y("height")?;
+                let width = self.size(node, "width", view.x)?.unwrap_or(0.0);
+                let height = self.size(node, "height", view.y)?.unwrap_or(0.0);
                 if width <= 0.0 || height <= 0.0 {
                     return Ok(Vec::new());
                 }
                 outline::rectangle(x("x")?, y("y")?, width, height, rx, ry)
             }
             "circle" => {
-                let r = self.length(node, "r", diagonal)?.unwrap_or(0.0);
+                let r = self.size(node, "r", diagonal)?.unwrap_or(0.0);
                 outline::ellipse(Vec2::new(x("cx")?, y("cy")?), r, r)
             }
             "ellipse" => {
-                let rx = self.length(node, "rx", view.x)?;
-                let ry = self.length(node, "ry", view.y)?;
+                let rx = self.size(node, "rx", view.x)?;
+                let ry = self.size(node, "ry", view.y)?;
                 let (rx, ry) = (rx.or(ry).unwrap_or(0.0), ry.or(rx).unwrap_or(0.0));
                 outline::ellipse(Vec2::new(x("cx")?, y("cy")?), rx, ry)
             }
@@ -299,6 +298,14 @@ impl<'a> Walk<'a> {
                 Ok(length) => Ok(Some(units::to_px(length, whole))),
                 Err(e) => Err(self.bad_attribute(node, name, &e.to_string())),
             },
+        }
+    }
+
+    /// A length that is no size if it is negative: other programs draw nothing there, or something else.
+    fn size(&self, node: Node<'a, 'a>, name: &str, whole: f64) -> Result<Option<f64>, DrawingError> {
+        match self.length(node, name, whole)? {
+            Some(length) if length < 0.0 => Err(self.bad_attribute(node, name, "it is negative")),
+            length => Ok(length),
         }
     }
 
