@@ -2,23 +2,32 @@
 
 #![cfg(target_os = "linux")]
 
+#[path = "../tutorial/tcp_servo/arm.rs"]
+mod arm;
 mod arms;
 mod belt;
 mod calls;
 mod crowd;
+#[path = "../tutorial/tcp_servo/mp.rs"]
+mod mp;
+mod readers;
 mod recorded;
 mod records;
+mod remote;
 mod soak;
 mod tasks;
 
 use std::io;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use mrroc::cell::Cell;
 use mrroc::cell::RunPicture;
+use mrroc::fault::ProcessId;
+use mrroc::observe::witness::{What, Witness};
 use mrroc_counting_allocator::Counting;
-use mrroc_tests::fixture::{ARMS, CROWD, PROGRAM, RECORDED, SOAK, TASKS};
+use mrroc_tests::fixture::{ARMS, CROWD, PROGRAM, RECORDED, REMOTE, SERVO, SOAK, TAKES_NOTHING, TASKS};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -31,24 +40,34 @@ fn main() -> ExitCode {
         SOAK => soak::main(),
         CROWD => crowd::main(),
         RECORDED => recorded::main(),
+        REMOTE => remote::main(),
+        SERVO => mrroc::launch(|file| Ok(file.cell(&arm::kinds())?.program(mp::coordinate)), Nothing),
         _ => {
             eprintln!(
-                "error: no program `{program}`\n help: {PROGRAM}={ARMS}, {TASKS}, {SOAK}, {CROWD} or {RECORDED}"
+                "error: no program `{program}`\n help: {PROGRAM}={ARMS}, {TASKS}, {SOAK}, {CROWD}, {RECORDED}, {REMOTE} or {SERVO}"
             );
             ExitCode::FAILURE
         }
     }
 }
 
-/// Draws nothing.
+/// Draws nothing, but is shown what a picture needs.
 struct Nothing;
 
 impl RunPicture for Nothing {
     fn watch(&mut self, cell: Cell) -> Cell {
-        cell
+        cell.shown_to_picture(Arc::new(Nothing))
     }
 
     fn save(&mut self, _: &Path) -> io::Result<()> {
         Ok(())
+    }
+}
+
+impl Witness for Nothing {
+    fn see(&self, _: u64, _: ProcessId, _: &What, _: &[u64]) {
+        while std::env::var_os(TAKES_NOTHING).is_some() {
+            std::thread::park();
+        }
     }
 }

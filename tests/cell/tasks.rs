@@ -13,8 +13,9 @@ use engraving::placement::{Plate, Sizing, place};
 use engraving::plate::Cutter;
 use engraving::run::{Settings, Watch};
 use engraving::sampling::Sampling;
-use mrroc::cell::{Cell, RunReport};
+use mrroc::cell::{Cell, RunPicture, RunReport};
 use mrroc::launch::{Clock, Ran};
+use mrroc_pictures::Film;
 use mrroc_tests::fixture::{RECORDS, SEEN};
 use transfer::pictures::filmed;
 use transfer::variant::{Bases, Sensors, Variant};
@@ -25,7 +26,7 @@ use crate::records::record;
 type Seen = Option<Box<dyn FnOnce(RunReport) -> String>>;
 
 /// Runs the task that the command line names: `--cell FILE transfer LINK`, `--cell FILE engraving DRAWING LINK`, `--cell FILE
-/// belt LINK`.
+/// belt LINK`, `--cell FILE readers LINK`.
 pub fn main() -> ExitCode {
     match run() {
         Ok(status) => status,
@@ -45,7 +46,8 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
     let launch = if named { launch.processes(Clock::Virtual) } else { launch }.watching();
     let (cell, seen) = match &words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["transfer", _] => carrying(launch.is_here())?,
-        ["belt", _] => (crate::belt::cell(), seen_time(launch.is_here())),
+        ["belt", _] => pictured(crate::belt::cell(), launch.is_here()),
+        ["readers", _] => pictured(crate::readers::cell(), launch.is_here()),
         ["engraving", drawing, _] => engraving(drawing, launch.is_here())?,
         _ => return Err(format!("no task: {words:?}").into()),
     };
@@ -64,10 +66,14 @@ fn run() -> Result<ExitCode, Box<dyn Error>> {
     })
 }
 
-/// How long the run took.
-fn seen_time(here: bool) -> Seen {
-    let time = |report: RunReport| format!("{:?}\n", report.time);
-    if here { Some(Box::new(time)) } else { None }
+/// How long the run took, and its picture.
+fn pictured(cell: Cell, here: bool) -> (Cell, Seen) {
+    if !here {
+        return (cell, None);
+    }
+    let mut film = Film::new();
+    let cell = film.watch(cell);
+    (cell, Some(Box::new(move |report| format!("{:?}\n{}", report.time, film.svg()))))
 }
 
 /// Two arms, two hands, a bar between them, a base that is off, and the force sensors that make up for it; its film.

@@ -5,6 +5,7 @@ use std::time::Duration;
 use mrroc::cell_file::{Kinds, RobotEntry};
 use mrroc::prelude::*;
 use mrroc::robot::{DriveFault, Driver, Measured};
+use mrroc_generators::generators::{Delay, Tell};
 use mrroc_robots::{Irp6, Six, simulated};
 use mrroc_tests::{ExactDrive, Gantry, Q};
 
@@ -134,6 +135,98 @@ fn a_sensor_needs_a_robot_a_period_and_a_mode_that_there_are() {
 }
 
 #[test]
+fn a_plant_needs_a_port_that_the_program_of_the_cell_knows() {
+    let cell = |plant: &str| GOOD.replacen("tool = {", &format!("plant = {plant}\ntool = {{"), 1);
+    for (plant, told) in [
+        ("\"mujoco\"", "write { port = \"mujoco\" }"),
+        ("{ }", "a plant without `port`"),
+        ("{ port = 3 }", "a name, in quotes"),
+        ("{ port = \"my world\" }", "write port = \"..\" with such a name"),
+        ("{ port = \"w\", patience_ms = 55000 }", "milliseconds up to 50000"),
+        ("{ port = \"w\", patience = 5 }", "unknown key `patience`"),
+    ] {
+        let complaints = complaints(&cell(plant));
+        assert!(complaints.contains(told), "{complaints}");
+    }
+    let told = refusal(&cell("{ port = \"w\" }"));
+    assert!(told.contains("robot `left` is in a simulator, and this program has no port for one"), "{told}");
+}
+
+#[test]
+fn fault_121_a_program_of_another_needs_an_age_a_rate_and_bounds() {
+    const SENSOR: &str = "mode = \"free running\"\nperiod_ms = 4\nstale_after_ms = 100";
+    const TABLE: &str = "rate_hz = 30.0\nleast = [0.0]\nlargest = [1.0]";
+    let cell =
+        |sensor: &str, table: &str| format!("{GOOD}\n[sensors.s]\n{sensor}\n[sensors.s.external]\n{table}\n");
+    CellFile::parse("cell.toml", &cell(SENSOR, TABLE)).expect("nothing is wrong with it");
+    for (sensor, table, told) in [
+        (SENSOR, "", "has a program of another, and no `rate_hz`"),
+        (SENSOR, "rate_hz = 30.0\nlargest = [1.0]", "and no `least`"),
+        (SENSOR, "rate_hz = 30.0\nleast = [1.0]", "and no `largest`"),
+        (
+            SENSOR,
+            "rate_hz = 0.0\nleast = [0.0]\nlargest = [1.0]",
+            "write a number of readings a second from 0.1",
+        ),
+        (
+            SENSOR,
+            "rate_hz = 5.0\nleast = [0.0]\nlargest = [1.0]",
+            "readings come every 200.0 ms and are too old sooner",
+        ),
+        (
+            SENSOR,
+            "rate_hz = 30.0\nleast = [2.0]\nlargest = [1.0]",
+            "a number of `least` is larger than that of `largest`",
+        ),
+        (SENSOR, &format!("{TABLE}\nper_second = [0.0]"), "a change that is not above 0"),
+        (SENSOR, &format!("{TABLE}\nport = \"my camera\""), "write port = \"..\" with such a name"),
+        (SENSOR, &format!("{TABLE}\nrate = 3"), "did you mean `rate_hz`?"),
+        ("mode = \"free running\"\nperiod_ms = 4", TABLE, "and no `stale_after_ms`"),
+        ("stale_after_ms = 100", TABLE, "for which nobody waits"),
+    ] {
+        let complaints = complaints(&cell(sensor, table));
+        assert!(complaints.contains(told), "{told}: {complaints}");
+    }
+    let file = CellFile::parse("cell.toml", &cell(SENSOR, TABLE)).expect("nothing is wrong with it");
+    // The program of the cell computes a sensor that the file gives to another.
+    let told = file.sensor("s", Here).map(drop).expect_err("not its own").to_string();
+    assert!(told.contains("the program of the cell computes sensor `s` itself"), "{told}");
+    let told = file.external("t").map(drop).expect_err("no such sensor").to_string();
+    assert!(told.contains("[sensors.t], which is not there"), "{told}");
+    let external = file.external("s").expect("it is there");
+    let told = external.believable(&["x".to_owned(), "y".to_owned()]).expect_err("two numbers").to_string();
+    assert!(
+        told.contains("`least` has 1 numbers, a reading has 2")
+            && told.contains("write one for each of: x, y"),
+        "{told}"
+    );
+}
+
+/// A sensor of the cell's own program.
+struct Here;
+
+impl mrroc::sensor::VirtualSensor for Here {
+    type Kind = Height;
+
+    fn aggregate(&mut self, _: &mrroc::sensor::ReadingOrder<()>) -> Result<Above, Fault> {
+        Ok(Above { z: 0.0 })
+    }
+}
+
+struct Height;
+
+#[derive(Clone, Copy, mrroc::payload::Payload)]
+struct Above {
+    z: f64,
+}
+
+impl mrroc::sensor::Sensor for Height {
+    const KIND: &'static str = "height";
+    type Reading = Above;
+    type Configuration = ();
+}
+
+#[test]
 fn a_sensor_of_the_file_without_a_vsp_is_refused_with_the_line_to_write() {
     let text = format!("{GOOD}\n[sensors.touch]\nof = \"left\"\n");
     let file = CellFile::parse("cell.toml", &text).expect("well-formed");
@@ -218,11 +311,11 @@ fn what_a_cell_asks_of_the_machine_is_checked_like_everything_else() {
     }
     for (bad, told, help) in [
         ("", "[realtime] has no `priority`", "write priority = 50"),
-        ("priority = 96", "96 is not", "write a priority from 1 to 95"),
-        ("priority = 0", "0 is not", "write a priority from 1 to 95"),
-        ("priority = 1.5", "1.5 is not", "write a priority from 1 to 95"),
+        ("priority = 96", "96 is out of range", "write a priority from 1 to 95"),
+        ("priority = 0", "0 is out of range", "write a priority from 1 to 95"),
+        ("priority = 1.5", "1.5 is not a whole number", "write a priority from 1 to 95"),
         ("priority = 50\nprio = 1", "unknown key `prio`", "did you mean `priority`?"),
-        ("priority = 50\ncores = [-1]", "-1 is not", "write the number of a core"),
+        ("priority = 50\ncores = [-1]", "-1 is out of range", "write the number of a core"),
         ("priority = 50\nlock_memory = 1", "a integer where true or false is due", "write true or false"),
         ("priority = 50\npermission = \"best\"", "no permission `best`", "best effort"),
     ] {
@@ -422,4 +515,81 @@ fn a_robot_that_is_mounted_on_none_is_refused() {
     let why =
         Cell::new(Duration::from_millis(2)).robot(hand).program(hold).run().expect_err("no arm").to_string();
     assert!(why.contains("robot `hand` is mounted on `arm`, which is not there"), "{why}");
+}
+
+const SIGNALS: &str = r#"
+step_ms = 2
+
+[robots.arm]
+kind = "irp6"
+start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]
+tool = "pen"
+
+[robots.arm.inputs]
+part_seen = "digital 3"
+sucked = { channel = "digital 4", follows = "vacuum", after_ms = 150 }
+
+[robots.arm.outputs]
+vacuum = { channel = "digital 0", holds_body = true }
+spindle = { channel = "digital 1", turns_tool = true, on_stop = false }
+flow = { channel = "analog 0", on_stop = 0 }
+
+[frames.table]
+position = [0.4, 0.0, 0.1]
+
+[tools.pen]
+position = [0.0, 0.0, 0.1]
+mass = 0.3
+centre = [0.0, 0.0, 0.04]
+inertia = [1e-4, 0.0, 0.0, 1e-4, 0.0, 2e-5]
+"#;
+
+#[test]
+fn signals_frames_and_tools_of_the_file_are_there_for_programs() {
+    let file = CellFile::parse("cell.toml", SIGNALS).expect("sound");
+    let cell = file.cell(&simulated()).expect("known kinds").program(|mp| {
+        let mut arm = mp.robot::<Irp6>("arm")?;
+        let (vacuum, flow) = (arm.output::<bool>("vacuum")?, arm.output::<f64>("flow")?);
+        let sucked = arm.input::<bool>("sucked")?;
+        arm.input::<bool>("part_seen")?;
+        assert_eq!(mp.frame("table")?, Pose::translation(0.4, 0.0, 0.1));
+        let pen = mp.tool("pen")?;
+        assert_eq!((pen.frame, pen.load.mass), (Pose::translation(0.0, 0.0, 0.1), 0.3));
+        assert_eq!(
+            (pen.load.centre.z, pen.load.inertia[(0, 0)], pen.load.inertia[(2, 2)]),
+            (0.04, 1e-4, 2e-5)
+        );
+        mp.move_robot(&mut arm, (), Tell::output(vacuum, true).and(flow, 0.5))?;
+        mp.move_robot(&mut arm, (), Delay::lasting(0.2))?;
+        assert!(arm.value(vacuum) && arm.value(sucked) && arm.value(flow) == 0.5);
+        // 0.1 m from the flange along its z, as the pen is.
+        let flange = Irp6::nominal().forward(&arm.demanded().joints);
+        assert!(
+            ((flange * pen.frame).translation.vector - arm.demanded().pose.translation.vector).norm() < 1e-12
+        );
+        Ok(())
+    });
+    cell.run().expect("its names are there");
+}
+
+#[test]
+fn what_is_wrong_with_signals_frames_and_tools_is_told_with_what_to_write() {
+    let wrong = SIGNALS
+        .replace("\"pen\"", "\"pan\"")
+        .replace("\"digital 3\"", "\"digital 33\"")
+        .replace("follows = \"vacuum\", ", "")
+        .replace("channel = \"digital 0\", ", "")
+        .replace("turns_tool = true", "turns = true")
+        .replace("on_stop = 0 ", "on_stop = \"off\" ")
+        .replace("position = [0.4, 0.0, 0.1]", "place = [0.4, 0.0, 0.1]")
+        .replace("2e-5]", "2e-3]");
+    insta::assert_snapshot!(complaints(&wrong));
+    let wrong = SIGNALS.replace("holds_body = true", "holds_body = true, on_stop = false");
+    let cell =
+        CellFile::parse("cell.toml", &wrong).expect("well-formed").cell(&simulated()).expect("known kinds");
+    let refused = cell.program(hold).run().expect_err("it would let go").to_string();
+    assert!(
+        refused.starts_with("robot `arm`, signal `vacuum`: it holds a body, and a stop would let it fall"),
+        "{refused}"
+    );
 }

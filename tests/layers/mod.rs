@@ -13,8 +13,10 @@ const CORE: &[&str] =
 
 /// Which folders of the robots each one may import.
 const ROBOTS: &[(&str, &[&str])] = &[
-    ("models", &[]),
-    ("simulation", &["models"]),
+    ("dynamics", &[]),
+    ("models", &["dynamics"]),
+    ("sensors", &[]),
+    ("simulation", &["dynamics", "models", "sensors"]),
     ("clearance", &["models"]),
     ("conformance", &["models"]),
     ("kinds", &["models", "simulation"]),
@@ -35,7 +37,12 @@ const CRATES: &[(&str, &[&str])] = &[
     ),
     ("robots", &["mrroc-core", "mrroc-launch"]),
     ("robots/drivers/kit", &[]),
+    ("robots/drivers/franka", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
     ("robots/drivers/kuka", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
+    ("robots/drivers/ur", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
+    ("robots/drivers/ur-controller", &["mrroc-core", "mrroc-driver-kit", "mrroc-robots", "mrroc-ur"]),
+    ("robots/drivers/robotiq", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
+    ("ports/external", &["mrroc-core", "mrroc-launch"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
 ];

@@ -31,6 +31,9 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("operator", mrroc::processes::readers::operator),
     ("recording", recording),
     ("rsi", rsi),
+    ("fci", fci),
+    ("rtde", rtde),
+    ("modbus", modbus),
 ];
 
 /// Checks that the answer to bad input is not empty.
@@ -57,6 +60,64 @@ fn drawing(name: &str, bytes: &[u8]) {
 pub fn rsi(bytes: &[u8]) {
     if let Some(said) = mrroc_kuka::FromController::read(bytes) {
         assert!(said.axes.iter().all(|axis| axis.is_finite()), "axes that are read are numbers");
+    }
+}
+
+/// What a Franka says: its states, and its answers to requests.
+pub fn fci(bytes: &[u8]) {
+    if let Some(state) = mrroc_franka::State::read(bytes) {
+        let numbers = [state.q, state.dq, state.q_d, state.dq_d, state.ddq_d];
+        assert!(
+            numbers.iter().flatten().all(|number| number.is_finite()),
+            "a state that is read has numbers"
+        );
+    }
+    if let Ok(Some((_, size))) = mrroc_franka::Answer::read(bytes) {
+        assert!((13..=bytes.len()).contains(&size), "an answer that is read is there");
+    }
+}
+
+/// What a controller of Universal Robots and its clients say to each other, and its script.
+pub fn rtde(bytes: &[u8]) {
+    use mrroc_ur::rtde::{Answer, Package, Request};
+    let mut rest = bytes;
+    while let Ok(Some((package, after))) = Package::first(rest) {
+        assert!(after.len() < rest.len(), "a package has bytes");
+        let _ = Request::read(&package);
+        if let Some(Answer::Data { values, .. }) = Answer::read(&package)
+            && let Some(state) = mrroc_ur::State::read(values)
+        {
+            assert!(state.actual_q.iter().all(|q| q.is_finite()), "joints that are read are numbers");
+        }
+        rest = after;
+    }
+    if let Some(message) = bytes.first_chunk().and_then(mrroc_ur::SetPoint::read) {
+        assert_eq!(mrroc_ur::SetPoint::read(&message.bytes()), Some(message));
+    }
+    if let Some(calibration) = mrroc_ur::primary::calibration(bytes) {
+        let text = calibration.text(mrroc_ur::UrModel::Ur5e);
+        let read = told(mrroc_ur::Calibration::parse(&text)).expect("what is written is read");
+        assert!(read.1.is_of_the_same_arm(&calibration), "{text}");
+    }
+    let _ = mrroc_ur::primary::message_length(bytes);
+    told(mrroc_ur::Calibration::parse(&String::from_utf8_lossy(bytes)));
+    if let Some(script) = mrroc_ur::Script::read(&String::from_utf8_lossy(bytes)) {
+        assert!(script.deceleration > 0.0 && script.gain > 0.0);
+    }
+}
+
+/// What answers a gripper's driver.
+pub fn modbus(bytes: &[u8]) {
+    use mrroc_robotiq::modbus::{Asked, Question};
+    use mrroc_robotiq::registers::Status;
+
+    for what in [Asked::Read(0x07d0, 3), Asked::Write(0x03e8, [0x0900, 0x00ff, 0xffff])] {
+        let question = Question { transaction: 0xd605, unit: 9, what };
+        let Some(registers) = told(question.answer(bytes)).flatten() else { continue };
+        if let &[a, b, c] = registers.as_slice() {
+            let status = Status::new([a, b, c]);
+            assert!(status.is_active() || status.stop().is_some(), "one that is not active is stopped");
+        }
     }
 }
 

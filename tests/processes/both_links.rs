@@ -17,6 +17,12 @@ fn a_belt_in_the_background_is_demanded_the_same_on_both_links_to_the_bit() {
     compare(46, &["belt"], &["arm", "belt"]);
 }
 
+/// A sensor that the MP and an ECP read: its picture does not tell who was heard first.
+#[test]
+fn a_sensor_of_two_readers_is_drawn_the_same_on_both_links_to_the_byte() {
+    compare(49, &["readers"], &["arm"]);
+}
+
 /// One letter; `just test-both-links` engraves the nameplate.
 #[test]
 fn the_engraving_demands_the_same_on_both_links_to_the_bit() {

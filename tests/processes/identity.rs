@@ -7,7 +7,7 @@ use std::process::Command;
 
 use mrroc_tests::fixture::HARDWARE;
 
-use crate::launch::{Launch, Place};
+use crate::launch::{Launch, Place, start_until};
 use crate::operator::{carried_out, operate};
 use crate::runs::{PROCESSES, REAL, ROBOTS, VIRTUAL};
 
@@ -125,11 +125,8 @@ fn fault_67_hardware_that_one_cell_has_is_refused_to_all_others() {
     let other = place.base().parent().expect("a folder").join("copy.toml");
     fs::write(other, include_str!("cell.toml")).expect("written");
     let hardware = [(HARDWARE, "arms of test 72")];
-    let mut first = place.start_with(&hardware, "first", REAL);
-    while first.processes().len() < PROCESSES.len() {
-        assert!(first.end_if_over().is_none(), "{}", first.said());
-        first.let_run(std::time::Duration::from_millis(1));
-    }
+    let are_there = |launch: &mut Launch| launch.processes().len() == PROCESSES.len();
+    let mut first = start_until(|| place.start_with(&hardware, "first", REAL), are_there);
     let second = || place.program(&[REAL, &["--cell", "copy.toml"]].concat());
     let (status, said) = run(second().envs(hardware));
     assert!(status == Some(2), "{status:?}: {said}");

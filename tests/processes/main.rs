@@ -14,6 +14,7 @@ mod kills;
 mod launch;
 mod launches;
 mod operator;
+mod picture;
 mod rows;
 mod runs;
 mod soak;

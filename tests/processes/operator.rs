@@ -14,7 +14,7 @@ use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
 use crate::runs::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
 
 /// How often a test is tried on a machine that is late by more steps than a cell tolerates.
-const ATTEMPTS: usize = 5;
+pub const ATTEMPTS: usize = 5;
 
 /// Runs a cell that `operate` operates as soon as its robots move, until it is in time; gives it to `judge` at its end.
 pub fn operate<T>(
@@ -206,7 +206,7 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         refused("reset", "refused: it has stopped for a fault, which is not acknowledged: step ");
         refused("resume", "refused: it has stopped for a fault");
         let acknowledged = done(&place, &["acknowledge"], "acknowledged: step ");
-        let reset = done(&place, &["reset"], "reset: step ");
+        let reset = done(&place, &["reset"], "resetting: step ");
         assert!(stopped < acknowledged && acknowledged < reset, "{stopped}, {acknowledged}, {reset}");
         // To its end, or to another fault of a machine that is late, which nobody resets.
         wait_until(|| {
@@ -388,4 +388,39 @@ fn a_cell_that_does_not_run_cannot_be_operated() {
         },
         |launch, status, ()| assert_eq!(status, Some(0), "{}", launch.said()),
     );
+}
+
+#[test]
+fn fault_05_robots_at_reduced_speed_move_while_a_console_holds_and_end_where_they_would_have() {
+    let place = Place::new(95);
+    let operator = |launch: &mut Launch| {
+        let mut console = Console::new(&place);
+        assert!(console.ask("hold 5 0").starts_with("refused: the cell is not at reduced speed"));
+        assert!(console.ask("speed 10%").starts_with("speed 10%: step "));
+        assert!(console.ask("reduced on").starts_with("reduced speed"));
+        wait_until(|| stand(launch));
+        let before = last_joints(launch, "left");
+        let mut count = 0;
+        while last_joints(launch, "left") == before && launch.end_if_over().is_none() {
+            let answer = console.ask(&format!("hold 5 {count}"));
+            assert!(answer.starts_with("held: step "), "{answer}");
+            count += 1;
+        }
+        // Another console may stop the cell, and not hold it.
+        assert!(Console::new(&place).ask("hold 6 0").starts_with("refused: the console of process"));
+        assert!(console.ask("let-go 5").starts_with("let go: step "));
+        wait_until(|| stand(launch));
+        let stands = last_joints(launch, "left");
+        let periods = launch.record("left").len();
+        assert!(console.ask("hold 5 60000").starts_with("held: step "));
+        wait_until(|| launch.record("left").len() > periods + 50);
+        assert_eq!(last_joints(launch, "left"), stands, "a hold that was let go");
+        assert!(console.ask("speed 100%").starts_with("speed 100%: step "));
+        assert!(console.ask("reduced off").starts_with("full speed, and suspended"));
+        assert!(console.ask("resume").starts_with("resumed: step "));
+    };
+    operate(&place, operator, |launch, status, ()| {
+        assert_eq!(status, Some(0), "{}", launch.said());
+        assert_ends_where_it_would_have(&place, launch);
+    });
 }

@@ -2,12 +2,14 @@
 
 use std::time::Duration;
 
-use mrroc_tests::fixture::{COMPUTES, PLANS, STEPS};
+use mrroc_tests::fixture::{COMPUTES, NOT_TOLD, OPENED, PLANS, REMOTE, STEPS};
 use rustix::process::Signal;
 
 use crate::launch::{
-    Launch, Period, Place, Process, demanded, periods_at_rest, segments, wait_for_end, wait_until,
+    Launch, Period, Place, Process, demanded, has_moved, periods_at_rest, segments, start_until,
+    wait_for_end, wait_until,
 };
+use crate::operator::ATTEMPTS;
 
 pub const REAL: &[&str] = &["--processes", "--quiet"];
 pub const VIRTUAL: &[&str] = &["--virtual", "--quiet"];
@@ -59,6 +61,19 @@ fn a_cell_of_processes_runs_in_real_time_and_leaves_nothing() {
     assert_ended_well_or_late(&launch, status.code());
     assert_robots_stand(&launch, None);
     launch.assert_nothing_left(&[]);
+}
+
+#[test]
+fn a_program_of_a_process_finds_nothing_on_its_standard_input() {
+    let place = Place::new(97);
+    let mut launch = start_until(|| place.start("input", VIRTUAL), has_moved(1));
+    for process in launch.processes() {
+        let input = std::fs::read_link(format!("/proc/{}/fd/0", process.pid));
+        // A process may have ended meanwhile.
+        let found = input.map_or_else(|_| "/dev/null".into(), |input| input.display().to_string());
+        assert!(found == "/dev/null" || !process.is_alive(), "{process:?}: {found}");
+    }
+    launch.end();
 }
 
 /// A machine without a real-time scheduler may be late by more than `L` steps: this causes a fault of one of a few
@@ -117,11 +132,7 @@ pub fn rests(launch: &Launch, robot: &str) -> bool {
 fn fault_06_a_process_that_stood_still_for_longer_than_the_budget_moves_nothing_afterwards() {
     let place = Place::new(7);
     for role in ["mp", "ecp left"] {
-        let mut launch = place.start("stopped", REAL);
-        while launch.record("left").len() < 100 {
-            assert!(launch.end_if_over().is_none(), "{}", launch.said());
-            launch.let_run(Duration::from_millis(1));
-        }
+        let mut launch = start_until(|| place.start("stopped", REAL), has_moved(100));
         let processes = launch.processes();
         let stopped = processes.iter().find(|process| process.role == role).expect("it runs").clone();
         stopped.signal(Signal::STOP);
@@ -166,12 +177,8 @@ fn fault_28_a_second_launch_is_refused_with_the_number_of_the_first() {
 #[test]
 fn fault_30_what_crashed_launches_left_is_removed_and_does_no_harm() {
     let place = Place::new(5);
-    let mut crashed = place.start("crashed", REAL);
     // Killed as soon as its robots move.
-    while crashed.record("left").len() < 20 {
-        assert!(crashed.end_if_over().is_none(), "{}", crashed.said());
-        crashed.let_run(Duration::from_millis(1));
-    }
+    let mut crashed = start_until(|| place.start("crashed", REAL), has_moved(20));
     let processes = crashed.processes();
     assert_eq!(processes.len(), PROCESSES.len(), "{processes:?}");
     crashed.signal(Signal::KILL);
@@ -228,11 +235,7 @@ fn a_step_of_a_process_in_any_role_allocates_nothing() {
 #[test]
 fn an_interrupt_aborts_and_ends_the_cell() {
     let place = Place::new(6);
-    let mut launch = place.start("interrupted", REAL);
-    while launch.record("left").len() < 100 {
-        assert!(launch.end_if_over().is_none(), "{}", launch.said());
-        launch.let_run(Duration::from_millis(1));
-    }
+    let mut launch = start_until(|| place.start("interrupted", REAL), has_moved(100));
     let processes = launch.processes();
     launch.signal(Signal::INT);
     let status = launch.end().code();
@@ -246,26 +249,68 @@ fn an_interrupt_aborts_and_ends_the_cell() {
 #[test]
 fn fault_74_a_first_step_that_plans_for_too_long_is_told_to_plan_before_the_move() {
     let place = Place::new(37);
-    let mut launch = place.start_for(PLANS, "plans", REAL);
-    let status = launch.end().code();
-    let said = launch.said();
-    assert!(status == Some(1) && said.contains("the process at the other end is gone"), "{status:?}: {said}");
-    let told = "plan what takes longer before the Move, while the robots hold";
-    assert!(said.contains("\n help: a process has ended, or ") && said.contains(told), "{said}");
+    for _ in 0..ATTEMPTS {
+        let mut launch = place.start_for(PLANS, "plans", REAL);
+        let status = launch.end().code();
+        let said = launch.said();
+        // The machine itself was late before the step that plans.
+        if is_late(&said) && !said.contains("the process at the other end is gone") {
+            continue;
+        }
+        assert!(
+            status == Some(1) && said.contains("the process at the other end is gone"),
+            "{status:?}: {said}"
+        );
+        let told = "plan what takes longer before the Move, while the robots hold";
+        assert!(said.contains("\n help: a process has ended, or ") && said.contains(told), "{said}");
+        return;
+    }
+    println!("skipped: this machine was late {ATTEMPTS} times");
 }
 
 #[test]
 fn an_interrupt_ends_a_cell_whose_program_computes_for_ever() {
     let place = Place::new(9);
-    let mut launch = place.start_for(COMPUTES, "computes", REAL);
-    while launch.processes().len() < PROCESSES.len() {
-        assert!(launch.end_if_over().is_none(), "{}", launch.said());
-        launch.let_run(Duration::from_millis(1));
-    }
+    let are_there = |launch: &mut Launch| launch.processes().len() == PROCESSES.len();
+    let mut launch = start_until(|| place.start_for(COMPUTES, "computes", REAL), are_there);
     let processes = launch.processes();
     launch.signal(Signal::INT);
     let status = launch.end().code();
     let said = launch.said();
     assert!(status == Some(1) && said.contains("did not end when the cell closed"), "{status:?}: {said}");
     launch.assert_nothing_left(&processes);
+}
+
+#[test]
+fn fault_83_controllers_that_answer_late_and_break_off_when_told_nothing_begin_with_their_cell() {
+    let robot = |name| format!("[robots.{name}]\nkind = \"remote\"\n");
+    let camera = "[sensors.camera]\nmode = \"free running\"\nperiod_ms = 20\n";
+    let cell = format!("step_ms = 2\nstop_ms = 2500\n{}{}{camera}", robot("soon"), robot("late"));
+    let place = Place::of(94, REMOTE, &cell);
+    let mut launch = place.start("real", REAL);
+    let status = launch.end();
+    let said = launch.said();
+    assert!(!said.contains(NOT_TOLD), "{said}");
+    assert_ended_well_or_late(&launch, status.code());
+    // One process alone has opened the camera, before the cell began: the first step read it.
+    assert_eq!(launch.text(OPENED).lines().count(), 1, "{said}");
+    launch.assert_nothing_left(&[]);
+}
+
+#[test]
+fn fault_120_a_sensor_s_hardware_is_refused_under_the_virtual_clock_and_where_nothing_stands_in() {
+    let robot = |name| format!("[robots.{name}]\nkind = \"remote\"\n");
+    let cell = format!("step_ms = 2\nstop_ms = 2500\n{}{}[sensors.camera]\n", robot("soon"), robot("late"));
+    let place = Place::of(96, REMOTE, &cell);
+    for (arguments, refused) in [
+        (["--no-picture"].as_slice(), "which cannot follow the virtual clock"),
+        (&["--processes", "--virtual", "--no-picture"], "which cannot follow the virtual clock"),
+        (&["--dry-run"], "nothing to stand in for it"),
+    ] {
+        let mut launch = place.start("refused", arguments);
+        let (status, said) = (launch.end().code(), launch.said());
+        assert!(status == Some(2) && said.contains("sensor `camera` has hardware, camera /"), "{said}");
+        assert!(said.contains(refused), "{arguments:?}: {said}");
+        assert!(launch.text(OPENED).is_empty(), "{arguments:?}");
+    }
 }

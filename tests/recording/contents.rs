@@ -5,12 +5,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use mrroc::cell::{InputSetup, OutputSetup};
 use mrroc::prelude::*;
+use mrroc::recording::{CutOff, Replay};
+use mrroc::robot::{Channel, Input};
+use mrroc_generators::generators::Tell;
 use mrroc_robots::{Irp6, SimulatedIrp6};
+use mrroc_tests::{Gantry, MS, gantry};
 use serde_json::{Value, json};
 
 use crate::recording::cell::{Change, START, STEP, arms};
 use crate::recording::recorded;
+use crate::runtime::kit::Smooth;
 
 /// A message: its topic, its time since the start \[ns\], its contents.
 #[derive(Debug, PartialEq)]
@@ -113,6 +119,54 @@ fn the_currents_of_motors_are_recorded_where_drives_measure_them() {
         .run()
         .expect("keeps the limits");
     assert!(of(&read(&file).1, "/robots/left/currents").is_empty());
+}
+
+#[test]
+fn inputs_and_outputs_are_recorded_by_their_names_and_a_replay_reads_what_they_read() {
+    /// Waits for the switch of a vacuum, and moves then.
+    fn cell() -> Cell {
+        let (robot, _) = gantry("g");
+        let robot = robot
+            .output(OutputSetup::new("vacuum", Channel::Digital(0)))
+            .output(OutputSetup::new("flow", Channel::Analog(1)))
+            .input(InputSetup::new("sucked", Channel::Digital(9)).follows("vacuum", 20 * MS));
+        Cell::new(MS).robot(robot).program(|mp| {
+            let mut g = mp.robot::<Gantry>("g")?;
+            let (vacuum, flow) = (g.output::<bool>("vacuum")?, g.output::<f64>("flow")?);
+            let sucked = g.input::<bool>("sucked")?;
+            mp.move_robot(&mut g, (), Tell::output(vacuum, true).and(flow, 2.5))?;
+            mp.wait_until((&mut g,), (), On(sucked))?;
+            mp.move_robot(&mut g, (), Smooth::to(0.2, 0.4)).map(drop)
+        })
+    }
+
+    let file = file("signals.mcap");
+    cell().record(mrroc::recording::to(&file)).run().expect("keeps the limits");
+    let (_, messages) = read(&file);
+    let signals = of(&messages, "/robots/g/signals");
+    assert_eq!(signals.len(), of(&messages, "/robots/g").len());
+    let off = serde_json::json!({"inputs": {"sucked": false}, "outputs": {"vacuum": false, "flow": 0.0}});
+    let (first, last) = (&signals[0].body, &signals[signals.len() - 1].body);
+    assert_eq!((&first["inputs"], &first["outputs"]), (&off["inputs"], &off["outputs"]));
+    assert_eq!(last["inputs"]["sucked"], true);
+    assert_eq!(
+        (last["outputs"]["vacuum"].as_bool(), last["outputs"]["flow"].as_f64()),
+        (Some(true), Some(2.5))
+    );
+    let first_on = |of: &str, name: &str| signals.iter().position(|message| message.body[of][name] == true);
+    let after =
+        first_on("inputs", "sucked").zip(first_on("outputs", "vacuum")).map(|(input, output)| input - output);
+    assert_eq!(after, Some(20), "steps");
+    // Without what the input read, the replay would wait for ever.
+    let compared = cell().replay(&file, CutOff::Refused).expect("a recording of this cell");
+    assert!(compared.is_identical() && compared.steps > 400, "{compared:?}");
+}
+
+struct On(Input<bool>);
+
+#[condition(mp)]
+fn on(c: &mut On, e: &State<(Gantry,)>) -> bool {
+    e.0.value(c.0)
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! Feed rate: speed, suspend, resume, abort.
 
-use mrroc::cell::Cell;
+use std::time::Duration;
+
+use mrroc::cell::{Cell, RobotSetup};
 use mrroc::fault::FaultKind;
 use mrroc::operator::Operator;
-use mrroc_tests::{Gantry, MS, Q, fault, gantry, peaks};
+use mrroc::robot::{DriveFault, Driver, Measured};
+use mrroc_tests::{ExactDrive, Gantry, MS, Q, fault, gantry, peaks, traced};
 
 use crate::runtime::kit::{Smooth, Twin};
 
@@ -83,7 +86,7 @@ fn all_robots_of_a_motion_slow_down_in_the_same_step() {
         })
         .program(|mp| {
             let (mut left, mut right) = (mp.robot::<Gantry>("left")?, mp.robot::<Gantry>("right")?);
-            mp.move_robots((&mut left, &mut right), (), Twin(Smooth::to(0.3, 0.5))).map(drop)
+            mp.move_robots((&mut left, &mut right), (), Twin(Smooth::to(0.3, 2.0))).map(drop)
         })
         .run()
         .expect("keeps the limits");
@@ -111,4 +114,67 @@ fn abort_stops_on_the_path_and_ends_the_instruction_with_a_fault() {
         // What the last step moved, the next one may not have to take away in more than the limit: a T².
         assert!((at > 400 || last < 0.3) && (trace[trace.len() - 2][0] - last).abs() <= 1e-5);
     }
+}
+
+/// Drives that a person at the robot's pendant slows down in some of their periods.
+struct Slowed {
+    drives: ExactDrive<3>,
+    periods: u64,
+    scaling: fn(u64) -> f64,
+}
+
+impl Driver<Gantry> for Slowed {
+    fn period(&self) -> Duration {
+        MS
+    }
+
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
+        Driver::<Gantry>::measured(&self.drives)
+    }
+
+    fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
+        self.periods += 1;
+        Driver::<Gantry>::tick(&mut self.drives, demanded)
+    }
+
+    fn speed_scaling(&self) -> f64 {
+        (self.scaling)(self.periods)
+    }
+}
+
+/// The demands of a robot that is slowed down, and of one that moves together with it.
+fn slowed(scaling: fn(u64) -> f64) -> [Vec<Q<3>>; 2] {
+    let drives = Slowed { drives: ExactDrive::at_origin(), periods: 0, scaling };
+    let (first, first_trace) = traced(RobotSetup::new("g", Gantry::default(), drives));
+    let (second, second_trace) = gantry("h");
+    let cell = Cell::new(MS).robot(first).robot(second).program(|mp| {
+        let (mut g, mut h) = (mp.robot::<Gantry>("g")?, mp.robot::<Gantry>("h")?);
+        mp.move_robots((&mut g, &mut h), (), Twin(Smooth::to(0.3, 2.0))).map(drop)
+    });
+    cell.run().expect("keeps the limits");
+    [first_trace.take(), second_trace.take()]
+}
+
+#[test]
+fn a_robot_that_is_slowed_down_at_its_pendant_slows_the_path_of_all() {
+    let [full, _] = slowed(|_| 1.0);
+    // Half as fast for a while, then stopped, then as planned.
+    let [first, second] = slowed(|period| match period {
+        300..900 => 0.5,
+        900..1500 => 0.0,
+        _ => 1.0,
+    });
+    let mirrored: Vec<_> = second.iter().map(|q| -q).collect();
+    assert_eq!(first, mirrored, "both at one place of the path at one time");
+    let speed = |trace: &[Q<3>], from: usize, to: usize| peaks(&trace[from..to], 1e-3).0;
+    let fastest = speed(&full, 0, full.len());
+    // It comes to half the rate within a tenth of a second, and to a standstill in another one.
+    assert!(speed(&first, 450, 890) <= 0.5 * fastest + 1e-6);
+    assert!(speed(&first, 1050, 1490) == 0.0 && speed(&first, 450, 890) > 0.0);
+    let (v, a) = peaks(&first, 1e-3);
+    assert!(v <= 1.0 && a <= 10.0 + 1e-6, "{v} m/s, {a} m/s²");
+    assert!((first[first.len() - 1] - full[full.len() - 1]).norm() < 1e-12);
+    // What no share of a speed is says nothing.
+    let [odd, _] = slowed(|period| if period % 2 == 0 { f64::NAN } else { 7.0 });
+    assert_eq!(odd, full);
 }

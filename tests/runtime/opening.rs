@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use mrroc::cell::{AfterFault, CellError};
 use mrroc::fault::FaultKind;
-use mrroc::observe::layout::DrivesLayout;
+use mrroc::observe::layout::HardwareLayout;
 use mrroc::operator::Latch;
 use mrroc::prelude::*;
 use mrroc::robot::{Connecting, DriveFault, Driver, IdealDrives, Measured};
@@ -152,9 +152,9 @@ fn fault_83_simulated_drives_stand_in_for_hardware_which_is_not_opened() {
         let (drives, calls) = remote();
         let (setup, trace) = traced(way(moving(drives), ideal()));
         let cell = Cell::new(MS).robot(setup);
-        assert_eq!(cell.layout().robots[0].drives, DrivesLayout::Hardware("udp 10.0.0.7:30004".to_owned()));
+        assert_eq!(cell.layout().robots[0].drives, HardwareLayout::Real("udp 10.0.0.7:30004".to_owned()));
         let cell = cell.simulated().expect("they stand in");
-        assert_eq!(cell.layout().robots[0].drives, DrivesLayout::StandIn("udp 10.0.0.7:30004".to_owned()));
+        assert_eq!(cell.layout().robots[0].drives, HardwareLayout::StandIn("udp 10.0.0.7:30004".to_owned()));
         assert!(cell.hardware().is_empty());
         cell.run().expect("within the limits");
         let (first, last) = (trace.borrow()[0], *trace.borrow().last().expect("it moved"));
@@ -178,7 +178,7 @@ fn fault_83_hardware_that_nothing_can_stand_in_for_is_refused_with_what_to_write
     // Simulated drives need none.
     let (exact, _) = mrroc_tests::gantry("g");
     let cell = Cell::new(MS).robot(exact).simulated().expect("nothing is real");
-    assert_eq!(cell.layout().robots[0].drives, DrivesLayout::Unnamed);
+    assert_eq!(cell.layout().robots[0].drives, HardwareLayout::Nothing);
 }
 
 #[test]

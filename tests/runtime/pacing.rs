@@ -212,7 +212,7 @@ fn fault_88_a_robot_that_says_nothing_for_too_long_stops_its_cell_and_is_heard_a
     let lost = fault(cell(controller).run());
     assert_eq!(
         (lost.kind(), lost.message()),
-        (FaultKind::DriveFault, "the robot has said nothing for 20 ms")
+        (FaultKind::RobotStopped, "communication lost: the robot has said nothing for 20 ms")
     );
     assert_eq!(lost.robot().map(|name| name.to_string()).as_deref(), Some("g"));
     assert_eq!(told.borrow().last().map(|(count, ..)| *count), Some(199));
@@ -245,4 +245,49 @@ fn a_robot_that_paces_itself_may_have_periods_of_any_length() {
     let setup = RobotSetup::new("g", Gantry::default(), ExactDrive::new(Q::zeros(), MS * 3));
     let refused = Cell::new(MS * 2).robot(setup).run().expect_err("3 ms and 2 ms");
     assert!(refused.to_string().contains("must be multiples of one another"), "{refused}");
+}
+
+#[test]
+fn fault_88_a_cell_whose_robots_could_not_stop_in_time_after_a_silence_is_refused() {
+    let cell = |stop| {
+        let (controller, _) = Controller::new(2, 0.0, 0.0);
+        let setup = RobotSetup::new("g", Gantry::default(), controller).program(|_| Ok(()));
+        Cell::new(MS * 2).robot(setup).stop_time(stop)
+    };
+    // At 1 m/s and 10 m/s² braking takes 100 ms; a lost peer is noticed after 22 ms, a silent robot after 20 ms.
+    assert!(cell(MS * 122).check().is_ok());
+    // With a robot that may say nothing for 200 ms, any robot of the cell may stop so much later.
+    let patient = |stop| {
+        let (controller, _) = Controller::new(2, 0.0, 0.0);
+        let setup = RobotSetup::new("p", Gantry::default(), Patient(controller)).program(|_| Ok(()));
+        cell(stop).robot(setup)
+    };
+    assert!(patient(MS * 301).check().is_ok());
+    let refused = patient(MS * 299).check().expect_err("too late").to_string();
+    assert!(refused.contains("robot `g` joint 1: a stop may take 0.300 s, limit 0.299 s"), "{refused}");
+}
+
+/// A controller that may say nothing for 200 ms.
+struct Patient(Controller);
+
+impl Driver<Gantry> for Patient {
+    fn period(&self) -> Duration {
+        self.0.period()
+    }
+
+    fn pace(&self) -> Pace {
+        Pace::Robot { patience: MS * 200 }
+    }
+
+    fn pulse(&mut self, now: Duration) -> Result<Option<Pulse>, DriveFault> {
+        self.0.pulse(now)
+    }
+
+    fn measured(&self) -> Result<Measured<Q<3>>, DriveFault> {
+        self.0.measured()
+    }
+
+    fn tick(&mut self, demanded: &Q<3>) -> Result<Measured<Q<3>>, DriveFault> {
+        self.0.tick(demanded)
+    }
 }

@@ -1,7 +1,8 @@
 //! What tests and the task programs that they start as processes (`tests/cell/`) agree on: the names of environment
 //! variables, and of files in the folders that some of these variables name.
 
-/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`], [`CROWD`] or [`RECORDED`].
+/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`], [`CROWD`], [`RECORDED`], [`REMOTE`] or
+/// [`SERVO`].
 pub const PROGRAM: &str = "MRROC_TEST_PROGRAM";
 /// Two arms that are coordinated loosely and tightly, sensors in three modes.
 pub const ARMS: &str = "arms";
@@ -9,10 +10,14 @@ pub const ARMS: &str = "arms";
 pub const TASKS: &str = "tasks";
 /// Two arms that turn to and fro for the given time.
 pub const SOAK: &str = "soak";
+/// The turntable of the book, whose driver is on its page.
+pub const SERVO: &str = "servo";
 /// Any number of robots that stand.
 pub const CROWD: &str = "crowd";
 /// The cell of the tests of recordings.
 pub const RECORDED: &str = "recorded";
+/// Two robots whose controllers answer late.
+pub const REMOTE: &str = "remote";
 
 /// The variable that names the folder for the records of the robots' demands, a file per robot.
 pub const RECORDS: &str = "MRROC_TEST_RECORDS";
@@ -32,6 +37,8 @@ pub const PATIENCE: &str = "MRROC_TEST_PATIENCE";
 pub const HARDWARE: &str = "MRROC_TEST_HARDWARE";
 /// The variable with the path time \[s\] from which the swing differs from the recorded one.
 pub const CHANGE: &str = "MRROC_TEST_CHANGE";
+/// The variable that makes a picture take nothing of what processes show it.
+pub const TAKES_NOTHING: &str = "MRROC_TEST_TAKES_NOTHING";
 /// How long the arms of [`SOAK`] move \[s\].
 pub const SECONDS: &str = "MRROC_SOAK";
 
@@ -39,6 +46,12 @@ pub const SECONDS: &str = "MRROC_SOAK";
 pub const SEEN: &str = "seen";
 /// The file, beside the records, of what the MP of [`SOAK`] has counted.
 pub const COUNT: &str = "steps";
+
+/// Where the camera of [`REMOTE`] writes down which processes opened it.
+pub const OPENED: &str = "opened";
+
+/// What a controller of [`REMOTE`] says when it was told nothing for too long.
+pub const NOT_TOLD: &str = "nobody told it anything";
 
 /// The steps in which the allocations of a process of [`ARMS`] are counted.
 pub const STEPS: u64 = 300;

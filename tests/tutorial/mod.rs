@@ -12,6 +12,10 @@ mod page;
 mod pair;
 #[path = "../../template/sets/mp_one/generators/point_to_point.rs"]
 mod point_to_point;
+#[path = "6_real_robot.rs"]
+mod real_robot;
 #[path = "2_sensor.rs"]
 mod sensor;
+mod sensor_page;
 pub mod support;
+mod tcp_servo;

@@ -64,7 +64,8 @@ pub fn included(folder: &Path, what: &str) -> Result<String, String> {
 /// The blocks of code that a page shows of a file, `<!-- code: path:anchor -->` before each: the file, and the code.
 pub fn shown(text: &str) -> impl Iterator<Item = (&str, &str)> {
     text.split("<!-- code: ").skip(1).map(|rest| {
-        let (what, block) = rest.split_once(" -->\n```rust\n").expect("a block of code below the comment");
+        let (what, block) = rest.split_once(" -->\n```").expect("a block of code below the comment");
+        let (_language, block) = block.split_once('\n').expect("the code");
         (what, block.split("```").next().unwrap_or(block))
     })
 }
@@ -86,6 +87,10 @@ pub fn links(text: &str) -> Vec<String> {
 pub enum Step {
     /// Commands, and the lines that they print among others; `..` in a line stands for anything.
     Run(Vec<String>, Vec<String>),
+    /// The same in a second terminal, where they go on until the chapter ends.
+    Beside(Vec<String>, Vec<String>),
+    /// What wants a person at a terminal.
+    ByHand(Vec<String>),
     /// A change of a file of the project.
     Edit(String, Edit),
 }
@@ -146,8 +151,10 @@ pub fn steps(name: &str, text: &str) -> Vec<Step> {
         let lines = || body.lines().map(str::to_owned).collect::<Vec<_>>();
         match (language, steps.last_mut()) {
             ("sh", _) => steps.push(Step::Run(lines(), Vec::new())),
-            ("text", Some(Step::Run(_, shown))) => shown.extend(lines()),
-            ("rust", _) => {
+            ("sh,beside", _) => steps.push(Step::Beside(lines(), Vec::new())),
+            ("sh,by-hand", _) => steps.push(Step::ByHand(lines())),
+            ("text", Some(Step::Run(_, shown) | Step::Beside(_, shown))) => shown.extend(lines()),
+            ("rust" | "toml", _) => {
                 if let Some((file, edit)) = waiting.take() {
                     steps.push(Step::Edit(file, with_code(edit, body.to_owned())));
                 }

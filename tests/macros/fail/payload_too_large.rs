@@ -1,12 +1,12 @@
 //! A payload takes more words than a message holds.
-//! says: at most 56 words
+//! says: at most 64 words
 
 use mistakes::*;
 use mrroc::prelude::*;
 
 #[derive(Clone, Copy, Payload)]
 struct Plan {
-    path: [[f64; 3]; 20],
+    path: [[f64; 3]; 22],
 }
 
 fn tells<P: Payload>() -> &'static str {

@@ -1,0 +1,351 @@
+"""Drivers across a network that loses, delays and reorders packets: in two network namespaces, joined by a wire of this process.
+
+One namespace has the cell, the other one the controller. Each has a TUN device; what one sends, this process hands to the other, or
+does not, as its seed says. So TCP's own repeats are those of the kernel. Packets from the cell's set-points are told by their
+port. It ends with 75 where this machine was too late, which is no fault of a driver, and says so where the machine permits no namespaces.
+"""
+
+import argparse
+import fcntl
+import heapq
+import json
+import os
+import random
+import select
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent.parent
+CELL, ROBOT = "10.77.0.1", "10.77.0.2"
+# Where the script of a UR calls: what comes from there are set-points.
+SET_POINTS = 50001
+TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
+
+
+class Wire(threading.Thread):
+    """Two TUN devices. `way` says of each packet what happens to it; it may be replaced at any time."""
+
+    def __init__(self, seed):
+        super().__init__(daemon=True)
+        self.random = random.Random(seed)
+        self.ends = [self.device("wire0"), self.device("wire1")]
+        self.way = Clear()
+        self.waiting = []
+        self.passed = self.lost = 0
+        self.ended = False
+
+    @staticmethod
+    def device(name):
+        end = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
+        fcntl.ioctl(end, TUNSETIFF, struct.pack("16sH22x", name.encode(), IFF_TUN | IFF_NO_PI))
+        return end
+
+    def run(self):
+        while not self.ended:
+            now = time.monotonic()
+            until = max(0.0, self.waiting[0][0] - now) if self.waiting else 0.1
+            for end in select.select(self.ends, [], [], until)[0]:
+                while True:
+                    try:
+                        packet = os.read(end, 65536)
+                    except BlockingIOError:
+                        break
+                    delay = self.way.delay(self.random, packet, self.ends.index(end) == 0)
+                    if delay is None:
+                        self.lost += 1
+                        continue
+                    self.passed += 1
+                    other = self.ends[1 - self.ends.index(end)]
+                    heapq.heappush(self.waiting, (time.monotonic() + delay, self.passed, other, packet))
+            while self.waiting and self.waiting[0][0] <= time.monotonic():
+                _, _, end, packet = heapq.heappop(self.waiting)
+                try:
+                    os.write(end, packet)
+                except OSError:
+                    pass  # its namespace is gone
+
+
+class Clear:
+    """Nothing happens to a packet."""
+
+    def delay(self, _random, _packet, _of_cell):
+        return 0.0
+
+
+class Bad(Clear):
+    """Packets are lost with this probability, and come up to so much later, each by itself [s]: later ones overtake them."""
+
+    def __init__(self, loss, delay):
+        self.loss, self.most = loss, delay
+
+    def delay(self, random, _packet, _of_cell):
+        return None if random.random() < self.loss else random.uniform(0.0, self.most)
+
+
+class Gaps(Clear):
+    """Of every `of` set-points that pass, the last `lost` are lost in a row."""
+
+    def __init__(self, lost, of):
+        self.lost, self.of, self.count = lost, of, 0
+
+    def delay(self, _random, packet, of_cell):
+        if not (of_cell and is_set_point(packet)):
+            return 0.0
+        self.count += 1
+        return None if self.count % self.of >= self.of - self.lost else 0.0
+
+
+class NoSetPoints(Clear):
+    """None gets through."""
+
+    def delay(self, _random, packet, of_cell):
+        return None if of_cell and is_set_point(packet) else 0.0
+
+
+def is_set_point(packet):
+    """A TCP packet with data, from the port at which the script calls."""
+    if packet[0] >> 4 != 4 or packet[9] != 6:
+        return False
+    head = (packet[0] & 15) * 4
+    port = int.from_bytes(packet[head : head + 2], "big")
+    return port == SET_POINTS and len(packet) > head + (packet[head + 12] >> 4) * 4
+
+
+class Namespace:
+    """One end: a network namespace of its own, with an address."""
+
+    def __init__(self, device, address, other):
+        self.holder = subprocess.Popen(["unshare", "-n", "sh", "-c", "echo; exec sleep infinity"], stdout=subprocess.PIPE)
+        self.holder.stdout.readline()
+        run("ip", "link", "set", device, "netns", str(self.holder.pid))
+        for line in (f"addr add {address} peer {other} dev {device}", f"link set {device} up", "link set lo up"):
+            run(*self.within("ip", *line.split()))
+
+    def within(self, *command):
+        return ["nsenter", "-t", str(self.holder.pid), "-n", *command]
+
+    def close(self):
+        self.holder.kill()
+        self.holder.wait()
+
+
+def run(*command):
+    subprocess.run(command, check=True)
+
+
+LATE = ["steps were missed", "the process at the other end is gone", "after late demands"]
+
+
+class Late(Exception):
+    """This machine was."""
+
+
+class Shortfall(Exception):
+    """What is not as it should be."""
+
+
+def has(condition, what):
+    if not condition:
+        raise Shortfall(what)
+
+
+class Bench:
+    """Both ends, the wire, and a folder for cell files."""
+
+    def __init__(self, seed):
+        self.wire = Wire(seed)
+        self.cell, self.robot = Namespace("wire0", CELL, ROBOT), Namespace("wire1", ROBOT, CELL)
+        self.wire.start()
+        self.folder = Path(tempfile.mkdtemp())
+
+    def cell_file(self, example):
+        """The example, with the addresses of this network."""
+        example = ROOT / example
+        text = example.read_text().replace('address = "127.0.0.1"', f'address = "{ROBOT}"')
+        text = text.replace('listen = "127.0.0.1:', f'listen = "{CELL}:')
+        for other in example.parent.glob("*.urdf"):
+            shutil.copy(other, self.folder)
+        file = self.folder / example.name
+        file.write_text(text)
+        return str(file)
+
+    def program(self, name, file, times, **settings):
+        return subprocess.Popen(
+            self.cell.within(str(ROOT / "target/debug/examples" / name), "--cell", file, "--processes", "--no-picture"),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env={**os.environ, "MRROC_TIMES": str(times), **settings},
+        )
+
+    def close(self):
+        self.wire.ended = True
+        self.wire.join()
+        self.cell.close()
+        self.robot.close()
+        shutil.rmtree(self.folder)
+
+
+def controller(bench):
+    """A UR's, at the other end."""
+    process = subprocess.Popen(
+        bench.robot.within(str(ROOT / "target/debug/ur-controller"), "ur5e", ROBOT),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    has(process.stdout.readline().startswith("ur5e at"), "the controller does not start")
+    return process
+
+
+def said(process):
+    process.stdin.write("say\n")
+    process.stdin.flush()
+    return process.stdout.readline()
+
+
+def ur(bench, way, times, timeout_ms, after=1.0):
+    """The UR example behind this wire, which is clear until the arm moves: how it ended, what it and the controller said."""
+    bench.wire.way = Clear()
+    robot = controller(bench)
+    try:
+        cell = bench.program("ur", bench.cell_file("robots/drivers/ur/examples/cell.toml"), times, MRROC_READ_TIMEOUT_MS=str(timeout_ms))
+        time.sleep(after)
+        bench.wire.way = way
+        words, _ = cell.communicate(timeout=60 + 3 * times)
+        bench.wire.way = Clear()
+        told = said(robot)
+        return cell.returncode, words, told
+    finally:
+        bench.wire.way = Clear()
+        robot.stdin.close()
+        robot.wait(20)
+
+
+def gap_ms(told):
+    return int(told.split("longest gap: ")[1].split()[0])
+
+
+def ur_loses_packets(bench, times):
+    """Packets of all kinds are lost, late and out of order. TCP sends a lost one again within some milliseconds, and one whose repeat is
+    lost, too, after 200 ms: then the robot has said nothing for longer than 100 ms, or the script has heard nothing for longer than its
+    read timeout, and the cell stops in order."""
+    survived = 0
+    for loss in (0.002, 0.01, 0.1):
+        lost = bench.wire.lost
+        ended, words, told = ur(bench, Bad(loss, 0.001), times, 200)
+        lost = bench.wire.lost - lost
+        survived += ended == 0
+        # The cell's own processes were too late for one another, whatever the network did.
+        if ended != 0 and any(late in words for late in LATE):
+            raise Late(words)
+        how = "nothing stopped" if ended == 0 else "communication lost"
+        print(f"ur: {loss:.1%} of the packets lost, {lost} in all: {how}, the longest gap was {gap_ms(told)} ms")
+        has(ended == 0 or ended == 1 and "communication lost" in words, f"it ended with {ended}: {words}")
+        has(lost > 0 and "STOPPED" in told.upper(), f"{lost} lost, and {told}")
+        has(gap_ms(told) <= 202, "the script waited for longer than its read timeout, and did not end")
+    if survived == 0:
+        raise Late("no run with lost packets went on to its end")
+
+
+def ur_loses_set_points(bench, times):
+    """Five set-points in a row are lost each second: the arm goes on meanwhile, and nothing stops."""
+    ended, words, told = ur(bench, Gaps(5, 500), times, 200)
+    if ended != 0:
+        raise Late(words)
+    print(f"ur: 5 set-points in a row lost: the longest gap was {gap_ms(told)} ms")
+    has(gap_ms(told) >= 10, "no set-point was lost")
+
+
+def ur_is_cut_off(bench, _times):
+    """No set-point gets through any more: the script brakes and ends, and the cell is told so."""
+    for timeout in (20, 200):
+        ended, words, told = ur(bench, NoSetPoints(), 4, timeout, after=2.0)
+        has(ended == 1, f"a cell without set-points ended with {ended}: {words}")
+        if "set-points did not come in time" not in words:
+            # With 20 ms a machine that is late is cut off before the wire is.
+            raise Late(words)
+        has("communication lost" in words and "STOPPED" in told.upper(), f"{words}{told}")
+        print(f"ur: cut off with a read timeout of {timeout} ms: communication lost, {told.strip()}")
+
+
+def kuka(bench, way, *options, times, file):
+    bench.wire.way = Clear()
+    judge = subprocess.Popen(
+        bench.robot.within(sys.executable, str(HERE / "kuka.py"), "--address", ROBOT, "--cell", CELL, *options),
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    cell = bench.program("kuka", bench.cell_file(file), times)
+    time.sleep(1.0)
+    bench.wire.way = way
+    words, _ = cell.communicate(timeout=60 + 6 * times)
+    bench.wire.way = Clear()
+    _, seen = judge.communicate(timeout=60)
+    return cell.returncode, words, json.loads(seen.splitlines()[-1])
+
+
+def kuka_loses_packets(bench, times):
+    """Packets of an RSI are lost each way: the path is kept, and the controller counts."""
+    for mode, file in (("absolute", "cell.toml"), ("relative", "relative.toml")):
+        period = "4" if mode == "absolute" else "12"
+        ended, words, seen = kuka(
+            bench, Bad(0.01, 0.0005), "--mode", mode, "--period", period, times=times, file=f"robots/drivers/kuka/examples/{file}"
+        )
+        if ended != 0:
+            raise Late(words)
+        off = max(map(abs, seen["end_deg"]))
+        print(f"kuka: {seen['late']} of {seen['cycles']} answers lost, {mode}: at its end the arm is {off:.1e} degrees off")
+        has(seen["late"] > 0, "no answer was lost")
+        has(off < 1e-6, f"the arm does not end where it should: {seen}")
+
+
+def kuka_loses_all(bench, _times):
+    """No packet gets through: the cell is told, and the robot is left to its own controller."""
+    ended, words, seen = kuka(bench, Bad(1.0, 0.0), times=20, file="robots/drivers/kuka/examples/cell.toml")
+    has(ended == 1 and "communication lost: the robot has said nothing" in words, f"{ended}: {words}")
+    print(f"kuka: cut off after {seen['cycles']} cycles: communication lost")
+
+
+PARTS = [ur_loses_packets, ur_loses_set_points, ur_is_cut_off, kuka_loses_packets, kuka_loses_all]
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--times", type=int, default=3, help="to and fro")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", help="one part")
+    options = parser.parse_args()
+    if os.environ.get("MRROC_NAMESPACE") != "1":
+        # The same once more, in a namespace in which it may make others.
+        os.environ["MRROC_NAMESPACE"] = "1"
+        tried = subprocess.run(["unshare", "-rn", "sh", "-c", "test -w /dev/net/tun && command -v ip nsenter"], capture_output=True)
+        if tried.returncode != 0:
+            print("network: skipped: this machine permits no network namespaces")
+            return
+        os.execvp("unshare", ["unshare", "-rn", sys.executable, *sys.argv])
+    print(f"network: seed {options.seed}")
+    bench = Bench(options.seed)
+    try:
+        for part in PARTS:
+            if options.only in (None, part.__name__):
+                part(bench, options.times)
+    except Late as late:
+        print(f"network: {late}")
+        sys.exit(75)
+    except Shortfall as shortfall:
+        sys.exit(f"network: {shortfall}")
+    finally:
+        bench.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,316 @@
+"""Arms of a cell in MuJoCo: along straight lines in lock-step and in real time, with a simulator that is killed, hangs, or has a rival.
+
+In: the example `plant`, built. Out: exit status 0 if the arms go in MuJoCo where the equations of their servos say, end where they
+end in the simulation of this project, run the same twice to the bit, and stop within their bounds when the simulator is lost.
+"""
+
+import json
+import os
+import re
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+from sensor import nothing_left
+
+ROOT = Path(__file__).resolve().parents[3]
+PLANT = ROOT / "target/debug/examples/plant"
+EXAMPLES = ROOT / "ports/external/examples"
+CELL = EXAMPLES / "plant.toml"
+PERIOD = 0.002
+JOINTS = 6
+# Each joint's braking time from its limit of 3.14 rad/s at 10 rad/s² is 0.314 s; a drive fault is told in the next step.
+BRAKING = 158
+DELAY = 1
+
+sys.path.insert(0, str(EXAMPLES))
+import mujoco_arms  # noqa: E402
+
+
+class Late(Exception):
+    """This machine was late by more than the cell bears."""
+
+
+def check(is_so, what):
+    if not is_so:
+        raise SystemExit(f"plant: {what}")
+
+
+def env(folder):
+    return {**os.environ, "PYTHONPATH": str(folder), "MRROC_PORTS": str(folder / "ports")}
+
+
+def one_arm(folder):
+    """The first arm of the example alone."""
+    text = CELL.read_text().split("[robots.right]")[0].replace("../../../", f"{ROOT}/")
+    (folder / "cell.toml").write_text(text)
+    return folder / "cell.toml", ["left"]
+
+
+def two_arms(_):
+    return CELL, ["left", "right"]
+
+
+def module(folder, cell):
+    made = subprocess.run([PLANT, "--cell", cell, "external", "left"], capture_output=True, check=True)
+    (folder / "arms_port.py").write_bytes(made.stdout)
+
+
+class MuJoCo:
+    """The simulator, in a process of its own."""
+
+    def __init__(self, folder, cell, log="run.log"):
+        self.log = folder / log
+        command = [sys.executable, EXAMPLES / "mujoco_arms.py", cell, "--log", self.log]
+        self.process = subprocess.Popen(command, env=env(folder), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        # It has the port when it says so.
+        self.said = self.process.stdout.readline()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGCONT)
+            self.process.send_signal(signal.SIGINT)
+        self.process.communicate(timeout=30)
+
+    def rows(self, arms):
+        """For each arm its periods: the number, late answers, what was demanded, what was simulated, the wrench."""
+        size = 16 + 8 * (2 * JOINTS + 6)
+        raw = self.log.read_bytes()
+        rows = [raw[i : i + size] for i in range(0, len(raw) - size + 1, size)]
+        read = lambda row: (*struct.unpack("<QQ", row[:16]), np.frombuffer(row[16:]))
+        return {arm: [read(row) for row in rows[i :: len(arms)]] for i, arm in enumerate(arms)}
+
+    def wait_for(self, periods, arms, cell):
+        """Until so many have been simulated, if the cell does not end before."""
+        size = len(arms) * (16 + 8 * (2 * JOINTS + 6))
+        while cell.poll() is None and not (self.log.exists() and self.log.stat().st_size >= periods * size):
+            time.sleep(0.002)
+
+
+def cell_of(folder, cell, *options, record="run.mcap"):
+    command = [PLANT, "--cell", cell, "--no-picture", "--quiet", "--record", folder / record, *options]
+    return subprocess.Popen(command, env=env(folder), cwd=folder, stderr=subprocess.PIPE, text=True)
+
+
+def ended(running):
+    _, said = running.communicate(timeout=120)
+    return running.returncode, said
+
+
+def recorded(folder, arms, record="run.mcap"):
+    """Of each arm its demanded and measured joints, and the measured pose, step by step."""
+    from mcap.reader import make_reader
+
+    run = {arm: [] for arm in arms}
+    with open(folder / record, "rb") as file:
+        for _, channel, message in make_reader(file).iter_messages():
+            arm = channel.topic.removeprefix("/robots/")
+            if arm in run:
+                said = json.loads(message.data)
+                run[arm].append((said["step"], said["demanded"], said["measured"]))
+    return run
+
+
+def positions(pose):
+    return np.array([pose["position"][axis] for axis in "xyz"])
+
+
+def follow(demands, start):
+    """Where the servos' equations say that the joints are at the end of each period: q'' = ω² e + 2 ω e', integrated as MuJoCo does."""
+    h, omega = mujoco_arms.STEP, mujoco_arms.OMEGA
+    q, v, at = np.array(start), np.zeros(len(start)), np.array(start)
+    found = []
+    for to in demands:
+        speed = (to - at) / PERIOD
+        for i in range(round(PERIOD / h)):
+            v = v + h * (omega**2 * (at + speed * (i * h) - q) + 2 * omega * (speed - v))
+            q = q + h * v
+        at = to
+        found.append(q)
+    return np.array(found)
+
+
+def error_bound(demands):
+    """The largest error of such servos: each change of speed leaves errors that sum up to the response to a ramp."""
+    ramp = np.arange(1, 200)[:, None] * PERIOD
+    response = np.abs(ramp - follow(ramp, np.zeros(1))).sum()
+    speeds = np.diff(demands, axis=0) / PERIOD
+    return np.abs(np.diff(speeds, axis=0)).max() * response
+
+
+def lock_step(folder, make):
+    cell, arms = make(folder)
+    module(folder, cell)
+    starts = {arm: of["start"] for arm, of in tomllib.loads(cell.read_text())["robots"].items()}
+    logs, demands = [], []
+    for i in range(2):
+        began = time.monotonic()
+        with MuJoCo(folder, cell, f"{i}.log") as mujoco:
+            status, said = ended(cell_of(folder, cell, "--virtual", record=f"{i}.mcap"))
+            check(status == 0, f"the cell ended with {status}: {said}")
+            took = time.monotonic() - began
+        rows = mujoco.rows(arms)
+        logs.append({arm: [row[2].tobytes() for row in of] for arm, of in rows.items()})
+        demands.append(recorded(folder, arms, f"{i}.mcap"))
+    check(logs[0] == logs[1] and demands[0] == demands[1], "two runs differ")
+    worst, bounds, periods = 0.0, 0.0, 0
+    for arm in arms:
+        numbers = [row[0] for row in rows[arm]]
+        check(numbers == list(range(len(numbers))), f"{arm}: a period is missing")
+        demanded = np.array([row[2][:JOINTS] for row in rows[arm]])
+        simulated = np.array([row[2][JOINTS : 2 * JOINTS] for row in rows[arm]])
+        # Encoders of the stand-in say where it begins.
+        start = demanded[0]
+        check(np.abs(start - starts[arm]).max() < 1e-4, f"{arm} begins at {start}")
+        off = np.abs(simulated - follow(demanded, start)).max()
+        check(off < 1e-9, f"{arm}: MuJoCo is {off} rad from what the servos' equations say")
+        error, bound = np.abs(simulated - demanded).max(), error_bound(demanded)
+        check(error <= bound, f"{arm}: {error} rad from its demands, at most {bound} are allowed")
+        worst, bounds, periods = max(worst, error), max(bounds, bound), len(numbers)
+        wrench = rows[arm][-1][2][2 * JOINTS :]
+        weight = mujoco_arms.TOOL_MASS * 9.81
+        check(abs(np.linalg.norm(wrench[:3]) - weight) < 1e-3, f"{arm}: its tool pulls by {wrench}")
+        lever = mujoco_arms.TOOL_CENTRE * np.cross([0, 0, 1], wrench[:3])
+        check(np.abs(wrench[3:] - lever).max() < 1e-4, f"{arm}: its tool turns by {wrench}, not by {lever}")
+    # Our own simulation, from the same file.
+    status, said = ended(cell_of(folder, cell, "--simulated", record="own.mcap"))
+    check(status == 0, f"our own simulation ended with {status}: {said}")
+    own = recorded(folder, arms, "own.mcap")
+    apart = 0.0
+    for arm in arms:
+        path = np.array([positions(measured["pose"]) for _, _, measured in demands[0][arm]])
+        apart = max(apart, np.linalg.norm(path[-1] - positions(own[arm][-1][2]["pose"])))
+        line = path[np.argmax(np.linalg.norm(path - path[0], axis=1))] - path[0]
+        check(abs(np.linalg.norm(line) - 0.2) < 1e-3, f"{arm} went {np.linalg.norm(line)} m")
+        aside = np.linalg.norm(np.cross(path - path[0], line / np.linalg.norm(line)), axis=1).max()
+        check(aside < 1e-3, f"{arm} was {aside} m beside its line")
+    check(apart < 1e-3, f"MuJoCo ends {apart} m from our own simulation")
+    print(
+        f"plant: {len(arms)} arm(s) in lock-step, {periods} periods twice equal to the bit in {took:.1f} s; error {worst:.2e} of {bounds:.2e} "
+        f"rad; end {apart * 1e3:.3f} mm from our own simulation"
+    )
+
+
+def is_late(said):
+    """Whether a cell ended because this machine was late."""
+    return bool(re.search("too many steps|demanded (acceleration|velocity)|late demands", said))
+
+
+def stands_after(run, arms, last):
+    """The last demand that moved came within the bound after the last period that was simulated."""
+    bound, latest = 1 + BRAKING + 2 * DELAY + 2, 0
+    for arm in arms:
+        joints = [(step, demanded["joints"]) for step, demanded, _ in run[arm]]
+        moved = max((after[0] for before, after in zip(joints, joints[1:]) if before[1] != after[1]), default=0)
+        check(moved - last <= bound, f"{arm} moved for {moved - last} steps, at most {bound} are allowed")
+        latest = max(latest, moved - last)
+    return latest
+
+
+def killed(folder, how, *options):
+    """The simulator is killed, or stopped, in mid-motion."""
+    cell, arms = two_arms(folder)
+    module(folder, cell)
+    with MuJoCo(folder, cell) as mujoco:
+        running = cell_of(folder, cell, *options)
+        mujoco.wait_for(300, arms, running)
+        mujoco.process.send_signal(how)
+        status, said = ended(running)
+    if "--processes" in options and is_late(said):
+        raise Late
+    # In real time the arms notice at the same time that it is late, and only one of them removes what it left.
+    told = ["its simulator has ended: start it again"] if how == signal.SIGKILL else []
+    told += [] if "--virtual" in options else ["its simulator answers too late for real time"]
+    check(status == 1 and any(words in said for words in told), f"{how.name}: the cell ended with {status}: {said}")
+    last = max(row[0] for row in mujoco.rows(arms)["left"])
+    moved = stands_after(recorded(folder, arms), arms, last + (50 if "--virtual" not in options else 0))
+    print(f"plant: {how.name} {' '.join(options)}: the last demand that moved came {moved} steps after the loss was told")
+
+
+def driver_killed(folder):
+    """The EDP of one arm is killed in real time: the other one brakes in the simulator, which does not wait for the dead."""
+    cell, arms = two_arms(folder)
+    module(folder, cell)
+    with MuJoCo(folder, cell) as mujoco:
+        running = cell_of(folder, cell, "--processes")
+        mujoco.wait_for(300, arms, running)
+        for path in Path("/proc").glob("[0-9]*/cmdline"):
+            try:
+                words = path.read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if words[1:3] == [b"edp", b"right"] and str(folder).encode() in b" ".join(words):
+                os.kill(int(path.parent.name), signal.SIGKILL)
+        status, said = ended(running)
+    if is_late(said):
+        raise Late
+    check(status == 1 and "simulator" not in said.replace("answers of the simulator", ""), f"an EDP was killed: {status}: {said}")
+    rows = mujoco.rows(arms)["left"]
+    demanded = np.array([row[2][:JOINTS] for row in rows])
+    still = np.flatnonzero(np.abs(np.diff(demanded, axis=0)).max(axis=1))[-1]
+    check(len(rows) - still > 2, "the arm that is left was still told to move")
+    print(f"plant: an EDP was killed in real time: the other arm braked in MuJoCo; {said.split('error: ')[-1].splitlines()[0]}")
+
+
+def real_time(folder):
+    cell, arms = two_arms(folder)
+    module(folder, cell)
+    with MuJoCo(folder, cell) as mujoco:
+        status, said = ended(cell_of(folder, cell, "--processes"))
+    rows = mujoco.rows(arms)["left"]
+    if status != 0:
+        if is_late(said) or "too late for real time" in said:
+            raise Late
+        raise SystemExit(f"plant: the cell ended with {status}: {said}")
+    # The module counts what both arms found late.
+    print(f"plant: in real time {rows[-1][1]} of {2 * len(rows)} answers were late, {len(rows)} periods")
+
+
+def rival(folder):
+    cell, arms = two_arms(folder)
+    module(folder, cell)
+    with MuJoCo(folder, cell) as mujoco, MuJoCo(folder, cell, "rival.log") as second:
+        _, told = second.process.communicate(timeout=30)
+        check("another program simulates `left`" in told, f"a second simulator was let in: {told}")
+        status, said = ended(cell_of(folder, cell, "--virtual"))
+        check(status == 0, f"the cell ended with {status}: {said}")
+    print("plant: a second simulator was refused, and the first one went on")
+
+
+def main():
+    cases = {
+        "one arm": lambda folder: lock_step(folder, one_arm),
+        "two arms": lambda folder: lock_step(folder, two_arms),
+        "killed in lock-step": lambda folder: killed(folder, signal.SIGKILL, "--virtual"),
+        "killed in real time": lambda folder: killed(folder, signal.SIGKILL, "--processes"),
+        "hangs in real time": lambda folder: killed(folder, signal.SIGSTOP, "--processes"),
+        "EDP killed in real time": driver_killed,
+        "real time": real_time,
+        "rival": rival,
+    }
+    for name, case in cases.items():
+        for _ in range(5):
+            with tempfile.TemporaryDirectory(prefix="mrx") as folder:
+                try:
+                    case(Path(folder))
+                    nothing_left(Path(folder))
+                    break
+                except Late:
+                    nothing_left(Path(folder))
+                    continue
+        else:
+            print(f"plant: {name}: skipped: this machine was late five times")
+
+
+if __name__ == "__main__":
+    main()

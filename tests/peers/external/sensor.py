@@ -1,0 +1,255 @@
+"""A cell whose sensor is a Python program on PyPI's iceoryx2, which sends, hiccups, is killed, lies, and has a rival.
+
+In: the example `follow`, built. Out: exit status 0 if the readings that the cell recorded are those that were sent, to the bit, and
+if the robot stood within its bound after each end of them.
+"""
+
+import ctypes
+import json
+import math
+import os
+import random
+import re
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+FOLLOW = ROOT / "target/debug/examples/follow"
+CELL = ROOT / "ports/external/examples/cell.toml"
+SECONDS = os.environ.get("MRROC_SECONDS", "2")
+STEP = 0.002
+STALE = 50  # steps: 100 ms
+LATE = ("the process at the other end is gone", "too many steps were missed", "demanded acceleration", "demanded velocity")
+# The joint that moves, at 0.5 rad/s: its braking time at 7 rad/s² is 0.214 s by `--check`.
+BRAKING = 107
+DELAY = 1
+
+
+class Late(Exception):
+    """This machine was late by more than the cell bears."""
+
+
+def check(is_so, what):
+    if not is_so:
+        raise SystemExit(f"external: {what}")
+
+
+def program(mode, log):
+    """The program of another, in a process of its own."""
+    import camera_port as port
+
+    rng = random.Random(7)
+    if mode == "other size":
+        class Small(ctypes.Structure):
+            _fields_ = [("version", ctypes.c_uint32)]
+            type_name = staticmethod(lambda: "mrroc_external_1")
+        port._Message = Small
+    try:
+        ends = port.Port()
+    except (port.SecondWriter, port.OtherMessages) as error:
+        print(error)
+        raise SystemExit(3) from None
+    with ends, open(log, "w", buffering=1) as sent:
+        direction, began, hiccup = 0.0, time.monotonic(), False
+        while True:
+            now = time.monotonic_ns()
+            t = time.monotonic() - began
+            # Noise in every bit, slower than 2 rad/s.
+            direction = 0.2 * math.sin(t) + 1e-3 * rng.random()
+            reading = port.Reading(direction, True)
+            if t > 1.0 and mode == "hiccup" and not hiccup:
+                hiccup = True
+                time.sleep(0.2)
+            if t > 1.0 and mode == "other layout":
+                port.LAYOUT ^= 1
+            if t > 1.0 and mode == "jump":
+                reading = port.Reading(direction + 0.25, True)
+            if t > 1.0 and mode == "future":
+                now += 10**12
+            order = ends.order()
+            version, port.VERSION = port.VERSION, 2 if t > 1.0 and mode == "other version" else port.VERSION
+            ends.send(reading, now, order)
+            port.VERSION = version
+            sent.write(f"{struct.pack('>d', reading.direction).hex()} {now}\n")
+            time.sleep(max(0.0, 1 / port.RATE_HZ - (time.monotonic_ns() - now) / 1e9))
+
+
+class Program:
+    """The program of another, for as long as it is needed."""
+
+    def __init__(self, folder, mode, is_first=True):
+        log = folder / f"{mode}.sent"
+        command = [sys.executable, __file__, "program", mode, str(log)]
+        self.process = subprocess.Popen(command, env=env(folder), stdout=subprocess.PIPE, text=True)
+        # The first one has the port when it has sent something.
+        while is_first and self.process.poll() is None and not (log.exists() and log.stat().st_size):
+            time.sleep(0.01)
+
+    def __enter__(self):
+        return self.process
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(timeout=30)
+
+
+def env(folder):
+    return {**os.environ, "PYTHONPATH": str(folder), "MRROC_PORTS": str(folder / "ports"), "MRROC_SECONDS": SECONDS}
+
+
+def cell(folder):
+    command = [FOLLOW, "--cell", CELL, "--processes", "--no-picture", "--quiet", "--record", folder / "run.mcap"]
+    return subprocess.Popen(command, env=env(folder), cwd=folder, stderr=subprocess.PIPE, text=True)
+
+
+class Run:
+    """What a cell recorded."""
+
+    def __init__(self, folder):
+        from mcap.reader import make_reader
+
+        self.readings, self.demands, self.modes, self.faults = [], [], [], []
+        with open(folder / "run.mcap", "rb") as file:
+            for _, channel, message in make_reader(file).iter_messages():
+                said = json.loads(message.data)
+                if channel.topic == "/sensors/camera" and "reading" in said:
+                    self.readings.append((said["step"], said["taken"], said["reading"]["direction"]))
+                elif channel.topic == "/robots/arm":
+                    self.demands.append((said["step"], said["demanded"]["joints"][0]))
+                elif channel.topic == "/events" and said["what"] == "fault":
+                    self.faults.append((said["step"], said["text"]))
+
+    def last_motion(self):
+        """The last step in which the demand changed."""
+        pairs = zip(self.demands, self.demands[1:])
+        return max((after[0] for before, after in pairs if before[1] != after[1]), default=0)
+
+
+def ended(running):
+    _, said = running.communicate(timeout=60)
+    if any(kind in said for kind in LATE):
+        raise Late
+    return running.returncode, said
+
+
+def sent(folder, mode):
+    return [line.split()[0] for line in (folder / f"{mode}.sent").read_text().splitlines()]
+
+
+def bits(number):
+    return struct.pack(">d", number).hex()
+
+
+def equal(folder):
+    """Every reading is one that was sent, and none is missing between two."""
+    with Program(folder, "plain"), Program(folder, "rival", is_first=False) as rival:
+        running = cell(folder)
+        told, _ = rival.communicate(timeout=30)
+        status, said = ended(running)
+    check(status == 0, f"the cell ended with {status}: {said}")
+    check(rival.returncode == 3 and "another program sends" in told, f"a second writer was let in: {told}")
+    run, wrote = Run(folder), sent(folder, "plain")
+    read = []
+    for _, _, direction in run.readings:
+        if not read or read[-1] != bits(direction):
+            read.append(bits(direction))
+    # The last one may be sent when the cell has just ended, and the log is one line behind.
+    first = wrote.index(read[0])
+    missing = [word for word in wrote[first : wrote.index(read[-1])] if word not in read]
+    check(set(read) <= set(wrote), "a reading was never sent")
+    check(len(read) > 20, f"{len(read)} readings")
+    check(len(missing) <= len(read) // 10, f"{len(missing)} of {len(wrote)} readings were not read")
+    ages = [step - taken for step, taken, _ in run.readings]
+    print(f"external: {len(read)} readings equal to the bit, {len(missing)} came between two looks; oldest {max(ages)} steps")
+
+
+def stopped(folder, mode, told, kill=False):
+    """The readings end in some way, and the robot with them."""
+    name = "kill -9" if kill else mode
+    # A cell whose sensor says nothing for 100 ms ends, and Python may take longer than that to begin.
+    with Program(folder, mode) as python:
+        running = cell(folder)
+        if kill:
+            time.sleep(1.5)
+            python.kill()
+        status, said = ended(running)
+    check(status == 1 and told in said, f"{name}: the cell ended with {status}: {said}")
+    run = Run(folder)
+    # Of those that the Move had: a program that has got over its hiccup may send again while the robot brakes.
+    at = int(re.search(r"at step (\d+)", said)[1])
+    last = max(taken for step, taken, _ in run.readings if step <= at)
+    moved = run.last_motion()
+    bound = STALE + 1 + BRAKING + 2 * DELAY
+    check(moved - last <= bound, f"{name}: it moved for {moved - last} steps, at most {bound} are allowed")
+    print(f"external: {name}: the last demand that moved came {moved - last} of {bound} steps after the last reading was taken")
+
+
+def refused(folder):
+    """A program with messages of another size cannot even open the port."""
+    with Program(folder, "plain"), Program(folder, "other size", is_first=False) as other:
+        running = cell(folder)
+        told, _ = other.communicate(timeout=30)
+        status, said = ended(running)
+    check(other.returncode == 3 and "other messages" in told, f"messages of another size: {told}")
+    check(status == 0, f"the cell ended with {status}: {said}")
+    print("external: a program with messages of another size was refused, and the first one went on")
+
+
+def nothing_left(folder):
+    ports = folder / "ports"
+    left = [path for path in ports.rglob("*") if path.is_file()]
+    check(not left, f"files are left: {left}")
+    value = 0xCBF29CE484222325
+    for byte in str(ports).encode():
+        value = ((value ^ byte) * 0x100000001B3) % 2**64
+    prefix = f"mrroc_ports_{value:016x}_"
+    segments = [path for path in Path("/dev/shm").iterdir() if path.name.startswith(prefix)]
+    # The one in which nodes count themselves stays, 16 bytes for the user alone.
+    check(all(path.name.endswith(".global_mgmt") for path in segments), f"segments are left: {segments}")
+    check(all(path.stat().st_mode & 0o077 == 0 for path in segments), "a segment is open to others")
+    for path in segments:
+        path.unlink()
+
+
+def main():
+    cases = {
+        "equal": equal,
+        "hiccup": lambda folder: stopped(folder, "hiccup", "too old"),
+        "kill -9": lambda folder: stopped(folder, "plain", "too old", kill=True),
+        "other version": lambda folder: stopped(folder, "other version", "another version of the port"),
+        "other layout": lambda folder: stopped(folder, "other layout", "make its module anew"),
+        "jump": lambda folder: stopped(folder, "jump", "`direction` jumps"),
+        "future": lambda folder: stopped(folder, "future", "a reading of the future"),
+        "other size": refused,
+    }
+    for name, case in cases.items():
+        for _ in range(5):
+            with tempfile.TemporaryDirectory(prefix="mrx") as folder:
+                folder = Path(folder)
+                module = subprocess.run([FOLLOW, "--cell", CELL, "external", "camera"], capture_output=True, check=True)
+                (folder / "camera_port.py").write_bytes(module.stdout)
+                try:
+                    case(folder)
+                    nothing_left(folder)
+                    break
+                except Late:
+                    continue
+        else:
+            print(f"external: {name}: skipped: this machine was late five times")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["program"]:
+        # It ends as by Ctrl-C, which a background process of a shell does not hear.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        try:
+            program(*sys.argv[2:])
+        except KeyboardInterrupt:
+            pass
+    else:
+        main()
