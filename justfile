@@ -146,6 +146,6 @@ fuzz-nightly TARGET SECONDS="60":
 mutants FILE="runtime/core/src/safety/stopping.rs":
     CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --in-place --file {{FILE}}
 
-# All that the tutorial says, word for word: builds five projects, which takes minutes.
+# All that the tutorial says, word for word: builds six projects, which takes minutes, and needs Python.
 tutorial:
     cargo test -p mrroc-tests --test all -- --ignored --nocapture the_tutorial_works_word_for_word
