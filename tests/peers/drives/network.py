@@ -211,6 +211,16 @@ def said(process):
     return process.stdout.readline()
 
 
+def said_at_rest(process):
+    """The same when the script has ended. Where the cell's farewell was lost, that takes as long as its read timeout, and braking."""
+    for _ in range(50):
+        told = said(process)
+        if "STOPPED" in told.upper():
+            break
+        time.sleep(0.1)
+    return told
+
+
 def ur(bench, way, times, timeout_ms, after=1.0):
     """The UR example behind this wire, which is clear until the arm moves: how it ended, what it and the controller said."""
     bench.wire.way = Clear()
@@ -221,7 +231,7 @@ def ur(bench, way, times, timeout_ms, after=1.0):
         bench.wire.way = way
         words, _ = cell.communicate(timeout=60 + 3 * times)
         bench.wire.way = Clear()
-        told = said(robot)
+        told = said_at_rest(robot)
         return cell.returncode, words, told
     finally:
         bench.wire.way = Clear()
