@@ -8,9 +8,8 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use mrroc_tests::fixture::{ARMS, COUNTS, PROGRAM, RECORDS};
+use mrroc_tests::late::{STARTS, is_late};
 use rustix::process::{Pid, Signal, kill_process};
-
-use crate::runs::is_late;
 
 /// The time after which anything counts as hanging.
 const LIVENESS: Duration = Duration::from_secs(120);
@@ -353,9 +352,6 @@ impl Period {
         self.measured[self.measured.len() / 2..].iter().all(|velocity| velocity.abs() <= 1e-3)
     }
 }
-
-/// How often a launch is started on a machine that is late by more steps than a cell tolerates.
-const STARTS: usize = 20;
 
 /// Starts a launch and waits until it has come so far. A machine without a real-time scheduler may end a cell as late
 /// before that: it is no case of what is tested then, and is started again.

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use mrroc_tests::fixture::{COMPUTES, NOT_TOLD, OPENED, PLANS, REMOTE, STEPS};
+pub use mrroc_tests::late::is_late;
 use rustix::process::Signal;
 
 use crate::launch::{
@@ -85,17 +86,6 @@ fn assert_ended_well_or_late(launch: &Launch, status: Option<i32>) {
         Some(1) => assert!(is_late(&said), "{said}"),
         _ => panic!("status {status:?}: {said}"),
     }
-}
-
-pub fn is_late(said: &str) -> bool {
-    [
-        "the process at the other end is gone",
-        "too many steps were missed",
-        "demanded acceleration exceeds",
-        "demanded velocity exceeds",
-    ]
-    .iter()
-    .any(|kind| said.contains(kind))
 }
 
 /// A robot stands when its EDP ends; and its drives stand when the plant ends, whatever was killed. A robot whose EDP

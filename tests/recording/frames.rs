@@ -9,6 +9,7 @@ use std::rc::Rc;
 use mrroc::prelude::*;
 use mrroc_counting_allocator::allocations;
 use mrroc_robots::{Irp6, SimulatedIrp6};
+use mrroc_tests::late::{STARTS, is_late};
 use serde_json::Value;
 
 use crate::recording::camera::{Camera, SIZE, colour, depth, look, sample};
@@ -139,8 +140,15 @@ fn both_links_have_every_frame_in_the_recording_and_in_png_files() {
 /// In real time frames are dropped, and told, before a step waits; what is there is whole.
 #[test]
 fn in_real_time_frames_are_whole_or_counted() {
-    let folder = folder("frames-real", CAMERA);
-    let told = said(&run(&folder, &["--processes", "--record", "run.mcap", "--frames", "images"]), 0);
+    let Some((folder, told)) = (0..STARTS).find_map(|_| {
+        let folder = folder("frames-real", CAMERA);
+        let output = run(&folder, &["--processes", "--record", "run.mcap", "--frames", "images"]);
+        let told = said(&output, output.status.code().unwrap_or(-1));
+        assert!(output.status.success() || is_late(&told), "{told}");
+        output.status.success().then_some((folder, told))
+    }) else {
+        panic!("this machine was late {STARTS} times");
+    };
     let (images, echoes) = check_messages(&folder.join("run.camera.mcap"));
     assert_eq!(check_images(&folder.join("images/camera")), images);
     let dropped =
