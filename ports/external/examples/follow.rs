@@ -1,10 +1,10 @@
 //! An arm turns its column to where a camera sees a part, which a program in Python says: `cargo run -p mrroc-external
 //! --example follow -- --cell ports/external/examples/cell.toml` with a simulated camera, and with `--processes` where the
-//! program runs. `external camera` prints the module for that program.
+//! program runs. `external camera` prints the module for that program, `external follow` that for a program that looks on.
 //!
 //! `MRROC_SECONDS` says for how long, three by default.
 
-use mrroc_external::External;
+use mrroc_external::{External, Onlookers};
 use mrroc_robots::{Irp6, Six, simulated};
 use mrroc_runtime::prelude::*;
 
@@ -52,7 +52,7 @@ fn main() -> std::process::ExitCode {
 // ANCHOR: cell
 fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let camera = External::<Camera>::in_cell(file, "camera")?.stand_in(Belt);
-    Ok(file.cell(&simulated())?.sensor(camera).program(watch))
+    Ok(file.cell(&simulated())?.sensor(camera).program(watch).shown_to(Onlookers::at("follow")))
 }
 // ANCHOR_END: cell
 

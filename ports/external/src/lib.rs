@@ -1,5 +1,5 @@
 //! Programs of others in a cell: virtual sensors whose readings a program of another sends, one in Python, say, with a camera and a
-//! network in it; and robots that move in a simulator of others ([`plant`](fn@plant)).
+//! network in it; robots that move in a simulator of others ([`plant`](fn@plant)); and programs that look on ([`Onlookers`]).
 //!
 //! In: messages over shared memory, and what `cell.toml` says may be believed of them. Out: a
 //! [`VirtualSensor`]. The program is a process of its own that nobody waits for: one that hangs is a reading that gets
@@ -115,8 +115,36 @@
 //! The simulator answers a period when it has simulated it, which it does when it has the orders of all robots that have begun. Under the
 //! virtual clock the cell waits for that; the answer is what its robots measure in the next period.
 
+//! # The port of those who look on
+//!
+//! For each robot of the cell `mrroc/PORT/ROBOT/images`, and `mrroc/PORT/steps` of the coordinator, of which 256 messages are
+//! kept each; nobody sends anything back. They carry the types `mrroc_image_1`, 464 bytes, and `mrroc_step_1`, 296 bytes,
+//! little-endian. A message is sent for each step; one that is missing was lost.
+//!
+//! | offset | type | of a robot |
+//! |---|---|---|
+//! | 0, 4 | `u32` | version of this interface: 1; how many joints the robot has |
+//! | 8 | `u64` | the step |
+//! | 16 | `u64` | its time on the cell's clock \[ns\] |
+//! | 24 | `u64` | when it was sent, `CLOCK_MONOTONIC` \[ns\] |
+//! | 32 | `u64` | 0: it holds; 1: moves; 2: goes on without a demand that is missing; 3: brakes; 4: has no power |
+//! | 40, 104 | `[f64; 8]` | demanded positions \[rad or m\] and velocities \[rad/s or m/s\] of its joints |
+//! | 168 | `[f64; 7]` | demanded position \[m\] and quaternion x, y, z, w of the tool in the world |
+//! | 224, 288, 352 | as before | the same as measured |
+//! | 408 | `[f64; 7]` | the tool on the flange: position \[m\] and quaternion |
+//!
+//! | offset | type | of the coordinator |
+//! |---|---|---|
+//! | 0 | `u32` | version of this interface: 1 |
+//! | 4 | `u32` | bits: 0 suspended, 1 reduced speed, 2 aborting, 3 stopping, 4 its program is over |
+//! | 8, 16, 24 | `u64` | as above |
+//! | 32, 40 | `f64` | path time and time of the step \[s\] |
+//! | 48 | `f64` | the speed that the operator wants, 0 to 1 |
+//! | 56 | `[u8; 240]` | the first fault since the last reset, as text, and zeros |
+
 mod message;
 mod numbers;
+mod onlookers;
 mod plant;
 mod port;
 mod python;
@@ -133,6 +161,7 @@ use mrroc::payload::Wire;
 use mrroc::sensor::{EffectorState, ReadingOrder, Sensor, VirtualSensor};
 use mrroc_launch::cell_file::{CellFile, ExternalEntry};
 
+pub use onlookers::Onlookers;
 pub use plant::plant;
 
 use message::{Foreign, Message, VERSION};

@@ -89,10 +89,14 @@ fn take_part(
     if let Some(shown) = &pictured {
         cell = cell.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
     }
+    let onlooking = cell.begin_onlooking(Some(process), &cell.layout(), how.clock.unwrap_or(Clock::Real));
+    for shown in &onlooking {
+        cell = cell.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
+    }
     let picture = if how.is_watched_plant() { open_picture(&mut cell, session) } else { None };
     let ran = run(cell, process, session, how.watching);
     // What the launcher's thread has not received yet, and the plant's.
-    record.iter().for_each(|record| record.finish());
+    record.iter().chain(&onlooking).for_each(|record| record.finish());
     pictured.iter().for_each(|shown| shown.finish());
     // When the plant gets the result of the run, all other processes have ended.
     if let (Some(picture), Ok(Some(_))) = (picture, &ran) {

@@ -8,7 +8,7 @@
 mod message;
 mod python;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 use core::time::Duration;
 use std::path::PathBuf;

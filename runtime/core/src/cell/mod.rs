@@ -33,14 +33,16 @@ use crate::control::guard::{Guard, RobotView};
 use crate::control::mp::Mp;
 use crate::control::plant::Body;
 use crate::control::replay::RecordedRun;
-use crate::model::fault::Fault;
+use crate::model::fault::{Fault, ProcessId};
 use crate::model::load::Tool;
 use crate::model::name::Name;
 use crate::model::pose::Pose;
 use crate::model::robot::Robot;
 use crate::model::sensor::VirtualSensor;
-use crate::observe::layout::BodyLayout;
-use crate::observe::recording::{Recorder, Recording};
+use crate::model::time::Clock;
+use crate::observe::layout::{BodyLayout, Layout};
+use crate::observe::onlooking::Onlooking;
+use crate::observe::recording::{Recorder, Recording, RunRecord};
 use crate::observe::servo::Observation;
 use crate::observe::witness::{SharedWitness, Witness};
 use crate::operator::Operator;
@@ -284,13 +286,17 @@ impl Cell {
     }
 
     /// The Python module by which a program of another sends what the sensor of this name reads
-    /// ([`VirtualSensor::python`]), or simulates the robot of this name ([`Driver::python`](crate::robot::Driver::python)); `None`
-    /// if no program does, or there is neither.
+    /// ([`VirtualSensor::python`]), simulates the robot of this name ([`Driver::python`](crate::robot::Driver::python)), or looks on
+    /// by this name ([`Onlooking::python`]); `None` if no program does, or there is none of the three.
     #[must_use]
     pub fn python(&self, name: &str) -> Option<String> {
+        let mut onlooking = self.watching.onlooking.iter().filter(|onlooking| onlooking.name() == name);
         let mut sensors = self.parts.sensors.iter().filter(|sensor| sensor.name() == name);
         let mut robots = self.parts.robots.iter().filter(|robot| robot.name() == name);
-        sensors.find_map(|sensor| sensor.python()).or_else(|| robots.find_map(|robot| robot.python()))
+        sensors
+            .find_map(|sensor| sensor.python())
+            .or_else(|| robots.find_map(|robot| robot.python()))
+            .or_else(|| onlooking.next().map(|onlooking| onlooking.python(&self.layout())))
     }
 
     /// The length of a step.
@@ -393,9 +399,10 @@ impl Cell {
         self
     }
 
-    /// Records nothing.
+    /// Records nothing, and shows nothing to programs of others.
     pub fn unrecorded(mut self) -> Cell {
         self.watching.recording = None;
+        self.watching.onlooking.clear();
         self.watching.frames = None;
         self
     }
@@ -425,6 +432,23 @@ impl Cell {
     pub fn witnessed_by(mut self, witness: Rc<dyn Witness>) -> Cell {
         self.watching.witnesses.push(witness);
         self
+    }
+
+    /// Shows the cell to programs of others that look on.
+    #[must_use]
+    pub fn shown_to(mut self, onlooking: impl Onlooking + 'static) -> Cell {
+        self.watching.onlooking.push(Rc::new(onlooking));
+        self
+    }
+
+    /// Begins to [show](Cell::shown_to) what happens in this process of it, or in all of them.
+    pub fn begin_onlooking(
+        &self,
+        process: Option<ProcessId>,
+        layout: &Layout,
+        clock: Clock,
+    ) -> Vec<Rc<dyn RunRecord>> {
+        self.watching.begin_onlooking(process, layout, clock)
     }
 
     /// Shows a witness what a picture needs besides the robots: every [`Step`](crate::observe::witness::What::Step) of the MP,

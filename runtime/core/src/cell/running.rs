@@ -10,6 +10,7 @@ use crate::link::memory::{Pulse, Scheduler};
 use crate::link::watchdog::Watchdog;
 use crate::model::fault::{Fault, FaultKind, ProcessId, Role};
 use crate::model::name::Name;
+use crate::model::time::Clock;
 use crate::observe::witness::Witness;
 
 use super::{Cell, CellError};
@@ -34,9 +35,13 @@ impl Cell {
         if let Some(record) = &record {
             self = self.witnessed_by(Rc::clone(record) as Rc<dyn Witness>);
         }
+        let onlooking = self.begin_onlooking(None, &self.layout(), Clock::Virtual);
+        for shown in &onlooking {
+            self = self.witnessed_by(Rc::clone(shown) as Rc<dyn Witness>);
+        }
         let outcome = self.run_on_memory(&names);
         // Bodies that were given up keep theirs.
-        record.iter().for_each(|record| record.finish());
+        record.iter().chain(&onlooking).for_each(|record| record.finish());
         outcome
     }
 

@@ -4,9 +4,13 @@ use core::time::Duration;
 use std::path::PathBuf;
 use std::rc::Rc;
 
+use crate::console::complain;
 use crate::control::plant::Body;
 use crate::control::replay::RecordedRun;
+use crate::model::fault::ProcessId;
+use crate::model::time::Clock;
 use crate::observe::layout::{BodyLayout, Layout};
+use crate::observe::onlooking::Onlooking;
 use crate::observe::recording::{FramesTo, NotRecorded, Recorder, Recording, RunRecord};
 use crate::observe::witness::{SharedWitness, Witness};
 
@@ -26,6 +30,8 @@ pub(super) struct Watching {
     pub frames: Option<PathBuf>,
     /// Whether observers look at simulated drives where those are, and not in their EDPs.
     pub watched_in_plant: bool,
+    /// What shows the cell to programs of others.
+    pub onlooking: Vec<Rc<dyn Onlooking>>,
     /// What it replays.
     pub recorded: Option<Rc<RecordedRun>>,
 }
@@ -36,6 +42,23 @@ impl Watching {
         let to = FramesTo { recording: self.recording.clone(), folder: self.frames.clone(), step };
         let is_wanted = to.recording.is_some() || to.folder.is_some();
         self.recorder.filter(|_| is_wanted).map(|recorder| (to, recorder))
+    }
+
+    /// Begins to show a process of a cell that is made of this, or all of them, to programs of others. What cannot be shown is told,
+    /// and the cell runs all the same.
+    pub fn begin_onlooking(
+        &self,
+        process: Option<ProcessId>,
+        layout: &Layout,
+        clock: Clock,
+    ) -> Vec<Rc<dyn RunRecord>> {
+        let begin = |onlooking: &Rc<dyn Onlooking>| {
+            onlooking.begin(process, layout, clock).unwrap_or_else(|why| {
+                complain(&format!("warning: nobody looks on at `{}`: {why}", onlooking.name()));
+                None
+            })
+        };
+        self.onlooking.iter().filter_map(begin).collect()
     }
 
     /// Begins the recording that is asked for, of a cell that is made of this.

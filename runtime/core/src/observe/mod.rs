@@ -5,6 +5,7 @@
 
 pub mod activity;
 pub mod layout;
+pub mod onlooking;
 pub mod recording;
 pub mod ring;
 pub mod servo;
@@ -12,6 +13,7 @@ pub mod shown;
 pub mod witness;
 
 pub use activity::Activity;
+pub use onlooking::Onlooking;
 pub use recording::{NotRecorded, Recording};
 pub use servo::{Observation, ServoRecord};
 pub use shown::Shown;

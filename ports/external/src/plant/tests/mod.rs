@@ -34,7 +34,7 @@ pub(super) fn two_arms_of(left: &str, right: &str) -> CellFile {
 }
 
 /// A folder of ports of one test.
-pub(super) struct Folder(pub PathBuf);
+pub(crate) struct Folder(pub PathBuf);
 
 impl Folder {
     pub fn new(name: &str) -> Folder {

@@ -1,0 +1,221 @@
+//! Programs of others that look on: what each robot does, and what the coordinator does, in each step.
+//!
+//! In: what the processes of a cell show. Out: the newest of it at a port, by a thread of each process, which waits for nobody. Who
+//! looks on can change nothing.
+
+mod message;
+mod python;
+#[cfg(test)]
+mod tests;
+
+use core::time::Duration;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::prelude::*;
+use mrroc::console::complain;
+use mrroc::fault::{Fault, FaultWords, Name, ProcessId, Role};
+use mrroc::link::Clock;
+use mrroc::observe::Onlooking;
+use mrroc::observe::layout::Layout;
+use mrroc::observe::recording::RunRecord;
+use mrroc::observe::ring::{Record, Ring, RingUse, Sink, Trouble};
+use mrroc::observe::witness::What;
+use mrroc::payload::Wire;
+
+use crate::port::{Ends, channel, folder, monotonic};
+use message::{CellMessage, RobotMessage};
+
+/// Messages that wait for a program that looks on: those of a quarter of a second at 1 kHz.
+pub(crate) const KEPT: usize = 256;
+
+/// Records that wait for the thread of a process.
+const LENGTH: usize = 1024;
+
+/// How long that thread sleeps when there is nothing to show: a message is so much later at most.
+const REST: Duration = Duration::from_millis(4);
+
+/// How long it is waited for at the end.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Its stack, on which iceoryx2 makes services \[bytes\].
+const STACK: usize = 2 << 20;
+
+/// Shows a cell to programs of others, which look on at a port of this name:
+///
+/// ```
+/// # use mrroc_launch::cell_file::CellFile;
+/// # let file = CellFile::parse("cell.toml", r#"
+/// # step_ms = 2
+/// # robots.arm = { kind = "irp6", start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0] }
+/// # "#)?;
+/// use mrroc_external::Onlookers;
+///
+/// let cell = file.cell(&mrroc_robots::simulated())?.shown_to(Onlookers::at("welding"));
+/// # let _ = cell;
+/// # Ok::<(), mrroc::cell::CellError>(())
+/// ```
+///
+/// `cargo run -- external welding` prints the module for a program in Python.
+#[derive(Clone, Debug)]
+pub struct Onlookers {
+    port: String,
+    folder: PathBuf,
+}
+
+impl Onlookers {
+    /// At the port of this name. Two cells at one port cannot run at a time: the second one is not shown, and says so.
+    #[must_use]
+    pub fn at(port: &str) -> Onlookers {
+        Onlookers { port: port.to_owned(), folder: folder() }
+    }
+}
+
+impl Onlooking for Onlookers {
+    fn name(&self) -> &str {
+        &self.port
+    }
+
+    fn begin(
+        &self,
+        process: Option<ProcessId>,
+        layout: &Layout,
+        clock: Clock,
+    ) -> Result<Option<Rc<dyn RunRecord>>, String> {
+        let is_here = |role, name| process.is_none_or(|here| here == ProcessId::new(role, name));
+        let robots = layout.robots.iter().filter_map(|robot| {
+            let name = Name::new(&robot.name).ok()?;
+            is_here(Role::Edp, name).then(|| (name, robot.joints.len()))
+        });
+        let robots: Vec<_> = robots.collect();
+        let has_mp = process.is_none_or(|here| here.role == Role::Mp);
+        if robots.is_empty() && !has_mp {
+            return Ok(None);
+        }
+        let port = self.port.clone();
+        let about = RingUse {
+            length: LENGTH,
+            clock,
+            rest: REST,
+            flush: Duration::MAX,
+            patience: PATIENCE,
+            stack: STACK,
+            is_asked_for: Box::new(|_, what| is_shown(what)),
+            tell: Arc::new(move |trouble| tell(&port, trouble)),
+        };
+        let (port, folder) = (self.port.clone(), self.folder.clone());
+        let open = move || {
+            let show = Show::open(&folder, &port, &robots, has_mp).map_err(io::Error::other)?;
+            Ok(Box::new(show) as Box<dyn Sink>)
+        };
+        let begun = Ring::begin("onlookers", about, Box::new(open)).map_err(|error| error.to_string())?;
+        Ok(Some(Rc::new(begun)))
+    }
+
+    fn python(&self, layout: &Layout) -> String {
+        python::module(&self.port, layout)
+    }
+}
+
+/// Whether onlookers are shown this.
+fn is_shown(what: &What) -> bool {
+    match what {
+        What::Step { .. } | What::Image { .. } | What::Fault { .. } | What::End { .. } => true,
+        What::Instruction { .. }
+        | What::Abort { .. }
+        | What::Late { .. }
+        | What::LateRequest { .. }
+        | What::Order { .. }
+        | What::Found { .. }
+        | What::Currents { .. }
+        | What::Signals { .. }
+        | What::Reading { .. }
+        | What::Body { .. } => false,
+    }
+}
+
+fn tell(port: &str, trouble: &Trouble) {
+    match trouble {
+        // Messages are numbered by their steps: who looks on sees which are missing.
+        Trouble::Slow | Trouble::Stuck { .. } | Trouble::Lost { .. } => {}
+        Trouble::Failed(why) => complain(&format!("warning: nobody looks on at `{port}`: {why}")),
+    }
+}
+
+/// A robot that is shown.
+struct Shown {
+    edp: ProcessId,
+    joints: usize,
+    images: Publisher<ipc::Service, RobotMessage, ()>,
+}
+
+/// The thread's end: what is published.
+struct Show {
+    ends: Ends,
+    robots: Vec<Shown>,
+    cell: Option<Publisher<ipc::Service, CellMessage, ()>>,
+    /// What the coordinator does, as it was published last.
+    newest: CellMessage,
+}
+
+impl Show {
+    fn open(folder: &Path, port: &str, robots: &[(Name, usize)], has_mp: bool) -> Result<Show, String> {
+        let ends = Ends::open(folder)?;
+        let taken = || format!("another cell is shown at port `{port}`; give one of them another name");
+        let shown = robots.iter().map(|&(name, joints)| {
+            let service = channel(&ends.node, &format!("{port}/{name}/images"), KEPT)?;
+            let images = service.publisher_builder().create().map_err(|_| taken())?;
+            Ok(Shown { edp: ProcessId::new(Role::Edp, name), joints, images })
+        });
+        let shown = shown.collect::<Result<Vec<_>, String>>()?;
+        let cell = has_mp.then(|| channel(&ends.node, &format!("{port}/steps"), KEPT)).transpose()?;
+        let cell =
+            cell.map(|service| service.publisher_builder().create().map_err(|_| taken())).transpose()?;
+        Ok(Show { ends, robots: shown, cell, newest: CellMessage::BLANK })
+    }
+
+    fn show_cell(&mut self) {
+        self.newest.sent = monotonic();
+        if let Some(cell) = &self.cell {
+            // Nobody may look on, which is nobody's fault.
+            let _ = cell.send_copy(self.newest);
+        }
+    }
+}
+
+impl Sink for Show {
+    fn put(&mut self, record: &Record) -> io::Result<()> {
+        match record.what {
+            What::Image { step, mode } => {
+                if let Some(robot) = self.robots.iter().find(|robot| robot.edp == record.by) {
+                    let message = RobotMessage::of(step, record.time, mode, robot.joints, record.words());
+                    let _ = robot.images.send_copy(RobotMessage { sent: monotonic(), ..message });
+                }
+            }
+            What::Step { .. } => {
+                self.newest.begin(record.time, &record.what);
+                self.show_cell();
+            }
+            What::Fault { step } | What::End { step } => {
+                let fault = FaultWords::get(record.words()).ok().map(Fault::from);
+                self.newest.stopped(step, fault.as_ref(), matches!(record.what, What::End { .. }));
+                self.show_cell();
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn finish(&mut self, _: u64) -> io::Result<()> {
+        // A program that was killed has left its ends behind.
+        self.ends.node.try_cleanup_dead_nodes();
+        Ok(())
+    }
+}

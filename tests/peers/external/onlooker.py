@@ -1,0 +1,106 @@
+"""A Python program on PyPI's iceoryx2 that looks on at a cell in real time, and is killed, which the cell does not notice.
+
+In: the example `follow`, built. Out: exit status 0 if what it saw is what the cell recorded, to the bit, and how much it missed.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from sensor import CELL, FOLLOW, Late, Program, bits, cell, check, ended, env, nothing_left
+
+
+def modules(folder):
+    """The modules of both ports, as the cell makes them."""
+    for name, file in (("camera", "camera_port"), ("follow", "follow_port")):
+        module = subprocess.run([FOLLOW, "--cell", CELL, "external", name], capture_output=True, check=True)
+        (folder / f"{file}.py").write_bytes(module.stdout)
+
+
+def look_on():
+    """Prints all that it sees, until the cell's program is over."""
+    import follow_port as port
+
+    with port.Onlooker() as onlooker:
+        print("ready", flush=True)
+        over = False
+        while not over:
+            for name, image in onlooker.images():
+                print(json.dumps(["image", name, image.step, *map(bits, image.measured.joints + image.demanded.joints)]))
+            for step in onlooker.steps():
+                print(json.dumps(["step", step.step, bits(step.path_time), step.sent, time.monotonic_ns()]), flush=True)
+                over = step.over
+            time.sleep(0.005)
+
+
+def begin(folder):
+    command = [sys.executable, __file__, "look on"]
+    onlooker = subprocess.Popen(command, env=env(folder), stdout=subprocess.PIPE, text=True)
+    check(onlooker.stdout.readline() == "ready\n", "it does not begin")
+    return onlooker
+
+
+def recorded(folder):
+    from mcap.reader import make_reader
+
+    images, steps = {}, {}
+    with open(folder / "run.mcap", "rb") as file:
+        for _, channel, message in make_reader(file).iter_messages():
+            said = json.loads(message.data)
+            if channel.topic == "/robots/arm":
+                both = said["measured"]["joints"] + said["demanded"]["joints"]
+                images[said["step"]] = [bits(number) for number in both]
+            elif channel.topic == "/steps":
+                steps[said["step"]] = bits(said["dt"])
+    return images, steps
+
+
+def judged(folder):
+    with Program(folder, "plain"):
+        first, killed = begin(folder), begin(folder)
+        running = cell(folder)
+        time.sleep(1.0)
+        killed.kill()
+        killed.communicate()
+        status, said = ended(running)
+        told, _ = first.communicate(timeout=30)
+    check(status == 0, f"the cell ended with {status}: {said}")
+    images, steps = recorded(folder)
+    seen = [json.loads(line) for line in told.splitlines()]
+    of_arm = {line[2]: line[3:] for line in seen if line[0] == "image"}
+    check(set(of_arm) <= set(images), "it saw a step that was not recorded")
+    differ = [step for step, words in of_arm.items() if images[step] != words]
+    check(not differ, f"steps {differ[:5]} are not those that were recorded")
+    # A message may be sent again in the step of a fault or of the end.
+    of_cell = {line[1]: line[2] for line in seen if line[0] == "step"}
+    check(all(steps.get(step, dt) == dt for step, dt in of_cell.items()), "path times are not those that were recorded")
+    check(len(of_arm) > len(images) / 2, f"it saw {len(of_arm)} of {len(images)} steps")
+    late = sorted(line[4] - line[3] for line in seen if line[0] == "step")
+    print(
+        f"external: an onlooker saw {len(of_arm)} of {len(images)} steps of the arm, equal to the bit; "
+        f"{late[len(late) // 2] / 1e6:.1f} ms old in the median; another one was killed"
+    )
+
+
+def main():
+    for _ in range(5):
+        with tempfile.TemporaryDirectory(prefix="mrx") as folder:
+            folder = Path(folder)
+            modules(folder)
+            try:
+                judged(folder)
+                nothing_left(folder)
+                return
+            except Late:
+                continue
+    print("external: onlooker: skipped: this machine was late five times")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["look on"]:
+        look_on()
+    else:
+        main()
