@@ -20,24 +20,26 @@ def modules(folder):
         (folder / f"{file}.py").write_bytes(module.stdout)
 
 
-def look_on():
-    """Prints all that it sees, until the cell's program is over."""
+def look_on(log):
+    """Writes down all that it sees, until the cell's program is over."""
     import follow_port as port
 
-    with port.Onlooker() as onlooker:
+    with port.Onlooker() as onlooker, open(log, "w") as seen:
         print("ready", flush=True)
         over = False
         while not over:
             for name, image in onlooker.images():
-                print(json.dumps(["image", name, image.step, *map(bits, image.measured.joints + image.demanded.joints)]))
+                words = map(bits, image.measured.joints + image.demanded.joints)
+                print(json.dumps(["image", name, image.step, *words]), file=seen)
             for step in onlooker.steps():
-                print(json.dumps(["step", step.step, bits(step.path_time), step.sent, time.monotonic_ns()]), flush=True)
+                times = (bits(step.path_time), step.sent, time.monotonic_ns())
+                print(json.dumps(["step", step.step, *times]), file=seen)
                 over = step.over
             time.sleep(0.005)
 
 
-def begin(folder):
-    command = [sys.executable, __file__, "look on"]
+def begin(folder, log):
+    command = [sys.executable, __file__, "look on", str(folder / log)]
     onlooker = subprocess.Popen(command, env=env(folder), stdout=subprocess.PIPE, text=True)
     check(onlooker.stdout.readline() == "ready\n", "it does not begin")
     return onlooker
@@ -60,16 +62,16 @@ def recorded(folder):
 
 def judged(folder):
     with Program(folder, "plain"):
-        first, killed = begin(folder), begin(folder)
+        first, killed = begin(folder, "seen"), begin(folder, "killed")
         running = cell(folder)
         time.sleep(1.0)
         killed.kill()
         killed.communicate()
         status, said = ended(running)
-        told, _ = first.communicate(timeout=30)
+        first.communicate(timeout=30)
     check(status == 0, f"the cell ended with {status}: {said}")
     images, steps = recorded(folder)
-    seen = [json.loads(line) for line in told.splitlines()]
+    seen = [json.loads(line) for line in (folder / "seen").read_text().splitlines()]
     of_arm = {line[2]: line[3:] for line in seen if line[0] == "image"}
     check(set(of_arm) <= set(images), "it saw a step that was not recorded")
     differ = [step for step, words in of_arm.items() if images[step] != words]
@@ -100,7 +102,7 @@ def main():
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["look on"]:
-        look_on()
+    if sys.argv[1:2] == ["look on"]:
+        look_on(sys.argv[2])
     else:
         main()
