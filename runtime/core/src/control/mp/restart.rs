@@ -53,6 +53,7 @@ impl Mp<'_> {
     /// Runs it once. A panic in it stops the robots as any fault does.
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
+            self.operating.count_from_here();
             self.operating.operator.show_homing(true);
             let homed = self.instruction(Doing::Homing, TypeName::NONE, Self::home);
             self.operating.operator.show_homing(false);
@@ -70,7 +71,9 @@ impl Mp<'_> {
             Err(panic) => {
                 let fault = crate::model::fault::panicked(&*panic)
                     .in_process(ProcessId::MP)
+                    .in_instruction(self.operating.instruction())
                     .at_step(self.clock.step());
+                self.operating.show_end(self.state(), self.host.console);
                 Err(self.stop(fault))
             }
         };
@@ -94,7 +97,7 @@ impl Mp<'_> {
                         // The first cause is kept.
                         self.stops.latched = Some(cause.clone());
                         self.stop(fault.clone());
-                        self.operating.operator.show_persisting(Some(fault));
+                        self.operating.show_persisting(Some(&fault));
                     }
                 }
             }
@@ -108,10 +111,10 @@ impl Mp<'_> {
     }
 
     /// Tells the operator what forbids a reset; what made the last one fail stays told until something else does.
-    fn show_persisting(&self, persisting: Option<Fault>) {
+    fn show_persisting(&mut self, persisting: Option<Fault>) {
         let _ = self.operating.operator.meet(Event::Cause { persists: persisting.is_some() });
         if persisting.is_some() {
-            self.operating.operator.show_persisting(persisting);
+            self.operating.show_persisting(persisting.as_ref());
         }
     }
 
@@ -198,6 +201,7 @@ impl Mp<'_> {
         self.robots.release();
         self.sensing.release();
         let _ = self.operating.operator.meet(Event::Restart);
+        self.operating.show_persisting(None);
         self.operating.operator.forget();
     }
 }
