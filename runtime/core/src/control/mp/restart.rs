@@ -83,6 +83,8 @@ impl Mp<'_> {
 
     /// Holds a latched cell until its operator resets it or gives it up, or a process is gone.
     fn await_reset(&mut self, cause: &Fault) -> Verdict {
+        let mut failed = None;
+        let mut told = None;
         loop {
             if self.begin_step().is_err()
                 || self.operating.operator.has_given_up()
@@ -97,24 +99,24 @@ impl Mp<'_> {
                         // The first cause is kept.
                         self.stops.latched = Some(cause.clone());
                         self.stop(fault.clone());
-                        self.operating.show_persisting(Some(&fault));
+                        failed = Some(fault);
                     }
                 }
             }
             // It is stopped already. One that comes with the reset ends that.
             self.operating.operator.take_protective_stop();
             match self.what_persists() {
-                Ok(persisting) => self.show_persisting(persisting),
+                Ok(persisting) => {
+                    let _ = self.operating.operator.meet(Event::Cause { persists: persisting.is_some() });
+                    // What made the last reset fail, where nothing forbids the next one.
+                    let tells = persisting.or_else(|| failed.clone());
+                    if told != tells {
+                        self.operating.show_persisting(tells.as_ref());
+                        told = tells;
+                    }
+                }
                 Err(_) => return Verdict::End,
             }
-        }
-    }
-
-    /// Tells the operator what forbids a reset; what made the last one fail stays told until something else does.
-    fn show_persisting(&mut self, persisting: Option<Fault>) {
-        let _ = self.operating.operator.meet(Event::Cause { persists: persisting.is_some() });
-        if persisting.is_some() {
-            self.operating.show_persisting(persisting.as_ref());
         }
     }
 
