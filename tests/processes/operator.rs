@@ -222,7 +222,7 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         assert_eq!(status, Some(0), "{said}");
         // A person at the launcher's terminal is told once what has stopped, that it waits, and what to do.
         assert_eq!(said.matches("the cell has stopped").count(), 1, "{said}");
-        for words in ["mp: protective stop: by the operator in Move 1 (", "`acknowledge`, then `reset`", "`abort`"] {
+        for words in ["mp: protective stop: by the operator in Move ", "`acknowledge`, then `reset`", "`abort`"] {
             assert!(said.contains(words), "{words}: {said}");
         }
         assert_ends_where_it_would_have(&place, launch);

@@ -60,7 +60,7 @@ impl LatchNotes {
             // It was reset, and has stopped again since the last look.
             (Some(told), None) if told.reset != reset => Some(stopped(mp, "")),
             (Some(told), Some(why)) if told.reset != reset => {
-                Some(format!("note: the reset failed: {}\n {WAITS}", advised(why)))
+                Some(format!("error: the reset failed: {}\n {WAITS}", advised(why)))
             }
             (Some(told), Some(why)) if told.persisting.as_ref() != Some(why) => {
                 Some(format!("note: a reset would be refused: {}", advised(why)))
@@ -72,7 +72,7 @@ impl LatchNotes {
 
 fn stopped(mp: &MpPanel, why: &str) -> String {
     let cause = mp.fault.as_ref().map_or_else(|| "it does not say for what".to_owned(), advised);
-    format!("note: the cell has stopped: {cause}{why}\n {WAITS}")
+    format!("error: the cell has stopped: {cause}{why}\n {WAITS}")
 }
 
 /// A fault and what to do about it.

@@ -79,7 +79,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     // Whoever supervises robots waits for no terminal.
     let _output = Background::begin().map_err(LaunchError::Output)?;
     let stop = cell.stop_limit();
-    let awaits_reset = cell.awaits_reset() && !plan.quiet;
+    let awaits_reset = cell.awaits_reset();
     let computing = cell.patience().unwrap_or(COMPUTING);
     let hardware = cell.hardware();
     let recorder = cell.recorder();
