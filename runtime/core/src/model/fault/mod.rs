@@ -306,9 +306,12 @@ impl fmt::Display for Fault {
         }
         if let Some(instruction) = report.instruction {
             write!(f, " in {instruction}")?;
-            // Its own Moves are not counted with those of the coordinator.
-            if instruction.is_of_ecp() && report.process.is_none_or(|process| process.role != Role::Ecp) {
-                f.write_str(" of its ECP")?;
+            // The Moves of an ECP's own program are not counted with those of the coordinator.
+            match (instruction.is_of_ecp(), report.process.map(|process| process.role)) {
+                (true, Some(Role::Ecp)) => {}
+                (true, _) => f.write_str(" of its ECP")?,
+                (false, Some(Role::Ecp)) => f.write_str(" of the MP")?,
+                (false, _) => {}
             }
         }
         match report.step.filter(|&step| step > 0) {
