@@ -28,8 +28,9 @@ impl Iterator for Ahead {
 
     /// The next share, 1 to 1/8; then none.
     fn next(&mut self) -> Option<f64> {
+        let left = self.left.checked_sub(1)?;
         let share = f64::from(self.left) / f64::from(PLACES);
-        self.left = self.left.checked_sub(1)?;
+        self.left = left;
         Some(share)
     }
 }

@@ -222,7 +222,9 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         assert_eq!(status, Some(0), "{said}");
         // A person at the launcher's terminal is told once what has stopped, that it waits, and what to do.
         assert_eq!(said.matches("the cell has stopped").count(), 1, "{said}");
-        for words in ["mp: protective stop: by the operator in Move ", "`acknowledge`, then `reset`", "`abort`"] {
+        for words in
+            ["mp: protective stop: by the operator in Move ", "`acknowledge`, then `reset`", "`abort`"]
+        {
             assert!(said.contains(words), "{words}: {said}");
         }
         assert_ends_where_it_would_have(&place, launch);
@@ -244,7 +246,8 @@ fn what_forbids_a_reset_is_told_by_status_by_the_refusal_and_by_the_launcher_as_
             |launch| {
                 looks.set(looks.get() + 1);
                 // One that was late is latched for ever.
-                launch.record("left").len() > 20 || looks.get() % 100 == 0 && status().starts_with("latched: ")
+                launch.record("left").len() > 20
+                    || looks.get() % 100 == 0 && status().starts_with("latched: ")
             },
         );
         ask(&place, &["stop"]);

@@ -189,7 +189,10 @@ fn a_fault_of_an_ecp_names_the_instruction_of_its_own_program() {
         let fault = fault(cell.run());
         let named = fault.instruction().expect("it was in one");
         assert_eq!((named.ordinal(), named.doing(), named.by()), (3, Doing::Move, "Smooth"), "{fault}");
-        assert!(named.is_of_ecp() && fault.to_string().contains(" in Move 3 (Smooth) of its ECP at step"), "{fault}");
+        assert!(
+            named.is_of_ecp() && fault.to_string().contains(" in Move 3 (Smooth) of its ECP at step"),
+            "{fault}"
+        );
     }
 }
 

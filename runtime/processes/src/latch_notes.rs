@@ -14,7 +14,7 @@ const WAITS: &str = "nothing moves until it is reset. From another terminal: `ac
 struct Told {
     /// The reset that was carried out last when it was told.
     reset: u64,
-    /// What forbade a reset then.
+    /// What forbade a reset when that was told last.
     persisting: Option<Fault>,
 }
 
@@ -50,15 +50,17 @@ impl LatchNotes {
             }
         }
         let reset = self.reset;
-        let told = self.told.replace(Told { reset, persisting: mp.persisting.clone() });
+        // What comes and goes, as answers of a machine that is late, is told once.
+        let told = self.told.take().filter(|told| mp.persisting.is_some() || told.reset == reset);
+        let kept = told.as_ref().and_then(|told| told.persisting.clone());
+        self.told = Some(Told { reset, persisting: mp.persisting.clone().or(kept) });
         match (told, &mp.persisting) {
+            // The first time, or it was reset and has stopped again since the last look.
             (None, persisting) => {
                 let why =
                     persisting.as_ref().map(|why| format!("\n a reset would be refused: {}", advised(why)));
                 Some(stopped(mp, &why.unwrap_or_default()))
             }
-            // It was reset, and has stopped again since the last look.
-            (Some(told), None) if told.reset != reset => Some(stopped(mp, "")),
             (Some(told), Some(why)) if told.reset != reset => {
                 Some(format!("error: the reset failed: {}\n {WAITS}", advised(why)))
             }
@@ -126,6 +128,7 @@ mod tests {
             assert!(told.contains("the reset failed: mp: drive fault: no air"), "{told}");
             assert_eq!(look(Latched, Some("no air"), reset), "");
             assert_eq!(look(Acknowledged, Some("no air"), reset), "");
+            assert_eq!(look(Acknowledged, None, reset), "");
         }
         let told = look(Acknowledged, Some("door"), 4);
         assert!(told.contains("a reset would be refused") && told.contains("door"), "{told}");
