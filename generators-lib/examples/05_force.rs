@@ -9,7 +9,7 @@ use std::time::Duration;
 use mrroc::observe::ServoRecord;
 use mrroc::pose::Wrench;
 use mrroc::prelude::*;
-use mrroc_generators::force::{Behaviour, ForceControl, Give};
+use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 use mrroc_generators::generators::ForceLaw;
 use mrroc_robots::{Irp6, SimulatedIrp6, Six};
 use nalgebra::Vector3;
@@ -22,6 +22,8 @@ pub const LOAD: f64 = 10.0;
 pub const GAP: f64 = 0.005;
 /// How stiff the table is [N/m].
 pub const STIFFNESS: f64 = 2000.0;
+/// How fast the tool may look for the table, and how far [m/s], [m].
+const WITHIN: Bound = Bound { speed: 0.1, way: 0.05 };
 
 /// A force sensor at the wrist.
 struct Wrist;
@@ -59,7 +61,7 @@ pub fn depths() -> Result<Vec<f64>, CellError> {
             let mut wrist = ecp.sensor::<Wrist>("wrist")?;
             // Along its z axis, which points down, the tool is to press; in all other directions it stays.
             let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-            axes[2] = Behaviour::Contact { load: LOAD, give: Give::FORCE };
+            axes[2] = Behaviour::Contact { load: LOAD, give: Give::FORCE, within: WITHIN };
             let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
             ecp.move_robot((&mut wrist,), ForceLaw::lasting(law, 4.0, 1)).map(drop)
         });

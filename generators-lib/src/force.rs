@@ -34,13 +34,35 @@ pub enum Behaviour {
         /// How it yields.
         give: Give,
     },
-    /// Keeps a load on its surroundings: `v = 0`.
+    /// Keeps a load on its surroundings: `v = 0`. Without surroundings it would move for ever, with `b Fd`: so it has bounds.
     Contact {
         /// `Fd`, of the tool on its surroundings [N or N m].
         load: f64,
         /// How it yields.
         give: Give,
+        /// How fast it may be, and how far it may go.
+        within: Bound,
     },
+}
+
+/// How fast an axis that keeps a load may be, and how far it may go for it.
+///
+/// ```
+/// use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
+///
+/// // 10 N along z, found and kept within 50 mm of the start, at 20 mm/s at most.
+/// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.02, way: 0.05 } };
+/// assert!(ForceControl::new(axes).is_ok());
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.02, way: 0.0 } };
+/// assert!(ForceControl::new(axes).is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// The largest velocity either way [m/s or rad/s], finite, > 0: an axis that would be faster goes at this velocity.
+    pub speed: f64,
+    /// How far it may be from where it began to keep a load, either way [m or rad], finite, > 0. Farther is a fault.
+    pub way: f64,
 }
 
 /// How an axis yields to a load.
@@ -61,7 +83,9 @@ impl Give {
 
 /// Why a force law cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("axis {axis} of the force law: {name} is {value}, it must be finite (damping > 0, inertia >= 0)")]
+#[error(
+    "axis {axis} of the force law: {name} is {value}, it must be finite (damping, speed and way > 0, inertia >= 0)"
+)]
 pub struct BadForceLaw {
     /// 0 to 5: x, y, z, about x, about y, about z.
     pub axis: usize,
@@ -76,7 +100,12 @@ pub struct BadForceLaw {
 pub struct ForceControl {
     axes: [Behaviour; 6],
     velocity: Vector6<f64>,
+    /// How far each axis has gone since it keeps a load [m or rad].
+    way: Vector6<f64>,
 }
+
+/// What a fault calls the axes.
+const AXES: [&str; 6] = ["along x", "along y", "along z", "about x", "about y", "about z"];
 
 impl ForceControl {
     /// At rest, with a behaviour for x, y, z, and about x, y, z of the tool's frame.
@@ -84,16 +113,20 @@ impl ForceControl {
     /// # Errors
     /// A number out of range.
     pub fn new(axes: [Behaviour; 6]) -> Result<Self, BadForceLaw> {
-        let law = ForceControl { axes, velocity: Vector6::zeros() };
+        let law = ForceControl { axes, velocity: Vector6::zeros(), way: Vector6::zeros() };
         for (axis, behaviour) in axes.iter().enumerate() {
             let (load, velocity, Give { reciprocal_damping, inertia }) = law.of(axis);
             let unguarded = matches!(behaviour, Behaviour::Unguarded { .. });
             let damped = reciprocal_damping > 0.0 || unguarded;
+            // Others have none.
+            let Bound { speed, way } = law.bound(axis).unwrap_or(Bound { speed: 1.0, way: 1.0 });
             for (name, value, holds) in [
                 ("load", load, true),
                 ("velocity", velocity, true),
                 ("reciprocal damping", reciprocal_damping, damped),
                 ("inertia", inertia, inertia >= 0.0),
+                ("largest speed", speed, speed > 0.0),
+                ("longest way", way, way > 0.0),
                 ("damping's time constant", reciprocal_damping * inertia, true),
             ] {
                 if !(value.is_finite() && holds) {
@@ -111,11 +144,20 @@ impl ForceControl {
                 (0.0, velocity, Give { reciprocal_damping: 0.0, inertia: 0.0 })
             }
             Behaviour::Guarded { velocity, give } => (0.0, velocity, give),
-            Behaviour::Contact { load, give } => (load, 0.0, give),
+            Behaviour::Contact { load, give, within: _ } => (load, 0.0, give),
         }
     }
 
-    /// Another behaviour of an axis (0 to 5) from now on; its velocity stays.
+    /// The bound of an axis that keeps a load.
+    const fn bound(&self, axis: usize) -> Option<Bound> {
+        match self.axes[axis] {
+            Behaviour::Unguarded { .. } | Behaviour::Guarded { .. } => None,
+            Behaviour::Contact { within, .. } => Some(within),
+        }
+    }
+
+    /// Another behaviour of an axis (0 to 5) from now on; its velocity stays. The way of one that begins to keep a load counts
+    /// from here; that of one that keeps another load goes on.
     ///
     /// # Errors
     /// A number out of range; the law stays as it was.
@@ -124,7 +166,11 @@ impl ForceControl {
         if let Some(place) = axes.get_mut(axis) {
             *place = behaviour;
         }
-        self.axes = ForceControl::new(axes)?.axes;
+        let (law, before) = (ForceControl::new(axes)?, *self);
+        self.axes = law.axes;
+        for axis in (0..6).filter(|&axis| before.bound(axis).is_none()) {
+            self.way[axis] = 0.0;
+        }
         Ok(())
     }
 
@@ -138,7 +184,8 @@ impl ForceControl {
     /// time (`dt = 0`) the tool is not displaced.
     ///
     /// # Errors
-    /// A reading that is not finite, or one that asks for more than 1 m or rad in a step.
+    /// A reading that is not finite, one that asks for more than 1 m or rad in a step, or an axis that has used up its way for
+    /// the load that it is to keep.
     #[allow(non_snake_case)]
     pub fn advance(&mut self, reading: &Wrench, dt: f64) -> Result<Pose, Fault> {
         if !reading.is_finite() {
@@ -155,6 +202,16 @@ impl ForceControl {
             let (load, velocity, Give { reciprocal_damping: b, inertia }) = self.of(axis);
             let wanted = b * (load - present[axis]) + velocity;
             self.velocity[axis] = (wanted * dt + b * inertia * self.velocity[axis]) / (dt + b * inertia);
+            if let Some(Bound { speed, way }) = self.bound(axis) {
+                // What is not a number stays one, and is refused below.
+                let velocity = self.velocity[axis];
+                self.velocity[axis] =
+                    if velocity.abs() > speed { speed.copysign(velocity) } else { velocity };
+                self.way[axis] += self.velocity[axis] * dt;
+                if self.way[axis].abs() > way {
+                    return Err(used_up(axis, self.way[axis].abs(), way));
+                }
+            }
         }
         let step = self.velocity * dt;
         // What is not a number is too far, too.
@@ -176,10 +233,19 @@ impl ForceControl {
     }
 }
 
+/// The fault of an axis that has gone too far for the load that it is to keep.
+#[cold]
+fn used_up(axis: usize, gone: f64, way: f64) -> Fault {
+    let text = format!("the force law has used up its way {} and does not keep its load", AXES[axis]);
+    Fault::thrown(&text).exceeds(gone, way, if axis < 3 { "m" } else { "rad" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// More than any of the tests below goes.
+    const WIDE: Bound = Bound { speed: 1.0, way: 1.0 };
     const STILL: Behaviour = Behaviour::Unguarded { velocity: 0.0 };
     const T: f64 = 2e-3;
 
@@ -193,7 +259,8 @@ mod tests {
         let b = 0.005;
         let m = 20.0;
         let load = 10.0;
-        let mut law = along_z(Behaviour::Contact { load, give: Give { reciprocal_damping: b, inertia: m } });
+        let give = Give { reciprocal_damping: b, inertia: m };
+        let mut law = along_z(Behaviour::Contact { load, give, within: WIDE });
         let r = b * m / (T + b * m);
         let mut z = 0.0;
         for n in 1..=500 {
@@ -227,7 +294,7 @@ mod tests {
     fn against_a_spring_the_load_becomes_the_wanted_one() {
         let stiffness = 2000.0;
         for (behaviour, load) in [
-            (Behaviour::Contact { load: 10.0, give: Give::FORCE }, 10.0),
+            (Behaviour::Contact { load: 10.0, give: Give::FORCE, within: WIDE }, 10.0),
             (Behaviour::Guarded { velocity: 0.02, give: Give::FORCE }, 4.0),
         ] {
             let mut law = along_z(behaviour);
@@ -238,6 +305,35 @@ mod tests {
             }
             assert!((stiffness * z - load).abs() < 1e-6, "{} N", stiffness * z);
         }
+    }
+
+    /// Free space with a bound: at `b Fd` it would have 50 mm/s, so it goes at the bound's 10 mm/s from when the lag comes to
+    /// that, `1 - r^n = 0.2`, and its way of 20 mm is used up about 2 s later.
+    #[test]
+    fn fault_131_a_load_that_meets_nothing_moves_no_faster_than_its_bound_and_ends_where_its_way_is_used_up()
+    {
+        let within = Bound { speed: 0.01, way: 0.02 };
+        let mut law = along_z(Behaviour::Contact { load: -10.0, give: Give::FORCE, within });
+        let (mut z, mut steps) = (0.0, 0);
+        let fault = loop {
+            match law.advance(&Wrench::default(), T) {
+                Ok(step) => z += step.translation.z,
+                Err(fault) => break fault,
+            }
+            steps += 1;
+            assert!(law.velocity()[2].abs() <= 0.01 && f64::abs(z) <= 0.02);
+            // Another load is kept within the same way.
+            let load = if steps % 2 == 0 { -10.0 } else { -12.0 };
+            law.set(2, Behaviour::Contact { load, give: Give::FORCE, within }).expect("in range");
+        };
+        // The time constant is 0.1 s: until the bound is reached, at most 0.1 s * ln(1 / 0.8) pass.
+        assert!((0.02 / 0.01..0.02 / 0.01 + 0.03).contains(&(f64::from(steps) * T)), "{steps}");
+        assert!(fault.to_string().contains("used up its way along z"), "{fault}");
+        assert!(fault.excess().is_some_and(|excess| excess.limit == 0.02 && excess.unit == "m"), "{fault}");
+        // An axis that begins to keep a load has its whole way before it.
+        law.set(2, STILL).expect("in range");
+        law.set(2, Behaviour::Contact { load: -10.0, give: Give::FORCE, within }).expect("in range");
+        assert!(law.advance(&Wrench::default(), T).is_ok());
     }
 
     #[test]
@@ -253,9 +349,18 @@ mod tests {
     #[test]
     fn numbers_out_of_range_are_named() {
         let give = Give { reciprocal_damping: 0.0, inertia: 1.0 };
-        let refused =
-            ForceControl::new([STILL, Behaviour::Contact { load: 1.0, give }, STILL, STILL, STILL, STILL]);
+        let contact = |give, within| Behaviour::Contact { load: 1.0, give, within };
+        let of = |behaviour| ForceControl::new([STILL, behaviour, STILL, STILL, STILL, STILL]);
+        let refused = of(contact(give, WIDE));
         assert_eq!(refused, Err(BadForceLaw { axis: 1, name: "reciprocal damping", value: 0.0 }));
         assert!(ForceControl::new([Behaviour::Unguarded { velocity: f64::NAN }; 6]).is_err());
+        for (within, name) in [
+            (Bound { speed: 0.0, ..WIDE }, "largest speed"),
+            (Bound { speed: f64::INFINITY, ..WIDE }, "largest speed"),
+            (Bound { way: f64::NAN, ..WIDE }, "longest way"),
+            (Bound { way: -0.1, ..WIDE }, "longest way"),
+        ] {
+            assert!(of(contact(Give::FORCE, within)).is_err_and(|bad| (bad.axis, bad.name) == (1, name)));
+        }
     }
 }

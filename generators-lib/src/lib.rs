@@ -14,6 +14,7 @@
 //! - [`teach`]: taught poses and their files, also in the format of MRROC++;
 //! - [`cooperation`]: several arms on one body;
 //! - [`force`]: force control: each axis of a tool moves freely, is guarded, or keeps a load;
+//! - [`ahead`]: places that a generator names before it comes to them;
 //! - [`rehearsal`]: what a generator demands, without a cell;
 //! - [`mod@conformance`]: tests that every generator must pass.
 //!
@@ -24,6 +25,7 @@
 // Generators refer to this crate by its name, so that a copy of them in a user's project compiles as it is.
 extern crate self as mrroc_generators;
 
+pub mod ahead;
 pub mod bspline;
 pub mod combinators;
 pub mod conditions;

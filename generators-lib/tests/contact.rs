@@ -8,7 +8,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc::robot::{RobotImage, RobotState};
 use mrroc::sensor::SensorImage;
-use mrroc_generators::force::{Behaviour, ForceControl, Give};
+use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 use mrroc_generators::generators::ForceLaw;
 use mrroc_robots::{Irp6, Six};
 use nalgebra::Vector3;
@@ -40,7 +40,7 @@ fn pressed(dt: f64, steps: u32) -> Vec<Vector3<f64>> {
     let axes = [
         Behaviour::Unguarded { velocity: SPEED },
         Behaviour::Guarded { velocity: SPEED, give: GIVE },
-        Behaviour::Contact { load: LOAD, give: GIVE },
+        Behaviour::Contact { load: LOAD, give: GIVE, within: Bound { speed: 1.0, way: 1.0 } },
         still,
         still,
         still,

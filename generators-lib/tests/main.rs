@@ -1,5 +1,6 @@
 //! All tests of the library but those that stand in a generator's file: one executable, as each takes its time to link.
 
+mod belt_pick;
 mod classes;
 mod conditions;
 mod conformance;
@@ -11,6 +12,7 @@ mod curves;
 mod each;
 mod examples;
 mod feed;
+mod goals;
 mod jerk_plan;
 mod jerk_properties;
 mod jerk_reference;

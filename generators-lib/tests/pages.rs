@@ -16,7 +16,7 @@ use mrroc_generators::cooperation::Functional; // frames that move
 use mrroc_generators::generators::{Jog, JointMove, JointVelocity, MovingFrame, Replay, StraightLine};
 use mrroc_generators::line::ToolLimits; // of a tool: translation and rotation
 use mrroc_generators::profile::{ProfileLimits, Trapezoid}; // velocity and acceleration
-use mrroc_generators::teach::{Jogging, Taught}; // taught poses and their files
+use mrroc_generators::teach::{Jogging, Taught, TaughtFile}; // taught poses and their files
 use mrroc_robots::{Conveyor, Gripper, Irp6, One, Serial, Simulated, SimulatedIrp6, Six}; // robots; joints: One, Five to Seven
 // ANCHOR_END: imports
 use mrroc::robot::{Channel, Input};
@@ -237,12 +237,14 @@ fn a_motion_takes_a_moving_robot_over() {
 // ANCHOR: teach
 fn jog_and_replay(mp: &mut Mp, panel: impl FnMut() -> Jogging, file: &Path) -> Result<(), Fault> {
     let mut arm = mp.robot::<Irp6>("irp6")?;
-    let jogged = mp.move_robot(&mut arm, (), Jog::by(panel, 0.5, 1.0, 100))?; // [m/s²], [rad/s²], most poses
-    let taught = jogged.taught(0.5, 0.5).ok_or_else(|| Fault::thrown("a share is none"))?;
-    std::fs::write(file, taught.to_string()).map_err(|why| Fault::thrown(&why.to_string()))?;
+    let refused = |why: std::io::Error| Fault::thrown(&why.to_string());
+    let kept = TaughtFile::begin(file, 0.5, 0.5, 100).map_err(refused)?; // shares for the replay, most poses
+    let jog = Jog::by(panel, 0.5, 1.0, 100).kept_in(&kept); // [m/s²], [rad/s²], most poses
+    mp.move_robot(&mut arm, (), jog)?; // whatever stops it: what was recorded is in the file
+    kept.finish().map_err(refused)?;
 
     // The file may be edited before it is read.
-    let text = std::fs::read_to_string(file).map_err(|why| Fault::thrown(&why.to_string()))?;
+    let text = std::fs::read_to_string(file).map_err(refused)?;
     let taught: Taught = text.parse().map_err(|why| Fault::thrown(&format!("{}: {why}", file.display())))?;
     // Largest velocities and accelerations: of each joint, and of the tool.
     let replay = Replay::of(taught, Six::repeat(0.4), Six::repeat(0.8), limits(0.1, 0.5));
@@ -291,6 +293,53 @@ fn what_was_jogged_is_replayed_from_its_file() {
     // The simulated arm follows within 0.2 mm.
     let at = from.inv_mul(&end.borrow()).translation.vector;
     assert!((at - Vector3::x() * 0.05).norm() < 2e-4, "replayed to {at}");
+}
+
+/// The arm is jogged along x until a joint would leave its limits, which ends the Move, the program and the cell.
+#[test]
+fn poses_that_were_taught_before_a_fault_are_in_their_file_and_more_can_be_added() {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("taught_before_a_fault.txt");
+    drop(std::fs::remove_file(&file));
+    let run = |begins: bool| {
+        let drives = SimulatedIrp6::new(Irp6::nominal(), &start());
+        let arm = RobotSetup::new("irp6", Irp6::nominal(), drives);
+        let to = file.clone();
+        let cell = Cell::new(Duration::from_millis(2)).robot(arm).program(move |mp| {
+            let mut arm = mp.robot::<Irp6>("irp6")?;
+            let mut steps = 0;
+            let panel = move || {
+                steps += 1;
+                let record = steps == 500 || steps == 1000;
+                Jogging { along: Vector3::x() * 0.1, record, ..Jogging::default() }
+            };
+            let kept = match begins {
+                true => TaughtFile::begin(&to, 0.5, 0.5, 9),
+                false => TaughtFile::go_on(&to, 0.25, 0.5, 9),
+            };
+            let kept = kept.map_err(|why| Fault::thrown(&why.to_string()))?;
+            mp.move_robot(&mut arm, (), Jog::by(panel, 0.5, 1.0, 9).kept_in(&kept)).map(drop)
+        });
+        let stopped = cell.run().expect_err("it is jogged out of reach").to_string();
+        assert!(stopped.contains("Move 1 (Jog)"), "{stopped}");
+        let text = std::fs::read_to_string(&file).expect("written");
+        text.parse::<Taught>().expect("in order")
+    };
+    let from = Irp6::nominal().forward(&start());
+    for (begins, poses) in [(true, 2), (false, 4), (true, 2)] {
+        let taught = run(begins);
+        assert_eq!(taught.poses.len(), poses);
+        // 0.1 m/s, less what it lacks of the first 0.2 s; from the same start in each run.
+        for (i, pose) in taught.poses.iter().enumerate() {
+            let at = from.inv_mul(&pose.pose(taught.space).expect("a pose")).translation.vector;
+            let way = 0.1 * (1.0 + (i % 2) as f64) - 0.1 * 0.1 / (2.0 * 0.5);
+            // In steps of 2 ms the ramp is longer by up to half of one.
+            assert!((at - Vector3::x() * way).norm() < 2e-4, "{at} {way}");
+            assert_eq!(pose.velocity, if i < 2 { 0.5 } else { 0.25 });
+        }
+    }
+    let refused = TaughtFile::begin(&file, 0.0, 0.5, 9).expect_err("no share").to_string();
+    assert!(refused.contains("above 0"), "{refused}");
+    assert!(TaughtFile::begin("no/such/folder/taught.txt", 0.5, 0.5, 9).is_err());
 }
 
 struct Camera;

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use rustix::process::Signal;
 
-use crate::launch::{Launch, Place, demanded, periods_at_rest, wait_until};
+use crate::launch::{Launch, Place, demanded, periods_at_rest, start_until, wait_until};
 use crate::runs::{MEMORY, REAL, ROBOTS, assert_robots_stand, is_late, rests};
 
 /// How often a test is tried on a machine that is late by more steps than a cell tolerates.
@@ -218,9 +218,69 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         });
     };
     operate(&place, operator, |launch, status, ()| {
-        assert_eq!(status, Some(0), "{}", launch.said());
+        let said = launch.said();
+        assert_eq!(status, Some(0), "{said}");
+        // A person at the launcher's terminal is told once what has stopped, that it waits, and what to do.
+        assert_eq!(said.matches("the cell has stopped").count(), 1, "{said}");
+        for words in
+            ["mp: protective stop: by the operator in Move ", "`acknowledge`, then `reset`", "`abort`"]
+        {
+            assert!(said.contains(words), "{words}: {said}");
+        }
         assert_ends_where_it_would_have(&place, launch);
     });
+}
+
+#[test]
+fn what_forbids_a_reset_is_told_by_status_by_the_refusal_and_by_the_launcher_as_long_as_it_does() {
+    let place = Place::new(45);
+    let cell = place.base().parent().expect("a folder").join("cell.toml");
+    let text = format!("after_fault = \"await reset\"\n{}", include_str!("cell.toml"));
+    std::fs::write(cell, text).expect("written");
+    let status = || ask(&place, &["status"]).1;
+    let stopped = "last fault: mp: protective stop: by the operator";
+    for _ in 0..ATTEMPTS {
+        let looks = std::cell::Cell::new(0);
+        let mut launch = start_until(
+            || place.start("operated", REAL),
+            |launch| {
+                looks.set(looks.get() + 1);
+                // One that was late is latched for ever.
+                launch.record("left").len() > 20
+                    || looks.get() % 100 == 0 && status().starts_with("latched: ")
+            },
+        );
+        ask(&place, &["stop"]);
+        wait_until(|| status().starts_with("latched: ") || launch.end_if_over().is_some());
+        if !status().contains(stopped) {
+            // The machine was late, which stops the cell, too.
+            launch.signal(Signal::INT);
+            launch.end();
+            continue;
+        }
+        assert!(!status().contains("a reset"), "{}", status());
+        // A process that does not answer.
+        let ecp = launch.processes().into_iter().find(|process| process.role == "ecp left").expect("it runs");
+        ecp.signal(Signal::STOP);
+        let gone = "ecp left: the process at the other end is gone";
+        wait_until(|| status().contains(&format!("a reset failed or would be refused: {gone}")));
+        // The first cause stays.
+        assert!(status().contains(stopped), "{}", status());
+        done(&place, &["acknowledge"], "acknowledged: step ");
+        let (code, said) = ask(&place, &["reset"]);
+        let told = format!("refused: the cause of the fault persists: {gone}");
+        assert!(code == Some(1) && said.contains(&told), "{said}");
+        ecp.signal(Signal::CONT);
+        wait_until(|| !status().contains("a reset failed"));
+        done(&place, &["abort"], "aborting: step ");
+        let code = launch.end().code();
+        let said = launch.said();
+        assert_eq!(code, Some(1), "{said}");
+        assert!(said.contains("note: a reset would be refused: ecp left"), "{said}");
+        launch.assert_nothing_left(&[]);
+        return;
+    }
+    println!("skipped: this machine was late {ATTEMPTS} times");
 }
 
 #[test]

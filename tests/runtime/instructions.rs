@@ -3,12 +3,14 @@
 use core::cell::RefCell;
 use std::rc::Rc;
 
-use mrroc::fault::ProcessId;
+use mrroc::cell::AfterFault;
+use mrroc::fault::{FaultWords, ProcessId};
 use mrroc::link::Nanos;
 use mrroc::observe::witness::{What, Witness};
+use mrroc::operator::Latch;
 use mrroc::operator::state::Doing;
 use mrroc::prelude::*;
-use mrroc_tests::{Gantry, MS, gantry};
+use mrroc_tests::{Gantry, MS, fault, gantry};
 
 use crate::runtime::kit::{Phase, Smooth};
 
@@ -102,4 +104,118 @@ fn the_instructions_of_transparent_ecps_are_those_of_the_mp() {
     assert_eq!(notes.of("ecp g"), []);
     let moves = notes.of("mp").into_iter().filter(|(doing, ..)| *doing == Doing::Move);
     assert_eq!(moves.map(|(_, by, _)| by).collect::<Vec<_>>(), ["Smooth", "Smooth"]);
+}
+
+/// Too fast on its way: its speed rises to 1.35 m/s, of 1 m/s.
+fn too_fast() -> Smooth {
+    Smooth::to(0.9, 1.0)
+}
+
+#[condition(mp)]
+fn never() -> bool {
+    false
+}
+
+/// The fault of a cell: what it says of its instruction, and whether its words say so, too.
+fn stopped(cell: Cell) -> Option<String> {
+    let fault = fault(cell.run());
+    let named = fault.instruction().map(|instruction| instruction.to_string());
+    let told = fault.to_string();
+    assert!(named.as_ref().is_none_or(|named| told.contains(&format!(" in {named}"))), "{told}");
+    assert_eq!(fault.step().is_some(), told.contains(" at step "), "{told}");
+    // As it travels.
+    let sent = Fault::from(FaultWords::from(&fault));
+    assert_eq!((sent.instruction(), sent.to_string()), (fault.instruction(), told));
+    named
+}
+
+#[test]
+fn a_fault_names_the_instruction_of_the_program_in_which_it_happened() {
+    let cell = |program: fn(&mut Mp) -> Result<(), Fault>| {
+        stopped(Cell::new(MS).robot(gantry("g").0).robot(gantry("other").0).program(program))
+    };
+    let in_the_third = cell(|mp| {
+        let mut g = mp.robot::<Gantry>("g")?;
+        mp.move_robot(&mut g, (), Smooth::to(0.1, 0.4))?;
+        // One that ends in order names its own.
+        let late = mp.wait_at_most((&mut g,), (), never {}, 10).err();
+        let late = late.and_then(|fault| fault.instruction()).map(|named| named.to_string());
+        assert_eq!(late.as_deref(), Some("Wait 2 (never)"));
+        mp.move_robot(&mut g, (), too_fast()).map(drop)
+    });
+    assert_eq!(in_the_third.as_deref(), Some("Move 3 (Smooth)"));
+    // Between two instructions, none.
+    assert_eq!(cell(|_| Err(Fault::thrown("the tray is empty"))), None);
+    // The motion in the background is the first one, whatever the program does meanwhile.
+    let beside = cell(|mp| {
+        let (mut g, mut other) = (mp.robot::<Gantry>("g")?, mp.robot::<Gantry>("other")?);
+        mp.start_robot(&mut other, too_fast())?;
+        mp.move_robot(&mut g, (), Smooth::to(0.1, 2.0)).map(drop)
+    });
+    assert_eq!(beside.as_deref(), Some("Move 1 (Smooth)"));
+    let panics = cell(|mp| {
+        let mut g = mp.robot::<Gantry>("g")?;
+        mp.move_robots((&mut g,), (), Breaks(0)).map(drop)
+    });
+    assert_eq!(panics.as_deref(), Some("Move 1 (Breaks)"));
+}
+
+struct Breaks(u32);
+
+#[generator(mp)]
+fn breaks(c: &mut Breaks) -> Step<(Gantry,)> {
+    c.0 += 1;
+    assert!(c.0 < 5, "not written yet");
+    Step::Next((Demand::hold(),))
+}
+
+#[test]
+fn a_fault_of_an_ecp_names_the_instruction_of_its_own_program() {
+    for coordinated in [false, true] {
+        let program = |ecp: &mut Ecp<Gantry>| {
+            approach(ecp)?;
+            ecp.move_robot((), too_fast()).map(drop)
+        };
+        let cell = match coordinated {
+            false => Cell::new(MS).robot(gantry("g").0.program(program)),
+            true => {
+                let robot = gantry("g").0.program(move |ecp| ecp.obey(|ecp, _: Phase| program(ecp)));
+                Cell::new(MS).robot(robot).program(|mp| {
+                    let mut g = mp.robot::<Gantry>("g")?;
+                    mp.move_robots((&mut g,), (), ask {}).map(drop)
+                })
+            }
+        };
+        let fault = fault(cell.run());
+        let named = fault.instruction().expect("it was in one");
+        assert_eq!((named.ordinal(), named.doing(), named.by()), (3, Doing::Move, "Smooth"), "{fault}");
+        assert!(
+            named.is_of_ecp() && fault.to_string().contains(" in Move 3 (Smooth) of its ECP at step"),
+            "{fault}"
+        );
+    }
+}
+
+#[test]
+fn after_a_reset_instructions_count_from_the_first_line_again() {
+    let told = Rc::new(RefCell::new(Vec::new()));
+    let keep = Rc::clone(&told);
+    let cell = Cell::new(MS).robot(gantry("g").0).after_fault(AfterFault::AwaitReset);
+    let cell = cell.on_step(move |_, operator| {
+        if operator.latch() == Latch::Latched {
+            let named = operator.fault().and_then(|fault| fault.instruction());
+            keep.borrow_mut().push(named.map(|named| named.ordinal()));
+            if keep.borrow().len() == 2 {
+                return operator.give_up();
+            }
+            operator.acknowledge().and_then(|()| operator.reset()).expect("nothing persists");
+        }
+    });
+    let stopped = stopped(cell.program(|mp| {
+        let mut g = mp.robot::<Gantry>("g")?;
+        mp.move_robot(&mut g, (), Smooth::to(0.0, 0.4))?;
+        mp.move_robot(&mut g, (), too_fast()).map(drop)
+    }));
+    assert_eq!(stopped.as_deref(), Some("Move 2 (Smooth)"));
+    assert_eq!(*told.borrow(), [Some(2), Some(2)]);
 }

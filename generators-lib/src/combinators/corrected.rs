@@ -198,7 +198,7 @@ where
 mod tests {
     use super::*;
     use crate::cooperation::Displacement;
-    use crate::force::{Behaviour, ForceControl, Give};
+    use crate::force::{Behaviour, Bound, ForceControl, Give};
     use crate::generators::{ForceLaw, ToolOffset};
     use crate::line::ToolLimits;
     use crate::profile::ProfileLimits;
@@ -268,7 +268,8 @@ mod tests {
     #[test]
     fn a_generator_that_has_a_sensor_of_its_own_is_corrected_by_another() {
         let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-        axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+        axes[2] =
+            Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
         let law = ForceControl::new(axes).expect("in range");
         let bounds =
             CorrectionLimits { speed: 0.02, turning: 0.1, ramp: 0.1, way: 0.02, angle: 0.1, oldest: 1 };

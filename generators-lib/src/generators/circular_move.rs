@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 use mrroc::prelude::*;
 use nalgebra::Vector3;
 
+use mrroc_generators::ahead::Ahead;
 use mrroc_generators::curve::{Arc, Curve, TurnedCurve};
 use mrroc_generators::line::SmoothToolLimits;
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
@@ -42,6 +43,7 @@ pub struct CircularMove<R> {
     goal: Pose,
     limits: SmoothToolLimits,
     path: Option<(TurnedCurve<Arc>, ProfileCursor<SevenPhase>)>,
+    ahead: Ahead,
     of: PhantomData<R>,
 }
 
@@ -50,14 +52,16 @@ impl<R: Robot> CircularMove<R> {
     #[must_use]
     #[allow(non_snake_case)]
     pub fn through(p_WV: Vector3<f64>, X_WE: Pose, limits: SmoothToolLimits) -> Self {
-        CircularMove { via: p_WV, goal: X_WE, limits, path: None, of: PhantomData }
+        CircularMove { via: p_WV, goal: X_WE, limits, path: None, ahead: Ahead::default(), of: PhantomData }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
         let Some((path, cursor)) = &mut self.path else { return Step::Done };
-        match cursor.advance(t.dt) {
-            Some(point) => Step::Next(Demand::pose(path.pose(point.s))),
-            None => Step::Done,
+        let Some(point) = cursor.advance(t.dt) else { return Step::Done };
+        let step = Step::Next(Demand::pose(path.pose(point.s)));
+        match self.ahead.next() {
+            Some(share) => step.with_goal(Demand::pose(path.pose(share * path.curve().length()))),
+            None => step,
         }
     }
 }

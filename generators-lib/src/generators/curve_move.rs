@@ -5,6 +5,7 @@ use core::marker::PhantomData;
 use mrroc::prelude::*;
 use nalgebra::Translation3;
 
+use mrroc_generators::ahead::Ahead;
 use mrroc_generators::curve::Curve;
 use mrroc_generators::profile::{JerkLimits, ProfileCursor, SevenPhase};
 
@@ -37,6 +38,7 @@ pub struct CurveMove<R, C> {
     curve: C,
     limits: JerkLimits,
     path: Option<(Pose, ProfileCursor<SevenPhase>)>,
+    ahead: Ahead,
     of: PhantomData<R>,
 }
 
@@ -44,17 +46,18 @@ impl<R: Robot, C: Curve> CurveMove<R, C> {
     /// Along `curve` \[m\] within `limits` [m/s], [m/s²], [m/s³].
     #[must_use]
     pub fn along(curve: C, limits: JerkLimits) -> Self {
-        CurveMove { curve, limits, path: None, of: PhantomData }
+        CurveMove { curve, limits, path: None, ahead: Ahead::default(), of: PhantomData }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
         let Some((start, cursor)) = &mut self.path else { return Step::Done };
-        match cursor.advance(t.dt) {
-            Some(point) => {
-                let way = self.curve.at(point.s).position - self.curve.at(0.0).position;
-                Step::Next(Demand::pose(Translation3::from(way) * *start))
-            }
-            None => Step::Done,
+        let Some(point) = cursor.advance(t.dt) else { return Step::Done };
+        let origin = self.curve.at(0.0).position;
+        let at = |s: f64| Demand::pose(Translation3::from(self.curve.at(s).position - origin) * *start);
+        let step = Step::Next(at(point.s));
+        match self.ahead.next() {
+            Some(share) => step.with_goal(at(share * self.curve.length())),
+            None => step,
         }
     }
 }

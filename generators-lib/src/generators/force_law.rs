@@ -17,7 +17,7 @@ use mrroc_generators::force::ForceControl;
 /// ```
 /// use mrroc::{pose::Wrench, sensor::SensorImage};
 /// use mrroc::prelude::*;
-/// use mrroc_generators::force::{Behaviour, ForceControl, Give};
+/// use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 /// use mrroc_generators::generators::ForceLaw;
 /// use mrroc_generators::rehearsal::rehearse_with;
 /// use mrroc_robots::{Irp6, Six};
@@ -32,7 +32,7 @@ use mrroc_generators::force::ForceControl;
 /// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// // Along its z axis the tool presses with 10 N on a spring of 2 N/mm; along the others it stays.
 /// let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+/// axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
 /// let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
 /// let irp6 = Irp6::nominal();
 /// let depth = |arm: Pose| irp6.forward(&start).inv_mul(&arm).translation.z;
@@ -90,7 +90,7 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> ForceLaw<R, S> {
 mod tests {
     use super::*;
 
-    use mrroc_generators::force::{Behaviour, Give};
+    use mrroc_generators::force::{Behaviour, Bound, Give};
     use mrroc_robots::{Irp6, SimulatedIrp6, Six};
     use nalgebra::Vector3;
     use std::time::Duration;
@@ -102,6 +102,8 @@ mod tests {
         type Reading = Wrench;
         type Configuration = ();
     }
+
+    const WITHIN: Bound = Bound { speed: 0.1, way: 0.05 };
 
     /// A table at this height \[m\], a spring of 2 N/mm, under a tool that points down.
     struct Table(f64);
@@ -125,7 +127,7 @@ mod tests {
         let robot = RobotSetup::new("irp6", irp6.clone(), arm).program(|ecp| {
             let mut wrist = ecp.sensor::<Wrist>("wrist")?;
             let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
-            axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+            axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: WITHIN };
             let law = ForceControl::new(axes).map_err(|bad| Fault::thrown(&bad.to_string()))?;
             ecp.move_robot((&mut wrist,), ForceLaw::lasting(law, 4.0, 1)).map(drop)
         });

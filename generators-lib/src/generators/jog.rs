@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use mrroc::prelude::*;
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use mrroc_generators::teach::{Jogging, Reference, Space, Taught, TaughtPose};
+use mrroc_generators::teach::{Jogging, Kept, Reference, Space, Taught, TaughtFile, TaughtPose};
 
 /// Teach-in: moves the tool in its own axes as a panel orders, within an acceleration, and records the demanded pose
 /// when the panel asks for it. The motion ends at rest. The Move returns the generator, which has the recorded poses.
@@ -43,6 +43,7 @@ pub struct Jog<R, F> {
     about: Vector3<f64>,
     recorded: Vec<Pose>,
     pressed: bool,
+    kept: Option<Kept>,
     of: PhantomData<R>,
 }
 
@@ -63,8 +64,16 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
             about: still,
             recorded,
             pressed: false,
+            kept: None,
             of: PhantomData,
         }
+    }
+
+    /// The same, which leaves every pose in `file`, too, as soon as it is recorded: one that is jogged into a limit of the robot
+    /// ends with a fault, and is not returned.
+    #[must_use]
+    pub fn kept_in(self, file: &TaughtFile) -> Self {
+        Jog { kept: Some(file.kept()), ..self }
     }
 
     /// The recorded poses, to be replayed with these shares of velocity and acceleration; `None` for shares out of
@@ -109,7 +118,8 @@ impl<R: Robot, F: FnMut() -> Jogging> Jog<R, F> {
         self.pose.rotation.renormalize_fast();
         if record && !self.pressed {
             // Memory was set aside for so many: a step must not ask for more.
-            if self.recorded.len() == self.recorded.capacity() {
+            let kept = self.kept.as_ref().is_none_or(|kept| kept.record(&self.pose));
+            if self.recorded.len() == self.recorded.capacity() || !kept {
                 return Err(Fault::thrown("there is no room to record one more pose"));
             }
             self.recorded.push(self.pose);

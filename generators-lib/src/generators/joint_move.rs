@@ -54,7 +54,7 @@ impl<R: Robot> JointMove<R> {
         let profile = line.profile(&self.velocity, &self.acceleration);
         let profile = profile.map_err(|error| Fault::thrown(&error.to_string()))?;
         self.path = Some((line, profile.cursor()));
-        Ok(self.advance(t))
+        Ok(self.advance(t).with_goal(Demand::joints(self.goal)))
     }
 
     fn next_step(&mut self, t: Tick) -> Step<R> {

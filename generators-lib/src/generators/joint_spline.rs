@@ -33,6 +33,8 @@ pub struct JointSpline<R: Robot> {
     acceleration: R::Joints,
     ramp: f64,
     path: Option<(CubicSpline<R::Joints>, ProfileCursor<SevenPhase>)>,
+    /// Where it leads, the end last: told one in each step.
+    goals: Vec<R::Joints>,
 }
 
 impl<R: Robot> JointSpline<R> {
@@ -40,14 +42,16 @@ impl<R: Robot> JointSpline<R> {
     /// spline builds up in `ramp` \[s\], > 0. Leave a tenth of the robot's limits to the operator's feed rate.
     #[must_use]
     pub fn through(points: Vec<R::Joints>, velocity: R::Joints, acceleration: R::Joints, ramp: f64) -> Self {
-        JointSpline { points, velocity, acceleration, ramp, path: None }
+        JointSpline { points, velocity, acceleration, ramp, path: None, goals: Vec::new() }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
         let Some((spline, cursor)) = &mut self.path else { return Step::Done };
-        match cursor.advance(t.dt) {
-            Some(point) => Step::Next(Demand::joints(spline.at(point.s).value)),
-            None => Step::Done,
+        let Some(point) = cursor.advance(t.dt) else { return Step::Done };
+        let step = Step::Next(Demand::joints(spline.at(point.s).value));
+        match self.goals.pop() {
+            Some(goal) => step.with_goal(Demand::joints(goal)),
+            None => step,
         }
     }
 }
@@ -55,6 +59,7 @@ impl<R: Robot> JointSpline<R> {
 #[generator(ecp)]
 impl<R: Robot> JointSpline<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        self.goals.clone_from(&self.points);
         self.points.insert(0, e.demanded().joints);
         // Knots by the distance between the points, the chord.
         let chord = |p: &[R::Joints]| (p[1] - p[0]).as_slice().iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -109,7 +114,8 @@ mod tests {
             let (spline, cursor) = motion.path.as_ref().expect("made in the first step");
             let u = mrroc_generators::profile::Profile::at(cursor.profile(), cursor.time()).s;
             trace.push(spline.at(u).value);
-            assert_eq!(step, Step::Next(Demand::joints(spline.at(u).value)));
+            let at = spline.at(u).value;
+            assert!(matches!(step, Step::Next(demand) if demand.as_joints() == Some(at)), "{step:?} {at}");
             step = motion.next_step(tick);
         }
         for q in trace.windows(3) {

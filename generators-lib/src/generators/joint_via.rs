@@ -37,6 +37,8 @@ use mrroc_generators::via::ViaJoints;
 pub struct JointVia<R: Robot> {
     plan: Plan<R::Joints>,
     time: f64,
+    /// Where it leads, the end last: told one in each step.
+    goals: Vec<R::Joints>,
 }
 
 enum Plan<J> {
@@ -54,13 +56,13 @@ impl<R: Robot> JointVia<R> {
     /// blends. Leave a tenth of the robot's limits to the operator's feed rate.
     #[must_use]
     pub fn through(points: Vec<R::Joints>, deviation: R::Joints, limits: JointLimits<R::Joints>) -> Self {
-        JointVia { plan: Plan::Asked { points, limits, deviation }, time: 0.0 }
+        JointVia { plan: Plan::Asked { points, limits, deviation }, time: 0.0, goals: Vec::new() }
     }
 
     /// Along a motion that is planned already, whose first point is where the robot is demanded to be.
     #[must_use]
     pub fn along(motion: ViaJoints<R::Joints>) -> Self {
-        JointVia { plan: Plan::Ready(motion), time: 0.0 }
+        JointVia { plan: Plan::Ready(motion), time: 0.0, goals: Vec::new() }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
@@ -73,7 +75,11 @@ impl<R: Robot> JointVia<R> {
         if motion.duration() - self.time <= 1e-9 * t.dt {
             self.time = motion.duration();
         }
-        Step::Next(Demand::joints(motion.at(self.time)))
+        let demand = Demand::joints(motion.at(self.time));
+        Step::Next(match self.goals.pop() {
+            Some(goal) => demand.with_goal(Demand::joints(goal)),
+            None => demand,
+        })
     }
 }
 
@@ -81,6 +87,7 @@ impl<R: Robot> JointVia<R> {
 impl<R: Robot> JointVia<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         if let Plan::Asked { points, limits, deviation } = &mut self.plan {
+            self.goals.clone_from(points);
             points.insert(0, e.demanded().joints);
             let motion = ViaJoints::new(points, limits, deviation);
             self.plan = Plan::Ready(motion.map_err(|error| Fault::thrown(&error.to_string()))?);

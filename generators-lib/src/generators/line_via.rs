@@ -44,6 +44,8 @@ pub struct LineVia<R> {
     deviation: PoseDeviation,
     limits: SmoothToolLimits,
     motion: Option<(ViaPoses, f64)>,
+    /// Where it leads, the end last: told one in each step.
+    goals: Vec<Pose>,
     of: PhantomData<R>,
 }
 
@@ -51,7 +53,7 @@ impl<R: Robot> LineVia<R> {
     /// Through `poses` `X_WE` of the tool in the world, each passed within `deviation`, and within `limits`.
     #[must_use]
     pub fn through(poses: Vec<Pose>, deviation: PoseDeviation, limits: SmoothToolLimits) -> Self {
-        LineVia { poses, deviation, limits, motion: None, of: PhantomData }
+        LineVia { poses, deviation, limits, motion: None, goals: Vec::new(), of: PhantomData }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
@@ -64,13 +66,18 @@ impl<R: Robot> LineVia<R> {
         if motion.duration() - *time <= 1e-9 * t.dt {
             *time = motion.duration();
         }
-        Step::Next(Demand::pose(motion.at(*time)))
+        let demand = Demand::pose(motion.at(*time));
+        Step::Next(match self.goals.pop() {
+            Some(goal) => demand.with_goal(Demand::pose(goal)),
+            None => demand,
+        })
     }
 }
 
 #[generator(ecp)]
 impl<R: Robot> LineVia<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        self.goals.clone_from(&self.poses);
         self.poses.insert(0, e.demanded().pose);
         let motion = ViaPoses::new(&self.poses, self.limits, self.deviation);
         self.motion = Some((motion.map_err(|error| Fault::thrown(&error.to_string()))?, 0.0));

@@ -6,7 +6,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use nalgebra::Vector3;
 
-use mrroc_generators::force::{Behaviour, ForceControl, Give};
+use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 
 /// What the coordinator orders: tight cooperation by a force and a velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Payload)]
@@ -25,7 +25,7 @@ pub struct Pressing {
 /// use mrroc::generator::Generator;
 /// use mrroc::{pose::Wrench, sensor::SensorImage};
 /// use mrroc::prelude::*;
-/// use mrroc_generators::force::Give;
+/// use mrroc_generators::force::{Bound, Give};
 /// use mrroc_generators::generators::{OrderedForce, Pressing};
 /// use mrroc_generators::rehearsal::at_rest;
 /// use mrroc_robots::{Irp6, Six};
@@ -38,7 +38,8 @@ pub struct Pressing {
 /// #     type Configuration = ();
 /// # }
 /// // A tool of 13.18 N that hangs down freely and is ordered to press with 10 N: the law is m dv/dt + v / b = 10 N.
-/// let mut press = OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give { reciprocal_damping: 0.005, inertia: 0.0 });
+/// let give = Give { reciprocal_damping: 0.005, inertia: 0.0 };
+/// let mut press = OrderedForce::<Irp6, Wrist>::with_tool(13.18, give, Bound { speed: 0.1, way: 0.05 });
 /// # let start = Six::new(0.0, -1.57, 0.16, -0.16, 4.71, 0.0);
 /// let arm = at_rest(&Irp6::nominal(), start);
 /// let order = Order::new(Pressing { force: 10.0, across: [0.0, 0.0] });
@@ -55,17 +56,19 @@ pub struct OrderedForce<R, S> {
     weight: f64,
     law: Result<ForceControl, Fault>,
     give: Give,
+    within: Bound,
     pose: Pose,
     of: PhantomData<(R, S)>,
 }
 
 impl<R: Robot, S: Sensor<Reading = Wrench>> OrderedForce<R, S> {
-    /// With a tool of this weight \[N\], whose centre of gravity matters for torques alone, and a way to yield along z.
+    /// With a tool of this weight \[N\], whose centre of gravity matters for torques alone, a way to yield along z, and how fast
+    /// and how far it may go along z for its load.
     #[must_use]
-    pub fn with_tool(weight: f64, give: Give) -> Self {
+    pub fn with_tool(weight: f64, give: Give, within: Bound) -> Self {
         let law = ForceControl::new([Behaviour::Unguarded { velocity: 0.0 }; 6]);
         let law = law.map_err(|bad| Fault::thrown(&bad.to_string()));
-        OrderedForce { weight, law, give, pose: Pose::identity(), of: PhantomData }
+        OrderedForce { weight, law, give, within, pose: Pose::identity(), of: PhantomData }
     }
 }
 
@@ -92,9 +95,8 @@ impl<R: Robot, S: Sensor<Reading = Wrench>> OrderedForce<R, S> {
         let Pressing { force: load, across: [x, y] } = order.value();
         let law = self.law.as_mut().map_err(|fault| fault.clone())?;
         let behaviours = [x, y].map(|velocity| Behaviour::Unguarded { velocity });
-        for (axis, behaviour) in
-            behaviours.into_iter().chain([Behaviour::Contact { load, give: self.give }]).enumerate()
-        {
+        let contact = Behaviour::Contact { load, give: self.give, within: self.within };
+        for (axis, behaviour) in behaviours.into_iter().chain([contact]).enumerate() {
             law.set(axis, behaviour).map_err(|bad| Fault::thrown(&bad.to_string()))?;
         }
         if let Some(felt) = v.0.reading() {
@@ -129,7 +131,8 @@ mod tests {
         let order = Order::new(Pressing { force: 10.0, across: [0.01, 0.0] });
         let t = Tick { step: 0, dt: 2e-3, duration: 2e-3 };
         let stiffness = 2000.0;
-        let mut generator = OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE);
+        let mut generator =
+            OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE, Bound { speed: 0.1, way: 0.05 });
         let mut z = 0.0_f64;
         for i in 0..3000 {
             // The tool hangs along its z; the spring pushes against it.

@@ -42,6 +42,8 @@ pub struct PoseSplineMove<R> {
     poses: Vec<Pose>,
     limits: SmoothToolLimits,
     path: Option<(PoseSpline, ProfileCursor<SevenPhase>)>,
+    /// Where it leads, the end last: told one in each step.
+    goals: Vec<Pose>,
     of: PhantomData<R>,
 }
 
@@ -49,14 +51,16 @@ impl<R: Robot> PoseSplineMove<R> {
     /// Through `poses` `X_WE` of the tool in the world within `limits`.
     #[must_use]
     pub fn through(poses: Vec<Pose>, limits: SmoothToolLimits) -> Self {
-        PoseSplineMove { poses, limits, path: None, of: PhantomData }
+        PoseSplineMove { poses, limits, path: None, goals: Vec::new(), of: PhantomData }
     }
 
     fn advance(&mut self, t: Tick) -> Step<R> {
         let Some((spline, cursor)) = &mut self.path else { return Step::Done };
-        match cursor.advance(t.dt) {
-            Some(point) => Step::Next(Demand::pose(spline.at(point.s))),
-            None => Step::Done,
+        let Some(point) = cursor.advance(t.dt) else { return Step::Done };
+        let step = Step::Next(Demand::pose(spline.at(point.s)));
+        match self.goals.pop() {
+            Some(goal) => step.with_goal(Demand::pose(goal)),
+            None => step,
         }
     }
 }
@@ -80,6 +84,7 @@ fn along(spline: &PoseSpline, limits: SmoothToolLimits) -> JerkLimits {
 #[generator(ecp)]
 impl<R: Robot> PoseSplineMove<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
+        self.goals.clone_from(&self.poses);
         self.poses.insert(0, e.demanded().pose);
         let chord = |p: &[Pose]| {
             let by = p[0].inv_mul(&p[1]);

@@ -43,6 +43,8 @@ pub struct Replay<R: Robot> {
     from: (R::Joints, Pose),
     next: usize,
     leg: Option<Leg<R::Joints>>,
+    /// Where all poses lead, the first one last: told one in each step.
+    goals: Vec<Demand<R>>,
 }
 
 enum Leg<J> {
@@ -55,7 +57,7 @@ impl<R: Robot> Replay<R> {
     #[must_use]
     pub fn of(taught: Taught, velocity: R::Joints, acceleration: R::Joints, limits: ToolLimits) -> Self {
         let from = (R::Joints::zeros(), Pose::identity());
-        Replay { taught, velocity, acceleration, limits, from, next: 0, leg: None }
+        Replay { taught, velocity, acceleration, limits, from, next: 0, leg: None, goals: Vec::new() }
     }
 
     /// The way to a pose from the end of the way before it.
@@ -91,10 +93,31 @@ impl<R: Robot> Replay<R> {
     }
 }
 
+/// Where all taught poses lead from the joint positions `q` and the pose `x`, the first one last.
+fn goals<R: Robot>(taught: &Taught, (mut q, mut x): (R::Joints, Pose)) -> Vec<Demand<R>> {
+    let relative = taught.reference == Reference::Relative;
+    // What is wrong with one of them is told when its turn comes.
+    let goal = |taught_pose: &TaughtPose| match taught.space {
+        Space::Motor => None,
+        Space::Joint => taught_pose.joints::<R::Joints>().map(|to| {
+            q = if relative { q + to } else { to };
+            Demand::joints(q)
+        }),
+        space @ (Space::Zyz | Space::AngleAxis) => taught_pose.pose(space).map(|to| {
+            x = if relative { x * to } else { to };
+            Demand::pose(x)
+        }),
+    };
+    let mut goals: Vec<_> = taught.poses.iter().map_while(goal).collect();
+    goals.reverse();
+    goals
+}
+
 #[generator(ecp)]
 impl<R: Robot> Replay<R> {
     fn first_step(&mut self, e: &State<R>, t: Tick) -> Result<Step<R>, Fault> {
         self.from = (e.demanded().joints, e.demanded().pose);
+        self.goals = goals(&self.taught, self.from);
         self.next_step(t)
     }
 
@@ -108,7 +131,10 @@ impl<R: Robot> Replay<R> {
                 None => None,
             };
             if let Some(demand) = demand {
-                return Ok(Step::Next(demand));
+                return Ok(Step::Next(match self.goals.pop() {
+                    Some(goal) => demand.with_goal(goal),
+                    None => demand,
+                }));
             }
             let Some(pose) = self.taught.poses.get(self.next).copied() else { return Ok(Step::Done) };
             self.next += 1;

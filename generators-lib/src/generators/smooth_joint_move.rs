@@ -53,7 +53,7 @@ impl<R: Robot> SmoothJointMove<R> {
         let motion = SynchronisedMove::new(&start, &target, &self.limits);
         let motion = motion.map_err(|error| Fault::thrown(&error.to_string()))?;
         self.motion = Some(MoveCursor::new(motion));
-        Ok(self.advance(t))
+        Ok(self.advance(t).with_goal(Demand::joints(self.goal)))
     }
 
     fn next_step(&mut self, t: Tick) -> Step<R> {

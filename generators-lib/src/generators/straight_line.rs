@@ -81,7 +81,8 @@ impl<R: Robot, L: MotionLimits> StraightLine<R, L> {
         let line = LinePath::new(start, goal);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
         self.path = Some((line, ProfileCursor::new(profile)));
-        Ok(self.advance(t))
+        // A goal out of reach is refused here, and not on arrival.
+        Ok(self.advance(t).with_goal(Demand::pose(goal)))
     }
 
     fn next_step(&mut self, t: Tick) -> Step<R> {

@@ -31,6 +31,8 @@ pub struct TimeOptimalJoints<R: Robot> {
     points: Vec<R::Joints>,
     limits: PathLimits<R::Joints>,
     path: Option<(CubicSpline<R::Joints>, ProfileCursor<TimeOptimal>)>,
+    /// Where it leads, the end last: told one in each step.
+    goals: Vec<R::Joints>,
 }
 
 impl<R: Robot> TimeOptimalJoints<R> {
@@ -38,7 +40,7 @@ impl<R: Robot> TimeOptimalJoints<R> {
     /// tenth of the robot's limits to the operator's feed rate.
     #[must_use]
     pub fn through(points: Vec<R::Joints>, limits: PathLimits<R::Joints>) -> Self {
-        TimeOptimalJoints { points, limits, path: None }
+        TimeOptimalJoints { points, limits, path: None, goals: Vec::new() }
     }
 
     /// Along a `path` that begins where the joints are, by a `plan` that was made before, for example with torque
@@ -47,11 +49,13 @@ impl<R: Robot> TimeOptimalJoints<R> {
     pub fn planned(path: CubicSpline<R::Joints>, plan: TimeOptimal) -> Self {
         let zeros = R::Joints::zeros();
         let limits = PathLimits { velocity: zeros, acceleration: zeros, speed: f64::INFINITY };
-        TimeOptimalJoints { points: Vec::new(), limits, path: Some((path, ProfileCursor::new(plan))) }
+        let goals = vec![path.at(path.range().1).value];
+        TimeOptimalJoints { points: Vec::new(), limits, path: Some((path, ProfileCursor::new(plan))), goals }
     }
 
     /// Plans the way from `start` through the points.
     fn plan(&mut self, start: R::Joints) -> Result<(), Fault> {
+        self.goals.clone_from(&self.points);
         self.points.insert(0, start);
         // Knots by the distance between the points, the chord.
         let chord = |p: &[R::Joints]| (p[1] - p[0]).as_slice().iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -70,9 +74,11 @@ impl<R: Robot> TimeOptimalJoints<R> {
 
     fn advance(&mut self, t: Tick) -> Step<R> {
         let Some((path, cursor)) = &mut self.path else { return Step::Done };
-        match cursor.advance(t.dt) {
-            Some(point) => Step::Next(Demand::joints(path.at(path.range().0 + point.s).value)),
-            None => Step::Done,
+        let Some(point) = cursor.advance(t.dt) else { return Step::Done };
+        let step = Step::Next(Demand::joints(path.at(path.range().0 + point.s).value));
+        match self.goals.pop() {
+            Some(goal) => step.with_goal(Demand::joints(goal)),
+            None => step,
         }
     }
 }

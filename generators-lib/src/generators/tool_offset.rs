@@ -49,7 +49,7 @@ impl<R: Robot> ToolOffset<R> {
         let line = LinePath::new(Pose::identity(), self.offset);
         let profile = line.profile(self.limits).map_err(|error| Fault::thrown(&error.to_string()))?;
         self.path = Some((line, profile.cursor()));
-        Ok(self.next_step(t))
+        Ok(self.next_step(t).with_goal(Demand::displacement(self.offset)))
     }
 
     fn next_step(&mut self, t: Tick) -> Step<R> {

@@ -1,6 +1,6 @@
 //! Teach-in: positions that a person showed, as a file, to be edited and replayed.
 //!
-//! [`Jog`](crate::generators::Jog) records them, [`Replay`](crate::generators::Replay) goes through them. A file is plain text, one
+//! [`Jog`](crate::generators::Jog) records them, a [`TaughtFile`] keeps them whatever happens, [`Replay`](crate::generators::Replay) goes through them. A file is plain text, one
 //! line per pose, `#` before comments:
 //!
 //! ```text
@@ -25,8 +25,10 @@
 //!
 //! Words of the head may stand on one line. A pose is replayed with the least of its shares.
 
+mod kept;
 mod taught;
 mod text;
 
+pub use kept::{Kept, TaughtFile};
 pub use taught::{Jogging, MAX_COORDINATES, Reference, Space, Taught, TaughtPose};
 pub use text::BadFile;

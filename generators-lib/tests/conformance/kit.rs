@@ -14,7 +14,7 @@ use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::{CurveError, Helix};
 use mrroc_generators::feed::{FeedError, FeedLimits};
-use mrroc_generators::force::{Behaviour, ForceControl, Give};
+use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 use mrroc_generators::generators::*;
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
@@ -231,7 +231,7 @@ pub fn law(load: f64, velocity: f64, give: Give) -> Option<ForceControl> {
     let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
     (axes[0], axes[2], axes[3]) = (
         Behaviour::Guarded { velocity, give },
-        Behaviour::Contact { load, give },
+        Behaviour::Contact { load, give, within: Bound { speed: 1.0, way: 10.0 } },
         Behaviour::Unguarded { velocity },
     );
     ForceControl::new(axes).ok()

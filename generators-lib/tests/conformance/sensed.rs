@@ -7,7 +7,7 @@ use mrroc::pose::Wrench;
 use mrroc::prelude::*;
 use mrroc_generators::conformance::Given;
 use mrroc_generators::cooperation::{Displacement, FreeDirection};
-use mrroc_generators::force::Give;
+use mrroc_generators::force::{Bound, Give};
 use mrroc_generators::generator_conformance;
 use mrroc_generators::generators::{
     CompliantTransmit, EyeInHand, FollowedFrame, ForceLaw, GuardedApproach, OrderedForce, Pressing,
@@ -15,6 +15,9 @@ use mrroc_generators::generators::{
 };
 use mrroc_robots::{Irp6, Irp6FiveDof};
 use nalgebra::Vector3;
+
+/// More than the motions below need.
+const WIDE: Bound = Bound { speed: 1.0, way: 10.0 };
 
 generator_conformance! {
     guarded_approach: GuardedApproach<Irp6, Wrist>,
@@ -118,12 +121,13 @@ generator_conformance! {
 generator_conformance! {
     ordered_force: OrderedForce<Irp6, Wrist>,
     class: "ECP f*7(c0, c, e, v)",
-    make: OrderedForce::with_tool(13.18, Give::FORCE),
+    make: OrderedForce::with_tool(13.18, Give::FORCE, WIDE),
     given: |step| felt(step, Pressing { force: 0.01 * step as f64, across: [0.01, 0.0] }),
     odd: |x| {
         let gives = [(x, 1.0), (0.01, x), (x, x)].map(|(reciprocal_damping, inertia)| Give { reciprocal_damping, inertia });
-        let mut odd: Vec<_> = gives.map(|give| OrderedForce::with_tool(10.0, give)).into();
-        odd.push(OrderedForce::with_tool(x, Give::FORCE));
+        let mut odd: Vec<_> = gives.map(|give| OrderedForce::with_tool(10.0, give, WIDE)).into();
+        odd.push(OrderedForce::with_tool(x, Give::FORCE, WIDE));
+        odd.push(OrderedForce::with_tool(10.0, Give::FORCE, Bound { speed: x, way: x }));
         odd
     },
     allocated: bytes,

@@ -12,7 +12,7 @@ use mrroc_generators::combinators::*;
 use mrroc_generators::cooperation::*;
 use mrroc_generators::curve::Helix;
 use mrroc_generators::feed::FeedLimits;
-use mrroc_generators::force::{Behaviour, ForceControl, Give};
+use mrroc_generators::force::{Behaviour, Bound, ForceControl, Give};
 use mrroc_generators::generators::*;
 use mrroc_generators::jerk::JointLimits;
 use mrroc_generators::line::{SmoothToolLimits, ToolLimits};
@@ -160,7 +160,7 @@ fn spline() -> Result<Track, Box<dyn Error>> {
 fn pressing(velocity: f64) -> Result<ForceControl, Box<dyn Error>> {
     let mut axes = [Behaviour::Unguarded { velocity: 0.0 }; 6];
     axes[0] = Behaviour::Unguarded { velocity };
-    axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE };
+    axes[2] = Behaviour::Contact { load: 10.0, give: Give::FORCE, within: Bound { speed: 0.1, way: 0.05 } };
     Ok(ForceControl::new(axes)?)
 }
 
@@ -238,7 +238,14 @@ fn told() -> Sheets {
     Ok(vec![
         ("guarded_approach", follow(approach(), 1000, pressed)),
         ("force_law", follow(ForceLaw::<Irp6, Wrist>::lasting(pressing(0.01)?, 2.5, 1), 1000, pressed)),
-        ("ordered_force", follow(OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE), 500, press)),
+        (
+            "ordered_force",
+            follow(
+                OrderedForce::<Irp6, Wrist>::with_tool(13.18, Give::FORCE, Bound { speed: 0.1, way: 0.05 }),
+                500,
+                press,
+            ),
+        ),
         (
             "eye_in_hand",
             follow(eye, 2000, move |_, at| {

@@ -154,6 +154,7 @@ pub mod pose {
 pub mod fault {
     pub use crate::model::excess::Excess;
     pub use crate::model::fault::{BY_OPERATOR, Fault, FaultClass, FaultKind, FaultWords, ProcessId, Role};
+    pub use crate::model::instruction::Instruction;
     pub use crate::model::name::{BadName, MAX_NAME, Name};
 }
 

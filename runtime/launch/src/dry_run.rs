@@ -10,6 +10,7 @@ use std::rc::Rc;
 use super::outcome::{cell_refused, note, report, stand_ins, stopped};
 use super::patience::Patience;
 use crate::approach::Approach;
+use mrroc_core::cell::AfterFault;
 use mrroc_core::cell::{Cell, CellError};
 use mrroc_core::console::{complain, refused, say};
 
@@ -19,7 +20,8 @@ pub(super) fn dry_run(mut cell: Cell, quiet: bool) -> ExitCode {
     let stood_in: String = stand_ins(&layout).map(|told| told + "\n").collect();
     let approach = Rc::new(Approach::of(layout));
     let witness: Rc<Approach> = Rc::clone(&approach);
-    cell = cell.unrecorded().witnessed_by(witness);
+    // There is nobody who could reset it.
+    cell = cell.unrecorded().witnessed_by(witness).after_fault(AfterFault::End);
     if !quiet {
         cell = cell.also_on_step(Patience::begin_dry().notes());
     }

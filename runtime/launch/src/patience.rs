@@ -26,6 +26,9 @@ pub struct Patience {
     awaited: Awaited,
     since: Instant,
     next: Duration,
+    /// Whether a cell that has stopped for a fault awaits its reset, and whether that was told.
+    awaits_reset: bool,
+    is_latch_told: bool,
 }
 
 impl Patience {
@@ -45,13 +48,25 @@ impl Patience {
     }
 
     fn of(awaited: Awaited) -> Patience {
-        Patience { awaited, since: Instant::now(), next: Duration::from_secs(10) }
+        let next = Duration::from_secs(10);
+        Patience { awaited, since: Instant::now(), next, awaits_reset: false, is_latch_told: false }
+    }
+
+    /// The same for a cell that may await its reset after a fault.
+    #[must_use]
+    pub const fn with_reset(self, awaits_reset: bool) -> Patience {
+        Patience { awaits_reset, ..self }
     }
 
     /// The hook for every step, which looks at the wall clock from time to time and prints the notes.
     pub fn notes(mut self) -> impl FnMut(u64, &Operator) {
         move |step, operator| {
             let suspended = operator.is_suspended();
+            if step % 1024 == 0
+                && let Some(text) = self.after_stop(operator)
+            {
+                note(&text);
+            }
             if step % 1024 == 0
                 && !waits_for_something_else(operator)
                 && !(suspended && matches!(self.awaited, Awaited::OperatedRun))
@@ -60,6 +75,23 @@ impl Patience {
                 note(&text);
             }
         }
+    }
+
+    /// The note about a cell that has stopped for a fault, once: under the virtual clock no console can reset it.
+    fn after_stop(&mut self, operator: &Operator) -> Option<String> {
+        let is_latched = matches!(operator.state(), CellState::Latched | CellState::Acknowledged);
+        let was_told = core::mem::replace(&mut self.is_latch_told, is_latched);
+        if was_told || !is_latched || !self.awaits_reset || !matches!(self.awaited, Awaited::Run) {
+            return None;
+        }
+        let cause = operator.fault().map_or_else(String::new, |fault| match fault.help() {
+            Some(help) => format!(": {fault}\n help: {help}"),
+            None => format!(": {fault}"),
+        });
+        Some(format!(
+            "the cell has stopped{cause}\n it awaits its reset, which under the virtual clock only the program can press; run it by \
+             --processes to reset it from another terminal; stop it by Ctrl-C"
+        ))
     }
 
     /// The note about a run that is in this step after this time, if one is due.
@@ -97,6 +129,37 @@ fn waits_for_something_else(operator: &Operator) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use core::cell::RefCell;
+    use mrroc_core::cell::AfterFault;
+    use mrroc_core::fault::Fault;
+    use std::rc::Rc;
+
+    #[test]
+    fn a_cell_that_awaits_its_reset_under_the_virtual_clock_is_told_of_once() {
+        let told = Rc::new(RefCell::new(Vec::new()));
+        let keep = Rc::clone(&told);
+        let mut patience = Patience::begin().with_reset(true);
+        let (mut latched, mut is_first) = (0, true);
+        let cell = mrroc_core::cell::Cell::new(Duration::from_millis(1))
+            .after_fault(AfterFault::AwaitReset)
+            .program(|_| Err(Fault::thrown("the tray is empty")))
+            .on_step(move |_, operator| {
+                keep.borrow_mut().extend(patience.after_stop(operator));
+                latched += u32::from(operator.state() == CellState::Latched);
+                match latched {
+                    // It stops again: that is another stop.
+                    5 if core::mem::take(&mut is_first) => {
+                        operator.acknowledge().and_then(|()| operator.reset()).expect("nothing persists");
+                    }
+                    10 => operator.give_up(),
+                    _ => {}
+                }
+            });
+        assert!(cell.run().is_err());
+        let told = told.borrow();
+        assert!(told.len() == 2 && told[0].contains("the tray is empty"), "{told:?}");
+        assert!(told[0].contains("--processes") && told[0].contains("Ctrl-C"), "{told:?}");
+    }
 
     #[test]
     fn a_run_without_an_end_is_told_of_ever_more_seldom() {

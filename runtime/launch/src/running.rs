@@ -29,7 +29,8 @@ pub(super) fn run(mut cell: Cell, mut picture: impl RunPicture, options: &Option
         cell = picture.watch(cell);
     }
     if !options.quiet {
-        cell = cell.also_on_step(Patience::begin().notes());
+        let patience = Patience::begin().with_reset(cell.awaits_reset());
+        cell = cell.also_on_step(patience.notes());
     }
     match cell.end_when_stuck(STUCK).run() {
         Ok(report) => conclude(Ok(report), picture, options),

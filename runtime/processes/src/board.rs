@@ -19,7 +19,7 @@ use super::heartbeat::Heartbeat;
 use super::session::{SHARED_MEMORY, prefix};
 
 /// Words of an entry, its sequence number not counted.
-pub(super) const ENTRY: usize = 95;
+pub(super) const ENTRY: usize = 127;
 
 /// How many times a reader tries before it gives up.
 const LOOKS: usize = 1000;

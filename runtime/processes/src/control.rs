@@ -26,7 +26,7 @@ use mrroc_core::operator::button::Button;
 use mrroc_core::payload::{BadWords, Wire};
 
 /// Words of a frame.
-const WORDS: usize = 32;
+const WORDS: usize = 40;
 
 /// The words of a frame with the places to which a process has sent messages.
 const WOKEN: Range<usize> = 2..2 + Places::WORDS;

@@ -12,7 +12,7 @@ use mrroc_core::operator::state::{Doing, EcpState, MpState};
 use mrroc_core::payload::Wire;
 use mrroc_core::robot::MAX_JOINTS;
 
-/// Where the answers begin in the entry of an MP; the fault and the name of the generator follow.
+/// Where the answers begin in the entry of an MP; the fault, the name of the generator and what forbids a reset follow.
 const ANSWERS: usize = 9;
 const FAULT: usize = ANSWERS + 4 * Button::KINDS;
 const NAME: usize = FAULT + 1 + FaultWords::LEN;
@@ -20,7 +20,10 @@ const NAME: usize = FAULT + 1 + FaultWords::LEN;
 /// Bytes of a name.
 const NAME_BYTES: usize = 72;
 
-const _: () = assert!(NAME + 1 + NAME_BYTES / 8 <= ENTRY, "the state of an MP fits on a entry");
+/// Where what forbids a reset stands, behind the name.
+const PERSISTING: usize = NAME + 1 + NAME_BYTES / 8;
+
+const _: () = assert!(PERSISTING + 1 + FaultWords::LEN <= ENTRY, "the state of an MP fits on a entry");
 const _: () = assert!(2 + 2 * MAX_JOINTS <= ENTRY, "and so does a robot's");
 
 /// The words of an MP's state.
@@ -40,12 +43,22 @@ pub(super) fn of_mp(state: &MpState) -> [u64; ENTRY] {
     for (answer, words) in state.answers.iter().zip(words[ANSWERS..FAULT].chunks_exact_mut(4)) {
         words.copy_from_slice(&[answer.number, answer.step, answer.state as u64, u64::from(answer.done)]);
     }
-    if let Some(fault) = &state.fault {
-        words[FAULT] = 1;
-        fault.put(&mut words[FAULT + 1..NAME]);
-    }
-    put_name(&mut words[NAME..], state.by);
+    put_fault(&mut words[FAULT..NAME], state.fault.as_ref());
+    put_name(&mut words[NAME..PERSISTING], state.by);
+    put_fault(&mut words[PERSISTING..], state.persisting.as_ref());
     words
+}
+
+/// Puts a fault behind a word that says whether there is one.
+fn put_fault(words: &mut [u64], fault: Option<&FaultWords>) {
+    if let Some(fault) = fault {
+        words[0] = 1;
+        fault.put(&mut words[1..]);
+    }
+}
+
+fn fault(words: &[u64]) -> Option<Fault> {
+    (words[0] == 1).then(|| FaultWords::get(&words[1..]).ok()).flatten().map(Fault::from)
 }
 
 /// The words of the state of an ECP's program.
@@ -95,6 +108,7 @@ pub(super) struct MpPanel {
     pub state: CellState,
     pub answers: [Answer; Button::KINDS],
     pub fault: Option<Fault>,
+    pub persisting: Option<Fault>,
 }
 
 impl MpPanel {
@@ -109,20 +123,20 @@ impl MpPanel {
             *answer =
                 Answer { number: words[0], step: words[1], state: state(words[2]), done: words[3] == 1 };
         }
-        let fault = (words[FAULT] == 1).then(|| FaultWords::get(&words[FAULT + 1..NAME]).ok()).flatten();
         MpPanel {
             step: words[0],
             period: words[1],
             instructions: words[2],
             doing: doing(words[3]),
-            by: name(&words[NAME..]),
+            by: name(&words[NAME..PERSISTING]),
             rate: f64::from_bits(words[4]),
             speed: f64::from_bits(words[5]),
             state: state(words[6]),
             reduced: words[7] == 1,
             held: words[8] == 1,
             answers,
-            fault: fault.map(Fault::from),
+            fault: fault(&words[FAULT..NAME]),
+            persisting: fault(&words[PERSISTING..]),
         }
     }
 }
@@ -169,6 +183,7 @@ mod tests {
     #[test]
     fn the_state_of_an_mp_is_read_as_it_was_written() {
         let fault = Fault::new(FaultKind::PeerLost).in_process(ProcessId::MP).at_step(7).text("gone");
+        let persisting = Fault::new(FaultKind::DriveFault).in_process(ProcessId::PLANT).text("brake");
         let answer = Answer { number: 3, step: 9, state: CellState::Stopping, done: true };
         let mut state = MpState {
             step: 1,
@@ -180,6 +195,7 @@ mod tests {
             speed: 0.5,
             state: CellState::Suspended,
             fault: Some(FaultWords::from(&fault)),
+            persisting: Some(FaultWords::from(&persisting)),
             ..MpState::default()
         };
         state.answers[Button::Speed(0.0).kind()] = answer;
@@ -188,7 +204,7 @@ mod tests {
         assert_eq!((read.instructions, read.doing, read.by.as_str()), (6, Doing::Wait, "Dwell"));
         assert_eq!((read.rate, read.speed, read.state), (0.25, 0.5, CellState::Suspended));
         assert_eq!(read.answers, state.answers);
-        assert_eq!(read.fault, Some(fault));
+        assert_eq!((read.fault, read.persisting), (Some(fault), Some(persisting)));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use super::board::StateBoard;
 use super::capacity::{self, NoRoom};
 use super::console_server::ConsoleServer;
 use super::figures::table;
+use super::latch_notes::LatchNotes;
 use super::pacing::pace;
 use super::process_set::{Member, NoStart, Plan, ProcessSet};
 use super::session::{CellLock, Private, Session, SessionError, prefix};
@@ -78,6 +79,7 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     // Whoever supervises robots waits for no terminal.
     let _output = Background::begin().map_err(LaunchError::Output)?;
     let stop = cell.stop_limit();
+    let awaits_reset = cell.awaits_reset();
     let computing = cell.patience().unwrap_or(COMPUTING);
     let hardware = cell.hardware();
     let recorder = cell.recorder();
@@ -107,7 +109,8 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
                     Some((board, shown)) => {
                         let console_server = open_console_server(&session, shown, &process_set)?;
                         let patience = Patience { stop, computing };
-                        Supervision::new(&process_set, &signals, &console_server, &board, patience)
+                        let notes = LatchNotes::new(awaits_reset);
+                        Supervision::new(&process_set, &signals, &console_server, &board, (patience, notes))
                             .run(plan.watched)
                     }
                     None => pace(&process_set, &signals, stop)?,

@@ -30,6 +30,7 @@ mod heartbeat;
 mod holding;
 mod iceoryx;
 mod identity;
+mod latch_notes;
 #[cfg(test)]
 mod latency;
 mod launcher;

@@ -129,6 +129,9 @@ fn describe(picture: &Picture) -> String {
         None => line(format_args!("control: nobody")),
     }
     line(format_args!("last fault: {}", picture.fault.as_deref().unwrap_or("none")));
+    if let Some(persisting) = &picture.persisting {
+        line(format_args!("a reset failed or would be refused: {persisting}"));
+    }
     line(format_args!(
         "{:>8} {:28} {:>8} {:>8} {:>8} {:>18}",
         "number", "process", "steps", "skipped", "overruns", "late, p99, max [us]"

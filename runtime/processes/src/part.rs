@@ -78,7 +78,12 @@ fn take_part(
         cell = cell.watched_in_plant();
     }
     if !how.quiet {
-        cell = cell.also_on_step(Patience::begin_operated().notes());
+        let patience = match how.clock {
+            // No console can reach it.
+            Some(Clock::Virtual) => Patience::begin().with_reset(cell.awaits_reset()),
+            Some(Clock::Real) | None => Patience::begin_operated(),
+        };
+        cell = cell.also_on_step(patience.notes());
     }
     let record =
         recorder.and_then(|recorder| recorder.join(cell.recording(), &cell.layout(), process, session));

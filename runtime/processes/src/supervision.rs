@@ -14,6 +14,7 @@ use super::console_server::ConsoleServer;
 use super::control::Frame;
 use super::entry::MpPanel;
 use super::heartbeat::BEAT;
+use super::latch_notes::LatchNotes;
 use super::launcher::{Run, note};
 use super::mp_watch::{MpProgress, MpWatch, Still};
 use super::process_set::{Member, Over, ProcessSet};
@@ -69,6 +70,7 @@ pub(super) struct Supervision<'a> {
     /// In how many rounds in a row the cell has stood since then.
     rounds_at_rest: u32,
     mp_watch: MpWatch,
+    latch_notes: LatchNotes,
     /// Whether the cell is ended because its MP stands still.
     mp_is_still: bool,
     /// When the launcher last showed that it supervises.
@@ -82,7 +84,7 @@ impl<'a> Supervision<'a> {
         signals: &'a Signals,
         console_server: &'a ConsoleServer,
         board: &'a StateBoard,
-        patience: Patience,
+        (patience, latch_notes): (Patience, LatchNotes),
     ) -> Self {
         Supervision {
             process_set,
@@ -97,6 +99,7 @@ impl<'a> Supervision<'a> {
             suspending: None,
             rounds_at_rest: 0,
             mp_watch: MpWatch::new(patience.computing),
+            latch_notes,
             mp_is_still: false,
             beat: Instant::now(),
         }
@@ -241,12 +244,15 @@ impl<'a> Supervision<'a> {
         self.board.read(self.mp?).map(|words| MpPanel::read(&words))
     }
 
-    /// Tells of an MP that begins no step, and ends the cell if that lasts.
+    /// Tells of a cell that awaits its reset, and of an MP that begins no step; ends the cell if that lasts.
     fn look_at_mp(&mut self) {
         if self.closing.is_some() || self.suspending.is_some() {
             return;
         }
         let mp = self.panel().unwrap_or_default();
+        if let Some(told) = self.latch_notes.look(&mp) {
+            complain(&told);
+        }
         let stopped = mp.answers[Button::Stop.kind()].number;
         let progress = MpProgress { step: mp.step, instructions: mp.instructions };
         match self.mp_watch.look(progress, stopped, Instant::now()) {

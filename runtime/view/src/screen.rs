@@ -35,11 +35,12 @@ const LABEL: usize = 15;
 /// Draws the whole screen.
 pub(super) fn draw(frame: &mut Frame<'_>, screen: &Screen) {
     let width = usize::from(frame.area().width).max(1);
+    let no_reset = screen.picture.as_ref().is_some_and(|picture| picture.persisting.is_some());
     let rows = Layout::vertical([
         Constraint::Length(2),
         Constraint::Length(1),
         Constraint::Min(6),
-        Constraint::Length(3),
+        Constraint::Length(if no_reset { 4 } else { 3 }),
         Constraint::Length(if KEYS.chars().count() > width { 2 } else { 1 }),
     ]);
     let [top, speed, middle, bottom, keys] = rows.areas(frame.area());
@@ -170,6 +171,9 @@ fn robot(robot: &RobotPicture) -> [Line<'static>; 3] {
 /// The last fault, and the answer to the last key.
 fn messages(screen: &Screen) -> Paragraph<'static> {
     let fault = screen.picture.as_ref().and_then(|picture| picture.fault.clone());
+    let persisting = screen.picture.as_ref().and_then(|picture| picture.persisting.as_ref());
+    let no_reset =
+        persisting.map(|why| Line::from(format!("a reset failed or would be refused: {why}")).red());
     let fault = match fault {
         Some(fault) => Line::from(format!("last fault: {fault}")).red(),
         None => Line::from("last fault: none").dim(),
@@ -184,7 +188,8 @@ fn messages(screen: &Screen) -> Paragraph<'static> {
         Some(Reply::Pending(text)) => Line::from(format!("pending: {text}")).yellow(),
         None => Line::default(),
     };
-    Paragraph::new(vec![fault, reply]).wrap(Wrap { trim: true })
+    let lines: Vec<_> = [Some(fault), no_reset, Some(reply)].into_iter().flatten().collect();
+    Paragraph::new(lines).wrap(Wrap { trim: true })
 }
 
 #[cfg(test)]
@@ -210,6 +215,7 @@ mod tests {
             by: "Swing".to_owned(),
             holder: Some(4711),
             fault: Some("mp: aborted by the operator at step 77".to_owned()),
+            persisting: None,
             processes: vec![
                 ProcessPicture { name: "mp".to_owned(), pid: 100, runs: true, figures },
                 ProcessPicture {
@@ -237,6 +243,22 @@ mod tests {
         let buffer = terminal.backend().buffer();
         let row = |y| (0..width).map(|x| buffer[(x, y)].symbol()).collect::<String>();
         (0..height).map(row).collect()
+    }
+
+    #[test]
+    fn what_forbids_a_reset_is_below_the_last_fault_and_hides_no_answer() {
+        let reply = Some(Reply::Refused("the cause of the fault persists: step 9".to_owned()));
+        let persisting = Some("edp arm: drive fault: the brake".to_owned());
+        let latched = Picture { state: CellState::Latched, persisting, ..picture() };
+        let lines =
+            drawn(&Screen { picture: Some(latched), reply, ..Screen::default() }, (100, 24)).join("\n");
+        for told in [
+            "last fault: mp",
+            "a reset failed or would be refused: edp arm: drive fault: the brake",
+            "refused: the cause",
+        ] {
+            assert!(lines.contains(told), "{told}: {lines}");
+        }
     }
 
     #[test]

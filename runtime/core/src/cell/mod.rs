@@ -104,6 +104,11 @@ impl Cell {
         self
     }
 
+    /// Whether it awaits a reset after a fault.
+    pub fn awaits_reset(&self) -> bool {
+        self.coordination.after_fault == AfterFault::AwaitReset
+    }
+
     /// Adds a robot.
     #[must_use]
     pub fn robot<R: Robot>(mut self, setup: RobotSetup<R>) -> Cell {

@@ -2,9 +2,10 @@
 
 use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 
+use crate::model::beside::{BESIDE_WORDS, Beside, Goal};
 use crate::model::driver::Regulators;
 use crate::model::joints::{JointVector, MAX_JOINTS};
-use crate::model::load::{CompactLoad, LOAD_WORDS, Load};
+use crate::model::load::Load;
 use crate::model::pose::{AngleAxis, Pose, Zyz};
 use crate::model::robot::Robot;
 use crate::model::shape::Shape;
@@ -23,7 +24,7 @@ pub struct Demand<R: Robot> {
     pub(crate) redundancy: Option<f64>,
     pub(crate) regulators: Option<Regulators>,
     pub(crate) outputs: Outputs,
-    load: Option<CompactLoad>,
+    beside: Beside,
 }
 
 /// The coordinates of a demand.
@@ -51,7 +52,7 @@ impl<R: Robot> Copy for Coordinates<R> {}
 impl<R: Robot> PartialEq for Demand<R> {
     fn eq(&self, other: &Self) -> bool {
         (self.tool, self.redundancy, self.regulators) == (other.tool, other.redundancy, other.regulators)
-            && (self.outputs, self.load) == (other.outputs, other.load)
+            && (self.outputs, self.beside) == (other.outputs, other.beside)
             && self.coordinates == other.coordinates
     }
 }
@@ -81,7 +82,7 @@ impl<R: Robot> Demand<R> {
             redundancy: None,
             regulators: None,
             outputs: Outputs::NONE,
-            load: None,
+            beside: Beside::Nothing,
         }
     }
 
@@ -182,6 +183,10 @@ impl<R: Robot> Demand<R> {
             Coordinates::Pose(pose) | Coordinates::Displacement(pose) => *pose *= X_EE,
             Coordinates::Hold | Coordinates::Joints(_) => return None,
         }
+        // Its motion leads elsewhere, too.
+        if !self.beside.is_load() {
+            self.beside = Beside::Nothing;
+        }
         Some(self)
     }
 
@@ -239,13 +244,48 @@ impl<R: Robot> Demand<R> {
     /// to seven digits.
     #[must_use]
     pub fn with_load(mut self, load: Load) -> Self {
-        self.load = Some(load.into());
+        self.beside = Beside::Load(load.into());
         self
+    }
+
+    /// The same demand, which also says where the motion leads: to the joint positions, the pose or the displacement of `goal`.
+    /// One that the robot cannot reach is refused with this demand, and not when the motion comes to it. So generators name
+    /// their goals in their first steps; to move there remains their work. Beside a [load](Self::with_load) there is no room
+    /// for a goal.
+    ///
+    /// Refused are joints beyond their limits, and poses that are certainly out of reach with the tool of this demand: not
+    /// those that only a search did not find.
+    ///
+    /// ```
+    /// use mrroc::prelude::*;
+    /// use mrroc_robots::{Irp6, Six};
+    ///
+    /// # let (first, goal) = (Six::repeat(0.001), Six::repeat(0.5));
+    /// let demand = Demand::<Irp6>::joints(first).with_goal(Demand::joints(goal));
+    /// assert_eq!(demand.as_joints(), Some(first));
+    /// ```
+    #[must_use]
+    pub fn with_goal(mut self, goal: Demand<R>) -> Self {
+        let goal = match goal.coordinates {
+            Coordinates::Hold => return self,
+            Coordinates::Joints(q) => Goal::Joints(q),
+            Coordinates::Pose(pose) => Goal::Pose(pose),
+            Coordinates::Displacement(pose) => Goal::Displacement(pose),
+        };
+        if !self.beside.is_load() {
+            self.beside = Beside::of_goal(&goal);
+        }
+        self
+    }
+
+    /// Where its motion leads, if it says so.
+    pub(crate) fn goal(&self) -> Option<Goal<R::Joints>> {
+        self.beside.goal()
     }
 
     /// What the robot is said to carry from now on.
     pub(crate) fn load(&self) -> Option<Load> {
-        self.load.map(Load::from)
+        self.beside.load()
     }
 }
 
@@ -262,12 +302,13 @@ const REDUNDANCY: u64 = 1 << 9;
 const REGULATORS: u64 = 1 << 10;
 const OUTPUTS: u64 = 1 << 11;
 const LOAD: u64 = 1 << 12;
-const MORE: u64 = TOOL | REDUNDANCY | REGULATORS | OUTPUTS | LOAD;
+const GOAL: u64 = 1 << 13;
+const MORE: u64 = TOOL | REDUNDANCY | REGULATORS | OUTPUTS | LOAD | GOAL;
 
-/// Words up to the end of the choices, of the outputs, of the load.
+/// Words up to the end of the choices, of the outputs, of the load or the goal.
 const CHOSEN: usize = 1 + MAX_JOINTS + 7 + 2;
 const SWITCHED: usize = CHOSEN + OUTPUT_WORDS;
-const LOADED: usize = SWITCHED + LOAD_WORDS;
+const LOADED: usize = SWITCHED + BESIDE_WORDS;
 
 impl<R: Robot> Demand<R> {
     /// The layout depends on the kind of robot through its name and its number of joints.
@@ -276,7 +317,8 @@ impl<R: Robot> Demand<R> {
 
 impl<R: Robot> Wire for Demand<R> {
     const LEN: usize = LOADED;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::generator::Demand");
+    const LAYOUT: u64 =
+        crate::model::wire::layout_hash(Self::KIND_LAYOUT, "mrroc::generator::Demand with goals");
     const SHAPE: &'static Shape = &Shape::Demand;
 
     #[inline]
@@ -304,14 +346,14 @@ impl<R: Robot> Wire for Demand<R> {
         }
     }
 
-    /// Its coordinates; the tool, what is chosen with it, the outputs, the load, up to the last that is there.
+    /// Its coordinates; the tool, what is chosen with it, the outputs, the load or the goal, up to the last that is there.
     #[inline]
     fn used(&self) -> usize {
         if self.says_more() {
-            return match (self.load.is_some(), self.outputs.is_none()) {
-                (true, _) => LOADED,
-                (false, false) => SWITCHED,
-                (false, true) => CHOSEN,
+            return match (self.beside.is_nothing(), self.outputs.is_none()) {
+                (false, _) => LOADED,
+                (true, false) => SWITCHED,
+                (true, true) => CHOSEN,
             };
         }
         1 + match &self.coordinates {
@@ -351,14 +393,14 @@ impl<R: Robot> Demand<R> {
             || self.redundancy.is_some()
             || self.regulators.is_some()
             || !self.outputs.is_none()
-            || self.load.is_some()
+            || !self.beside.is_nothing()
     }
 
     #[cold]
     fn put_choices(&self, words: &mut [u64]) {
         let (body, choices) = words[1 + MAX_JOINTS..LOADED].split_at_mut(7);
         let (choices, outputs) = choices.split_at_mut(2);
-        let (outputs, load) = outputs.split_at_mut(OUTPUT_WORDS);
+        let (outputs, beside) = outputs.split_at_mut(OUTPUT_WORDS);
         let mut more = 0;
         if let Some(tool) = &self.tool {
             more |= TOOL;
@@ -376,10 +418,12 @@ impl<R: Robot> Demand<R> {
             more |= OUTPUTS;
             self.outputs.put(outputs);
         }
-        if let Some(carried) = self.load() {
-            more |= LOAD;
-            carried.put(load);
-        }
+        more |= match self.beside {
+            Beside::Nothing => 0,
+            Beside::Load(_) => LOAD,
+            Beside::Goal(..) => GOAL,
+        };
+        self.beside.put(beside);
         words[0] |= more;
     }
 
@@ -396,7 +440,9 @@ impl<R: Robot> Demand<R> {
             self.outputs = Outputs::get(part(CHOSEN, SWITCHED)?)?;
         }
         if head & LOAD != 0 {
-            self.load = Some(Load::get(part(SWITCHED, LOADED)?)?.into());
+            self.beside = Beside::get_load(part(SWITCHED, LOADED)?)?;
+        } else if head & GOAL != 0 {
+            self.beside = Beside::get_goal(part(SWITCHED, LOADED)?)?;
         }
         Ok(())
     }
@@ -422,7 +468,7 @@ mod tests {
         let output = Output::<f64>::of(Channel::Analog(1)).expect("an analog one");
         let switched = Demand::<Slide>::hold().with_output(output, 0.25).outputs;
         assert_eq!(switched.value(Channel::Analog(1)), Some(Value::Analog(0.25)));
-        let chosen: [fn(Demand<Slide>) -> Demand<Slide>; 6] = [
+        let chosen: [fn(Demand<Slide>) -> Demand<Slide>; 7] = [
             |demand| demand,
             |demand| demand.with_tool(Pose::translation(0.0, 0.0, 0.1)),
             |demand| demand.with_redundancy(-0.25),
@@ -432,8 +478,9 @@ mod tests {
                 ..demand
             },
             |demand| demand.with_load(Load::point(1.0, Vector3::z())),
+            |demand| demand.with_goal(Demand::joints(One::new(0.75))),
         ];
-        let whole = [0, 18, 18, 18, 24, 34];
+        let whole = [0, 18, 18, 18, 24, 34, 34];
         for (form, sent) in forms.into_iter().zip(sent) {
             for (i, chosen) in chosen.iter().enumerate() {
                 let demand = chosen(form);
@@ -446,5 +493,20 @@ mod tests {
                 assert_eq!(Demand::<Slide>::get(&words[..used - 1]), Err(BadWords), "{demand:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_goal_is_told_to_seven_digits_and_takes_no_room_of_its_own() {
+        let pose = Pose::translation(1.0 / 3.0, -2.0, 3.0);
+        let near = |a: &Pose, b: &Pose| (a.translation.vector - b.translation.vector).norm() < 1e-6;
+        let told = |goal| Demand::<Slide>::hold().with_goal(goal).goal();
+        assert!(matches!(told(Demand::pose(pose)), Some(Goal::Pose(at)) if near(&at, &pose)));
+        assert!(matches!(told(Demand::displacement(pose)), Some(Goal::Displacement(at)) if near(&at, &pose)));
+        assert_eq!(told(Demand::joints(One::new(0.75))), Some(Goal::Joints(One::new(0.75))));
+        assert_eq!(told(Demand::hold()), None);
+        // A load is told in any case.
+        let loaded = Demand::<Slide>::hold().with_load(Load::point(1.0, Vector3::z()));
+        assert_eq!(loaded.with_goal(Demand::pose(pose)), loaded);
+        assert_eq!(size_of::<Beside>(), size_of::<Option<crate::model::load::CompactLoad>>());
     }
 }

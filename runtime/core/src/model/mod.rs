@@ -2,6 +2,7 @@
 //!
 //! In: what a programmer writes. Out: types that the layers above check, send and execute. Nothing here knows a process.
 
+pub(crate) mod beside;
 pub(crate) mod class;
 pub(crate) mod demand;
 pub(crate) mod drive_fault;
@@ -12,6 +13,7 @@ pub(crate) mod fault;
 pub(crate) mod frames;
 pub(crate) mod generator;
 pub(crate) mod image;
+pub(crate) mod instruction;
 pub(crate) mod joints;
 pub(crate) mod list;
 pub(crate) mod load;

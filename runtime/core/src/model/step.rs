@@ -2,8 +2,10 @@
 
 use core::fmt;
 
+use crate::model::demand::Demand;
 use crate::model::fault::Fault;
 use crate::model::list::{Motion, Robots};
+use crate::model::robot::Robot;
 
 /// The next step of a motion of the robots `L` in the language `O`: demands, or the end.
 pub enum Step<L: Robots<O>, O = Motion> {
@@ -16,6 +18,17 @@ pub enum Step<L: Robots<O>, O = Motion> {
 /// What a step function without state returns: in every step the demands that follow from its arguments
 /// alone. A motion of this kind has no `Done`; it ends when every ECP of its list has finished, or by `until`.
 pub struct Always<L: Robots<O>, O = Motion>(pub L::Demands);
+
+impl<R: Robot + Robots<Motion, Demands = Demand<R>>> Step<R> {
+    /// The same step of one robot, whose demand says where the motion leads: see [`Demand::with_goal`].
+    #[must_use]
+    pub fn with_goal(self, goal: Demand<R>) -> Self {
+        match self {
+            Step::Next(demand) => Step::Next(demand.with_goal(goal)),
+            Step::Done => Step::Done,
+        }
+    }
+}
 
 impl<L: Robots<O>, O> Clone for Step<L, O> {
     fn clone(&self) -> Self {

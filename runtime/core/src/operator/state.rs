@@ -4,36 +4,9 @@ use crate::model::fault::FaultWords;
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 
+pub use crate::model::instruction::Doing;
+
 use super::button::{Answer, Button, CellState};
-
-/// What kind of instruction an MP or an ECP carries out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Doing {
-    /// No instruction: its program computes, or is over.
-    #[default]
-    Nothing,
-    /// The drives look for their reference marks.
-    Homing,
-    /// A Move.
-    Move,
-    /// A Wait.
-    Wait,
-}
-
-impl Doing {
-    /// All of them; one travels as its place in this list.
-    pub const ALL: [Doing; 4] = [Doing::Nothing, Doing::Homing, Doing::Move, Doing::Wait];
-
-    /// Its word.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Doing::Nothing => "nothing",
-            Doing::Homing => "homing",
-            Doing::Move => "move",
-            Doing::Wait => "wait",
-        }
-    }
-}
 
 /// What an MP shows of itself in every step.
 #[derive(Clone, Default)]
@@ -42,7 +15,7 @@ pub struct MpState {
     pub step: u64,
     /// Length of a step \[ns\].
     pub period: Nanos,
-    /// Instructions that have begun.
+    /// Moves and Waits that the program has begun, since its first line.
     pub instructions: u64,
     /// What is done now.
     pub doing: Doing,
@@ -63,6 +36,8 @@ pub struct MpState {
     pub answers: [Answer; Button::KINDS],
     /// What ended the last instruction that did not end well.
     pub fault: Option<FaultWords>,
+    /// In a latched cell: what forbids a reset, or made the last one fail.
+    pub persisting: Option<FaultWords>,
 }
 
 /// What the program of an ECP shows of its own instructions, whenever one begins or ends.

@@ -2,7 +2,7 @@
 
 use crate::model::fault::{BY_OPERATOR, Fault, FaultKind, Role, UNSUPERVISED};
 use crate::model::robot_stop::Stopped;
-use crate::safety::limits::{AT_REDUCED_SPEED, DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
+use crate::safety::limits::{AT_REDUCED_SPEED, DISAGREEMENT, GOAL, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
 
 impl Fault {
     /// What to do about it, where its kind alone tells.
@@ -10,6 +10,15 @@ impl Fault {
     pub fn help(&self) -> Option<&'static str> {
         use FaultKind as K;
         let demanded = match self.kind() {
+            K::DemandOutOfRange if self.message().starts_with(GOAL) => {
+                return Some("give the motion a goal within the joint's limits; nothing has moved for it");
+            }
+            K::NoInverseKinematics if self.message().starts_with(GOAL) => {
+                return Some(
+                    "give the motion a goal that the arm reaches; if it is to end before its goal, as on contact, one that is nearer; \
+                     nothing has moved for it",
+                );
+            }
             K::DemandOutOfRange => {
                 "keep the motion within the joint's limits: a joint must always be able to stop before them"
             }

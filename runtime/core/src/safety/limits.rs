@@ -12,6 +12,7 @@
 
 use core::marker::PhantomData;
 
+use crate::model::beside::Goal;
 use crate::model::demand::{Coordinates, Demand};
 use crate::model::fault::{Fault, FaultKind};
 use crate::model::joints::JointVector;
@@ -22,6 +23,7 @@ use crate::safety::rate::RateHeadroom;
 use crate::safety::screw::Screw;
 
 use checks::{CheckedStep, Checks, Proposed, Standstill};
+pub(crate) use goals::GOAL;
 use motion::Motion;
 use path::Track;
 pub(crate) use poses::{DISAGREEMENT, NOT_ATTAINABLE, NOT_FOUND, NOT_REDUNDANT};
@@ -32,6 +34,7 @@ use ways::Next;
 
 mod catching_up;
 mod checks;
+mod goals;
 mod missing;
 mod motion;
 mod path;
@@ -235,6 +238,9 @@ impl<R: Robot> Acceptor<R> {
         all_missed: bool,
     ) -> Result<AcceptedDemand<R>, Fault> {
         let target = self.target(demand)?;
+        if let Some(goal) = demand.goal() {
+            self.check_goal(&goal, demand, &target.tool)?;
+        }
         let missing = self.track.path.missing;
         // In step with its path, as nearly always, a robot has nothing to come back to.
         let accepted = if self.track.is_in_step() {
@@ -275,6 +281,18 @@ impl<R: Robot> Acceptor<R> {
         }
         let fault = Fault::new(FaultKind::DemandedVelocity).text(AT_REDUCED_SPEED);
         Err(fault.exceeds(speed, REDUCED_SPEED, "m/s"))
+    }
+
+    /// Whether the robot can be where the motion leads that a demand belongs to.
+    ///
+    /// # Errors
+    /// It certainly cannot.
+    #[cold]
+    fn check_goal(&mut self, goal: &Goal<R::Joints>, demand: &Demand<R>, tool: &Pose) -> Result<(), Fault> {
+        let robot = &self.checks.robot;
+        let start = self.motion.start(robot);
+        let near = &self.track.path.position;
+        goals::check(robot, goal, &goals::Setting { start, tool, redundancy: demand.redundancy, near })
     }
 
     /// The tool of a demand, and the joint positions that it asks for.

@@ -46,6 +46,8 @@ pub struct Picture {
     pub holder: Option<u32>,
     /// The fault that ended the last instruction that failed.
     pub fault: Option<String>,
+    /// In a latched cell: what forbids a reset, or made the last one fail.
+    pub persisting: Option<String>,
     /// The processes of the cell, in the order of their places.
     pub processes: Vec<ProcessPicture>,
     /// The robots of the cell.
@@ -94,6 +96,9 @@ impl fmt::Display for Picture {
         }
         if let Some(fault) = &self.fault {
             writeln!(f, "fault {}", one_line(fault))?;
+        }
+        if let Some(persisting) = &self.persisting {
+            writeln!(f, "persisting {}", one_line(persisting))?;
         }
         for process in &self.processes {
             let state = if process.runs { "runs" } else { "ended" };
@@ -167,6 +172,10 @@ impl Picture {
             Some("token") => number(&mut words).map(|holder| self.holder = Some(holder)),
             Some("fault") => {
                 self.fault = Some(rest(&mut words));
+                Some(())
+            }
+            Some("persisting") => {
+                self.persisting = Some(rest(&mut words));
                 Some(())
             }
             Some("process") => process(&mut words)

@@ -11,6 +11,7 @@ use super::protocol::Reply;
 use super::service::Service;
 use crate::control::Frame;
 use crate::mp_watch::STOPPING;
+use mrroc_core::fault::Fault;
 use mrroc_core::operator::button::{Answer, Button, CellState};
 
 /// How long a console waits for its press to be carried out.
@@ -32,8 +33,9 @@ impl Service {
         for (kind, flight) in self.flights.iter_mut().enumerate() {
             let Some(Flight { number, button, since }) = *flight else { continue };
             let answer = mp.as_ref().map(|mp| mp.answers[kind]).filter(|answer| answer.number == number);
+            let persisting = mp.as_ref().and_then(|mp| mp.persisting.as_ref());
             let reply = match answer {
-                Some(answer) => say(button, answer),
+                Some(answer) => say(button, answer, persisting),
                 None if over => Reply::Refused("the cell closes".to_owned()),
                 None if since.elapsed() > PATIENCE => Reply::Pending(pending(button)),
                 None => continue,
@@ -81,10 +83,12 @@ fn pending(button: Button) -> String {
 }
 
 /// `suspended: step 1203`; `refused nothing runs: step 1203`.
-fn say(button: Button, answer: Answer) -> Reply {
+fn say(button: Button, answer: Answer, persisting: Option<&Fault>) -> Reply {
     let Answer { step, state, done, .. } = answer;
     if !done {
-        return Reply::Refused(format!("{}: step {step}", state.reason(button)));
+        let why = persisting.filter(|_| (button, state) == (Button::Reset, CellState::Acknowledged));
+        let why = why.map_or_else(String::new, |why| format!(": {why}").replace('\n', " "));
+        return Reply::Refused(format!("{}{why}: step {step}", state.reason(button)));
     }
     let what = match (button, state) {
         (Button::Stop, CellState::Latched | CellState::Acknowledged) => "stopped already".to_owned(),

@@ -227,14 +227,14 @@ mod tests {
         );
         (
             (0..CellState::ALL.len(), any::<[u64; 3]>(), 0.0..=1.0, 0.0..=1.0, any::<[bool; 2]>()),
-            (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<Option<u8>>()),
+            (0..Doing::ALL.len(), "[A-Za-z]{0,24}", any::<Option<u32>>(), any::<[Option<u8>; 2]>()),
             proptest::collection::vec(process, 0..64),
             proptest::collection::vec(robot, 0..32),
         )
             .prop_map(
                 |(
                     (state, n, rate, speed, [reduced, held]),
-                    (doing, by, holder, fault),
+                    (doing, by, holder, [fault, persisting]),
                     processes,
                     robots,
                 )| {
@@ -251,6 +251,7 @@ mod tests {
                         by,
                         holder,
                         fault: fault.map(|step| format!("mp: protective stop: gone at step {step}")),
+                        persisting: persisting.map(|step| format!("edp: drive fault at step {step}")),
                         processes,
                         robots,
                     }

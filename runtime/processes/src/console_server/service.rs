@@ -342,6 +342,7 @@ impl Service {
             by: mp.by,
             holder: holder.map(|console| console.pid),
             fault: mp.fault.map(|fault| fault.to_string()),
+            persisting: mp.persisting.map(|fault| fault.to_string()),
             ..Picture::default()
         };
         let seats = self.seats();

@@ -147,7 +147,7 @@ impl Piece {
 
     /// The part between two parameters, over 0..=1 again. A rational piece stays whole: its heights never change.
     #[must_use]
-    pub(super) fn part(&self, from: f64, to: f64) -> Self {
+    pub fn part(&self, from: f64, to: f64) -> Self {
         match self {
             Self::Line { .. } => Self::Line { from: self.point(from), to: self.point(to) },
             Self::Arc(arc) => Self::Arc(EllipticalArc {

@@ -22,7 +22,7 @@ impl<R: Robot> Ecp<'_, R> {
     /// How an instruction that the MP has ended ends the Move or Wait at work in it.
     pub(super) fn instruction_over(&self, aborted: bool) -> Fault {
         let kind = if aborted { FaultKind::Aborted } else { FaultKind::InstructionEnded };
-        Fault::orderly(kind).in_process(self.process)
+        Fault::orderly(kind).in_process(self.process).in_instruction(self.instruction())
     }
 
     pub(super) fn check_latch(&mut self) -> Result<(), Fault> {
@@ -55,6 +55,7 @@ impl<R: Robot> Ecp<'_, R> {
             return latched.clone();
         }
         let fault = fault.in_process(self.process).at_step(self.orders.header().step);
+        let fault = fault.in_instruction(self.instruction());
         if fault.is_orderly() && fault.kind() == FaultKind::CellClosed {
             return fault;
         }

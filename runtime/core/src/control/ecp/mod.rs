@@ -29,6 +29,7 @@ use crate::link::{Client, Server};
 use crate::model::demand::Demand;
 use crate::model::fault::{Fault, FaultKind, ProcessId};
 use crate::model::image::{RobotImage, Sensor};
+use crate::model::instruction::{Instruction, Level as InstructionLevel};
 use crate::model::list::{PayloadType, SensorHandle};
 use crate::model::load::Tool;
 use crate::model::name::Name;
@@ -64,10 +65,20 @@ pub struct Ecp<'w, R: Robot> {
     witnesses: Witnesses,
     /// Where the instructions of a user's program are shown to observers; those of a transparent ECP are the MP's.
     activity: Option<Shown<Activity>>,
+    /// The program's present instruction, and how many it has begun.
+    at_work: AtWork,
     /// The robot's part of the run that is replayed.
     replayed: Option<Rc<RecordedRobot>>,
     signals: Rc<SignalNames>,
     named: Rc<CellNames>,
+}
+
+/// How far a program has come, for those who look on and for the faults that it meets.
+#[derive(Clone, Copy, Default)]
+struct AtWork {
+    instructions: u64,
+    doing: Doing,
+    by: TypeName,
 }
 
 /// What is wrong while demands are sound.
@@ -116,6 +127,7 @@ impl<'w, R: Robot> Ecp<'w, R> {
             refusals: 0,
             trouble: Trouble::None,
             activity: None,
+            at_work: AtWork::default(),
             replayed,
             signals: Rc::default(),
             named: Rc::default(),
@@ -136,12 +148,20 @@ impl<'w, R: Robot> Ecp<'w, R> {
     }
 
     /// Shows those who look on at the run that an instruction of the program begins, or is over.
-    fn show_instruction(&self, doing: Doing, by: TypeName) {
+    fn show_instruction(&mut self, doing: Doing, by: TypeName) {
         let Some(activity) = &self.activity else { return };
+        let begun = u64::from(doing != Doing::Nothing);
+        self.at_work = AtWork { instructions: self.at_work.instructions + begun, doing, by };
         activity.set(activity.get().changed(doing, by));
         self.host.console.show_ecp(&EcpState { doing, by });
         let shown = What::Instruction { step: self.orders.header().step, doing, by };
         self.witnesses.show(self.host.waiter.now(), &shown, &[]);
+    }
+
+    /// The instruction of the program that is at work, as a fault names it; those of a transparent ECP are the MP's.
+    fn instruction(&self) -> Option<Instruction> {
+        let AtWork { instructions, doing, by } = self.at_work;
+        Instruction::new(instructions, doing, InstructionLevel::Ecp, by)
     }
 
     /// The robot's image at the end of the last motion or Wait.

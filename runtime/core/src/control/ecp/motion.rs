@@ -219,7 +219,8 @@ impl<R: Robot> Ecp<'_, R> {
             // The demands are as sound as they were: the MP lets the robot stop on its path.
             Err(fault) if fault.leaves_demands_sound() && self.driver.moving => {
                 if self.trouble == Trouble::None {
-                    self.trouble = Trouble::New(fault.at_step(self.orders.header().step));
+                    let fault = fault.at_step(self.orders.header().step);
+                    self.trouble = Trouble::New(fault.in_instruction(self.instruction()));
                 }
                 Ok(())
             }

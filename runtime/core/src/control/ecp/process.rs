@@ -5,7 +5,7 @@ use crate::model::fault::{Fault, FaultKind};
 use crate::model::robot::Robot;
 
 use super::orders::{Duty, Phase};
-use super::{Ecp, Trouble};
+use super::{AtWork, Ecp, Trouble};
 
 impl<R: Robot> Ecp<'_, R> {
     /// Runs the robot's program, then serves the MP until the cell closes. Returns the program's outcome.
@@ -78,6 +78,7 @@ impl<R: Robot> Ecp<'_, R> {
         self.driver.moving = false;
         self.refusals = 0;
         self.trouble = Trouble::None;
+        self.at_work = AtWork::default();
         self.reply(0);
         Ok(Served::Reset)
     }

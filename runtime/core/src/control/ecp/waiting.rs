@@ -124,6 +124,7 @@ impl<R: Robot> Ecp<'_, R> {
                 if limit.is_some_and(|limit| step > limit) {
                     let fault =
                         Fault::orderly(FaultKind::TimedOut).in_process(self.process).at_step(header.step);
+                    let fault = fault.in_instruction(self.instruction());
                     break Err(fault.exceeds(step as f64, limit.unwrap_or(0) as f64, "step"));
                 }
             }

@@ -18,6 +18,7 @@ use crate::model::each::Each;
 use crate::model::fault::Fault;
 use crate::model::generator::Generator;
 use crate::model::image::RobotImage;
+use crate::model::instruction::Instruction;
 use crate::model::list::{Motion, Owner, PayloadType, RobotHandle, Robots};
 use crate::model::moved::RobotsMovedBy;
 use crate::model::robot::Robot;
@@ -63,12 +64,15 @@ trait Moving {
     fn order(&mut self, robots: &mut RobotPorts, clock: &StepClock) -> Result<(OrderKind, u32), Fault>;
     /// How fast its robots may slow down together.
     fn law(&mut self) -> &mut BrakingLaw;
+    /// The instruction that has started it.
+    fn instruction(&self) -> Option<Instruction>;
     /// What the replies of its robots say about it.
     fn hear(&mut self, robots: &RobotPorts, step: u64) -> Result<(), Fault>;
 }
 
 struct Started<G: Generator> {
     course: Course<G>,
+    instruction: Option<Instruction>,
     indices: Vec<usize>,
     /// Whether it took its robots over moving.
     goes_on: bool,
@@ -104,6 +108,10 @@ impl<G: Generator> Moving for Started<G> {
 
     fn law(&mut self) -> &mut BrakingLaw {
         &mut self.law
+    }
+
+    fn instruction(&self) -> Option<Instruction> {
+        self.instruction
     }
 
     fn order(&mut self, robots: &mut RobotPorts, clock: &StepClock) -> Result<(OrderKind, u32), Fault> {
@@ -212,7 +220,8 @@ impl Background {
     pub fn send(&mut self, mp: &mut Mp<'_>) -> Result<(), Fault> {
         let step = mp.clock.step();
         for motion in self.motions.iter_mut().filter_map(|motion| motion.is_due(step).then_some(motion)) {
-            let (kind, flags) = motion.order(&mut mp.robots, &mp.clock)?;
+            let ordered = motion.order(&mut mp.robots, &mp.clock);
+            let (kind, flags) = ordered.map_err(|fault| fault.in_instruction(motion.instruction()))?;
             let law = *motion.law();
             for &index in motion.indices() {
                 mp.send(index, kind, flags, law);
@@ -228,8 +237,17 @@ impl Background {
             gathered.law = BrakingLaw::UNLIMITED;
             mp.gather(motion.indices(), gathered);
             *motion.law() = gathered.law;
-            if gathered.first.is_none() {
-                motion.hear(&mp.robots, mp.clock.step())?;
+            match gathered.first.take() {
+                None => {
+                    let heard = motion.hear(&mp.robots, mp.clock.step());
+                    heard.map_err(|fault| fault.in_instruction(motion.instruction()))?;
+                }
+                Some(fault) => {
+                    let is_its = |&index: &usize| fault.robot() == Some(mp.robots[index].name);
+                    let is_its = motion.indices().iter().any(is_its);
+                    let instruction = if is_its { motion.instruction() } else { None };
+                    gathered.first = Some(fault.in_instruction(instruction));
+                }
             }
         }
         Ok(())
@@ -336,7 +354,8 @@ impl Mp<'_> {
         self.begin_step()?;
         let law = self.robots.law;
         let (served, was_due, stage) = (self.clock.step() - 1, false, Stage::Moving);
-        let started = Started { course, indices, goes_on, served, was_due, flags, law, stage };
+        let instruction = self.operating.instruction();
+        let started = Started { course, instruction, indices, goes_on, served, was_due, flags, law, stage };
         self.background.motions.push(Box::new(started));
         self.exchange(&[], OrderKind::Query, 0)?;
         self.keep_unless_late();

@@ -140,6 +140,7 @@ impl Mp<'_> {
     pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
         self.tell_stop(&fault);
         let fault = self.stops.latched.get_or_insert(fault).clone();
+        self.operating.show_fault(&fault);
         let _ = self.operating.operator.meet(Event::Fault);
         self.robots.take_handed_over();
         self.background.clear();

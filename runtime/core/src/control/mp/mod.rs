@@ -276,8 +276,8 @@ impl<'w> Mp<'w> {
     /// standstill.
     fn conclude(&mut self, fault: Fault) -> Fault {
         let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        let fault = self.stops.cause(fault).in_instruction(self.operating.instruction());
         self.operating.show_fault(&fault);
-        let fault = self.stops.cause(fault);
         // For example an abort, or a Wait that timed out: nothing is wrong with the cell.
         if fault.is_orderly() { fault } else { self.stop(fault) }
     }
@@ -290,8 +290,8 @@ impl<'w> Mp<'w> {
         by: TypeName,
         work: impl FnOnce(&mut Self) -> Result<T, Fault>,
     ) -> Result<T, Fault> {
-        self.operating.show_instruction(doing, by);
         self.check_latch()?;
+        self.operating.show_instruction(doing, by);
         self.show_instruction(doing, by);
         if !self.robots.any_handed_over() && self.background.is_empty() {
             // The time that a program takes while its robots stand does not count as lateness.

@@ -4,6 +4,7 @@
 //! of what the MP does, for an operator's panel outside of the cell: the MP does not wait for it.
 
 use crate::model::fault::{Fault, FaultWords};
+use crate::model::instruction::{Instruction, Level};
 use crate::model::time::Nanos;
 use crate::model::type_name::TypeName;
 use crate::observe::activity::Activity;
@@ -60,16 +61,34 @@ impl Operating {
         }
     }
 
+    /// The program begins at its first line: its instructions are counted from there.
+    pub fn count_from_here(&mut self) {
+        self.shown.instructions = 0;
+    }
+
     /// An instruction begins, of this generator or condition.
     pub fn show_instruction(&mut self, doing: Doing, by: TypeName) {
-        self.shown.instructions += 1;
+        self.shown.instructions += u64::from(doing != Doing::Homing);
         self.shown.doing = doing;
         self.shown.by = by;
     }
 
-    /// An instruction has ended with a fault.
+    /// The instruction that is at work, as a fault names it. An MP without a program of its own has none to name.
+    pub fn instruction(&self) -> Option<Instruction> {
+        let MpState { instructions, doing, by, .. } = self.shown;
+        let is_own = by != TypeName::NONE || doing == Doing::Homing;
+        is_own.then(|| Instruction::new(instructions, doing, Level::Mp, by)).flatten()
+    }
+
+    /// An instruction has ended with a fault, or the cell has stopped for one.
     pub fn show_fault(&mut self, fault: &Fault) {
         self.shown.fault = Some(FaultWords::from(fault));
+    }
+
+    /// In a latched cell: what forbids a reset, or made the last one fail.
+    pub fn show_persisting(&mut self, persisting: Option<&Fault>) {
+        self.shown.persisting = persisting.map(FaultWords::from);
+        self.operator.show_persisting(persisting.cloned());
     }
 
     /// Shows observers that the operator has suspended the cell, or has resumed it.

@@ -53,6 +53,7 @@ impl Mp<'_> {
     /// Runs it once. A panic in it stops the robots as any fault does.
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
+            self.operating.count_from_here();
             self.operating.operator.show_homing(true);
             let homed = self.instruction(Doing::Homing, TypeName::NONE, Self::home);
             self.operating.operator.show_homing(false);
@@ -70,7 +71,9 @@ impl Mp<'_> {
             Err(panic) => {
                 let fault = crate::model::fault::panicked(&*panic)
                     .in_process(ProcessId::MP)
+                    .in_instruction(self.operating.instruction())
                     .at_step(self.clock.step());
+                self.operating.show_end(self.state(), self.host.console);
                 Err(self.stop(fault))
             }
         };
@@ -80,6 +83,8 @@ impl Mp<'_> {
 
     /// Holds a latched cell until its operator resets it or gives it up, or a process is gone.
     fn await_reset(&mut self, cause: &Fault) -> Verdict {
+        let mut failed = None;
+        let mut told = None;
         loop {
             if self.begin_step().is_err()
                 || self.operating.operator.has_given_up()
@@ -94,24 +99,24 @@ impl Mp<'_> {
                         // The first cause is kept.
                         self.stops.latched = Some(cause.clone());
                         self.stop(fault.clone());
-                        self.operating.operator.show_persisting(Some(fault));
+                        failed = Some(fault);
                     }
                 }
             }
             // It is stopped already. One that comes with the reset ends that.
             self.operating.operator.take_protective_stop();
             match self.what_persists() {
-                Ok(persisting) => self.show_persisting(persisting),
+                Ok(persisting) => {
+                    let _ = self.operating.operator.meet(Event::Cause { persists: persisting.is_some() });
+                    // What made the last reset fail, where nothing forbids the next one.
+                    let tells = persisting.or_else(|| failed.clone());
+                    if told != tells {
+                        self.operating.show_persisting(tells.as_ref());
+                        told = tells;
+                    }
+                }
                 Err(_) => return Verdict::End,
             }
-        }
-    }
-
-    /// Tells the operator what forbids a reset; what made the last one fail stays told until something else does.
-    fn show_persisting(&self, persisting: Option<Fault>) {
-        let _ = self.operating.operator.meet(Event::Cause { persists: persisting.is_some() });
-        if persisting.is_some() {
-            self.operating.operator.show_persisting(persisting);
         }
     }
 
@@ -198,6 +203,7 @@ impl Mp<'_> {
         self.robots.release();
         self.sensing.release();
         let _ = self.operating.operator.meet(Event::Restart);
+        self.operating.show_persisting(None);
         self.operating.operator.forget();
     }
 }

@@ -12,6 +12,7 @@ use core::fmt;
 use crate::console::quoted;
 use crate::model::drive_fault::DriveFault;
 use crate::model::excess::Excess;
+use crate::model::instruction::Instruction;
 use crate::model::name::Name;
 use crate::model::robot_stop::{ClearedBy, RobotStop, StopCause, Stopped};
 
@@ -35,6 +36,8 @@ struct Report {
     process: Option<ProcessId>,
     joint: Option<u32>,
     step: Option<u64>,
+    /// The instruction in which it happened.
+    instruction: Option<Instruction>,
     excess: Option<Excess>,
     text: Text,
     /// What has stopped the robot, if nothing in the cell has.
@@ -61,6 +64,7 @@ impl Fault {
             process: None,
             joint: None,
             step: None,
+            instruction: None,
             excess: None,
             text: Text::new(""),
             stopped: None,
@@ -198,6 +202,12 @@ impl Fault {
         self
     }
 
+    /// Names the instruction in which it happened, unless one is named; none names none.
+    pub(crate) fn in_instruction(mut self, instruction: Option<Instruction>) -> Fault {
+        self.0.instruction = self.0.instruction.or(instruction);
+        self
+    }
+
     /// Says which value exceeds which limit.
     #[must_use]
     pub fn exceeds(mut self, actual: f64, limit: f64, unit: &'static str) -> Fault {
@@ -251,6 +261,12 @@ impl Fault {
         self.0.step
     }
 
+    /// The instruction of the program in which it happened; `None` between two of them.
+    #[must_use]
+    pub fn instruction(&self) -> Option<Instruction> {
+        self.0.instruction
+    }
+
     /// The value that exceeded its limit.
     #[must_use]
     pub fn excess(&self) -> Option<Excess> {
@@ -264,7 +280,7 @@ impl Fault {
     }
 }
 
-/// `edp rnt joint 3: demanded velocity exceeds the limit: 2.91 rad/s, limit 2.62 rad/s at step 10482`.
+/// `edp rnt joint 3: demanded velocity exceeds the limit: 2.91 rad/s, limit 2.62 rad/s in Move 7 (Carry) at step 10482`.
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let report = &self.0;
@@ -287,6 +303,16 @@ impl fmt::Display for Fault {
             let digits = if unit == "step" { 0 } else { 6 };
             let space = if unit.is_empty() { "" } else { " " };
             write!(f, ": {actual:.digits$}{space}{unit}, limit {limit:.digits$}{space}{unit}")?;
+        }
+        if let Some(instruction) = report.instruction {
+            write!(f, " in {instruction}")?;
+            // The Moves of an ECP's own program are not counted with those of the coordinator.
+            match (instruction.is_of_ecp(), report.process.map(|process| process.role)) {
+                (true, Some(Role::Ecp)) => {}
+                (true, _) => f.write_str(" of its ECP")?,
+                (false, Some(Role::Ecp)) => f.write_str(" of the MP")?,
+                (false, _) => {}
+            }
         }
         match report.step.filter(|&step| step > 0) {
             Some(step) => write!(f, " at step {step}"),

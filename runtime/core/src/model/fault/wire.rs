@@ -3,6 +3,7 @@
 use super::text::Text;
 use super::{Fault, FaultKind, ProcessId, Report, Role};
 use crate::model::excess::Excess;
+use crate::model::instruction::Instruction;
 use crate::model::name::Name;
 use crate::model::robot_stop::Stopped;
 use crate::model::wire::{BadWords, WORDS, Wire};
@@ -35,9 +36,15 @@ const FIRST_DEMAND: u64 = 1 << 32;
 /// Where beside a text's length it stands what has stopped the robot.
 const STOPPED: u32 = 48;
 
+/// The bit beside a text's length that says that the instruction is named in which it happened.
+const NAMES_INSTRUCTION: u64 = 1 << 33;
+
+/// Where the instruction stands, behind the text.
+const INSTRUCTION: usize = 8 + 3 + 15;
+
 impl Wire for FaultWords {
-    const LEN: usize = 8 + 3 + 15;
-    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "fault");
+    const LEN: usize = INSTRUCTION + Instruction::LEN;
+    const LAYOUT: u64 = crate::model::wire::layout_hash(0, "fault with its instruction");
 
     fn put(&self, words: &mut [u64]) {
         let report = &self.0;
@@ -52,12 +59,17 @@ impl Wire for FaultWords {
         words[6] = report.excess.map_or(0, |excess| excess.limit.to_bits());
         let stopped = report.stopped.map_or(0, Stopped::to_bits);
         let first = if report.first { FIRST_DEMAND } else { 0 };
-        words[7] = u64::from(report.text.len) | first | u64::from(stopped) << STOPPED;
+        let named = if report.instruction.is_some() { NAMES_INSTRUCTION } else { 0 };
+        words[7] = u64::from(report.text.len) | first | named | u64::from(stopped) << STOPPED;
         match report.process.and_then(|process| process.name) {
             Some(name) => name.put(&mut words[8..11]),
             None => words[8..11].fill(0),
         }
-        for (word, chunk) in words[11..26].iter_mut().zip(report.text.bytes.chunks_exact(8)) {
+        match &report.instruction {
+            Some(instruction) => instruction.put(&mut words[INSTRUCTION..Self::LEN]),
+            None => words[INSTRUCTION..Self::LEN].fill(0),
+        }
+        for (word, chunk) in words[11..INSTRUCTION].iter_mut().zip(report.text.bytes.chunks_exact(8)) {
             *word = chunk.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
         }
     }
@@ -91,13 +103,16 @@ impl Wire for FaultWords {
             0 => None,
             bits => Some(Stopped::from_bits(bits).ok_or(BadWords)?),
         };
-        let len = words[7] & !FIRST_DEMAND & ((1 << STOPPED) - 1);
+        let named = words[7] & NAMES_INSTRUCTION != 0;
+        let instruction = named.then(|| Instruction::get(&words[INSTRUCTION..])).transpose()?;
+        let len = words[7] & !(FIRST_DEMAND | NAMES_INSTRUCTION) & ((1 << STOPPED) - 1);
         let len = u8::try_from(len).ok().filter(|&len| len <= 120).ok_or(BadWords)?;
         Ok(FaultWords(Report {
             kind: FaultKind::from_code(words[0]).ok_or(BadWords)?,
             process,
             joint: some(words[2]).map(|joint| joint as u32),
             step: some(words[3]),
+            instruction,
             excess,
             text: Text { bytes, len },
             stopped,

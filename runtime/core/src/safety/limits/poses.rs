@@ -94,7 +94,7 @@ pub(super) fn beside_singularity<R: Robot>(
 }
 
 /// The fault of a pose that has no joint positions; `frame` is what was to go there.
-fn no_inverse(error: &NoInverse, pose: &Pose, frame: &str) -> Fault {
+pub(super) fn no_inverse(error: &NoInverse, pose: &Pose, frame: &str) -> Fault {
     let fault = Fault::new(FaultKind::NoInverseKinematics);
     let Translation3 { vector: p } = pose.translation;
     let at = format!("{frame} demanded at ({:.4}, {:.4}, {:.4}) m", p.x, p.y, p.z);

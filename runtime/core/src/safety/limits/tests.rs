@@ -8,6 +8,7 @@ use crate::model::robot::{CoupledLimit, Limits, NoInverse};
 use super::*;
 
 mod bounds;
+mod goals;
 mod late;
 mod rates;
 mod words;

@@ -1,9 +1,10 @@
 //! SVG: visible shapes and paths become strokes; transforms, units and view boxes are honoured.
 //!
 //! roxmltree reads the XML, svgtypes the path data, lengths and transforms; arcs stay exact elliptical arcs.
-//! Every visible outline is engraved, whether it is stroked or filled. Entities of a DTD are refused. Text has no
+//! Every visible outline is engraved, whether it is stroked or filled; a dashed one as its dashes. Entities of a DTD are refused. Text has no
 //! outlines of its own: it is written in Hershey's single-stroke fonts.
 
+mod dashes;
 mod outline;
 mod path_data;
 mod text;

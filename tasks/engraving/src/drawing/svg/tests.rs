@@ -48,6 +48,75 @@ fn transforms_and_uses_nest() {
     assert!((bounds.max - Vec2::new(20.0, 49.0)).norm() < 1e-9);
 }
 
+/// Sums of lengths by equation: `n` whole dashes and what is left of the last one.
+#[test]
+fn dashed_outlines_are_cut_as_their_dashes() {
+    let dashed = |style: &str| {
+        let drawing = drawn(&format!("<line x2='50' y1='9' y2='9' {style}/>"));
+        (drawing.strokes.len(), drawing.length())
+    };
+    let near = |(n, length): (usize, f64), (m, expected): (usize, f64)| {
+        assert!(n == m && (length - expected).abs() < 1e-9, "{n} {length}, {m} {expected}");
+    };
+    // Dashes at 0, 14, 28 and 42: three of 10, and 8 of the last one.
+    near(dashed("stroke-dasharray='10 4'"), (4, 38.0));
+    near(dashed("style='stroke:black;stroke-dasharray: 10, 4'"), (4, 38.0));
+    // An odd list is doubled: 5 on, 3 off, 7 on, 5 off, 3 on, 7 off: two periods of 30 would be 60.
+    near(dashed("stroke-dasharray='5,3,7'"), (5, 15.0 + 5.0 + 7.0));
+    // It begins 12 into the pattern: a gap of 2, then 10 and 4.
+    near(dashed("stroke-dasharray='10 4' stroke-dashoffset='12'"), (4, 10.0 + 10.0 + 10.0 + 6.0));
+    near(dashed("stroke-dasharray='10 4' stroke-dashoffset='-2'"), (4, 10.0 + 10.0 + 10.0 + 6.0));
+    // Of the viewport, 100 by 50: its diagonal by the root of 2 is 79.06.
+    let percent = (12_500.0_f64 / 2.0).sqrt() / 100.0;
+    near(dashed("stroke-dasharray='20% 10'"), (2, 40.0 * percent));
+    // An inch is 96 px, which are the view box's units.
+    near(dashed("stroke-dasharray='0.125in 0.25in'"), (2, 12.0 + 12.0));
+    // What the author takes for its length counts: 100 for 50.
+    near(dashed("pathLength='100' stroke-dasharray='20 8'"), (4, 38.0));
+    for whole in ["none", "0 0", "0"] {
+        near(dashed(&format!("stroke-dasharray='{whole}'")), (1, 50.0));
+    }
+    near(dashed("stroke='none' fill='red' stroke-dasharray='10 4'"), (1, 50.0));
+    near(dashed("pathLength='0' stroke-dasharray='10 4'"), (1, 50.0));
+}
+
+#[test]
+fn dashes_begin_anew_with_each_subpath_are_inherited_and_scaled_with_what_they_draw() {
+    // Each of 10: a dash of 8.
+    let drawing = drawn("<path stroke-dasharray='8 6' d='M0 0h10M0 5h10M0 9h10'/>");
+    assert!((drawing.length() - 24.0).abs() < 1e-9 && drawing.strokes.len() == 3);
+    // By twice in x: dashes of 16 and gaps of 12 on 60.
+    let body = "<g stroke-dasharray='8 6' transform='scale(2 1)'><line x2='30'/>\
+                <line x2='30' y1='9' y2='9' stroke-dasharray='none'/></g>";
+    let lengths: Vec<_> = drawn(body).strokes.iter().map(|stroke| stroke.length()).collect();
+    assert!(lengths.iter().zip([16.0, 16.0, 4.0, 60.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{lengths:?}");
+    // A circle is one outline of 2 pi r from three o'clock: dashes of a quarter and gaps of a twelfth are three.
+    let tau = std::f64::consts::TAU;
+    let circle =
+        format!("<circle cx='20' cy='20' r='10' stroke-dasharray='{} {}'/>", 2.5 * tau, 2.5 * tau / 3.0);
+    let drawing = drawn(&circle);
+    assert!((drawing.length() - 7.5 * tau).abs() < 1e-9 && drawing.strokes.len() == 3);
+    assert!((drawing.strokes[0].start() - Vec2::new(30.0, 30.0)).norm() < 1e-9);
+}
+
+#[test]
+fn dashes_that_say_nothing_and_dashes_without_number_are_refused_and_dots_are_told() {
+    let svg = |inside: &str| {
+        format!("<svg xmlns='http://www.w3.org/2000/svg' width='100' height='100'>\n{inside}</svg>")
+    };
+    for (list, why) in [("4 -1", "negative"), ("4 x", "stroke-dasharray"), ("", "no length")] {
+        let message = refusal(&svg(&format!("<line x2='9' stroke-dasharray='{list}'/>")));
+        assert!(message.starts_with("a.svg:2:") && message.contains(why), "{message}");
+    }
+    let message = refusal(&svg("<line x2='9' stroke-dashoffset='far'/>"));
+    assert!(message.contains("bad stroke-dashoffset"), "{message}");
+    let message = refusal(&svg("<line x2='90000' stroke-dasharray='0.0001'/>"));
+    assert!(message.contains("more than 250000 curve pieces"), "{message}");
+    let dots = svg("<line x2='90' stroke-linecap='round' stroke-dasharray='0 5 5 5'/>");
+    let told = read_str("a.svg", &dots, Limits::default()).unwrap().warnings;
+    assert_eq!(told, ["a.svg:2:1: the dots of a dashed line are not engraved: draw them as small circles"]);
+}
+
 #[test]
 fn hidden_things_are_not_engraved() {
     let body = "<g style='display:none'><line x2='9'/></g><g visibility='hidden'><line x2='9'/>\

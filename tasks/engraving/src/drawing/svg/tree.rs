@@ -1,7 +1,8 @@
 //! The walk through the element tree, with transform and visibility inherited.
 
+use super::dashes::{self, Dashing, Pattern};
 use super::text::Lettering;
-use super::visibility::{Visibility, inherited, is_switched_off};
+use super::visibility::{Visibility, inherited, is_switched_off, property};
 use super::{outline, path_data, units};
 use crate::drawing::hershey::Font;
 use crate::drawing::{Affine, Budget, Piece, Vec2};
@@ -43,6 +44,7 @@ pub struct Inherited {
     /// Width and height of the viewport [px], for percentages.
     pub(super) viewport: Vec2,
     pub(super) lettering: Lettering,
+    pub(super) dashing: Dashing,
     pub(super) depth: usize,
 }
 
@@ -62,6 +64,8 @@ pub struct Walk<'a> {
     /// Fonts that were read.
     pub(super) fonts: Vec<(&'static str, Rc<Font>)>,
     used: usize,
+    /// The lists of lengths of dashes that were read.
+    dashes: Vec<Vec<svgtypes::Length>>,
 }
 
 impl<'a> Walk<'a> {
@@ -79,6 +83,7 @@ impl<'a> Walk<'a> {
             texts: 0,
             fonts: Vec::new(),
             used: 0,
+            dashes: Vec::new(),
         }
     }
 
@@ -110,7 +115,8 @@ impl<'a> Walk<'a> {
         }
         let visibility = inherited(svg, Visibility::Visible);
         let lettering = Lettering::default().inherited(svg);
-        self.children(svg, Inherited { map, visibility, viewport, lettering, depth: 0 })
+        let dashing = self.dashing(svg, Dashing::default())?;
+        self.children(svg, Inherited { map, visibility, viewport, lettering, dashing, depth: 0 })
     }
 
     fn children(&mut self, parent: Node<'a, 'a>, from: Inherited) -> Result<(), DrawingError> {
@@ -129,6 +135,7 @@ impl<'a> Walk<'a> {
         self.check_depth(from.depth, node)?;
         from.visibility = inherited(node, from.visibility);
         from.lettering = from.lettering.inherited(node);
+        from.dashing = self.dashing(node, from.dashing)?;
         if let Some(transform) = node.attribute("transform") {
             let t = svgtypes::Transform::from_str(transform)
                 .map_err(|e| self.bad_attribute(node, "transform", &e.to_string()))?;
@@ -165,10 +172,57 @@ impl<'a> Walk<'a> {
             }
             _ if visible => {
                 let chains = self.shape(node, name, from.viewport)?;
+                let chains = self.dashed(node, chains, &from)?;
                 self.keep(node, chains, &from.map)
             }
             _ => Ok(()),
         }
+    }
+
+    /// What an element says of its dashes, or inherits.
+    fn dashing(&mut self, node: Node<'a, 'a>, from: Dashing) -> Result<Dashing, DrawingError> {
+        let mut dashing = from.inherited(node);
+        let said = |name| property(node, name).filter(|&value| value != "inherit");
+        if let Some(text) = said("stroke-dasharray") {
+            let lengths = dashes::lengths(text);
+            let lengths = lengths.map_err(|why| self.bad_attribute(node, "stroke-dasharray", &why))?;
+            dashing.array = (!lengths.is_empty()).then_some(self.dashes.len());
+            self.dashes.push(lengths);
+        }
+        if let Some(text) = said("stroke-dashoffset") {
+            let offset = dashes::offset(text);
+            dashing.offset = offset.map_err(|why| self.bad_attribute(node, "stroke-dashoffset", &why))?;
+        }
+        Ok(dashing)
+    }
+
+    /// The dashes of an outline, or the outline where it has none.
+    fn dashed(
+        &mut self,
+        node: Node<'a, 'a>,
+        chains: Vec<Vec<Piece>>,
+        from: &Inherited,
+    ) -> Result<Vec<Vec<Piece>>, DrawingError> {
+        let Some(list) = from.dashing.list() else { return Ok(chains) };
+        let length: f64 = chains.iter().flatten().map(Piece::length).sum();
+        // Percentages are of the viewport's diagonal. `pathLength` is what its author takes the outline's length for.
+        let whole = diagonal(from.viewport);
+        let said = self.length(node, "pathLength", 1.0)?;
+        let scale = said.filter(|&said| said >= 0.0).map_or(1.0, |said| length / said);
+        let px = |length: &svgtypes::Length| scale * units::to_px(*length, whole);
+        let pattern = Pattern::new(self.dashes[list].iter().map(px).collect(), px(&from.dashing.offset));
+        let Some(pattern) = pattern else { return Ok(chains) };
+        let pieces = chains.iter().map(Vec::len).sum();
+        if pattern.count(pieces, length) > self.budget.limits().pieces as f64 {
+            self.take_budget(usize::MAX, node)?;
+        }
+        if pattern.has_dots() && from.dashing.has_caps() {
+            const TOLD: &str = "the dots of a dashed line are not engraved: draw them as small circles";
+            if !self.warnings.iter().any(|warning| warning.ends_with(TOLD)) {
+                self.warnings.push(format!("{}: {TOLD}", self.place(node)));
+            }
+        }
+        Ok(chains.iter().flat_map(|chain| pattern.cut(chain)).collect())
     }
 
     pub(super) fn check_depth(&self, depth: usize, node: Node<'a, 'a>) -> Result<(), DrawingError> {
@@ -246,7 +300,7 @@ impl<'a> Walk<'a> {
     }
 
     fn shape(&self, node: Node<'a, 'a>, name: &str, view: Vec2) -> Result<Vec<Vec<Piece>>, DrawingError> {
-        let diagonal = (view.norm_squared() / 2.0).sqrt();
+        let diagonal = diagonal(view);
         let x = |n| self.length(node, n, view.x).map(|l| l.unwrap_or(0.0));
         let y = |n| self.length(node, n, view.y).map(|l| l.unwrap_or(0.0));
         let chain = match name {
@@ -348,4 +402,9 @@ impl<'a> Walk<'a> {
             help: "open it in the drawing program and save it again".to_owned(),
         }
     }
+}
+
+/// What percentages are of that are neither of the width nor of the height: the viewport's diagonal, normalised.
+fn diagonal(viewport: Vec2) -> f64 {
+    (viewport.norm_squared() / 2.0).sqrt()
 }
