@@ -98,7 +98,8 @@ fn fault_130_a_goal_out_of_reach_is_refused_in_the_first_steps_by_every_generato
     let via = at(3.0, 1.5).translation.vector;
     refused("CircularMove", NoInverseKinematics, CircularMove::through(via, at(0.0, 0.1), smooth));
     // Once round, with the far side at 4 m; the end is where it begins.
-    let round = Helix::about(Vector3::zeros(), Vector3::x() * 2.0, Vector3::z_axis(), 6.28, 0.0);
+    let round =
+        Helix::about(Vector3::zeros(), Vector3::x() * 2.0, Vector3::z_axis(), std::f64::consts::TAU, 0.0);
     refused("CurveMove", NoInverseKinematics, CurveMove::along(round.expect("a helix"), jerk));
     let legs = [0.05, 9.0].map(|q| TaughtPose::new(1.0, 1.0, &[q, 0.0, 0.0, 0.0, 0.0, 0.0]));
     let poses = legs.into_iter().flatten().collect();

@@ -202,6 +202,8 @@ fn a_cell_that_was_stopped_starts_again_after_acknowledgement_and_reset() {
         wait_until(|| ask(&place, &["status"]).1.starts_with("latched: "));
         let (_, said) = ask(&place, &["status"]);
         assert!(said.contains("last fault: mp: protective stop: by the operator"), "{said}");
+        // The launcher looks ten times a second.
+        wait_until(|| launch.said().contains("the cell has stopped"));
         wait_until(|| ROBOTS.iter().all(|robot| rests(launch, robot)));
         refused("reset", "refused: it has stopped for a fault, which is not acknowledged: step ");
         refused("resume", "refused: it has stopped for a fault");
@@ -259,6 +261,7 @@ fn what_forbids_a_reset_is_told_by_status_by_the_refusal_and_by_the_launcher_as_
             continue;
         }
         assert!(!status().contains("a reset"), "{}", status());
+        wait_until(|| launch.said().contains("the cell has stopped"));
         // A process that does not answer.
         let ecp = launch.processes().into_iter().find(|process| process.role == "ecp left").expect("it runs");
         ecp.signal(Signal::STOP);
@@ -267,6 +270,7 @@ fn what_forbids_a_reset_is_told_by_status_by_the_refusal_and_by_the_launcher_as_
         // The first cause stays.
         assert!(status().contains(stopped), "{}", status());
         done(&place, &["acknowledge"], "acknowledged: step ");
+        wait_until(|| launch.said().contains("a reset would be refused: ecp left"));
         let (code, said) = ask(&place, &["reset"]);
         let told = format!("refused: the cause of the fault persists: {gone}");
         assert!(code == Some(1) && said.contains(&told), "{said}");
@@ -277,6 +281,7 @@ fn what_forbids_a_reset_is_told_by_status_by_the_refusal_and_by_the_launcher_as_
         let said = launch.said();
         assert_eq!(code, Some(1), "{said}");
         assert!(said.contains("note: a reset would be refused: ecp left"), "{said}");
+        assert_eq!(said.matches("the cell has stopped").count(), 1, "{said}");
         launch.assert_nothing_left(&[]);
         return;
     }

@@ -88,7 +88,7 @@ impl Beside {
 /// Words of what is said beside coordinates.
 pub(crate) const BESIDE_WORDS: usize = LOAD_WORDS;
 
-const _: () = assert!(1 + MAX_JOINTS <= BESIDE_WORDS, "a goal takes no more words than a load");
+const _: () = assert!(MAX_JOINTS < BESIDE_WORDS, "a goal takes no more words than a load");
 
 impl Beside {
     /// Puts a load or a goal; the message says elsewhere which it is.
