@@ -72,6 +72,13 @@ impl Hand {
         }
     }
 
+    /// Whether its fingers press, or let go of what is between them.
+    pub(super) fn set_closing(&self, closing: bool) {
+        if let Some(jaw) = &mut self.world.state_mut().hands[self.index].jaw {
+            jaw.set_closing(closing);
+        }
+    }
+
     /// The body that it holds.
     #[must_use]
     pub fn held(&self) -> Option<usize> {

@@ -71,6 +71,7 @@ impl<R: Driven<1> + Robot<Joints = One>> Driver<R> for Jaws<R> {
             self.hand.open();
             self.drive.unblock(0);
         }
+        self.hand.set_closing(demanded[0] < self.shaft.state().position[0]);
         self.in_world(|drive| drive.tick(demanded))
     }
 

@@ -3,7 +3,7 @@
 //! ```text
 //!  finger -1   o/2    E    o/2   finger +1          o: opening;  x_E to the right, z_E ahead, out of the page
 //!        |      <-----+----->      |
-//!        P      [   body   ]       P                two points P on each pad, at y = -b and b, z = 0
+//!        P      [   body   ]       P                three points P on each pad, at y = -b, 0 and b, z = 0
 //!
 //!  t: how deep P is in the body, along the pad's normal towards the finger
 //!  n = max(0, k t + c dt/dt)                        on the body, away from the finger: no friction before it is gripped
@@ -37,8 +37,8 @@ impl Pads {
     /// A point of a finger that is deeper in a body than this has come down on it \[m\].
     pub const DEEPEST: f64 = 0.005;
 
-    /// Pads this wide along y of E \[m\], > 0, which reach this far ahead of E along z \[m\], >= 0: of 2e4 N/m and 20 N s/m at each of
-    /// two points (assumed).
+    /// Pads this wide along y of E \[m\], > 0, which reach this far ahead of E along z \[m\], >= 0: of 1e4 N/m and 20 N s/m at each of
+    /// three points (assumed).
     #[must_use]
     pub fn new(width: f64, ahead: f64) -> Self {
         Self { half_width: 0.5 * width, ahead, stiffness: 1e4, damping: 20.0 }
@@ -74,6 +74,7 @@ pub(super) struct Jaw {
     rate: f64,
     /// For how long it holds \[s\].
     left: f64,
+    closing: bool,
     /// The body that they may touch in this interval.
     near: Option<usize>,
     /// Force of each pad \[N\].
@@ -93,6 +94,7 @@ impl Jaw {
             opening,
             rate: 0.0,
             left: 0.0,
+            closing: true,
             near: None,
             force: [0.0; 2],
             touch: None,
@@ -105,6 +107,11 @@ impl Jaw {
     /// Sets opening \[m\] and rate [m/s], which holds for `duration` \[s\].
     pub fn set_opening(&mut self, opening: f64, rate: f64, duration: f64) {
         (self.opening, self.rate, self.left) = (opening, rate, duration);
+    }
+
+    /// Sets whether the drive presses the fingers together, or lets go.
+    pub const fn set_closing(&mut self, closing: bool) {
+        self.closing = closing;
     }
 
     /// Moves the fingers on for `h` \[s\].
@@ -145,7 +152,7 @@ impl Jaw {
 
     /// Sets the body that they may touch.
     pub fn set_near(&mut self, near: Option<usize>) {
-        if self.near != near {
+        if near.is_some() && self.near != near {
             self.touch = None;
             self.crashed = false;
         }
@@ -153,9 +160,9 @@ impl Jaw {
         self.force = [0.0; 2];
     }
 
-    /// Whether each pad presses enough.
+    /// Whether each pad presses enough, and is not about to let go.
     pub fn has_it(&self) -> bool {
-        self.force.iter().all(|force| *force >= Pads::PRESS)
+        self.closing && self.force.iter().all(|force| *force >= Pads::PRESS)
     }
 
     /// Whether a pad presses.
@@ -172,7 +179,7 @@ impl Jaw {
             *force = 0.0;
             // Away from the body, into the finger.
             let outwards = along * side;
-            for y in [-self.pads.half_width, self.pads.half_width] {
+            for y in [-self.pads.half_width, 0.0, self.pads.half_width] {
                 let lever_E = E.rotation * Vector3::new(0.5 * side * self.opening, y, 0.0);
                 let lever = E.position + lever_E - body.position;
                 let Some(depth) = depth(&lever, &outwards, body, faces) else { continue };
@@ -227,7 +234,7 @@ fn depth(lever: &Vector3<f64>, outwards: &Vector3<f64>, body: &Moving, faces: &[
 impl Pads {
     /// How stiff [N/m] and how damped [N s/m] the contact is at most.
     pub(super) fn compliance(&self) -> (f64, f64) {
-        (4.0 * self.stiffness, 4.0 * self.damping)
+        (6.0 * self.stiffness, 6.0 * self.damping)
     }
 }
 

@@ -85,12 +85,17 @@ impl State {
     /// Lets the bodies come whose time it is.
     pub fn admit(&mut self) {
         let now = self.time;
+        if now < self.next {
+            return;
+        }
         for (number, entry) in self.entries.iter_mut().enumerate() {
             if entry.is_due(now) {
                 entry.whereabouts = Whereabouts::Here;
                 self.active.push(number);
             }
         }
+        let awaited = self.entries.iter().filter(|entry| entry.whereabouts == Whereabouts::Awaited);
+        self.next = awaited.map(|entry| entry.since).min().unwrap_or(Nanos::MAX);
     }
 
     fn enter(&mut self, now: Nanos) {

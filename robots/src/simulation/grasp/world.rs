@@ -41,6 +41,8 @@ pub(super) struct State {
     pub entries: Vec<Entry>,
     /// Those that are in the world.
     pub active: Vec<usize>,
+    /// When the next one comes.
+    pub next: Nanos,
     pub gravity: Vector3<f64>,
     pub table: Option<Table>,
     pub belts: Vec<BeltState>,
@@ -68,6 +70,7 @@ impl World {
             time: 0,
             entries: Vec::new(),
             active: Vec::new(),
+            next: 0,
             gravity: Vector3::new(0.0, 0.0, -GRAVITY),
             table: None,
             belts: Vec::new(),
@@ -97,6 +100,7 @@ impl World {
         state.entries.push(Entry::new(body, (time * 1e9).round() as Nanos)?);
         let room = state.entries.len() - state.active.len();
         state.active.reserve(room);
+        state.next = 0;
         state.admit();
         Ok(state.entries.len() - 1)
     }

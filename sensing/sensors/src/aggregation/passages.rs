@@ -16,6 +16,8 @@ use super::debounce::Edge;
 /// A part that has passed both barriers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passage {
+    /// When its leading edge came to beam 0 \[s\].
+    pub came: f64,
     /// When its trailing edge left beam 1 \[s\].
     pub left: f64,
     /// [m/s], > 0.
@@ -94,7 +96,7 @@ impl Passages {
         let agree = (leading / trailing - 1.0).abs() <= Self::AGREEMENT;
         let length = 0.5 * trailing * ((first.1 - first.0) + (second.1 - second.0));
         let is_one = trailing > 0.0 && agree && length > 0.0 && length < self.spacing;
-        is_one.then_some(Passage { left: second.1, speed: trailing, length })
+        is_one.then_some(Passage { came: first.0, left: second.1, speed: trailing, length })
     }
 }
 

@@ -27,6 +27,8 @@ pub struct GateReading {
     pub dropped: u32,
     /// How long ago the part's trailing edge left the second barrier, at the step of the reading \[s\].
     pub since: f64,
+    /// How long ago its leading edge came to the first barrier \[s\].
+    pub came: f64,
     /// [m/s].
     pub speed: f64,
     /// Along the belt \[m\].
@@ -90,8 +92,9 @@ impl<S: Scene + 'static> VirtualSensor for GateSensor<S> {
         let Some(last) = self.passages.last() else {
             return Ok(GateReading { parts, dropped, covered, ..GateReading::default() });
         };
-        let since = order.step as f64 * self.step - last.left;
-        Ok(GateReading { parts, dropped, since, speed: last.speed, length: last.length, covered })
+        let now = order.step as f64 * self.step;
+        let (since, came) = (now - last.left, now - last.came);
+        Ok(GateReading { parts, dropped, since, came, speed: last.speed, length: last.length, covered })
     }
 
     fn is_simulated(&self) -> bool {
