@@ -63,7 +63,7 @@ fn a_dead_barrier_lets_no_part_pass() {
         for stuck in [Stuck::Open, Stuck::Covered] {
             let block = Block::new(cuboid([0.08, 0.05, 0.04]), |t| 0.1 * t - 0.1);
             let mut gate = gate(&block, 3);
-            gate.barrier(number).set_stuck(Some(stuck));
+            gate.barrier(number).fail(0.0, stuck);
             assert_eq!(read(&block, &mut gate, 5.0).parts, 0, "{number} {stuck:?}");
         }
     }

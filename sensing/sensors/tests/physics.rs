@@ -56,9 +56,9 @@ fn noise_makes_a_slow_edge_chatter() {
 #[test]
 fn a_barrier_that_is_stuck_says_the_same_whatever_passes() {
     let mut barrier = LightBarrier::new(0.005, 3);
-    barrier.set_stuck(Some(Stuck::Open));
+    barrier.fail(0.0, Stuck::Open);
     assert_eq!(changes(&mut barrier, SPEED), []);
-    barrier.set_stuck(Some(Stuck::Covered));
+    barrier.fail(0.0, Stuck::Covered);
     assert_eq!(changes(&mut barrier, SPEED).len(), 1);
 }
 

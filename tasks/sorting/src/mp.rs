@@ -8,22 +8,23 @@ use mrroc_sensors::virtual_sensors::Gate;
 
 use crate::generators::Uneven;
 use crate::orders::Task;
+use crate::places::END;
 
 /// The arm and its hand.
 pub type Arm = (Irp6, TwoFingers);
 
-/// Sorts what the belt brings, until nothing has passed the gate for `patience` \[s\].
+/// Sorts what the belt brings, until so many parts have come and gone, or nothing has passed the gate for `patience` \[s\].
 ///
 /// # Errors
 /// The first fault of the cell.
-pub fn coordinate(mp: &mut Mp, belt_drive: Uneven, patience: f64) -> Result<(), Fault> {
+pub fn coordinate(mp: &mut Mp, drive: Uneven, parts: u32, patience: f64) -> Result<(), Fault> {
     let mut arm = (mp.robot::<Irp6>("arm")?, mp.robot::<TwoFingers>("hand")?);
     let (mut belt, mut gate) = (mp.robot::<Conveyor>("belt")?, mp.sensor::<Gate>("gate")?);
     let order = |task| ConstantOrder::<Arm, Task>::to_all(task);
     mp.move_robots((&mut arm.0, &mut arm.1), (), order(Task::Return))?;
-    mp.start_robot(&mut belt, belt_drive)?;
+    mp.start_robot(&mut belt, drive)?;
     loop {
-        let pick = Pick { patience, quiet: 0.0, passed: 0 };
+        let pick = Pick { parts, patience, quiet: 0.0, passed: 0, gone: false };
         if mp.move_robots((&mut arm.0, &mut arm.1), (&mut gate,), pick)?.is_over() {
             return mp.end_robot(&mut belt);
         }
@@ -35,15 +36,18 @@ pub fn coordinate(mp: &mut Mp, belt_drive: Uneven, patience: f64) -> Result<(), 
 
 /// Orders the next part to be acquired, until that is done or none comes any more.
 struct Pick {
+    parts: u32,
     patience: f64,
     /// For how long nothing has passed \[s\].
     quiet: f64,
     passed: u32,
+    /// Whether the last one is out of the arm's reach.
+    gone: bool,
 }
 
 impl Pick {
     fn is_over(&self) -> bool {
-        self.quiet >= self.patience
+        self.quiet >= self.patience || self.passed >= self.parts && self.gone
     }
 }
 
@@ -74,7 +78,9 @@ impl Generator for Pick {
         v: &Reading<(Gate,)>,
         t: Tick,
     ) -> Result<Step<Arm, Task>, Fault> {
-        let passed = v.0.reading().map_or(0, |gate| gate.parts + gate.dropped);
+        let gate = v.0.reading().unwrap_or_default();
+        let passed = gate.parts + gate.dropped;
+        self.gone = gate.place(0.0) > END;
         self.quiet = if passed > self.passed { 0.0 } else { self.quiet + t.dt };
         self.passed = passed;
         Ok(if self.is_over() { Step::Done } else { Step::Next((Task::Pick, Task::Pick)) })

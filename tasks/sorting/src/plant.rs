@@ -78,6 +78,17 @@ impl Plant {
             })
     }
 
+    /// The cell with all sensors.
+    ///
+    /// # Errors
+    /// What is wrong with their tables in the cell's file.
+    pub fn sense(&self, file: &CellFile, cell: Cell) -> Result<Cell, CellError> {
+        let step = file.step().as_secs_f64();
+        let cell = cell.sensor(file.sensor("gate", self.gate(step))?);
+        let cell = cell.sensor(file.sensor("range", self.range(step))?);
+        Ok(cell.sensor(file.sensor("fingers", self.fingers(step))?))
+    }
+
     /// The gate: its two barriers, which look across the belt.
     #[must_use]
     pub fn gate(&self, step: f64) -> GateSensor<Belt> {

@@ -91,29 +91,36 @@ impl Settings {
     /// # Errors
     /// What is wrong with the cell's file or a figure.
     pub fn ready(&self) -> Result<Ready, CellError> {
+        self.sensed_by(|plant, file, cell| plant.sense(file, cell))
+    }
+
+    /// The cell with other sensors, which `sense` puts into it.
+    ///
+    /// # Errors
+    /// What is wrong with the cell's file or a figure.
+    pub fn sensed_by(
+        &self,
+        sense: impl FnOnce(&Plant, &CellFile, Cell) -> Result<Cell, CellError>,
+    ) -> Result<Ready, CellError> {
         let file = file()?;
         let parts = arrivals(self.parts, self.first(), self.gap(), 0.2 * self.gap(), self.seed);
         let wrong = |bad| Fault::thrown(&format!("{bad}"));
         let plant = Plant::new(&parts, self.seed.wrapping_mul(1000)).map_err(wrong)?;
         let cell = file.cell(&plant.kinds())?;
-        let step = file.step().as_secs_f64();
-        let cell = cell
-            .sensor(file.sensor("gate", plant.gate(step))?)
-            .sensor(file.sensor("range", plant.range(step))?)
-            .sensor(file.sensor("fingers", plant.fingers(step))?);
+        let cell = sense(&plant, &file, cell)?;
         let open = (self.sensing == Sensing::FirstEdge).then_some(Open { speed: self.speed, length: 0.075 });
         let chase = Chase { open, ..Chase::default() };
         let arm = chase.clone();
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
         let patience = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
-        let Self { speed, seed, change, .. } = *self;
+        let Self { speed, seed, change, parts: count, .. } = *self;
         let cell = cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
             let belt = Uneven::about(speed, seed.wrapping_add(77));
             let belt = match change {
                 Some((time, share)) => belt.changing(time, share),
                 None => belt,
             };
-            mp::coordinate(mp, belt, patience)
+            mp::coordinate(mp, belt, count as u32, patience)
         });
         let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
         let witness = Witness::of(hand);

@@ -21,7 +21,8 @@ pub struct LightBarrier {
     noise: f64,
     random: Noise,
     covered: bool,
-    stuck: Option<Stuck>,
+    /// From when on it is broken \[s\], and how.
+    stuck: Option<(f64, Stuck)>,
 }
 
 /// What a barrier that is broken gives.
@@ -56,9 +57,9 @@ impl LightBarrier {
         Self { threshold, noise, ..self }
     }
 
-    /// Breaks it, or mends it.
-    pub const fn set_stuck(&mut self, stuck: Option<Stuck>) {
-        self.stuck = stuck;
+    /// Breaks it from a time on, on the scene's clock \[s\].
+    pub const fn fail(&mut self, from: f64, stuck: Stuck) {
+        self.stuck = Some((from, stuck));
     }
 
     /// Whether its output says "covered" at `time` \[s\], at most the scene's time and shortly before it. The beam runs along z of its frame
@@ -74,10 +75,10 @@ impl LightBarrier {
         } else if level < self.threshold - Self::HYSTERESIS {
             self.covered = false;
         }
-        match self.stuck {
+        match self.stuck.filter(|(from, _)| time >= *from) {
             None => self.covered,
-            Some(Stuck::Covered) => true,
-            Some(Stuck::Open) => false,
+            Some((_, Stuck::Covered)) => true,
+            Some((_, Stuck::Open)) => false,
         }
     }
 }
