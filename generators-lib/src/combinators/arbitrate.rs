@@ -367,7 +367,9 @@ mod tests {
         let found = std::rc::Rc::new(core::cell::Cell::new(0.0));
         let towards = |velocity: f64| {
             let found = std::rc::Rc::clone(&found);
-            move || Blind::<_, (Scanner,)>::new(Towards { found: std::rc::Rc::clone(&found), velocity, x: 0.0 })
+            move || {
+                Blind::<_, (Scanner,)>::new(Towards { found: std::rc::Rc::clone(&found), velocity, x: 0.0 })
+            }
         };
         let motion =
             Arbitrate::in_motion(towards(-0.05), |v| nearer(1.0, v), |v| !nearer(1.2, v), towards(0.1));
@@ -376,7 +378,12 @@ mod tests {
         // It turns back once and forth once, and at no time within more than 0.5 m/s².
         assert!(accelerations(&trace).skip(1).all(|a| a.abs() < 0.5 + 1e-6));
         let speed = |step: usize| (trace[step + 1] - trace[step]) / DT;
-        assert!((speed(390) - 0.1).abs() < 1e-9 && (speed(599) + 0.05).abs() < 1e-9, "{} {}", speed(390), speed(599));
+        assert!(
+            (speed(390) - 0.1).abs() < 1e-9 && (speed(599) + 0.05).abs() < 1e-9,
+            "{} {}",
+            speed(390),
+            speed(599)
+        );
         assert!((speed(990) - 0.1).abs() < 1e-9);
     }
 

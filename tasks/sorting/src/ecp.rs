@@ -7,9 +7,9 @@ use mrroc_generators::generators::{JointMove, StraightLine};
 use mrroc_robots::{Irp6, One, TwoFingers};
 use mrroc_sensors::virtual_sensors::{Across, Between, Gate};
 
-use crate::generators::{Chase, Close, Follow, Pursuit, Rise, Senses, Wait};
+use crate::generators::{Chase, Close, Follow, Grasp, Pursuit, Rise, Senses, Wait};
 use crate::orders::Task;
-use crate::places::{CLOSED, FINGERS, HIGH, HOME, LATEST, LIMIT, OPEN, OVER_TRAY, limits, over_tray, tool};
+use crate::places::{FINGERS, HIGH, HOME, LATEST, LIMIT, OPEN, OVER_TRAY, limits, over_tray, tool};
 
 /// A part is known that can still be followed.
 fn known(v: &Reading<Senses>) -> bool {
@@ -60,23 +60,21 @@ fn there(v: &Reading<(Between,)>) -> bool {
     v.0.reading().is_some_and(|fingers| fingers.covered)
 }
 
-/// The hand: closes when something has been between its fingers for a while; opens again if it was nothing, or when it is told to.
+/// The hand: closes when something has been between its fingers for a while, and opens again when it no longer is; or when it is told to.
 ///
 /// # Errors
 /// The first fault of the cell.
 pub fn hand(ecp: &mut Ecp<TwoFingers>) -> Result<(), Fault> {
     let mut fingers = ecp.sensor::<Between>("fingers")?;
-    let to = |opening| JointMove::to(One::new(opening), One::new(FINGERS[0]), One::new(FINGERS[1]));
+    let open = || JointMove::to(One::new(OPEN), One::new(FINGERS[0]), One::new(FINGERS[1]));
     ecp.obey_all(|ecp, task| match task {
         Task::Pick => loop {
             ecp.wait_until((&mut fingers,), there {}.held_for(Close::WAITING))?;
-            ecp.move_robot((), to(CLOSED))?;
-            if ecp.wait_at_most((&mut fingers,), there {}.held_for(0.05), 25).is_ok() {
+            if !ecp.move_robot((&mut fingers,), Grasp::default())?.is_lost() {
                 return Ok(());
             }
-            ecp.move_robot((), to(OPEN))?;
         },
-        Task::Release => ecp.move_robot((), to(OPEN)).map(drop),
+        Task::Release => ecp.move_robot((), open()).map(drop),
         Task::Carry { .. } | Task::Return => Ok(()),
     })
 }

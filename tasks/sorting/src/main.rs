@@ -77,5 +77,8 @@ fn write(file: &Path, text: &str) -> Result<(), String> {
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> String {
-    format!("{}: cannot be written: {error}\n help: give a folder that can be written by --out", path.display())
+    format!(
+        "{}: cannot be written: {error}\n help: give a folder that can be written by --out",
+        path.display()
+    )
 }

@@ -94,7 +94,10 @@ pub fn time_line(outcome: &Outcome, parts: &[Arrival]) -> String {
     let end = parts.iter().take(shown).map(|part| part.time).fold(0.0, f64::max) + 15.0;
     Page::new("Parts over time", WIDTH, height).draw(|svg| {
         let sorted = outcome.count(Fate::Sorted);
-        let text = format!("{sorted} of {} parts sorted; a bar begins where its part comes and ends where it is grasped", parts.len());
+        let text = format!(
+            "{sorted} of {} parts sorted; a bar begins where its part comes and ends where it is grasped",
+            parts.len()
+        );
         heading(svg, "What became of the parts", &text);
         let frame = Area { x: MARGIN, y: 100.0, width: WIDTH - 2.0 * MARGIN, height: row * shown as f64 };
         let across = Range { low: 0.0, high: end };
@@ -115,7 +118,12 @@ pub fn time_line(outcome: &Outcome, parts: &[Arrival]) -> String {
             svg.rectangle(bar, 1.0, Look::filled(colour));
         }
         let y = frame.bottom() + 34.0;
-        let names = [("short, sorted", joint(0)), ("long, sorted", joint(2)), ("wrong tray", HIGHLIGHT), ("missed", GREY)];
+        let names = [
+            ("short, sorted", joint(0)),
+            ("long, sorted", joint(2)),
+            ("wrong tray", HIGHLIGHT),
+            ("missed", GREY),
+        ];
         for (i, (name, colour)) in names.into_iter().enumerate() {
             let x = MARGIN + 130.0 * i as f64;
             svg.rectangle(Area { x, y: y - 9.0, width: 12.0, height: 9.0 }, 1.0, Look::filled(colour));

@@ -44,6 +44,10 @@ pub const TRAY: [f64; 3] = [0.16, 0.2, 0.12];
 /// How high the tool is over a tray when it lets go \[m\].
 pub const OVER_TRAY: f64 = 0.1;
 
+/// The beam between the fingers is so far before the middle of their pads, as the belt runs \[m\]: a part that lags behind the tool
+/// by more than half of its length less this is no longer in the beam, while the pads would still lie on it.
+pub const BEAM: f64 = 0.02;
+
 /// Openings of the hand \[m\]: around a part, and pressing on it.
 pub const OPEN: f64 = 0.08;
 /// See [`OPEN`].

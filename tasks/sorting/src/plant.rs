@@ -11,7 +11,7 @@ use mrroc_sensors::virtual_sensors::{FingerBarrier, GateSensor, RangeFinder};
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
 use crate::parts::Arrival;
-use crate::places::{BEAMS, BELT, RANGE_AT, RANGE_FROM, SPACING, SURFACE, TRAY, TRAYS};
+use crate::places::{BEAM, BEAMS, BELT, RANGE_AT, RANGE_FROM, SPACING, SURFACE, TRAY, TRAYS};
 use crate::scene::{AtTool, Belt};
 
 /// The sink at the end of the belt; the trays are those before it.
@@ -35,7 +35,8 @@ impl Plant {
         let mut world = World::empty().with_rest();
         for [x, y, z] in TRAYS {
             let [dx, dy, dz] = TRAY.map(|edge| 0.5 * edge);
-            world = world.with_sink(Sink { lower: [x - dx, y - dy, z - dz], upper: [x + dx, y + dy, z + dz] })?;
+            world =
+                world.with_sink(Sink { lower: [x - dx, y - dy, z - dz], upper: [x + dx, y + dy, z + dz] })?;
         }
         let below = Sink { lower: [-2.0, -2.0, -1.0], upper: [2.0, 2.0, -0.1] };
         world = world.with_sink(below)?;
@@ -112,7 +113,9 @@ impl Plant {
     #[must_use]
     pub fn fingers(&self, step: f64) -> FingerBarrier<AtTool> {
         let hand = self.world.hand(0).expect("the arm is in the world");
-        let along_x = Pose::rotation(Vector3::y() * core::f64::consts::FRAC_PI_2);
+        // y of E is against the belt.
+        let along_x =
+            Pose::translation(0.0, -BEAM, 0.0) * Pose::rotation(Vector3::y() * core::f64::consts::FRAC_PI_2);
         let barrier = LightBarrier::new(0.003, self.seed.wrapping_add(4));
         FingerBarrier::new(AtTool::new(self.scene.clone(), hand), along_x, barrier, step)
     }

@@ -114,14 +114,15 @@ impl Settings {
         let slowest = (1.0 - 1.1 * Uneven::OFF) * self.speed;
         let patience = 3.0 * self.gap() + (END + 2.0 * SPACING) / slowest + self.first();
         let Self { speed, seed, change, parts: count, .. } = *self;
-        let cell = cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
-            let belt = Uneven::about(speed, seed.wrapping_add(77));
-            let belt = match change {
-                Some((time, share)) => belt.changing(time, share),
-                None => belt,
-            };
-            mp::coordinate(mp, belt, count as u32, patience)
-        });
+        let cell =
+            cell.ecp("arm", move |ecp| ecp::arm(ecp, &arm)).ecp("hand", ecp::hand).program(move |mp| {
+                let belt = Uneven::about(speed, seed.wrapping_add(77));
+                let belt = match change {
+                    Some((time, share)) => belt.changing(time, share),
+                    None => belt,
+                };
+                mp::coordinate(mp, belt, count as u32, patience)
+            });
         let hand = plant.world.hand(0).ok_or_else(|| Fault::thrown("the cell has no arm"))?;
         let witness = Witness::of(hand);
         let cell = cell.guard(1, witness.look());

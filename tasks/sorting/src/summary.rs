@@ -118,7 +118,10 @@ impl Summary {
         let mut rows = empty();
         let done = thread::scope(|scope| {
             let started: Vec<_> = (0..workers).map(|worker| scope.spawn(move || work(worker))).collect();
-            started.into_iter().map(|worker| worker.join().expect("no run panics")).collect::<Result<Vec<_>, _>>()
+            started
+                .into_iter()
+                .map(|worker| worker.join().expect("no run panics"))
+                .collect::<Result<Vec<_>, _>>()
         });
         for done in done.map_err(|text| Fault::thrown(&text))? {
             rows.iter_mut().zip(&done).for_each(|(row, done)| row.join(done));
@@ -142,7 +145,10 @@ fn empty() -> Vec<Row> {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "   belt  parts  sorted  missed  wrong  faults    off centre [mm]     slip [mm/s]    speed")?;
+        writeln!(
+            f,
+            "   belt  parts  sorted  missed  wrong  faults    off centre [mm]     slip [mm/s]    speed"
+        )?;
         writeln!(f, "    m/s                                        p50    p95    max     p95    max")?;
         let line = |f: &mut fmt::Formatter<'_>, name: &str, row: &Row| {
             let [p50, p95, most] = [0.5, 0.95, 1.0].map(|share| 1e3 * quantile(&row.off, share));
@@ -165,7 +171,11 @@ impl fmt::Display for Summary {
         if self.0.len() > 1 {
             line(f, "all", &all)?;
         }
-        writeln!(f, "fingers came down on a part {} times; speed: times faster than real time, each run on one processor", all.crashes)
+        writeln!(
+            f,
+            "fingers came down on a part {} times; speed: times faster than real time, each run on one processor",
+            all.crashes
+        )
     }
 }
 
@@ -176,7 +186,10 @@ mod tests {
     #[test]
     fn quantiles_are_values_that_so_many_do_not_exceed() {
         let values: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!((quantile(&values, 0.95), quantile(&values, 0.5), quantile(&values, 1.0)), (95.0, 50.0, 100.0));
+        assert_eq!(
+            (quantile(&values, 0.95), quantile(&values, 0.5), quantile(&values, 1.0)),
+            (95.0, 50.0, 100.0)
+        );
         assert_eq!((quantile(&[], 0.5), quantile(&[3.0], 0.01)), (0.0, 3.0));
     }
 }

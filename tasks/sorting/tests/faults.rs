@@ -21,16 +21,19 @@ fn undisturbed() -> Grip {
     outcome.grips[0]
 }
 
-/// Half of the shortest block less half of a pad: a pad within that lies on the part with all of its width.
-const HOLD: f64 = 0.5 * 0.06 - 0.012;
+/// Half of the width of a pad \[m\].
+const HALF_PAD: f64 = 0.012;
 
 /// Runs, and checks that there was no wrong grasp; what became of the part, and the fault.
 fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
+    let lengths: Vec<f64> = ready.parts.iter().map(|part| part.shape.length()).collect();
     let outcome = ready.run();
     let fault = outcome.report.as_ref().err().map(ToString::to_string);
     assert_eq!((outcome.count(Fate::Wrong), outcome.crashes), (0, 0), "{case}: {outcome:?}");
     for grip in &outcome.grips {
-        assert!(grip.along.abs() < HOLD, "{case}: grasped {} m off the middle", grip.along);
+        // Within that each pad lies on the part with all of its width.
+        let most = 0.5 * lengths[grip.part] - HALF_PAD;
+        assert!(grip.along.abs() < most, "{case}: grasped {} m off the middle, at most {most} m", grip.along);
     }
     (outcome.fates[0], fault)
 }
@@ -41,16 +44,19 @@ fn moments(step: f64) -> impl Iterator<Item = f64> {
     (0..).map(move |i| held - 4.0 + step * f64::from(i)).take_while(move |time| *time < held + 0.5)
 }
 
-/// A belt that goes on at a share of its speed, from each moment on.
+/// A belt that goes on at a share of its speed, from each moment on, with parts of several lengths.
 fn belt_changes(share: f64) {
     let mut passed = 0;
-    for time in moments(0.25) {
-        let settings = Settings { change: Some((time, share)), ..settings() };
-        let (fate, fault) = judged(settings.ready().expect("a cell"), &format!("at {time} s"));
-        assert_eq!(fault, None, "at {time} s");
-        passed += usize::from(fate == Fate::Missed);
+    for seed in [SEED, 4, 8] {
+        for time in moments(0.3) {
+            let settings = Settings { change: Some((time, share)), seed, ..settings() };
+            let case = format!("seed {seed}, at {time} s");
+            let (fate, fault) = judged(settings.ready().expect("a cell"), &case);
+            assert_eq!(fault, None, "{case}");
+            passed += usize::from(fate == Fate::Missed);
+        }
     }
-    assert!(passed > 3, "{passed} parts were let pass");
+    assert!(passed > 9, "{passed} parts were let pass");
 }
 
 #[test]
@@ -106,7 +112,8 @@ fn fault_173_a_barrier_between_the_fingers_that_is_always_covered_is_a_named_fau
     let held = undisturbed().time;
     for from in [0.0, held - 2.0, held - 1.6, held - 1.2] {
         let (fate, fault) = judged(with_barrier(None, from, Stuck::Covered), &format!("from {from} s"));
-        let named = fault.as_ref().is_some_and(|text| text.contains("the barrier between the fingers is covered"));
+        let named =
+            fault.as_ref().is_some_and(|text| text.contains("the barrier between the fingers is covered"));
         assert!(named || fate == Fate::Missed || fate == Fate::Sorted, "{fate:?} {fault:?}");
         assert!(from > 0.0 || named, "{fault:?}");
     }
@@ -124,7 +131,8 @@ fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_an
                 let from = |sensor: &str| if sensor == name { at } else { u64::MAX };
                 let gate = FaultySensor::new(plant.gate(step), SensorFault::Off, from("gate"), u64::MAX);
                 let range = FaultySensor::new(plant.range(step), SensorFault::Off, from("range"), u64::MAX);
-                let fingers = FaultySensor::new(plant.fingers(step), SensorFault::Off, from("fingers"), u64::MAX);
+                let fingers =
+                    FaultySensor::new(plant.fingers(step), SensorFault::Off, from("fingers"), u64::MAX);
                 let cell = cell.sensor(file.sensor("gate", gate)?).sensor(file.sensor("range", range)?);
                 Ok(cell.sensor(file.sensor("fingers", fingers)?))
             };

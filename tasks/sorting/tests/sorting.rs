@@ -36,7 +36,13 @@ fn the_first_edge_alone_misses_most_parts() {
 fn parts_one_after_another_go_to_their_trays() {
     let settings = Settings { parts: 6, ..Settings::one(0.1, 5) };
     let outcome = settings.run().expect("a cell");
-    assert_eq!(outcome.count(Fate::Sorted), 6, "{:?} {:?}", outcome.fates, outcome.report.map(|report| report.time));
+    assert_eq!(
+        outcome.count(Fate::Sorted),
+        6,
+        "{:?} {:?}",
+        outcome.fates,
+        outcome.report.map(|report| report.time)
+    );
 }
 
 #[test]

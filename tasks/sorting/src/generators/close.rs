@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::Senses;
 use super::chase::{Chase, Missed, Part};
 use super::follow::Follow;
-use crate::places::{END, HIGH, LOW};
+use crate::places::{BEAM, END, HIGH, LOW};
 
 /// From the moment in which the part has come between the fingers: corrects its place by where its leading edge met the beam, and goes with
 /// its middle until the hand has closed. What comes between the fingers elsewhere than expected is let pass.
@@ -18,9 +18,9 @@ pub struct Close {
 
 impl Close {
     /// How long the hand takes: it waits, so that a part that is let pass is out of the fingers before; it closes \[s\].
-    pub const WAITING: f64 = 0.45;
+    pub const WAITING: f64 = 0.3;
     /// See [`WAITING`](Self::WAITING).
-    pub const CLOSING: f64 = 0.75;
+    pub const CLOSING: f64 = 0.8;
 
     /// With the part that is followed.
     #[must_use]
@@ -34,7 +34,9 @@ impl Close {
     fn first_step(&mut self, v: &Reading<Senses>, t: Tick) -> Result<Step<Irp6>, Fault> {
         let tool = self.chase.tool.get();
         if tool.at.z > 0.5 * HIGH {
-            return Err(Fault::thrown("the barrier between the fingers is covered where nothing can be: clean it, or mend it"));
+            return Err(Fault::thrown(
+                "the barrier between the fingers is covered where nothing can be: clean it, or mend it",
+            ));
         }
         let (Some(part), Some(fingers)) = (self.chase.part.get(), v.2.reading()) else {
             return Ok(self.chase.miss(Missed::Elsewhere));
@@ -42,7 +44,7 @@ impl Close {
         if self.chase.open.is_none() {
             // How long before the demand of the last step is attained the edge met the beam: both moved evenly since then.
             let since = fingers.since + f64::from(v.2.age()) * t.duration + Part::DELAY - t.duration;
-            let met = tool.at.x - tool.velocity.x * since;
+            let met = tool.at.x + BEAM - tool.velocity.x * since;
             let expected = part.s - part.speed * since + 0.5 * part.length;
             if (met - expected).abs() > Follow::TOLERANCE {
                 return Ok(self.chase.miss(Missed::Elsewhere));

@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 
 use super::Senses;
 use super::chase::{Chase, Missed, Part};
-use crate::places::{END, HIGH, LOW};
+use crate::places::{BEAM, END, HIGH, LOW};
 
-/// Follows a part: ahead of its leading edge, so that the beam between the fingers is free; down; and then slower than the belt, so that
-/// the part comes between the fingers. Where it does is where it is: the error of the extrapolation is gone. A part that does not
+/// Follows a part: so that the beam between the fingers is ahead of its leading edge, and free; down; and then slower than the belt, so
+/// that the part comes into the beam. Where it does is where it is: the error of the extrapolation is gone. A part that does not
 /// come where it is expected, as after a belt has stopped, is let pass.
 ///
 /// In open loop it goes down at the middle instead, and stays there.
@@ -35,7 +35,7 @@ impl Follow {
 
     /// Where the tool is to be ahead of the part's middle, and how fast beside it.
     fn ahead(&self, part: &Part) -> (f64, f64) {
-        let front = 0.5 * part.length + Self::AHEAD;
+        let front = 0.5 * part.length + Self::AHEAD - BEAM;
         match (self.chase.open, self.meeting) {
             (Some(_), _) => (0.0, 0.0),
             (None, None) => (front, 0.0),
@@ -66,7 +66,8 @@ impl Follow {
         if part.s + ahead > END {
             return Ok(self.chase.miss(Missed::TooFar));
         }
-        if ahead < 0.5 * part.length - Self::TOLERANCE - Self::SLOWER * 0.02 && self.chase.open.is_none() {
+        let beyond = 0.5 * part.length - BEAM - Self::TOLERANCE - Self::SLOWER * 0.02;
+        if ahead < beyond && self.chase.open.is_none() {
             // The beam is beyond where the edge was expected, and the reading of that is old enough.
             return Ok(self.chase.miss(Missed::NotThere));
         }

@@ -16,7 +16,9 @@ impl Wait {
     fn next_step(&mut self, v: &Reading<Senses>, t: Tick) -> Result<Step<Irp6>, Fault> {
         // Up here nothing can be between the fingers.
         if v.2.reading().is_some_and(|fingers| fingers.covered) && self.0.tool.get().at.z > 0.5 * HIGH {
-            return Err(Fault::thrown("the barrier between the fingers is covered where nothing can be: clean it, or mend it"));
+            return Err(Fault::thrown(
+                "the barrier between the fingers is covered where nothing can be: clean it, or mend it",
+            ));
         }
         Ok(self.0.pursue(Vector3::new(HOME, 0.0, HIGH), 0.0, t.dt))
     }
