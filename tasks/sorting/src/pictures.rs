@@ -57,12 +57,12 @@ pub fn scatter(reactive: &Summary, first_edge: &Summary) -> String {
         heading(svg, "Where the hand gets hold of parts", "distance of the part's middle from that of the fingers along the belt, one point for each grasp, by the belt's nominal speed");
         let halves = [(reactive, "all sensors", 0), (first_edge, "the first edge alone", 1)];
         for (half, (summary, name, colour)) in halves.into_iter().enumerate() {
-            let wide = 0.5 * WIDTH - 1.2 * MARGIN;
+            let wide = 0.5 * WIDTH - 1.4 * MARGIN;
             let x = MARGIN + half as f64 * (wide + 1.2 * MARGIN);
             let frame = Area { x, y: 110.0, width: wide, height: height - 180.0 };
             let all = summary.all();
-            let millimetres: Vec<f64> = all.off.iter().map(|off| off * 1e3).collect();
-            let up = Range::with_zero(&millimetres, 3.5);
+            let most = all.off.iter().fold(3.5, |most: f64, off| most.max(off * 1e3));
+            let up = Range { low: 0.0, high: most };
             let axes = Axes::new(frame, Range { low: 0.01, high: 0.16 }, up);
             axes.draw_grid(svg);
             axes.draw_labels_below(svg);
