@@ -81,6 +81,11 @@ test-processes:
 test-kills KILLS="2000":
     MRROC_KILLS={{KILLS}} cargo test --release -p mrroc-tests --test processes -- --nocapture fault_01_to fault_07
 
+# Parts on a belt: one for each of 1,000 seeds, over all speeds, beside open loop; the table and sorting/scatter.svg.
+sorting-whole SEEDS="1000":
+    cargo run --release -p sorting -- --sweep {{SEEDS}}
+    MRROC_WHOLE=1 cargo test --release -p sorting
+
 # All that tests try of which `cargo test` takes a share: moments of the transfer, steps of small cells, damaged inputs.
 test-whole:
     MRROC_WHOLE=1 cargo test -p transfer -p mrroc-tests --test all

@@ -12,6 +12,9 @@ use mrroc::prelude::*;
 /// may begin many times; what makes it runs in a step, so it must not allocate. The motion is done when the behaviour that runs is
 /// done; one that is to give back must go on until then.
 ///
+/// Behaviours that begin with the velocity that they find need no rest between them: [`in_motion`](Self::in_motion) hands over in the
+/// very step. So a tool that goes with a part on a belt is handed over without losing it.
+///
 /// This is subsumption with priorities fixed beforehand (Brooks, *A robust layered control system for a mobile robot*, 1986). Where a
 /// behaviour is to take over once, and for good, [`Override`](super::Override) does.
 ///
@@ -63,7 +66,8 @@ pub struct Arbitrate<A: Generator, B, MakeA, MakeB> {
     usual: MakeB,
     begins: fn(&Reading<A::Sensors>) -> bool,
     ends: fn(&Reading<A::Sensors>) -> bool,
-    braking: f64,
+    /// \[s\]; `None`: none, the behaviours begin with the velocity that they find.
+    braking: Option<f64>,
     /// Whether the preferred behaviour is to run.
     chosen: bool,
     running: Option<Running<A, B>>,
@@ -91,6 +95,28 @@ where
         begins: fn(&Reading<A::Sensors>) -> bool,
         ends: fn(&Reading<A::Sensors>) -> bool,
         braking: f64,
+        usual: MakeB,
+    ) -> Self {
+        Self::handing_over(preferred, begins, ends, Some(braking), usual)
+    }
+
+    /// The same, without braking: the one that takes over begins in the step in which it is chosen, and must go on with the velocity
+    /// that it finds. One that does not is refused by the limits of the robot.
+    #[must_use]
+    pub fn in_motion(
+        preferred: MakeA,
+        begins: fn(&Reading<A::Sensors>) -> bool,
+        ends: fn(&Reading<A::Sensors>) -> bool,
+        usual: MakeB,
+    ) -> Self {
+        Self::handing_over(preferred, begins, ends, None, usual)
+    }
+
+    fn handing_over(
+        preferred: MakeA,
+        begins: fn(&Reading<A::Sensors>) -> bool,
+        ends: fn(&Reading<A::Sensors>) -> bool,
+        braking: Option<f64>,
         usual: MakeB,
     ) -> Self {
         const { assert!(A::CLASS.level as u8 == B::CLASS.level as u8, "both of an MP, or both of an ECP") };
@@ -153,7 +179,7 @@ where
         v: &Reading<A::Sensors>,
         t: Tick,
     ) -> Result<Step<A::Robots, A::Language>, Fault> {
-        if !(self.braking.is_finite() && self.braking > 0.0) {
+        if self.braking.is_some_and(|braking| !(braking.is_finite() && braking > 0.0)) {
             return Err(Fault::thrown("the time in which a behaviour is braked must be finite and > 0"));
         }
         self.choose(v);
@@ -173,9 +199,18 @@ where
             return self.begin(c0, e, v, t);
         };
         let is_chosen = matches!(running, Running::Preferred(_)) == self.chosen;
+        let Some(braking) = self.braking else {
+            if !is_chosen {
+                return self.begin(c0, e, v, t);
+            }
+            return match running {
+                Running::Preferred(preferred) => preferred.next_step(c0, e, v, t),
+                Running::Usual(usual) => usual.next_step(c0, e, v, t),
+            };
+        };
         // Once begun, braking goes on to rest, whatever is chosen meanwhile: no behaviour can speed up again where it was.
         if self.share.is_some() || !is_chosen {
-            self.share = Some((self.share.unwrap_or(1.0) - t.dt / self.braking).max(0.0));
+            self.share = Some((self.share.unwrap_or(1.0) - t.dt / braking).max(0.0));
         }
         let t = Tick { dt: t.dt * self.share.unwrap_or(1.0), ..t };
         match running {
@@ -302,6 +337,54 @@ mod tests {
         let (trace, done) = run(list(), 10_000, distance);
         assert!(done && (trace[trace.len() - 1] - 0.3).abs() < 1e-12);
         assert!(accelerations(&trace).all(|a| a.abs() < 1.5 + 1e-6));
+    }
+
+    /// Goes on at a velocity that it approaches from whatever it finds, which it is told.
+    struct Towards {
+        found: std::rc::Rc<core::cell::Cell<f64>>,
+        velocity: f64,
+        x: f64,
+    }
+
+    #[generator(ecp)]
+    impl Towards {
+        fn first_step(&mut self, e: &State<Irp6>, t: Tick) -> Step<Irp6> {
+            self.x = e.demanded().pose.translation.x;
+            self.next_step(t)
+        }
+
+        fn next_step(&mut self, t: Tick) -> Step<Irp6> {
+            let change = 0.5 * t.dt;
+            let velocity = self.found.get() + (self.velocity - self.found.get()).clamp(-change, change);
+            self.found.set(velocity);
+            self.x += velocity * t.dt;
+            Step::Next(Demand::pose(Pose::translation(self.x, 0.0, 0.0)))
+        }
+    }
+
+    #[test]
+    fn behaviours_that_go_on_with_what_they_find_are_handed_over_in_motion() {
+        let found = std::rc::Rc::new(core::cell::Cell::new(0.0));
+        let towards = |velocity: f64| {
+            let found = std::rc::Rc::clone(&found);
+            move || {
+                Blind::<_, (Scanner,)>::new(Towards { found: std::rc::Rc::clone(&found), velocity, x: 0.0 })
+            }
+        };
+        let motion =
+            Arbitrate::in_motion(towards(-0.05), |v| nearer(1.0, v), |v| !nearer(1.2, v), towards(0.1));
+        let (trace, done) = run(motion, 1_000, |step| if (400..600).contains(&step) { 0.9 } else { 1.3 });
+        assert!(!done);
+        // It turns back once and forth once, and at no time within more than 0.5 m/s².
+        assert!(accelerations(&trace).skip(1).all(|a| a.abs() < 0.5 + 1e-6));
+        let speed = |step: usize| (trace[step + 1] - trace[step]) / DT;
+        assert!(
+            (speed(390) - 0.1).abs() < 1e-9 && (speed(599) + 0.05).abs() < 1e-9,
+            "{} {}",
+            speed(390),
+            speed(599)
+        );
+        assert!((speed(990) - 0.1).abs() < 1e-9);
     }
 
     #[test]

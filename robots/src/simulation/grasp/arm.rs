@@ -12,7 +12,8 @@ use nalgebra::{SVector, Vector6};
 
 use super::compliance::Grasp;
 use super::error::WorldError;
-use super::world::{Hand, World};
+use super::grip::Hand;
+use super::world::World;
 use crate::models::{Driven, Kinematics};
 use crate::simulation::simulated::{Shaft, Simulated};
 

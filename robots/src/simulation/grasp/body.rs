@@ -21,15 +21,28 @@ pub struct Body {
     pub(super) mass: f64,
     pub(super) inertia: Matrix3<f64>,
     pub(super) points: Vec<Vector3<f64>>,
+    pub(super) faces: Vec<Face>,
     pub(super) X_WB: Pose,
 }
 
+/// A face of a convex body: all of it lies where `normal . p <= offset`, in B.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Face {
+    /// Unit vector, outwards.
+    pub normal: Vector3<f64>,
+    /// \[m\].
+    pub offset: f64,
+}
+
 impl Body {
+    /// Points of a cylinder's rim.
+    pub const SIDES: usize = 16;
+
     /// A body of this mass \[kg\] and tensor of inertia about its centre of mass, in the axes of B [kg m²]. It goes
-    /// through a table until it is given [points](Self::with_points) that touch.
+    /// through a table until it is given [points](Self::with_points) that touch, and through fingers.
     #[must_use]
     pub fn new(mass: f64, inertia: Matrix3<f64>) -> Self {
-        Self { mass, inertia, points: Vec::new(), X_WB: Pose::identity() }
+        Self { mass, inertia, points: Vec::new(), faces: Vec::new(), X_WB: Pose::identity() }
     }
 
     /// A homogeneous block of this mass \[kg\] and these edges along x, y, z of B \[m\], which touches with its corners.
@@ -41,7 +54,42 @@ impl Body {
             Vector3::new(side(1) * edges[0], side(2) * edges[1], side(4) * edges[2])
         };
         let inertia = Matrix3::from_diagonal(&Vector3::new(y + z, x + z, x + y));
-        Self::new(mass, inertia).with_points((0..8).map(corner))
+        let face = |i: usize| {
+            let mut normal = Vector3::zeros();
+            normal[i / 2] = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
+            Face { normal, offset: 0.5 * edges[i / 2] }
+        };
+        let block = Self::new(mass, inertia).with_points((0..8).map(corner));
+        Self { faces: (0..6).map(face).collect(), ..block }
+    }
+
+    /// A homogeneous upright cylinder of this mass \[kg\], diameter and height along z of B \[m\]. It touches with
+    /// [`SIDES`](Self::SIDES) points of each rim, and has as many flat sides.
+    #[must_use]
+    pub fn disc(mass: f64, diameter: f64, height: f64) -> Self {
+        let (r, h) = (0.5 * diameter, 0.5 * height);
+        let across = mass * (3.0 * r * r + height * height) / 12.0;
+        let inertia = Matrix3::from_diagonal(&Vector3::new(across, across, 0.5 * mass * r * r));
+        let angle = |i: usize| i as f64 * core::f64::consts::TAU / Self::SIDES as f64;
+        let rim = |i: usize| {
+            let up = if i < Self::SIDES { -h } else { h };
+            Vector3::new(r * angle(i).cos(), r * angle(i).sin(), up)
+        };
+        let side = |i: usize| {
+            // Half-way between two points of the rim.
+            let half = 0.5 * angle(1);
+            let middle = angle(i) + half;
+            Face { normal: Vector3::new(middle.cos(), middle.sin(), 0.0), offset: r * half.cos() }
+        };
+        let end = |sign: f64| Face { normal: Vector3::z() * sign, offset: h };
+        let faces = (0..Self::SIDES).map(side).chain([end(1.0), end(-1.0)]).collect();
+        Self { faces, ..Self::new(mass, inertia).with_points((0..2 * Self::SIDES).map(rim)) }
+    }
+
+    /// The hull's points \[m, in B\].
+    #[must_use]
+    pub fn points(&self) -> &[Vector3<f64>] {
+        &self.points
     }
 
     /// The same body with these points of its hull \[m, in B\], by which it touches a table.

@@ -58,6 +58,11 @@ impl Table {
         z < self.height + way
     }
 
+    /// Its coefficient of friction.
+    pub(super) fn friction(&self) -> f64 {
+        self.friction
+    }
+
     /// Stiffness [N/m] and damping [N s/m] of one point.
     pub(super) fn compliance(&self) -> (f64, f64) {
         (self.stiffness, self.damping)
@@ -123,6 +128,8 @@ pub(super) struct Point {
     pub stretch: Vector2<f64>,
     /// The force on it \[N\], kept to be looked up.
     pub force: Vector3<f64>,
+    /// The belt that it may touch; else it may touch the table.
+    pub on: Option<usize>,
 }
 
 /// A force at the lever `lever` \[m\] as a wrench about the centre of mass.

@@ -34,6 +34,20 @@ pub enum WorldError {
         /// The principal moments, ascending [kg m²]; NaN where the tensor is not symmetric or not finite.
         [f64; 3],
     ),
+    /// The base of a belt is not level.
+    #[error("the belt's base leans by {0} rad, it must be level")]
+    Leaning(
+        /// The angle of its z axis to the vertical \[rad\].
+        f64,
+    ),
+    /// A sink has no inside.
+    #[error("a sink reaches from {lower:?} to {upper:?}, its lower corner must be below its upper one")]
+    Sink {
+        /// Its lower corner \[m\].
+        lower: [f64; 3],
+        /// Its upper corner \[m\].
+        upper: [f64; 3],
+    },
     /// A pose is not finite.
     #[error("{0} is not finite")]
     NotFinite(
@@ -68,6 +82,14 @@ pub struct OutOfReach {
     pub reach: f64,
     /// The largest turn \[rad\].
     pub turn: f64,
+}
+
+impl OutOfReach {
+    /// There is no body.
+    pub(super) fn nothing() -> Self {
+        let (reach, turn) = (super::Grasp::REACH, super::Grasp::TURN);
+        Self { distance: f64::INFINITY, angle: 0.0, reach, turn }
+    }
 }
 
 /// So that programs which close a hand can return it by `?`.

@@ -5,7 +5,7 @@ use core::time::Duration;
 use mrroc::robot::{DriveFault, Driver, Measured, Regulators, SimulatedDrives};
 
 use super::error::{WorldError, positive};
-use super::world::Hand;
+use super::grip::Hand;
 use crate::models::{Gripper, One};
 use crate::simulation::simulated::{Shaft, Simulated};
 

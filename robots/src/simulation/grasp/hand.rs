@@ -1,35 +1,20 @@
-//! A gripper in the world: the motion of its tool frame E, servo period by servo period, and its grasp of the body.
-
-use std::collections::VecDeque;
+//! A gripper in the world: the motion of its tool frame E, its fingers, and its grasp of a body.
 
 use mrroc::pose::{Pose, Wrench};
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::body::Moving;
+use super::body::{Face, Moving};
 use super::compliance::{Deflection, Grasp};
 use super::contact::at_lever;
-use super::turn;
-
-/// Time on the world's clock \[ns\].
-pub(super) type Nanos = u64;
-
-/// \[s\] of a time on the world's clock.
-pub(super) fn seconds(time: Nanos) -> f64 {
-    time as f64 * 1e-9
-}
-
-/// Where E is at a time.
-#[derive(Clone, Copy, Debug)]
-#[allow(non_snake_case)]
-struct Knot {
-    time: Nanos,
-    X_WE: Pose,
-}
+use super::motion::{Motion, Nanos, seconds};
+use super::pads::Jaw;
 
 /// A closed gripper.
 #[derive(Clone, Copy, Debug)]
 #[allow(non_snake_case)]
 struct Held {
+    /// Which body.
+    body: usize,
     /// `X_BG`.
     at: Vector3<f64>,
     rotation: UnitQuaternion<f64>,
@@ -47,17 +32,10 @@ struct Held {
 #[derive(Clone, Debug)]
 pub(super) struct HandState {
     pub grasp: Grasp,
-    pub period: Nanos,
-    /// Servo periods that have begun.
-    ticks: u64,
-    /// Where E has come to, from the world's time on.
-    knots: VecDeque<Knot>,
+    pub motion: Motion,
+    /// Its fingers, if they touch bodies.
+    pub jaw: Option<Jaw>,
     held: Option<Held>,
-    /// E at the world's time, and its motion [m/s, rad/s].
-    position: Vector3<f64>,
-    rotation: UnitQuaternion<f64>,
-    velocity: Vector3<f64>,
-    turning: Vector3<f64>,
     /// Impulse on the gripper since its last servo period, at E in the world's axes, and its length \[s\].
     impulse: Wrench,
     elapsed: f64,
@@ -69,54 +47,13 @@ impl HandState {
     pub fn new(grasp: Grasp, period: Nanos, now: Nanos, X_WE: Pose) -> Self {
         Self {
             grasp,
-            period,
-            ticks: now.div_ceil(period.max(1)),
-            knots: VecDeque::from([Knot { time: now, X_WE }]),
+            motion: Motion::new(period, now, X_WE),
+            jaw: None,
             held: None,
-            position: X_WE.translation.vector,
-            rotation: X_WE.rotation,
-            velocity: Vector3::zeros(),
-            turning: Vector3::zeros(),
             impulse: Wrench::default(),
             elapsed: 0.0,
             reaction: Wrench::default(),
         }
-    }
-
-    /// Reserves memory for the knots of all periods by which the world may be behind, the longest period being `longest`.
-    pub fn reserve(&mut self, longest: Nanos) {
-        let periods = usize::try_from(longest.div_ceil(self.period)).unwrap_or(usize::MAX);
-        self.knots.reserve(periods.saturating_add(3));
-    }
-
-    /// Begins a servo period, at the world's time `now` or later; returns the time at its beginning.
-    pub fn begin(&mut self, now: Nanos) -> Nanos {
-        // An arm that has stood still for a while goes on from now.
-        self.ticks = self.ticks.max(now.div_ceil(self.period));
-        self.ticks * self.period
-    }
-
-    /// The time to which this hand's motion is known when a servo period of another, `period` long, begins at `time`. Ticks
-    /// come half a period after its beginning. One at the same moment does not count, so that their order does not matter.
-    pub fn known(&self, time: Nanos, period: Nanos) -> Nanos {
-        let odd_multiples = ((2 * time + period - 1) / self.period).div_ceil(2);
-        odd_multiples * self.period
-    }
-
-    /// Ends the servo period with E at `X_WE`.
-    #[allow(non_snake_case)]
-    pub fn end(&mut self, X_WE: Pose) {
-        let begun = self.ticks * self.period;
-        if let Some(last) = self.knots.back().copied().filter(|last| last.time < begun) {
-            self.knots.push_back(Knot { time: begun, ..last });
-        }
-        self.ticks += 1;
-        self.knots.push_back(Knot { time: begun + self.period, X_WE });
-    }
-
-    /// The next time at which E's motion changes.
-    pub fn next_change(&self, now: Nanos) -> Option<Nanos> {
-        self.knots.iter().map(|knot| knot.time).find(|&time| time > now)
     }
 
     /// Sets E and its motion for an interval that begins at `now`.
@@ -125,43 +62,17 @@ impl HandState {
             let closing = seconds(now - held.since);
             held.tightness = if closing < self.grasp.closing { closing / self.grasp.closing } else { 1.0 };
         }
-        while self.knots.get(1).is_some_and(|next| next.time <= now) {
-            self.knots.pop_front();
-        }
-        let Some(from) = self.knots.front() else { return };
-        self.position = from.X_WE.translation.vector;
-        self.rotation = from.X_WE.rotation;
-        self.velocity = Vector3::zeros();
-        self.turning = Vector3::zeros();
-        if let Some(to) = self.knots.get(1) {
-            let rate = seconds(to.time - from.time).recip();
-            let way = Deflection::between(
-                &self.position,
-                &self.rotation,
-                &to.X_WE.translation.vector,
-                &to.X_WE.rotation,
-            );
-            self.velocity = way.displacement * rate;
-            self.turning = way.turn * rate;
-            if now > from.time {
-                self.drift(seconds(now - from.time));
-            }
-        }
+        self.motion.enter(now);
     }
 
-    /// Moves E on for `h` \[s\].
-    pub fn drift(&mut self, h: f64) {
-        self.position += self.velocity * h;
-        self.rotation = turn::by(&(self.turning * h)) * self.rotation;
-    }
-
-    /// Closes at the time `now` at the frame G of the body, given as a pose in B.
+    /// Closes at the time `now` at the frame G of the body with this index, given as a pose in B.
     #[allow(non_snake_case)]
-    pub fn close(&mut self, now: Nanos, body: &Moving, X_BG: &Pose) {
+    pub fn close(&mut self, now: Nanos, index: usize, body: &Moving, X_BG: &Pose) {
         let at = X_BG.translation.vector;
         let grasp = &self.grasp;
         let bound = |linear: f64, angular: f64| linear * body.yielding(&at) + angular * body.turning();
         self.held = Some(Held {
+            body: index,
             at,
             rotation: X_BG.rotation,
             stiffness: bound(grasp.stiffness, grasp.rotational_stiffness),
@@ -179,14 +90,54 @@ impl HandState {
         self.held.is_some()
     }
 
-    /// Bounds of the squared frequency [1/s²] and of the rate of decay [1/s] that the grasp adds to the body's motion.
-    pub fn bounds(&self) -> (f64, f64) {
-        self.held.map_or((0.0, 0.0), |held| (held.stiffness, held.damping))
+    /// The body that it holds.
+    pub fn held(&self) -> Option<usize> {
+        self.held.map(|held| held.body)
+    }
+
+    /// The body that it holds, or that its fingers may touch in this interval.
+    pub fn engaged(&self) -> Option<usize> {
+        self.held().or(self.jaw.as_ref().and_then(Jaw::near))
+    }
+
+    /// Counts `h` \[s\] in which nothing acts on it.
+    pub fn idle(&mut self, h: f64) {
+        self.elapsed += h;
+    }
+
+    /// The wrench of its open fingers on the body that they are near, about its centre of mass; the hand takes the opposite for
+    /// `h` \[s\].
+    pub fn press(&mut self, body: &Moving, faces: &[Face], rate: &Deflection, h: f64) -> Wrench {
+        self.elapsed += h;
+        let Some(jaw) = &mut self.jaw else { return Wrench::default() };
+        let wrench = jaw.press(&self.motion, body, faces, rate);
+        let arm = body.position - self.motion.position;
+        let back = at_lever(-wrench.force, &arm);
+        self.impulse = self.impulse + Wrench::new(back.force, back.torque - wrench.torque) * h;
+        wrench
+    }
+
+    /// Bounds of the squared frequency [1/s²] and of the rate of decay [1/s] that the grasp or the fingers add to the motion of the body
+    /// that they are at, whose hull reaches this far from its centre \[m\].
+    pub fn bounds(&self, body: &Moving, radius: f64) -> (f64, f64) {
+        match (&self.held, &self.jaw) {
+            (Some(held), _) => (held.stiffness, held.damping),
+            (None, Some(jaw)) => jaw.bounds(body.yielding(&(Vector3::repeat(radius / 3.0_f64.sqrt())))),
+            (None, None) => (0.0, 0.0),
+        }
+    }
+
+    /// Moves E and the fingers on for `h` \[s\].
+    pub fn drift(&mut self, h: f64) {
+        self.motion.drift(h);
+        if let Some(jaw) = &mut self.jaw {
+            jaw.drift(h);
+        }
     }
 
     /// `X_WE` at the world's time.
     pub fn pose(&self) -> Pose {
-        Pose::from_parts(self.position.into(), self.rotation)
+        self.motion.pose()
     }
 
     /// The wrench of the grasp on the body now, about its centre of mass; the hand takes the opposite for `h` \[s\]. `rate`:
@@ -196,8 +147,8 @@ impl HandState {
         let Some(held) = self.held else { return Wrench::default() };
         let lever = body.rotation * held.at;
         let deflection = Deflection::between(
-            &self.position,
-            &self.rotation,
+            &self.motion.position,
+            &self.motion.rotation,
             &(body.position + lever),
             &(body.rotation * held.rotation),
         );
@@ -205,8 +156,8 @@ impl HandState {
         let omega = rate.turn;
         let rate = Deflection {
             displacement: rate.displacement + omega.cross(&lever)
-                - (self.velocity + self.turning.cross(&arm)),
-            turn: omega - self.turning,
+                - (self.motion.velocity + self.motion.turning.cross(&arm)),
+            turn: omega - self.motion.turning,
         };
         let wrench = self.grasp.wrench(&deflection, &rate) * held.tightness;
         let back = at_lever(-wrench.force, &arm);
@@ -219,8 +170,8 @@ impl HandState {
     pub fn energy(&self, body: &Moving) -> f64 {
         self.held.map_or(0.0, |held| {
             let deflection = Deflection::between(
-                &self.position,
-                &self.rotation,
+                &self.motion.position,
+                &self.motion.rotation,
                 &(body.position + body.rotation * held.at),
                 &(body.rotation * held.rotation),
             );
@@ -230,7 +181,7 @@ impl HandState {
 
     /// Whether a period ended long ago whose reaction its arm has not taken.
     pub fn is_overdue(&self) -> bool {
-        self.elapsed > 1.5 * seconds(self.period)
+        self.elapsed > 1.5 * seconds(self.motion.period)
     }
 
     /// Sets the reaction to the mean since the last call.

@@ -1,13 +1,17 @@
-//! A rigid body as physics: grippers that hold it by springs, a table that it stands on, sensors that feel it.
+//! Rigid bodies as physics: grippers that hold them by springs, a table or a belt that they stand on, sensors that feel them.
 //!
 //! | file | concept |
 //! |---|---|
 //! | `body.rs` | a rigid body, and how it moves under forces |
 //! | `compliance.rs` | a compliant grasp |
 //! | `contact.rs` | a table |
-//! | `hand.rs`, `world.rs` | grippers in the world; how the arms' servo periods drive it |
+//! | `belt.rs` | a belt that carries bodies by friction, and its drive |
+//! | `entry.rs` | bodies that come, rest on a belt, and go into sinks |
+//! | `motion.rs`, `hand.rs` | what drives move in the world; a gripper there |
+//! | `world.rs`, `stepping.rs`, `grip.rs` | the world; how it goes on in time; a gripper from outside |
 //! | `arm.rs` | the drives of an arm in the world |
-//! | `fingers.rs` | a gripper that is a robot of its own |
+//! | `fingers.rs`, `jaws.rs` | a gripper that is a robot of its own: closing on the one body; on whatever its pads touch |
+//! | `pads.rs` | the pads of fingers |
 //! | `internal.rs` | forces of grippers against one another |
 //! | `wrist.rs` | the force and torque sensor at a wrist |
 //! | `turn.rs`, `noise.rs` | rotation vectors; seeded noise |
@@ -34,14 +38,21 @@
 //! ```
 
 mod arm;
+mod belt;
 mod body;
 mod compliance;
 mod contact;
+mod entry;
 mod error;
 mod fingers;
+mod grip;
 mod hand;
 mod internal;
+mod jaws;
+mod motion;
 mod noise;
+mod pads;
+mod stepping;
 #[cfg(test)]
 mod tests;
 mod turn;
@@ -49,11 +60,16 @@ mod world;
 mod wrist;
 
 pub use arm::Grasping;
+pub use belt::{Belt, Conveying};
 pub use body::{Body, BodyState};
 pub use compliance::Grasp;
 pub use contact::Table;
+pub use entry::{Sink, Whereabouts};
 pub use error::{OutOfReach, WorldError};
 pub use fingers::Fingers;
+pub use grip::Hand;
 pub use internal::Sharing;
-pub use world::{Hand, World};
+pub use jaws::Jaws;
+pub use pads::{Pads, Touch};
+pub use world::World;
 pub use wrist::SimulatedWrist;

@@ -17,8 +17,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::sensors::{Bias, WristForce, WristOrder};
 
+use super::grip::Hand;
 use super::noise::Noise;
-use super::world::Hand;
 
 /// A simulated wrist sensor, on the hand of an arm in a [`World`](super::World).
 #[derive(Clone, Debug)]

@@ -1,9 +1,11 @@
 //! Bodies in grippers that stand still or are led by hand, against statics and mechanics.
 
+mod belt;
 mod bench;
 mod contact;
 mod dynamics;
 mod internal;
+mod pads;
 mod refusals;
 mod statics;
 mod time;

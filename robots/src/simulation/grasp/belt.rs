@@ -1,0 +1,231 @@
+//! A belt: a level surface that moves, with an end, and the drive that moves it in the world.
+//!
+//! ```text
+//! u: along the belt, x of its base frame B;   v_b: its speed, the true one of the joint
+//!
+//! contact  as on a table (`contact.rs`), by the velocity of a point less v_b u
+//! load     -sum f . u, over all points of bodies on it, through the transmission on the motor
+//! ```
+
+use core::time::Duration;
+
+use mrroc::pose::Pose;
+use mrroc::robot::{DriveFault, Driver, Measured, Regulators, Robot, SimulatedDrives};
+use nalgebra::Vector3;
+
+use super::contact::Table;
+use super::error::{WorldError, positive};
+use super::motion::{Motion, Nanos, seconds};
+use super::world::World;
+use crate::models::{Conveyor, Driven, One};
+use crate::simulation::simulated::{Shaft, Simulated};
+
+/// The surface of a belt, in the base frame B of its conveyor: the plane z = 0, along x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belt {
+    from: f64,
+    to: f64,
+    half_width: f64,
+    friction: f64,
+    stiffness: f64,
+    damping: f64,
+}
+
+impl Belt {
+    /// A point that is deeper in the belt than this is not on it, but beside it or below \[m\].
+    const DEEPEST: f64 = 0.01;
+
+    /// A belt from `from` to `to` along x of its base and this wide \[m\], of friction 0.5 and, at each point that touches it,
+    /// 4e3 N/m and 12 N s/m, as of rubber (assumed).
+    #[must_use]
+    pub const fn new(from: f64, to: f64, width: f64) -> Self {
+        Self { from, to, half_width: 0.5 * width, friction: 0.5, stiffness: 4e3, damping: 12.0 }
+    }
+
+    /// The same belt with this coefficient of friction, >= 0.
+    #[must_use]
+    pub const fn with_friction(self, friction: f64) -> Self {
+        Self { friction, ..self }
+    }
+
+    /// The same belt with this stiffness [N/m], > 0, and damping [N s/m], >= 0, at each point.
+    #[must_use]
+    pub const fn with_stiffness(self, stiffness: f64, damping: f64) -> Self {
+        Self { stiffness, damping, ..self }
+    }
+
+    fn check(&self) -> Result<(), WorldError> {
+        positive("the belt's length", self.to - self.from, "m")?;
+        positive("the belt's width", self.half_width, "m")?;
+        Ok(())
+    }
+}
+
+/// A belt, as the world keeps it.
+#[derive(Clone, Debug)]
+#[allow(non_snake_case)]
+pub(super) struct BeltState {
+    pub motion: Motion,
+    pub table: Table,
+    belt: Belt,
+    X_WB: Pose,
+    /// Impulse on the belt along it since its last servo period [N s], and its length \[s\].
+    impulse: f64,
+    elapsed: f64,
+    force: f64,
+}
+
+impl BeltState {
+    #[allow(non_snake_case)]
+    pub fn new(belt: Belt, X_WB: Pose, period: Nanos, now: Nanos, X_WF: Pose) -> Result<Self, WorldError> {
+        belt.check()?;
+        let leaning = (X_WB.rotation * Vector3::z() - Vector3::z()).norm();
+        if leaning.is_nan() || leaning > 1e-9 {
+            return Err(WorldError::Leaning(leaning));
+        }
+        let table = Table::at(X_WB.translation.z)
+            .with_friction(belt.friction)
+            .with_stiffness(belt.stiffness, belt.damping);
+        table.check()?;
+        let motion = Motion::new(period, now, X_WF);
+        Ok(Self { motion, table, belt, X_WB, impulse: 0.0, elapsed: 0.0, force: 0.0 })
+    }
+
+    /// Along the belt, in the world.
+    pub fn along(&self) -> Vector3<f64> {
+        self.X_WB.rotation * Vector3::x()
+    }
+
+    /// Whether a point is over the belt or within `way` \[m\] of it, and less than `way` above it.
+    pub fn is_near(&self, point: &Vector3<f64>, way: f64) -> bool {
+        let at = self.X_WB.rotation.inverse_transform_vector(&(point - self.X_WB.translation.vector));
+        at.z < way
+            && at.z > -Belt::DEEPEST
+            && at.x >= self.belt.from
+            && at.x <= self.belt.to
+            && at.y.abs() <= self.belt.half_width
+    }
+
+    /// How far a place is from the nearer end or edge of the belt, > 0 on it \[m\].
+    pub fn inside(&self, point: &Vector3<f64>) -> f64 {
+        let at = self.X_WB.rotation.inverse_transform_vector(&(point - self.X_WB.translation.vector));
+        (at.x - self.belt.from).min(self.belt.to - at.x).min(self.belt.half_width - at.y.abs())
+    }
+
+    /// Takes a force of a body on it for `h` \[s\].
+    pub fn push(&mut self, force: &Vector3<f64>, h: f64) {
+        self.impulse += force.dot(&self.along()) * h;
+    }
+
+    /// So much time has passed \[s\].
+    pub fn pass(&mut self, duration: f64) {
+        self.elapsed += duration;
+    }
+
+    /// Whether a period ended long ago whose load its drive has not taken.
+    pub fn is_overdue(&self) -> bool {
+        self.elapsed > 1.5 * seconds(self.motion.period)
+    }
+
+    /// The force of the bodies along it \[N\], mean since the last call.
+    pub fn take_force(&mut self) -> f64 {
+        if self.elapsed > 0.0 {
+            self.force = self.impulse / self.elapsed;
+            self.impulse = 0.0;
+            self.elapsed = 0.0;
+        }
+        self.force
+    }
+}
+
+/// The drive of a conveyor in a [`World`]: the belt moves as its true joint does, and its motor bears the friction of the bodies on it.
+#[derive(Debug)]
+pub struct Conveying {
+    drive: Simulated<Conveyor, 1>,
+    shaft: Shaft<1>,
+    world: World,
+    index: usize,
+}
+
+impl Conveying {
+    pub(super) fn new(world: &World, drive: Simulated<Conveyor, 1>, belt: Belt) -> Result<Self, WorldError> {
+        let shaft = drive.shaft();
+        let base = drive.robot().forward(&One::zeros());
+        let at = drive.robot().forward(&shaft.state().position);
+        let index = world.add_belt(belt, drive.period(), base, at)?;
+        Ok(Self { drive, shaft, world: world.clone(), index })
+    }
+
+    /// The drive, to jam it or to reset a trip.
+    #[must_use]
+    pub const fn drive_mut(&mut self) -> &mut Simulated<Conveyor, 1> {
+        &mut self.drive
+    }
+
+    /// A view of the belt's true joint.
+    #[must_use]
+    pub fn shaft(&self) -> Shaft<1> {
+        self.shaft.clone()
+    }
+
+    /// One servo period of the drive, in the world.
+    fn in_world<T>(&mut self, period: impl FnOnce(&mut Simulated<Conveyor, 1>) -> T) -> T {
+        let force = self.world.begin_belt(self.index);
+        let robot = self.drive.robot();
+        let q = self.shaft.state().position;
+        let at_motor = robot.motor_torques(&robot.motors(&q), &One::new(force));
+        // A drive's load counts against its motion.
+        self.drive.push(0, -at_motor[0]);
+        let outcome = period(&mut self.drive);
+        self.world.end_belt(self.index, self.drive.robot().forward(&self.shaft.state().position));
+        outcome
+    }
+}
+
+impl Driver<Conveyor> for Conveying {
+    fn period(&self) -> Duration {
+        self.drive.period()
+    }
+
+    fn measured(&self) -> Result<Measured<One>, DriveFault> {
+        self.drive.measured()
+    }
+
+    fn tick(&mut self, demanded: &One) -> Result<Measured<One>, DriveFault> {
+        self.in_world(|drive| drive.tick(demanded))
+    }
+
+    fn motor_currents(&self) -> Option<One> {
+        self.drive.motor_currents()
+    }
+
+    fn simulation(&mut self) -> Option<&mut dyn SimulatedDrives<Conveyor>> {
+        Some(self)
+    }
+
+    fn has_brakes(&self) -> bool {
+        self.drive.has_brakes()
+    }
+
+    fn switch_off(&mut self) {
+        self.drive.switch_off();
+    }
+
+    fn switch_on(&mut self) -> Result<(), DriveFault> {
+        self.drive.switch_on()
+    }
+
+    fn has_regulator(&self, joint: usize, set: u8) -> bool {
+        self.drive.has_regulator(joint, set)
+    }
+
+    fn choose_regulators(&mut self, sets: &Regulators) {
+        self.drive.choose_regulators(sets);
+    }
+}
+
+impl SimulatedDrives<Conveyor> for Conveying {
+    fn brake(&mut self) -> Measured<One> {
+        self.in_world(Simulated::brake)
+    }
+}

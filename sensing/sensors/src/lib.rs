@@ -1,0 +1,31 @@
+//! Sensors for `mrroc`: what they give, as physics says, and what a program makes of it.
+//!
+//! | module | in | out |
+//! |---|---|---|
+//! | [`scene`] | – | what sensors see of a world: convex solids that move |
+//! | [`physics`] | a scene | what a sensor gives: a switched output, a code |
+//! | [`aggregation`] | what a sensor gives, over time | the reading `f_v` makes of it: edges, passages, distances |
+//! | [`virtual_sensors`] | both | the virtual sensors of a cell, in any of the three modes of a VSP |
+//!
+//! Physics and aggregation know neither each other nor a cell: a real input card feeds the same aggregation, and a test of one's own
+//! reads the same physics.
+//!
+//! ```
+//! use mrroc_sensors::aggregation::{Edge, Passages};
+//!
+//! // A part of 80 mm passes two light barriers 150 mm apart at 0.1 m/s: four edges.
+//! let mut passages = Passages::new(0.15);
+//! let edge = |time, covered| Edge { time, covered };
+//! for (beam, edge) in [(0, edge(1.0, true)), (0, edge(1.8, false)), (1, edge(2.5, true)), (1, edge(3.3, false))] {
+//!     passages.take(beam, edge);
+//! }
+//! let passage = passages.last().expect("one has passed");
+//! assert_eq!(passages.count(), 1);
+//! assert!((passage.speed - 0.1).abs() < 1e-12 && (passage.length - 0.08).abs() < 1e-12);
+//! assert_eq!(passage.left, 3.3);
+//! ```
+
+pub mod aggregation;
+pub mod physics;
+pub mod scene;
+pub mod virtual_sensors;

@@ -1,0 +1,9 @@
+//! What sensors give, as their physics says: from a scene to switched outputs and codes.
+
+mod light_barrier;
+mod noise;
+mod triangulation;
+
+pub use light_barrier::{LightBarrier, Stuck};
+pub use noise::Noise;
+pub use triangulation::{Triangulation, code_of, distance_of};

@@ -1,0 +1,5 @@
+//! Sensors over a scene whose motion is a formula: without a cell, a world or a robot.
+
+mod gate;
+mod physics;
+mod scene;

@@ -1,0 +1,76 @@
+//! Runs a belt as a worn drive does: not at its nominal speed, and not evenly.
+
+use mrroc::prelude::*;
+use mrroc_robots::{Conveyor, One};
+use mrroc_sensors::physics::Noise;
+
+/// Speeds a belt up to a speed within 20 % of the nominal one, which wanders from then on: by a rate of at most 0.5 % a second that is drawn
+/// anew every second. No program is told of it.
+pub struct Uneven {
+    random: Noise,
+    /// What it wanders about, and by what share it is off that now.
+    speed: f64,
+    share: f64,
+    /// Per second, and for how long still \[s\].
+    rate: f64,
+    left: f64,
+    /// How fast it is, and how far \[m/s, m\].
+    now: f64,
+    x: f64,
+    /// When it stops or turns back \[s\], and at which share of its speed it then goes on.
+    change: Option<(f64, f64)>,
+    age: f64,
+}
+
+impl Uneven {
+    /// How far off the nominal speed it may be, as a share.
+    pub const OFF: f64 = 0.2;
+    /// How much of its speed it may lose or win in a second.
+    pub const WANDERING: f64 = 0.005;
+    /// \[m/s²\]: within the conveyor's limit.
+    pub const ACCELERATION: f64 = 0.045;
+
+    /// About a nominal speed [m/s], >= 0.
+    #[must_use]
+    pub fn about(nominal: f64, seed: u64) -> Self {
+        let mut random = Noise::seeded(seed);
+        let speed = nominal * (1.0 + random.between(-Self::OFF, Self::OFF));
+        Self { random, speed, share: 0.0, rate: 0.0, left: 0.0, now: 0.0, x: 0.0, change: None, age: 0.0 }
+    }
+
+    /// The same that goes on at this share of its speed after `time` \[s\]: 0 stops it, -1 turns it back.
+    #[must_use]
+    pub const fn changing(self, time: f64, share: f64) -> Self {
+        Self { change: Some((time, share)), ..self }
+    }
+
+    /// The speed about which it wanders [m/s].
+    #[must_use]
+    pub const fn speed(&self) -> f64 {
+        self.speed
+    }
+}
+
+#[generator(ecp)]
+impl Uneven {
+    fn first_step(&mut self, e: &State<Conveyor>, t: Tick) -> Step<Conveyor> {
+        self.x = e.demanded().joints[0];
+        self.next_step(t)
+    }
+
+    fn next_step(&mut self, t: Tick) -> Step<Conveyor> {
+        self.age += t.dt;
+        self.left -= t.dt;
+        if self.left <= 0.0 {
+            self.left += 1.0;
+            self.rate = self.random.between(-Self::WANDERING, Self::WANDERING);
+        }
+        self.share += self.rate * t.dt;
+        let fault = self.change.filter(|(time, _)| self.age > *time).map_or(1.0, |(_, share)| share);
+        let wanted = self.speed * (1.0 + self.share) * fault;
+        let change = Self::ACCELERATION * t.dt;
+        self.now += (wanted - self.now).clamp(-change, change);
+        self.x += self.now * t.dt;
+        Step::Next(Demand::joints(One::new(self.x)))
+    }
+}

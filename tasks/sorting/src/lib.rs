@@ -1,0 +1,30 @@
+//! Parts on a moving belt are sensed, acquired and sorted: the reactive task of the MRROC++ paper, with infrared sensors.
+//!
+//! The task itself is small: [`mp`] coordinates, [`ecp`] is what each robot does, [`generators`] how they move, [`orders`] what the
+//! coordinator tells them. The rest surrounds it: [`places`] says where things are, [`parts`] what comes and when, [`plant`] what
+//! simulated robots and sensors do, [`witness`] measures, [`run`] is one run, [`summary`] many.
+
+pub mod ecp;
+pub mod generators;
+pub mod mp;
+pub mod options;
+pub mod orders;
+pub mod parts;
+pub mod pictures;
+pub mod places;
+pub mod plant;
+pub mod run;
+pub mod scene;
+pub mod summary;
+pub mod witness;
+
+use mrroc::cell_file::CellFileError;
+use mrroc::prelude::*;
+
+/// The cell of the task, `cell.toml`.
+///
+/// # Errors
+/// None: the file is right.
+pub fn file() -> Result<CellFile, CellFileError> {
+    CellFile::parse("cell.toml", include_str!("../cell.toml"))
+}

@@ -1,0 +1,84 @@
+//! Parts on a moving belt are sensed, acquired and sorted: `cargo run --release -p sorting -- --help`.
+
+use std::error::Error;
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+
+use mrroc::console::{complain, refused, say};
+use mrroc::launch::Launch;
+use sorting::options::{Options, parse};
+use sorting::pictures::{filmed, scatter, time_line};
+use sorting::run::{Sensing, Settings};
+use sorting::summary::{Row, Summary};
+
+/// So many parts are filmed.
+const FILMED: usize = 3;
+
+fn main() -> ExitCode {
+    let options = match parse(std::env::args_os().skip(1)) {
+        Ok(options) => options,
+        Err(answer) => return Launch::answer(&answer),
+    };
+    if let Err(error) = std::fs::create_dir_all(&options.out) {
+        return refused(&unwritable(&options.out, &error));
+    }
+    let ran = match options.sweep {
+        Some(seeds) => sweep(&options, seeds.into()),
+        None => sort(&options),
+    };
+    match ran {
+        Ok((all, text)) => {
+            let said = if options.quiet { ExitCode::SUCCESS } else { say(&text) };
+            let kept = all.wrong == 0 && all.crashes == 0 && all.faults == 0;
+            if kept { said } else { ExitCode::FAILURE }
+        }
+        Err(error) => {
+            complain(&format!("error: {error}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// One run of many parts, a time line of it, and a film of a short one.
+fn sort(options: &Options) -> Result<(Row, String), Box<dyn Error>> {
+    let sensing = if options.first_edge { Sensing::FirstEdge } else { Sensing::Reactive };
+    let parts = options.parts as usize;
+    let settings = Settings { parts, sensing, ..Settings::one(options.belt, options.seed.into()) };
+    let ready = settings.ready()?;
+    let arrivals = ready.parts.clone();
+    let outcome = ready.run();
+    let mut row = Row { speed: options.belt, ..Row::default() };
+    row.add(&outcome);
+    write(&options.out.join("time-line.svg"), &time_line(&outcome, &arrivals))?;
+    let film = options.out.join("belt.svg");
+    let short = Settings { parts: parts.min(FILMED), ..settings };
+    filmed(short.ready()?, &film).map_err(|error| unwritable(&film, &error))?;
+    if let Err(error) = &outcome.report {
+        return Err(error.to_string().into());
+    }
+    let folder = options.out.display();
+    let text = format!("{}see {folder}/belt.svg, {folder}/time-line.svg\n", Summary(vec![row.clone()]));
+    Ok((row, text))
+}
+
+/// Many seeds over all speeds, led by all sensors, and by the first edge alone.
+fn sweep(options: &Options, seeds: u64) -> Result<(Row, String), Box<dyn Error>> {
+    let reactive = Summary::sweep(seeds, Sensing::Reactive)?;
+    let open = Summary::sweep(seeds.div_ceil(4), Sensing::FirstEdge)?;
+    write(&options.out.join("scatter.svg"), &scatter(&reactive, &open))?;
+    let folder = options.out.display();
+    let text = format!("all sensors\n{reactive}\nthe first edge alone\n{open}\nsee {folder}/scatter.svg\n");
+    Ok((reactive.all(), text))
+}
+
+fn write(file: &Path, text: &str) -> Result<(), String> {
+    std::fs::write(file, text).map_err(|error| unwritable(file, &error))
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> String {
+    format!(
+        "{}: cannot be written: {error}\n help: give a folder that can be written by --out",
+        path.display()
+    )
+}

@@ -1,0 +1,99 @@
+//! The command line.
+
+use std::ffi::OsString;
+use std::iter;
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+
+/// What is chosen.
+#[derive(Clone, Debug, PartialEq, Parser)]
+#[command(
+    name = "sorting",
+    about = "Parts on a moving belt are sensed, acquired and sorted by a simulated arm: prints what was measured, and draws it",
+    after_help = "Exit status: 0 if every part was sorted or passed, none wrongly, 1 if not,\n2 if the command line was refused; then nothing has moved.\n\nExamples:\n  sorting --belt 0.1 --parts 20\n  sorting --first-edge          led by the first edge alone: misses most parts\n  sorting --sweep 1000          so many seeds over all speeds, beside open loop",
+    args_override_self = true,
+    max_term_width = 80
+)]
+pub struct Options {
+    /// What parts are seen by.
+    #[arg(long, value_enum, default_value = "infrared")]
+    pub sensor: SensorKind,
+    /// Nominal speed of the belt [m/s], 0.02 to 0.15; its true one is up to 20 % off, and wanders.
+    #[arg(long, value_name = "M_PER_S", default_value = "0.1", value_parser = speed)]
+    pub belt: f64,
+    /// How many parts come.
+    #[arg(long, value_name = "N", default_value = "200", value_parser = clap::value_parser!(u32).range(1..=2000))]
+    pub parts: u32,
+    /// Of parts, noise and belt.
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub seed: u32,
+    /// The arm is led by the first edge of each part alone.
+    #[arg(long)]
+    pub first_edge: bool,
+    /// One part for each of so many seeds, over all speeds.
+    #[arg(long, value_name = "SEEDS", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub sweep: Option<u32>,
+    /// Where the pictures go.
+    #[arg(long, value_name = "DIR", default_value = "sorting")]
+    pub out: PathBuf,
+    /// Print errors only.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// What parts are seen by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SensorKind {
+    /// Light barriers, a range finder, and a barrier between the fingers.
+    Infrared,
+}
+
+/// A speed that the task is made for.
+fn speed(text: &str) -> Result<f64, String> {
+    let speed: f64 = text.parse().map_err(|_| format!("`{text}` is no number"))?;
+    let fits = (0.02..=0.15).contains(&speed);
+    if fits { Ok(speed) } else { Err(format!("{speed} m/s: the belt runs at 0.02 to 0.15 m/s")) }
+}
+
+/// Reads the arguments after the program's name.
+///
+/// # Errors
+/// What there is to say instead: the help, or what is wrong.
+pub fn parse(arguments: impl IntoIterator<Item = OsString>) -> Result<Options, clap::Error> {
+    Options::try_parse_from(iter::once(OsString::from("sorting")).chain(arguments))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    fn read(arguments: &[&str]) -> Result<Options, clap::Error> {
+        parse(arguments.iter().map(OsString::from))
+    }
+
+    #[test]
+    fn options_are_read_and_others_refused() {
+        let options = read(&["--sensor", "infrared", "--belt", "0.15", "--parts", "20"]).expect("right");
+        assert_eq!((options.belt, options.parts, options.sweep), (0.15, 20, None));
+        assert_eq!(read(&[]).expect("right").out, PathBuf::from("sorting"));
+        for (arguments, said) in [
+            (["--belt", "0.3"], "0.02 to 0.15 m/s"),
+            (["--belt", "NaN"], "0.02 to 0.15 m/s"),
+            (["--belt", "fast"], "no number"),
+            (["--sensor", "radar"], "infrared"),
+            (["--parts", "0"], "1..=2000"),
+        ] {
+            let text = read(&arguments).expect_err("wrong").to_string();
+            assert!(text.contains(said), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_help_fits_a_terminal() {
+        Options::command().debug_assert();
+        let help = parse(["-h".into()]).expect_err("help").to_string();
+        assert!(help.lines().all(|line| line.len() <= 80), "{help}");
+    }
+}

@@ -1,0 +1,132 @@
+//! What the simulated robots do in, and what the sensors see: parts on a belt, fingers, trays, a bin at the end.
+
+use mrroc::cell_file::{Kinds, RobotEntry};
+use mrroc::pose::Pose;
+use mrroc::prelude::*;
+use mrroc_robots::grasp::{self, Grasp, Jaws, Pads, Sink, World, WorldError};
+use mrroc_robots::{Conveyor, Irp6, One, Simulated, TwoFingers};
+use mrroc_sensors::aggregation::Laterals;
+use mrroc_sensors::physics::{LightBarrier, Triangulation};
+use mrroc_sensors::virtual_sensors::{FingerBarrier, GateSensor, RangeFinder};
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+
+use crate::parts::Arrival;
+use crate::places::{BEAM, BEAMS, BELT, RANGE_AT, RANGE_FROM, SPACING, SURFACE, TRAY, TRAYS};
+use crate::scene::{AtTool, Belt};
+
+/// The sink at the end of the belt; the trays are those before it.
+pub const END_BIN: usize = TRAYS.len();
+
+/// The world of the cell.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    /// Parts, belt, trays, hand.
+    pub world: World,
+    scene: Belt,
+    seed: u64,
+}
+
+impl Plant {
+    /// With these parts to come; the seed is that of the sensors' noise.
+    ///
+    /// # Errors
+    /// A figure of a part or of `places.rs` is out of range.
+    pub fn new(parts: &[Arrival], seed: u64) -> Result<Self, WorldError> {
+        let mut world = World::empty().with_rest();
+        for [x, y, z] in TRAYS {
+            let [dx, dy, dz] = TRAY.map(|edge| 0.5 * edge);
+            world =
+                world.with_sink(Sink { lower: [x - dx, y - dy, z - dz], upper: [x + dx, y + dy, z + dz] })?;
+        }
+        let below = Sink { lower: [-2.0, -2.0, -1.0], upper: [2.0, 2.0, -0.1] };
+        world = world.with_sink(below)?;
+        for part in parts {
+            world.put_at(&part.body, part.time)?;
+        }
+        Ok(Self { scene: Belt::new(world.clone(), parts), world, seed })
+    }
+
+    /// The kinds of `cell.toml`, with drives in this world.
+    #[must_use]
+    pub fn kinds(&self) -> Kinds {
+        let [arm, hand, belt] = [self.world.clone(), self.world.clone(), self.world.clone()];
+        Kinds::new()
+            .with("arm", move |entry| {
+                let robot = Irp6::nominal().with_base(entry.base());
+                let drives = Simulated::new(robot.clone(), &entry.start(&robot)?);
+                let grasp = Grasp::new(2e4, 20.0).with_tool(entry.tool());
+                let arm = arm.arm(drives, grasp).map_err(|error| impossible(entry, &error))?;
+                Ok(RobotSetup::new(entry.name(), robot, arm))
+            })
+            .with("hand", move |entry| {
+                let fingers = TwoFingers::new().with_base(entry.base());
+                let start: One = entry.start(&fingers)?;
+                let drive = Simulated::new(fingers.clone(), &start);
+                let on = hand.hand(0).ok_or_else(|| {
+                    entry.refuse_start("the hand is on no arm".into(), "write it below its arm".into())
+                })?;
+                let jaws = Jaws::new(drive, on, Pads::new(0.024, 0.008));
+                let jaws = jaws.map_err(|error| impossible(entry, &error))?;
+                // What it holds keeps the fingers off their demand: that is no fault.
+                Ok(RobotSetup::new(entry.name(), fingers, jaws).following_error(One::new(TwoFingers::STROKE)))
+            })
+            .with("belt", move |entry| {
+                let conveyor = Conveyor::new().with_base(entry.base());
+                let drive = Simulated::new(conveyor.clone(), &entry.start(&conveyor)?);
+                let [from, to, width] = SURFACE;
+                let belt = belt.belt(drive, grasp::Belt::new(from, to, width));
+                Ok(RobotSetup::new(entry.name(), conveyor, belt.map_err(|error| impossible(entry, &error))?))
+            })
+    }
+
+    /// The cell with all sensors.
+    ///
+    /// # Errors
+    /// What is wrong with their tables in the cell's file.
+    pub fn sense(&self, file: &CellFile, cell: Cell) -> Result<Cell, CellError> {
+        let step = file.step().as_secs_f64();
+        let cell = cell.sensor(file.sensor("gate", self.gate(step))?);
+        let cell = cell.sensor(file.sensor("range", self.range(step))?);
+        Ok(cell.sensor(file.sensor("fingers", self.fingers(step))?))
+    }
+
+    /// The gate: its two barriers, which look across the belt.
+    #[must_use]
+    pub fn gate(&self, step: f64) -> GateSensor<Belt> {
+        let beam = |s: f64| across(s, 0.5 * SURFACE[2], BEAMS);
+        let barrier = |number: u64| LightBarrier::new(0.005, self.seed.wrapping_add(number));
+        GateSensor::new(self.scene.clone(), [beam(-SPACING), beam(0.0)], [barrier(1), barrier(2)], step)
+    }
+
+    /// The range finder. Beyond the belt it sees a rail.
+    #[must_use]
+    pub fn range(&self, step: f64) -> RangeFinder<Belt> {
+        let sensor = Triangulation::new(0.5, self.seed.wrapping_add(3));
+        let laterals = Laterals::new(RANGE_FROM - 0.08, RANGE_FROM + 0.05, 70.0);
+        RangeFinder::new(self.scene.clone(), across(RANGE_AT, RANGE_FROM, BEAMS), sensor, laterals, step)
+    }
+
+    /// The barrier between the fingers, from tip to tip.
+    ///
+    /// # Panics
+    /// Before the arm is in the world: [`kinds`](Self::kinds).
+    #[must_use]
+    pub fn fingers(&self, step: f64) -> FingerBarrier<AtTool> {
+        let hand = self.world.hand(0).expect("the arm is in the world");
+        // y of E is against the belt.
+        let along_x =
+            Pose::translation(0.0, -BEAM, 0.0) * Pose::rotation(Vector3::y() * core::f64::consts::FRAC_PI_2);
+        let barrier = LightBarrier::new(0.003, self.seed.wrapping_add(4));
+        FingerBarrier::new(AtTool::new(self.scene.clone(), hand), along_x, barrier, step)
+    }
+}
+
+/// The frame of something beside the belt that looks across it, along x of W: `from` \[m\] off the middle of the belt.
+fn across(s: f64, from: f64, over: f64) -> Pose {
+    let look = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), core::f64::consts::FRAC_PI_2);
+    Pose::from_parts(Translation3::new(BELT[0] - from, BELT[1] + s, over), look)
+}
+
+fn impossible(entry: &RobotEntry, error: &WorldError) -> CellError {
+    entry.refuse_start(error.to_string(), "write figures in range".to_owned())
+}

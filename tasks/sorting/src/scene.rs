@@ -1,0 +1,99 @@
+//! The simulated world as sensors see it.
+
+use core::cell::Cell;
+use std::rc::Rc;
+
+use mrroc::pose::Pose;
+use mrroc_robots::grasp::{Hand, World};
+use mrroc_sensors::scene::{Scene, Solid};
+use mrroc_sensors::virtual_sensors::Tool;
+use nalgebra::Vector3;
+
+use crate::parts::Arrival;
+
+/// The parts in a world.
+#[derive(Clone, Debug)]
+pub struct Belt {
+    world: World,
+    looks: Rc<[Look]>,
+}
+
+/// How a part looks.
+#[derive(Clone, Debug)]
+struct Look {
+    hull: Box<[Vector3<f64>]>,
+    reflectance: f64,
+}
+
+impl Belt {
+    /// Of a world into which these parts have been put, in their order.
+    #[must_use]
+    pub fn new(world: World, parts: &[Arrival]) -> Self {
+        let look = |part: &Arrival| Look { hull: part.body.points().into(), reflectance: part.reflectance };
+        Self { world, looks: parts.iter().map(look).collect() }
+    }
+}
+
+impl Scene for Belt {
+    fn now(&self) -> f64 {
+        self.world.time()
+    }
+
+    fn each_solid(&self, visit: &mut dyn FnMut(&Solid<'_>)) {
+        self.world.each_body(|number, state| {
+            let Look { hull, reflectance } = &self.looks[number];
+            visit(&Solid {
+                hull,
+                pose: state.pose,
+                velocity: state.velocity,
+                angular_velocity: state.angular_velocity,
+                reflectance: *reflectance,
+            });
+        });
+    }
+}
+
+/// The same with the tool at which a sensor is.
+#[derive(Clone, Debug)]
+pub struct AtTool {
+    belt: Belt,
+    hand: Hand,
+    /// When and where the tool was at the last two times that were asked for.
+    seen: Cell<[(f64, Vector3<f64>); 2]>,
+}
+
+impl AtTool {
+    /// At the tool of this hand.
+    #[must_use]
+    pub fn new(belt: Belt, hand: Hand) -> Self {
+        Self { belt, hand, seen: Cell::default() }
+    }
+}
+
+impl Scene for AtTool {
+    fn now(&self) -> f64 {
+        self.belt.now()
+    }
+
+    fn each_solid(&self, visit: &mut dyn FnMut(&Solid<'_>)) {
+        self.belt.each_solid(visit);
+    }
+}
+
+impl Tool for AtTool {
+    /// It has moved evenly for a short time.
+    fn pose_before(&self, before: f64) -> Pose {
+        let mut pose = self.hand.pose();
+        let now = (self.now(), pose.translation.vector);
+        let [mut earlier, mut last] = self.seen.get();
+        if now.0 > last.0 {
+            (earlier, last) = (last, now);
+            self.seen.set([earlier, last]);
+        }
+        let passed = last.0 - earlier.0;
+        if passed > 0.0 && passed < 0.1 {
+            pose.translation.vector -= (last.1 - earlier.1) * (before / passed);
+        }
+        pose
+    }
+}

@@ -1,0 +1,157 @@
+//! Faults of the belt and of sensors: a named fault, or a part that passes; never a wrong grasp.
+//!
+//! A share of the moments; `MRROC_WHOLE=1` takes every tenth of a second and more parts.
+
+use mrroc::prelude::*;
+use mrroc::testing::{FaultySensor, SensorFault};
+use mrroc_sensors::physics::Stuck;
+use sorting::plant::Plant;
+use sorting::run::{Ready, Sensing, Settings};
+use sorting::witness::{Fate, Grip};
+
+const SPEED: f64 = 0.12;
+const SEED: u64 = 3;
+
+fn settings() -> Settings {
+    Settings { sensing: Sensing::Reactive, ..Settings::one(SPEED, SEED) }
+}
+
+/// When the undisturbed run gets hold of its part \[s\], and the steps then.
+fn undisturbed() -> Grip {
+    let outcome = settings().run().expect("a cell");
+    assert_eq!(outcome.count(Fate::Sorted), 1, "{outcome:?}");
+    outcome.grips[0]
+}
+
+/// Half of the width of a pad \[m\].
+const HALF_PAD: f64 = 0.012;
+
+/// Runs, and checks that there was no wrong grasp; what became of the part, and the fault.
+fn judged(ready: Ready, case: &str) -> (Fate, Option<String>) {
+    let lengths: Vec<f64> = ready.parts.iter().map(|part| part.shape.length()).collect();
+    let outcome = ready.run();
+    let fault = outcome.report.as_ref().err().map(ToString::to_string);
+    assert_eq!((outcome.count(Fate::Wrong), outcome.crashes), (0, 0), "{case}: {outcome:?}");
+    for grip in &outcome.grips {
+        // Within that each pad lies on the part with all of its width.
+        let most = 0.5 * lengths[grip.part] - HALF_PAD;
+        assert!(grip.along.abs() < most, "{case}: grasped {} m off the middle, at most {most} m", grip.along);
+    }
+    (outcome.fates[0], fault)
+}
+
+/// Times from when the part has passed the first barrier until it is held, every so many seconds.
+fn moments(step: f64) -> impl Iterator<Item = f64> {
+    let held = undisturbed().time;
+    (0..).map(move |i| held - 4.0 + step * f64::from(i)).take_while(move |time| *time < held + 0.5)
+}
+
+/// A belt that goes on at a share of its speed, from each moment on, with parts of several lengths.
+fn belt_changes(share: f64) {
+    let mut passed = 0;
+    let whole = std::env::var_os("MRROC_WHOLE").is_some();
+    let (seeds, step): (&[u64], f64) = if whole { (&[SEED, 4, 8, 11, 15], 0.1) } else { (&[SEED, 8], 0.5) };
+    for &seed in seeds {
+        for time in moments(step) {
+            let settings = Settings { change: Some((time, share)), seed, ..settings() };
+            let case = format!("seed {seed}, at {time} s");
+            let (fate, fault) = judged(settings.ready().expect("a cell"), &case);
+            assert_eq!(fault, None, "{case}");
+            passed += usize::from(fate == Fate::Missed);
+        }
+    }
+    assert!(passed > 0, "no part was let pass");
+}
+
+#[test]
+fn fault_170_a_belt_that_stops_makes_a_missed_part_and_no_wrong_grasp() {
+    belt_changes(0.0);
+}
+
+#[test]
+fn fault_171_a_belt_that_turns_back_makes_a_missed_part_and_no_wrong_grasp() {
+    belt_changes(-0.8);
+}
+
+/// The cell with a gate of which a barrier fails, or a finger barrier that does.
+fn with_barrier(number: Option<usize>, from: f64, stuck: Stuck) -> Ready {
+    let sense = move |plant: &Plant, file: &CellFile, cell: Cell| {
+        let step = file.step().as_secs_f64();
+        let (mut gate, mut fingers) = (plant.gate(step), plant.fingers(step));
+        match number {
+            Some(number) => gate.barrier(number).fail(from, stuck),
+            None => fingers.barrier().fail(from, stuck),
+        }
+        let cell = cell.sensor(file.sensor("gate", gate)?).sensor(file.sensor("range", plant.range(step))?);
+        Ok(cell.sensor(file.sensor("fingers", fingers)?))
+    };
+    settings().sensed_by(sense).expect("a cell")
+}
+
+#[test]
+fn fault_172_a_dead_barrier_of_the_gate_makes_missed_parts_and_no_grasp_beside_them() {
+    let held = undisturbed().time;
+    for number in [0, 1] {
+        for stuck in [Stuck::Open, Stuck::Covered] {
+            let case = format!("barrier {number} {stuck:?}");
+            // Dead from the beginning.
+            assert_eq!(judged(with_barrier(Some(number), 0.0, stuck), &case), (Fate::Missed, None), "{case}");
+            // Dying while the part is at the gate, and after it.
+            for before in [4.0, 3.5, 3.0, 2.5, 1.0] {
+                let (_, fault) = judged(with_barrier(Some(number), held - before, stuck), &case);
+                assert_eq!(fault, None, "{case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn fault_173_a_barrier_between_the_fingers_that_is_always_open_makes_missed_parts() {
+    let (fate, fault) = judged(with_barrier(None, 0.0, Stuck::Open), "open");
+    assert_eq!((fate, fault), (Fate::Missed, None));
+}
+
+#[test]
+fn fault_173_a_barrier_between_the_fingers_that_is_always_covered_is_a_named_fault() {
+    let held = undisturbed().time;
+    for from in [0.0, held - 2.0, held - 1.6, held - 1.2] {
+        let (fate, fault) = judged(with_barrier(None, from, Stuck::Covered), &format!("from {from} s"));
+        let named =
+            fault.as_ref().is_some_and(|text| text.contains("the barrier between the fingers is covered"));
+        assert!(named || fate == Fate::Missed || fate == Fate::Sorted, "{fate:?} {fault:?}");
+        assert!(from > 0.0 || named, "{fault:?}");
+    }
+}
+
+#[test]
+fn fault_174_a_sensor_that_is_lost_in_mid_pick_is_a_named_fault_or_not_needed_any_more() {
+    let held = undisturbed().time;
+    for name in ["gate", "range", "fingers"] {
+        for before in [3.0, 1.6, 0.8, 0.2, -0.3] {
+            let at = ((held - before) / 4e-3) as u64;
+            let sense = |plant: &Plant, file: &CellFile, cell: Cell| {
+                let step = file.step().as_secs_f64();
+                // A sensor that works until then, or for good.
+                let from = |sensor: &str| if sensor == name { at } else { u64::MAX };
+                let gate = FaultySensor::new(plant.gate(step), SensorFault::Off, from("gate"), u64::MAX);
+                let range = FaultySensor::new(plant.range(step), SensorFault::Off, from("range"), u64::MAX);
+                let fingers =
+                    FaultySensor::new(plant.fingers(step), SensorFault::Off, from("fingers"), u64::MAX);
+                let cell = cell.sensor(file.sensor("gate", gate)?).sensor(file.sensor("range", range)?);
+                Ok(cell.sensor(file.sensor("fingers", fingers)?))
+            };
+            let case = format!("{name} lost {before} s before the grasp");
+            let ready = settings().sensed_by(sense).expect("a cell");
+            let world = ready.plant.world.clone();
+            let (fate, fault) = judged(ready, &case);
+            match fault {
+                Some(text) => assert!(text.contains(name), "{case}: {text}"),
+                None => assert_eq!(fate, Fate::Sorted, "{case}"),
+            }
+            // What was held when the cell stopped is held still.
+            if before < -0.2 && fate != Fate::Sorted {
+                assert!(world.hand(0).expect("a hand").is_closed(), "{case}: the part was let go");
+            }
+        }
+    }
+}
