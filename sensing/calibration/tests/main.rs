@@ -1,0 +1,6 @@
+//! Tests of the solver and of problems.
+
+#[path = "support/case.rs"]
+mod case;
+mod chain;
+mod problem;
