@@ -127,6 +127,31 @@ impl Chain {
         Chain { joints, X_tip: X }
     }
 
+    /// Which numbers behind a joint are left at 0 where several cannot be told apart: those along and about the next joint's axis, which that
+    /// joint has itself; beside a parallel axis those across the link; all behind the last joint, which targets have themselves; and
+    /// those of the first joint that the base has itself.
+    fn importance(&self, joint: usize, axis: usize) -> u8 {
+        let own = if self.joints[joint].kind == JointKind::Revolute { 5 } else { 2 };
+        let Some(next) = self.joints.get(joint + 1) else { return 1 };
+        if joint == 0 && (axis == 2 || axis == 5) {
+            return if axis == own { 2 } else { 1 };
+        }
+        if axis == own {
+            return 8;
+        }
+        let along = next.X_before.rotation * Vector3::z();
+        let across = if along.z.abs() > 0.9 {
+            // Parallel: across both the axis and the link.
+            along.cross(&next.X_before.translation.vector)
+        } else {
+            Vector3::new(along.x, along.y, 0.0)
+        };
+        let redundant = usize::from(across.y.abs() > across.x.abs());
+        let parallel = along.z.abs() > 0.9;
+        let is_redundant = axis == redundant || (axis == redundant + 3 && !parallel) || (axis == 2 && parallel);
+        if is_redundant { 1 } else { 5 }
+    }
+
     /// The arm whose `detail` is to be calibrated.
     #[must_use]
     pub fn with(self, detail: Detail, tolerances: &Tolerances) -> ChainArm {
@@ -151,7 +176,7 @@ impl Chain {
                 } else {
                     format!("{} {}", joint.name, ["x", "y", "z", "turn x", "turn y", "turn z"][axis])
                 };
-                let importance = if is_zero { 8 } else { 5 };
+                let importance = self.importance(i, axis);
                 parameters.push(Parameter::new(name, unit).within(tolerance).important(importance));
                 effects.push(Effect::Displacement { joint: i, axis });
             }

@@ -61,10 +61,7 @@ impl<'p> Equations<'p> {
 
     /// How many residuals are measured, and not believed.
     pub(crate) fn measured(&self) -> usize {
-        let of = |i: &usize| {
-            self.problem.instruments[self.problem.measurements[*i].instrument.0].device.residuals()
-        };
-        self.used.iter().map(of).sum::<usize>() + self.problem.bars.len()
+        self.used.iter().map(|i| self.problem.device_of(*i).residuals()).sum::<usize>() + self.problem.bars.len()
     }
 
     /// The flange of an arm at `q` in the world.
@@ -156,7 +153,7 @@ impl<'p> Equations<'p> {
             let to = self.mounted(at_values, flange(target.on), target.frame, with_twists);
             let seen = from.pose.inv_mul(&to.pose);
             let constants = &at_values.instruments[measurement.instrument.0];
-            let device = &*instrument.device;
+            let device = problem.device_of(*i);
             let k = device.residuals();
             let mut foretold = [0.0; 16];
             let foretold = &mut foretold[..device.readings()];
@@ -188,7 +185,7 @@ impl<'p> Equations<'p> {
                 }
                 for (i, column) in self.constants[measurement.instrument.0].iter().enumerate() {
                     let Some(column) = column else { continue };
-                    for (j, sigma) in sigma.iter().enumerate() {
+                    for (j, sigma) in sigma.iter().enumerate().take(k) {
                         jacobian[(row + j, *column)] += slopes[(j, 6 + i)] / sigma;
                     }
                 }
@@ -202,7 +199,8 @@ impl<'p> Equations<'p> {
             let length = apart.norm();
             residuals[row] = (bar.length - length) / bar.sigma;
             if let Some(jacobian) = jacobian.as_deref_mut() {
-                let along = apart / length;
+                // Ends that begin in one place part in some direction.
+                let along = if length > 0.0 { apart / length } else { Vector3::x() };
                 for (end, sign) in [(&a, 1.0), (&b, -1.0)] {
                     for (column, one) in &end.twists {
                         let linear = Vector3::new(one[0], one[1], one[2]);
@@ -227,7 +225,7 @@ impl<'p> Equations<'p> {
         let mut raw = Vec::new();
         for i in &self.used {
             let instrument = self.problem.measurements[*i].instrument.0;
-            let k = self.problem.instruments[instrument].device.residuals();
+            let k = self.problem.device_of(*i).residuals();
             let sigma = &self.sigma[instrument];
             raw.push((*i, (0..k).map(|j| residuals[row + j] * sigma[j]).collect()));
             row += k;

@@ -85,6 +85,13 @@ pub struct Fit {
     settings: Settings,
 }
 
+/// What counts as seen.
+#[derive(Clone, Copy)]
+enum Seen {
+    Measured,
+    Believed,
+}
+
 /// How often the noise is found anew: each time it changes less.
 const NOISE_ROUNDS: usize = 4;
 
@@ -96,6 +103,18 @@ impl Problem {
     /// # Errors
     /// [`NoFit`].
     pub fn fit(&self, settings: &Settings) -> Result<Fit, NoFit> {
+        self.fit_seen_by(Seen::Measured, settings)
+    }
+
+    /// The same, where what is believed counts as seen: tolerances tell apart what measurements do not.
+    ///
+    /// # Errors
+    /// [`NoFit`].
+    pub fn fit_with_beliefs(&self, settings: &Settings) -> Result<Fit, NoFit> {
+        self.fit_seen_by(Seen::Believed, settings)
+    }
+
+    fn fit_seen_by(&self, seen: Seen, settings: &Settings) -> Result<Fit, NoFit> {
         if self.measurements.is_empty() {
             return Err(NoFit::Empty);
         }
@@ -114,7 +133,11 @@ impl Problem {
             values = minimum.at;
             let freedom = degrees_of_freedom(&equations, &minimum.jacobian);
             self.find_noise(&equations, &minimum.residuals, freedom, settings, &mut sigma);
-            last = Some((minimum.jacobian, equations.measured()));
+            let rows = match seen {
+                Seen::Measured => equations.measured(),
+                Seen::Believed => minimum.jacobian.nrows(),
+            };
+            last = Some((minimum.jacobian, rows));
         }
         let Some((jacobian, measured)) = last else { return Err(NoFit::Empty) };
         let importance: Vec<u8> = all.iter().map(|slot| self.parameter(*slot).importance).collect();
@@ -188,7 +211,7 @@ impl Problem {
                 let of = (0..instrument.device.residuals()).filter(|j| instrument.device.unit(*j) == unit);
                 let of: Vec<usize> = of.collect();
                 let own = raw.iter().filter(|(m, _)| self.measurements[*m].instrument.0 == i);
-                let all: Vec<f64> = own.flat_map(|(_, raw)| of.iter().map(|j| raw[*j])).collect();
+                let all: Vec<f64> = own.flat_map(|(_, raw)| of.iter().filter_map(|j| raw.get(*j).copied())).collect();
                 let weight = |r: &f64| settings.loss.weight(r / of.first().map_or(1.0, |j| sigma[i][*j]));
                 let weights: f64 = all.iter().map(weight).sum();
                 let square: f64 = all.iter().map(|r| weight(r) * r * r).sum();

@@ -114,8 +114,8 @@ fn basis(null: &DMatrix<f64>, importance: &[u8], norms: &DVector<f64>) -> Vec<Un
         let rest = |i: usize| reduced.view((i, vector), (1, k - vector)).norm();
         let free = || (0..n).filter(|i| !pivots.contains(i));
         let most = free().map(rest).fold(0.0, f64::max);
-        // What moves nearly as far as any other will do as well.
-        let will_do = free().filter(|i| rest(*i) >= 0.3 * most);
+        // What moves not much less than any other will do as well.
+        let will_do = free().filter(|i| rest(*i) >= 0.1 * most);
         let Some(pivot) = will_do.min_by_key(|i| importance.get(*i).copied().unwrap_or_default()) else {
             break;
         };

@@ -111,6 +111,9 @@ pub enum NoMinimum {
 /// Where the damping starts, as a part of the squared norms of the columns.
 const FIRST_DAMPING: f64 = 1e-9;
 
+/// A damping above which steps are no steps.
+const STUCK: f64 = 1e12;
+
 /// The least sum of losses near `start`.
 ///
 /// ```
@@ -170,6 +173,9 @@ pub fn minimise<P: LeastSquares>(
             let Some((step, foretold)) = step(&normal, &gradient, &norms, damping) else {
                 damping *= growth;
                 growth *= 2.0;
+                if damping > STUCK {
+                    return Err(NoMinimum::NotConverged { iterations: iteration, cost });
+                }
                 continue;
             };
             if foretold <= settings.tolerance * cost {
@@ -188,7 +194,7 @@ pub fn minimise<P: LeastSquares>(
             damping *= growth;
             growth *= 2.0;
             // No step, however short, lowers the cost: round-off is all that is left of the gradient.
-            if damping > 1e12 {
+            if damping > STUCK {
                 return Ok(end(at, cost, residuals, jacobian));
             }
         }

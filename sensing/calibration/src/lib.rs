@@ -10,14 +10,18 @@
 //! | [`Arm`], [`ChainArm`], [`Irp6Arm`] | robots by displacements behind their joints, or by physical parameters |
 //! | [`Device`]: [`Points`], [`Angles`], [`Distance`], [`Plane`], [`Touch`], [`FullPose`] | what instruments read |
 //! | [`Problem`], [`Fit`] | blocks and measurements; what came of them |
+//! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
+//! | [`file`](mod@file) | the file that is written for `cell.toml` |
 //!
 //! The command `calibrate` does all this from a table of measurements, without a cell and without a program: see the book,
 //! *Calibration*.
 
 mod arm;
 mod chain;
+pub mod data;
 mod device;
 mod equations;
+pub mod file;
 mod fit;
 mod information;
 mod irp6;
@@ -25,7 +29,9 @@ mod least_squares;
 mod loss;
 mod parameter;
 mod problem;
+pub mod report;
 mod start;
+pub mod trials;
 
 pub use arm::{Arm, between, displaced};
 pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};

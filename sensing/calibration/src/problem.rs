@@ -112,7 +112,6 @@ impl Noise {
 
 #[derive(Clone)]
 pub(crate) struct Target {
-    pub(crate) name: String,
     pub(crate) on: Option<ArmId>,
     pub(crate) frame: FrameId,
 }
@@ -130,6 +129,8 @@ pub(crate) struct Measurement {
     /// Where the arms are that carry the target, and the instrument.
     pub(crate) postures: Vec<PostureId>,
     pub(crate) read: Vec<f64>,
+    /// What reads it, if not the instrument's usual device.
+    pub(crate) device: Option<Rc<dyn Device>>,
 }
 
 /// A known distance of two targets.
@@ -216,7 +217,7 @@ impl Problem {
     /// A target in the world, or on an arm's flange.
     pub fn target(&mut self, name: &str, on: Option<ArmId>, frame: Pose, freedom: Freedom) -> TargetId {
         let frame = self.frame(name, frame, freedom, 10);
-        self.targets.push(Target { name: name.to_owned(), on, frame });
+        self.targets.push(Target { on, frame });
         TargetId(self.targets.len() - 1)
     }
 
@@ -235,12 +236,32 @@ impl Problem {
         read: &[f64],
     ) {
         let postures = postures.to_owned();
-        self.measurements.push(Measurement { instrument, target, postures, read: read.to_owned() });
+        self.measurements.push(Measurement { instrument, target, postures, read: read.to_owned(), device: None });
+    }
+
+    /// The same read in another way, such as by a camera that sees the whole pose of a board and single points: `device` has the constants of
+    /// the instrument's own, and its residuals are the first ones of that.
+    pub fn measure_by(
+        &mut self,
+        instrument: InstrumentId,
+        device: Rc<dyn Device>,
+        target: TargetId,
+        postures: &[PostureId],
+        read: &[f64],
+    ) {
+        let (postures, read) = (postures.to_owned(), read.to_owned());
+        self.measurements.push(Measurement { instrument, target, postures, read, device: Some(device) });
     }
 
     /// A bar of known length \[m\] between two targets that stand in the world, with its standard deviation \[m\].
     pub fn bar(&mut self, ends: [TargetId; 2], length: f64, sigma: f64) {
         self.bars.push(Bar { ends, length, sigma });
+    }
+
+    /// The same blocks with nothing measured.
+    #[must_use]
+    pub fn without_measurements(&self) -> Self {
+        Self { postures: Vec::new(), measurements: Vec::new(), bars: Vec::new(), ..self.clone() }
     }
 
     fn frame(&mut self, name: &str, start: Pose, freedom: Freedom, importance: u8) -> FrameId {
@@ -274,6 +295,13 @@ impl Problem {
     /// Says anew what of a frame is to be found.
     pub fn free(&mut self, frame: FrameId, freedom: Freedom) {
         self.frames[frame.0].freedom = freedom;
+    }
+
+    /// The device that took a measurement, from 0 in the order in which they were told.
+    #[must_use]
+    pub fn device_of(&self, measurement: usize) -> &dyn Device {
+        let measurement = &self.measurements[measurement];
+        measurement.device.as_deref().unwrap_or(&*self.instruments[measurement.instrument.0].device)
     }
 
     /// How many measurements there are.

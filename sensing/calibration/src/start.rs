@@ -12,7 +12,7 @@ use crate::equations::Equations;
 use crate::fit::NoFit;
 use crate::least_squares::{Settings, minimise};
 use crate::loss::Loss;
-use crate::problem::{ArmId, InstrumentId, Problem, Slot};
+use crate::problem::{ArmId, FrameId, Freedom, InstrumentId, Problem, Slot};
 
 impl Problem {
     /// Finds about where an instrument stands of which nothing is known, and where its targets are, from its measurements alone; its
@@ -46,6 +46,27 @@ impl Problem {
             }
         }
         Ok(())
+    }
+
+    /// Makes a frame in the world the world itself, unless it `is_known` where it is: everything else in the world is told in it from now on, and it
+    /// is fixed.
+    pub fn anchor(&mut self, frame: FrameId, is_known: bool) {
+        if is_known {
+            return;
+        }
+        let world = self.frames[frame.0].start.inverse();
+        let on_flange = |id: usize| {
+            let targets = self.targets.iter().map(|one| (one.frame, one.on));
+            let mut all = targets.chain(self.instruments.iter().map(|one| (one.frame, one.on)));
+            all.any(|(own, on)| own.0 == id && on.is_some())
+        };
+        let moving: Vec<bool> = (0..self.frames.len()).map(|id| !on_flange(id)).collect();
+        for (frame, moves) in self.frames.iter_mut().zip(moving) {
+            if moves {
+                frame.start = world * frame.start;
+            }
+        }
+        self.free(frame, Freedom::FIXED);
     }
 
     /// Whether a slot is of the frame of this instrument, or of one of its targets.

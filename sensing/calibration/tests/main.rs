@@ -3,4 +3,5 @@
 #[path = "support/case.rs"]
 mod case;
 mod chain;
+mod data;
 mod problem;
