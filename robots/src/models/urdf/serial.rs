@@ -310,7 +310,7 @@ impl<const N: usize> Serial<N> {
         }
         let (frames, tip) = calibration.calibrated();
         let mut arm = with(&frames, tip);
-        if self.form().is_some() && check_near::<N>(&arm.linkage, &self.linkage).is_ok() {
+        if self.form().is_some() {
             arm.nominal = Some(Box::new(self));
             arm.rounded = arm.calibrated();
         }
