@@ -2,15 +2,18 @@
 
 use core::f64::consts::PI;
 use core::time::Duration;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use mrroc::fault::Excess;
 use mrroc::prelude::*;
 use mrroc::robot::{CoupledLimit, IdealDrives};
 use mrroc_launch::cell_file::{AnySetup, EntryKey, Kinds, RobotEntry};
+use mrroc_launch::files;
 use nalgebra::SVector;
 
 use crate::models::{
+    ArmCalibration, NoCalibration,
     Conveyor, Driven, Gripper, IoBlock, Irp6, Irp6FiveDof, Irp6Track, Kinematics, NoJoints, One, Polycrank,
     Rnt, Serial, UrdfError, UrdfText,
 };
@@ -35,6 +38,9 @@ const BLOCK: Duration = Duration::from_millis(2);
 /// | `io-block` | [`IoBlock`]: inputs and outputs, and no joints | none |
 /// | `urdf` | [`Serial`], read from the `file` of the entry, from its `base_link` to its `tip`, with its `acceleration` | a rad or m for each joint |
 ///
+/// With `calibration = ".."` an `irp6` or a `urdf` has the dimensions that were measured of this one arm ([`ArmCalibration`]): programs see it as it is, and
+/// the file of another arm is refused.
+///
 /// With `homed = false` the drives do not know where the robot is, which is near `start`, and look for their marks first
 /// ([`Unhomed`]).
 ///
@@ -46,7 +52,7 @@ const BLOCK: Duration = Duration::from_millis(2);
 pub fn simulated() -> Kinds {
     const ARM: [f64; 6] = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0];
     Kinds::new()
-        .with("irp6", |entry| set_up(entry, Irp6::nominal().with_base(entry.base()), ARM))
+        .with("irp6", |entry| set_up(entry, irp6(entry)?, ARM))
         .with("irp6-calibrated", |entry| set_up(entry, Irp6::calibrated().with_base(entry.base()), ARM))
         .with("irp6-5dof", |entry| {
             set_up(entry, Irp6FiveDof::nominal().with_base(entry.base()), [0.0, -1.57, 0.16, 0.6, 1.0])
@@ -75,6 +81,42 @@ pub fn simulated() -> Kinds {
             Ok(RobotSetup::new(entry.name(), IoBlock::new(), drives))
         })
         .with_any("urdf", urdf)
+}
+
+/// The most bytes of a file with a calibration.
+const MOST: u64 = 1 << 20;
+
+/// The calibration that an entry names, if it names one, and its file.
+fn calibration(entry: &RobotEntry) -> Result<Option<(ArmCalibration, PathBuf)>, CellError> {
+    let Some(path) = entry.calibration() else { return Ok(None) };
+    let mut text = String::new();
+    let read = files::open(&path).and_then(|file| file.take(MOST).read_to_string(&mut text));
+    if let Err(why) = read {
+        let what = format!("{} cannot be read: {why}", path.display());
+        return Err(entry.refuse(EntryKey::Calibration, what, CALIBRATE.to_owned()));
+    }
+    let parsed = ArmCalibration::parse(&text).map_err(|why| wrong_calibration(entry, &path, &why))?;
+    Ok(Some((parsed, path)))
+}
+
+/// What to do about a calibration that is none.
+const CALIBRATE: &str = "write the file that `calibrate` has made for this robot, as seen from the folder of this file";
+
+fn wrong_calibration(entry: &RobotEntry, path: &Path, why: &NoCalibration) -> CellError {
+    entry.refuse(EntryKey::Calibration, format!("{}: {why}", path.display()), CALIBRATE.to_owned())
+}
+
+/// An IRp-6 with its design dimensions, or those of its calibration.
+fn irp6(entry: &RobotEntry) -> Result<Irp6, CellError> {
+    let arm = Irp6::nominal().with_base(entry.base());
+    match calibration(entry)? {
+        None => Ok(arm),
+        Some((ArmCalibration::Irp6(calibration), _)) => Ok(arm.calibrated_by(&calibration)),
+        Some((ArmCalibration::Chain(_), path)) => {
+            let why = NoCalibration("it is the calibration of a chain of joints, not of an irp6".to_owned());
+            Err(wrong_calibration(entry, &path, &why))
+        }
+    }
 }
 
 /// The chain of a URDF that an entry names.
@@ -148,7 +190,17 @@ fn arm<const N: usize>(entry: &RobotEntry, described: &Described<'_>) -> Result<
         return Err(entry.refuse(EntryKey::Acceleration, what, help));
     };
     let robot = builder.with_acceleration(acceleration).map_err(|why| refuse(&why))?;
-    Ok(robot.with_base(entry.base()))
+    let robot = robot.with_base(entry.base());
+    match calibration(entry)? {
+        None => Ok(robot),
+        Some((ArmCalibration::Chain(calibration), path)) => {
+            robot.calibrated_by(&calibration).map_err(|why| wrong_calibration(entry, &path, &why))
+        }
+        Some((ArmCalibration::Irp6(_), path)) => {
+            let why = NoCalibration("it is the calibration of an irp6, not of an arm of a URDF".to_owned());
+            Err(wrong_calibration(entry, &path, &why))
+        }
+    }
 }
 
 /// What is wrong with a URDF, at the key of the entry that can mend it.

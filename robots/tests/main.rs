@@ -1,5 +1,6 @@
 //! The tests of this crate, one executable: a file for each robot, or for each promise that all of them keep.
 
+mod calibrated;
 mod cell;
 mod clearance;
 mod conformance;

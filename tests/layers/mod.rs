@@ -44,6 +44,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("robots/drivers/robotiq", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
     ("ports/external", &["mrroc-core", "mrroc-launch"]),
     ("sensing/sensors", &["mrroc-core"]),
+    ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
 ];

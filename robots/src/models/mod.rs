@@ -14,9 +14,10 @@
 //! `gripper.rs`, `two_fingers.rs`, `conveyor.rs`, `io_block.rs`; `urdf/` reads any serial chain. Three families of arms are solved in closed form: `opw.rs` (ortho-parallel),
 //! `three_parallel.rs` (UR type) and `spherical.rs` (seven axes); `planar.rs` is what these have in common.
 //! They share `base.rs` (where a robot stands), `xml.rs` (what is read of XML), `vectors.rs`, `drives.rs`, `shape/` and the numerics of `kinematics.rs`,
-//! `singular.rs` and `sines.rs`.
+//! `singular.rs` and `sines.rs`. `calibration.rs` reads what was measured of one arm.
 
 mod base;
+mod calibration;
 mod conveyor;
 mod drives;
 mod gripper;
@@ -37,6 +38,7 @@ mod urdf;
 mod vectors;
 pub mod xml;
 
+pub use calibration::{ArmCalibration, ChainCalibration, Irp6Calibration, NoCalibration};
 pub use conveyor::Conveyor;
 pub(crate) use drives::GRAVITY;
 pub use drives::{Driven, Encoder, Gains, MotorData, MotorLimits, Overload, Shafts};

@@ -105,7 +105,7 @@ mod tests {
         for (lines, told) in [
             ("period_ms = 8", "a controller with RSI has no period of 8 ms"),
             ("corrections = \"both\"", "`both` says nothing that corrections could be counted from"),
-            ("calibration = \"kr6.toml\"", "the kind `kuka-rsi` does not read `calibration`"),
+            ("calibration = \"kr6.toml\"", "kr6.toml cannot be read"),
         ] {
             let why = refusal(lines).expect("a refusal");
             assert!(why.contains(told), "{why}");

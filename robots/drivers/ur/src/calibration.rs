@@ -110,12 +110,16 @@ impl Calibration {
         let no = |what: &str| NoCalibration(what.to_owned());
         let table = DeTable::parse(text).map_err(|_| no("it is no TOML"))?;
         let table = table.get_ref();
+        let kind = table.get("model").and_then(|model| model.get_ref().as_str()).unwrap_or_default();
+        // What `calibrate` makes of measurements begins in the same way.
+        if ["chain", "irp6"].contains(&kind) {
+            return Err(no("it was measured from outside (`calibrate`), and is not what the controller of this robot tells"));
+        }
         let known = ["model", "theta", "a", "d", "alpha", "checksum"];
         if let Some(key) = table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
             let key = mrroc::console::quoted(key.get_ref(), 40);
             return Err(NoCalibration(format!("a calibration has no `{key}`")));
         }
-        let kind = table.get("model").and_then(|model| model.get_ref().as_str()).unwrap_or_default();
         let model = UrModel::ALL.into_iter().find(|model| model.kind() == kind);
         let model =
             model.ok_or_else(|| no("its `model` is none of ur3e, ur5e, ur10e, ur16e, ur20 and ur30"))?;

@@ -167,6 +167,21 @@ impl Irp6 {
         Self { base: Base::at(X_WB), ..self }
     }
 
+    /// The same arm with other lengths of its links, a2, a3, d5 \[m\], and other drives: as a calibration finds them. Each length is
+    /// finite and > 0.
+    #[must_use]
+    pub fn with_dimensions(self, lengths: [f64; 3], transmission: Transmission) -> Self {
+        let [a2, a3, d5] = lengths;
+        Self { geometry: Geometry { a2, a3, d5 }, transmission, ..self }
+    }
+
+    /// The lengths of its links, a2, a3, d5 \[m\].
+    #[must_use]
+    pub const fn lengths(&self) -> [f64; 3] {
+        let Geometry { a2, a3, d5 } = self.geometry;
+        [a2, a3, d5]
+    }
+
     /// The drives' gears and screws.
     #[must_use]
     pub fn transmission(&self) -> &Transmission {

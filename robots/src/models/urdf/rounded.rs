@@ -158,6 +158,18 @@ fn corrected<const N: usize>(
     }
 }
 
+impl Linkage {
+    /// How far its flange is from that of another linkage at most, at some postures \[m\]; a turn counts as at the end of a metre.
+    pub(super) fn apart<const N: usize>(&self, other: &Linkage) -> f64 {
+        let at = |trial: u32| {
+            let q = posture::<N>(trial);
+            let apart = other.forward(&q).inv_mul(&self.forward(&q));
+            apart.translation.vector.norm().max(apart.rotation.angle())
+        };
+        (0..TRIALS).map(at).fold(0.0, f64::max)
+    }
+}
+
 /// Checks that one arm is another one, calibrated.
 ///
 /// # Errors

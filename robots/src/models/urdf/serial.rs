@@ -16,6 +16,7 @@ use super::export::exported;
 use super::motion::Linkage;
 use super::newton;
 use super::rounded::{Rounded, check_near};
+use crate::models::calibration::{ChainCalibration, NoCalibration};
 use crate::models::kinematics::{Jacobian, Kinematics};
 
 /// A serial chain of `N` moving joints, 1 to 8, read from a URDF.
@@ -164,6 +165,9 @@ const ROUND_OFF: f64 = 1e-12;
 /// How far beyond the range of the nearest exact geometry a pose may be for the arm itself to be asked, as a part of it.
 const EDGE: f64 = 1e-3;
 
+/// How far the flange of a calibration's design may be from that of the arm \[m\]: files round their numbers.
+const SAME_DESIGN: f64 = 1e-4;
+
 /// How far from the seed a solution of a calibrated arm may be without being looked for elsewhere [rad or m].
 const BESIDE: f64 = 0.5;
 
@@ -266,8 +270,55 @@ impl<const N: usize> Serial<N> {
         Ok(self)
     }
 
+    /// The same robot with the dimensions of a calibration, its base where it was. Its inverse kinematics begins with the closed form of
+    /// this one, where that has one ([`Serial::calibrated_from`]); else it iterates.
+    ///
+    /// # Errors
+    /// [`NoCalibration`]: it is the calibration of another robot, or one that this robot cannot take.
+    #[allow(non_snake_case)]
+    pub fn calibrated_by(self, calibration: &ChainCalibration) -> Result<Self, NoCalibration> {
+        let no = |what: String| Err(NoCalibration(what));
+        let joints = calibration.design.len();
+        if joints != N || self.segments.len() != N {
+            return no(format!("it is the calibration of an arm with {joints} joints, this one has {N}"));
+        }
+        if calibration.encoders.iter().flatten().any(|number| *number != 0.0) {
+            return no("it has errors of encoders, which are not corrected here: calibrate with --detail geometry".to_owned());
+        }
+        let with = |frames: &[Pose], tip: Pose| {
+            let mut arm = self.clone();
+            let X_WB = self.segments.first().map_or_else(Pose::identity, |first| first.X_before * self.X_BJ.inverse());
+            for (segment, frame) in arm.segments.iter_mut().zip(frames) {
+                // What a coordinate is 0 at stays as this robot says it.
+                segment.X_before = *frame;
+            }
+            arm.X_BJ = frames.first().copied().unwrap_or_else(Pose::identity);
+            arm.X_tip = tip;
+            arm.closed = None;
+            arm.rounded = None;
+            arm.nominal = None;
+            arm.reach = reach(&arm.movers, &arm.segments, &arm.X_tip);
+            arm.with_base(X_WB)
+        };
+        let design = with(&calibration.design, calibration.tip);
+        let apart = design.linkage.apart::<N>(&self.linkage);
+        if apart > SAME_DESIGN {
+            return no(format!(
+                "it is the calibration of another arm: by its design the flange is up to {:.1} mm from where this arm has it",
+                1e3 * apart
+            ));
+        }
+        let (frames, tip) = calibration.calibrated();
+        let mut arm = with(&frames, tip);
+        if self.form().is_some() {
+            arm.nominal = Some(Box::new(self));
+            arm.rounded = arm.calibrated();
+        }
+        Ok(arm)
+    }
+
     fn calibrated(&self) -> Option<Rounded> {
-        let nominal = self.nominal.as_ref()?.closed.as_ref()?;
+        let nominal = self.nominal.as_ref()?.form()?;
         if self.closed.is_some() { None } else { Some(Rounded::calibrated(nominal)) }
     }
 

@@ -430,7 +430,7 @@ impl EntryKey {
             EntryKey::Period => "leave it out: the period of these drives cannot be chosen",
             EntryKey::Corrections => "leave it out, or write the kind of a robot that is sent corrections",
             EntryKey::Calibration => {
-                "leave it out, or write the kind of a robot whose controller tells its calibration"
+                "leave it out, or write a kind that is calibrated: irp6, urdf, or one whose controller tells its calibration"
             }
             EntryKey::Coupled => "leave it out: the drives of this kind are not simulated by their masses",
         }

@@ -1,0 +1,144 @@
+//! Calibrated arms: their poses are those of their file, their inverse kinematics finds back, and the file of another arm is refused.
+
+use std::path::{Path, PathBuf};
+
+use mrroc::prelude::*;
+use mrroc_counting_allocator::count;
+use mrroc_launch::cell_file::CellFile;
+use mrroc_robots::{ArmCalibration, ChainCalibration, Irp6, Irp6Calibration, Serial, simulated};
+use nalgebra::{SVector, UnitQuaternion, Vector6};
+
+type Arm = Serial<6>;
+
+fn arm(text: &str, base: &str, tip: &str) -> Arm {
+    Serial::<6>::from_urdf(text, base, tip).and_then(|arm| arm.with_acceleration(SVector::repeat(10.0))).expect("sound")
+}
+
+fn three_parallel() -> Arm {
+    arm(include_str!("reference/urdf/three_parallel.urdf"), "base", "wrist_3")
+}
+
+/// The design of an arm by its frames, and displacements of up to 2 mm and 4 mrad that are always the same.
+fn calibration(of: &Arm) -> ChainCalibration {
+    let mut frames = Vec::new();
+    of.frames(&SVector::zeros(), &mut |frame| frames.push(*frame));
+    let step = |i: usize| frames[i].inv_mul(&frames[i + 1]);
+    let small = |i: usize, axis: usize| ((i * 6 + axis) as f64 * 1.7).sin() * if axis < 3 { 2e-3 } else { 4e-3 };
+    ChainCalibration {
+        design: (0..6).map(step).collect(),
+        tip: step(6),
+        displacements: (0..6).map(|i| Vector6::from_fn(|axis, _| small(i, axis))).collect(),
+        encoders: Vec::new(),
+    }
+}
+
+/// By the definition: each joint's frame, turned, then the displacement.
+fn flange(calibration: &ChainCalibration, q: &[f64]) -> Pose {
+    let mut pose = Pose::identity();
+    for ((design, displacement), q) in calibration.design.iter().zip(&calibration.displacements).zip(q) {
+        let shift = displacement.fixed_rows::<3>(0).into_owned();
+        let turn = UnitQuaternion::from_scaled_axis(displacement.fixed_rows::<3>(3).into_owned());
+        pose = pose * design * Pose::rotation(nalgebra::Vector3::z() * *q) * Pose::from_parts(shift.into(), turn);
+    }
+    pose * calibration.tip
+}
+
+fn postures() -> impl Iterator<Item = SVector<f64, 6>> {
+    (0..200).map(|i| SVector::from_fn(|j, _| 2.0 * (f64::from(i) * 0.73 + j as f64 * 2.1).sin() + 0.3))
+}
+
+#[test]
+fn a_calibrated_arm_has_the_poses_of_its_file_and_finds_its_joints_back_without_allocation() {
+    let place = Pose::translation(0.3, 0.1, 0.5);
+    for nominal in [three_parallel(), arm(include_str!("reference/urdf/ortho_parallel.urdf"), "base_link", "tool0")] {
+        let nominal = nominal.with_base(place);
+        let calibration = calibration(&nominal);
+        let arm = nominal.clone().calibrated_by(&calibration).expect("its own");
+        let (mut missed, mut all) = (0, 0);
+        for q in postures() {
+            let expected = place * flange(&calibration, q.as_slice());
+            let pose = arm.forward(&q);
+            assert!((pose.to_homogeneous() - expected.to_homogeneous()).amax() < 1e-12);
+            // At the edge of the range the nominal arm has no solution to begin with.
+            if arm.near_singularity(&q).is_some() || nominal.inverse(&pose, &q).is_err() {
+                continue;
+            }
+            all += 1;
+            let (found, allocated) = count(|| arm.inverse(&pose, &q.add_scalar(0.05)));
+            assert_eq!(allocated, 0);
+            let found = found.ok().filter(|found| (arm.forward(found).to_homogeneous() - expected.to_homogeneous()).amax() < 1e-9);
+            missed += usize::from(found.is_none_or(|found| (found - q).amax() > 0.5));
+        }
+        assert!(all > 100 && missed * 50 <= all, "{missed} of {all} are not found back");
+    }
+}
+
+#[test]
+fn an_irp6_takes_the_dimensions_of_its_calibration() {
+    let calibration = Irp6Calibration::of(&Irp6::calibrated());
+    let arm = Irp6::nominal().calibrated_by(&calibration);
+    let q = [0.2, -1.5, 0.1, -0.2, 4.5, 0.3].into();
+    assert_eq!(arm.forward(&q), Irp6::calibrated().forward(&q));
+    // Its marks stay those of its own encoders.
+    assert_eq!(Irp6Calibration::of(&arm), calibration);
+    assert_eq!(arm.transmission().lower.synchro, Irp6::nominal().transmission().lower.synchro);
+}
+
+fn folder() -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("mrroc-calibrated-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let chain = calibration(&three_parallel());
+    let other = calibration(&arm(include_str!("reference/urdf/ortho_parallel.urdf"), "base_link", "tool0"));
+    let encoders = ChainCalibration { encoders: vec![[1e-4, 0.0, 0.0]; 6], ..chain.clone() };
+    let short = ChainCalibration {
+        design: chain.design[..5].to_vec(),
+        displacements: chain.displacements[..5].to_vec(),
+        ..chain.clone()
+    };
+    let irp6 = ArmCalibration::Irp6(Irp6Calibration::of(&Irp6::calibrated())).text();
+    for (name, text) in [
+        ("own.toml", ArmCalibration::Chain(chain).text()),
+        ("other.toml", ArmCalibration::Chain(other).text()),
+        ("encoders.toml", ArmCalibration::Chain(encoders).text()),
+        ("short.toml", ArmCalibration::Chain(short).text()),
+        ("irp6.toml", irp6),
+        ("ur.toml", "model = \"ur5e\"\n".to_owned()),
+        ("cell.toml", "step_ms = 2\n".to_owned()),
+    ] {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+    folder
+}
+
+fn refusal(robot: &str, folder: &Path, calibration: &str) -> Option<String> {
+    let name = format!("{}/tests/reference/urdf/cell.toml", env!("CARGO_MANIFEST_DIR"));
+    let calibration = folder.join(calibration).display().to_string();
+    let text = format!("step_ms = 2\nstop_ms = 3000\n[robots.arm]\ncalibration = {calibration:?}\n{robot}");
+    let file = CellFile::parse(&name, &text).expect("well-formed");
+    file.cell(&simulated()).err().map(|why| why.to_string())
+}
+
+const THREE_PARALLEL: &str = "kind = \"urdf\"\nfile = \"three_parallel.urdf\"\ntip = \"wrist_3\"\n\
+    acceleration = [10.0, 10.0, 10.0, 10.0, 10.0, 10.0]\nstart = [0.0, -1.57, 1.57, -1.57, -1.57, 0.0]\n";
+const IRP6: &str = "kind = \"irp6\"\nstart = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]\n";
+
+#[test]
+fn fault_180_the_calibration_of_another_arm_is_refused_before_anything_moves() {
+    let folder = folder();
+    assert_eq!(refusal(THREE_PARALLEL, &folder, "own.toml"), None);
+    assert_eq!(refusal(IRP6, &folder, "irp6.toml"), None);
+    for (robot, file, told) in [
+        (THREE_PARALLEL, "other.toml", "it is the calibration of another arm: by its design the flange is up to"),
+        (THREE_PARALLEL, "short.toml", "an arm with 5 joints, this one has 6"),
+        (THREE_PARALLEL, "encoders.toml", "calibrate with --detail geometry"),
+        (THREE_PARALLEL, "irp6.toml", "the calibration of an irp6, not of an arm of a URDF"),
+        (THREE_PARALLEL, "ur.toml", "the calibration of a `ur5e`, not one that `calibrate` has made"),
+        (THREE_PARALLEL, "cell.toml", "it is no calibration"),
+        (THREE_PARALLEL, "nothing.toml", "nothing.toml cannot be read"),
+        (IRP6, "own.toml", "the calibration of a chain of joints, not of an irp6"),
+    ] {
+        let why = refusal(robot, &folder, file).expect(file);
+        assert!(why.contains(told) && why.contains("cell.toml:4:15"), "{why}");
+    }
+    std::fs::remove_dir_all(folder).expect("removed");
+}

@@ -1,0 +1,45 @@
+//! Calibrates any robot with any device.
+//!
+//! In: joint positions as encoders read them, and what instruments read of targets there. Out: where bases, instruments and targets
+//! are, what the arm's dimensions truly are, how sure all that is, and what the measurements say nothing of.
+//!
+//! | part | what it is |
+//! |---|---|
+//! | [`minimise`], [`LeastSquares`], [`Loss`] | Levenberg-Marquardt for dense problems, with robust losses |
+//! | [`Information`], [`covariance`] | rank, what cannot be told apart, covariance |
+//! | [`Arm`], [`ChainArm`], [`Irp6Arm`] | robots by displacements behind their joints, or by physical parameters |
+//! | [`Device`]: [`Points`], [`Angles`], [`Distance`], [`Plane`], [`Touch`], [`FullPose`] | what instruments read |
+//! | [`Problem`], [`Fit`] | blocks and measurements; what came of them |
+//! | [`data`], [`trials`] | tables of measurements of others; how much of an arm they can tell |
+//! | [`file`](mod@file) | the file that is written for `cell.toml` |
+//!
+//! The command `calibrate` does all this from a table of measurements, without a cell and without a program: see the book,
+//! *Calibration*.
+
+mod arm;
+mod chain;
+pub mod data;
+mod device;
+mod equations;
+pub mod file;
+mod fit;
+mod information;
+mod irp6;
+mod least_squares;
+mod loss;
+mod parameter;
+mod problem;
+pub mod report;
+mod start;
+pub mod trials;
+
+pub use arm::{Arm, between, displaced};
+pub use chain::{Chain, ChainArm, Detail, DhRow, Joint, Tolerances};
+pub use device::{Angles, Device, Distance, FullPose, Plane, Points, Touch};
+pub use fit::{Fit, Found, Indistinct, NoFit};
+pub use information::{Information, Unseen, covariance};
+pub use irp6::Irp6Arm;
+pub use least_squares::{LeastSquares, Minimum, NoMinimum, Settings, minimise};
+pub use loss::Loss;
+pub use parameter::{Parameter, Unit};
+pub use problem::{ArmId, FrameId, Freedom, InstrumentId, Noise, PostureId, Problem, TargetId};

@@ -1,0 +1,136 @@
+//! Calibrates an arm from a table of measurements, without a cell and without a program: `calibrate --help`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use mrroc::console::{complain, refused, say};
+use mrroc_calibration::Detail;
+use mrroc_calibration::data::Data;
+use mrroc_calibration::file::{Account, of_chain, text, today};
+use mrroc_calibration::report::Report;
+use mrroc_calibration::trials::{Errors, Trial, chosen, lengths, scales, trials};
+
+const HELP: &str = "\
+calibrate: the true dimensions of an arm, from what an instrument measured of it
+
+usage: calibrate --data FILE.csv [options]
+
+  --data FILE     joint positions and measurements; its header says what the columns are
+  --test FILE     measurements of the same form that are foretold, and not used
+  --detail WHAT   frames, zeros, geometry or encoders: how much is calibrated; by default
+                  what foretells best the postures that are left out
+  --out FILE      the calibration, for `calibration` of a robot in cell.toml;
+                  by default FILE.calibration.toml beside the data
+  --check         read the data, say what is wrong with them, and stop
+
+The book's page Calibration says how to write the header.
+";
+
+struct Options {
+    data: PathBuf,
+    test: Option<PathBuf>,
+    detail: Option<Detail>,
+    out: PathBuf,
+    only_checks: bool,
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if arguments.iter().any(|argument| argument == "--help" || argument == "-h") {
+        return say(HELP);
+    }
+    let options = match options(&arguments) {
+        Ok(options) => options,
+        Err(why) => return refused(&why),
+    };
+    match run(&options) {
+        Ok(text) => say(&text),
+        Err(Failed::Before(why)) => refused(&why),
+        Err(Failed::Late(why)) => {
+            complain(&format!("error: {why}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Why there is no calibration: what the user wrote, or what came of it.
+enum Failed {
+    Before(String),
+    Late(String),
+}
+
+fn options(arguments: &[String]) -> Result<Options, String> {
+    let (mut data, mut test, mut detail, mut out, mut only_checks) = (None, None, None, None, false);
+    let mut rest = arguments.iter();
+    while let Some(argument) = rest.next() {
+        let mut value = || rest.next().cloned().ok_or_else(|| format!("{argument} needs a value\n help: see --help"));
+        match argument.as_str() {
+            "--data" => data = Some(PathBuf::from(value()?)),
+            "--test" => test = Some(PathBuf::from(value()?)),
+            "--out" => out = Some(PathBuf::from(value()?)),
+            "--check" => only_checks = true,
+            "--detail" => {
+                let word = value()?;
+                detail = Some(match word.as_str() {
+                    "frames" => Detail::Frames,
+                    "zeros" => Detail::Zeros,
+                    "geometry" => Detail::Geometry,
+                    "encoders" => Detail::Encoders,
+                    _ => return Err(format!("no detail `{word}`\n help: write frames, zeros, geometry or encoders")),
+                });
+            }
+            other => return Err(format!("no option `{other}`\n help: see --help")),
+        }
+    }
+    let data = data.ok_or("there are no data\n help: write --data FILE.csv, or see --help")?;
+    let out = out.unwrap_or_else(|| data.with_extension("calibration.toml"));
+    Ok(Options { data, test, detail, out, only_checks })
+}
+
+fn run(options: &Options) -> Result<String, Failed> {
+    let before = |why: &dyn std::fmt::Display| Failed::Before(why.to_string());
+    let late = |why: &dyn std::fmt::Display| Failed::Late(why.to_string());
+    let data = Data::read(&options.data).map_err(|why| before(&why))?;
+    let test = options.test.as_deref().map(Data::read).transpose().map_err(|why| before(&why))?;
+    if options.only_checks {
+        return Ok(format!("{} postures, {} measurements, nothing wrong\n", data.postures(), data.measurements()));
+    }
+    if options.out == options.data {
+        return Err(Failed::Before("--out is the file of the data\n help: write another name".to_owned()));
+    }
+    let wanted = options.detail.or(data.detail());
+    let trials = trials(&data, wanted).map_err(|why| late(&why))?;
+    let chosen = chosen(&trials, wanted);
+    let trial = &trials[chosen];
+    let scales = scales(&data, trial).map_err(|why| late(&why))?;
+    let name = |path: &Path| path.display().to_string();
+    let tested = test.as_ref().map(|test| {
+        let errors = |trial: &Trial| {
+            let other = data.with_rows_of(test, trial).map_err(|why| before(&why))?;
+            let raw = trial.fit.foretold(&other);
+            Ok::<_, Failed>(Errors::of(lengths(&other, &raw).into_iter().map(|(_, error)| error)))
+        };
+        let file = options.test.as_deref().map(name).unwrap_or_default();
+        Ok::<_, Failed>((file, errors(&trials[0])?, errors(trial)?))
+    });
+    let test = tested.transpose()?;
+    let file = name(&options.data);
+    let report = Report { data: &data, file: &file, trials: &trials, chosen, scales: &scales, test };
+    let mut frames = vec![("base".to_owned(), trial.fit.frame(trial.stated.base))];
+    let named = data.instruments().zip(trial.stated.instruments.iter().map(|id| trial.stated.problem.place_of(*id)));
+    let points = data.points().zip(trial.stated.points.iter().map(|id| trial.stated.problem.frame_of(*id)));
+    frames.extend(named.chain(points).map(|(name, frame)| (name.to_owned(), trial.fit.frame(frame))));
+    let account = Account {
+        robot: data.arm().name.clone(),
+        data: options.data.file_name().map(|name| name.to_string_lossy().into_owned()),
+        made: today(),
+        within: trial.within,
+        foretold: trial.foretold,
+        frames,
+    };
+    let calibration = of_chain(&trial.stated.model, trial.fit.arm(trial.stated.arm));
+    let written = text(&calibration, &trial.fit, trial.stated.arm, &account);
+    std::fs::write(&options.out, written)
+        .map_err(|why| Failed::Late(format!("{} cannot be written: {why}", options.out.display())))?;
+    Ok(format!("{}\nsee {}\n", report.text(), options.out.display()))
+}

@@ -1,0 +1,153 @@
+//! From sights to a calibrated cell: the problem, and how good its solution is.
+
+use mrroc::pose::Pose;
+use mrroc_calibration::{
+    Angles, ArmId, Fit, Freedom, Irp6Arm, NoFit, Noise, PostureId, Problem, Settings, TargetId,
+};
+use mrroc_robots::{Irp6, Six};
+
+use crate::scene::{ARMS, BALLS, BAR, NAMES, Scene, bar_ends, believed_bases, believed_theodolites};
+use crate::theodolite::LEVEL;
+
+/// What was sighted.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sighted {
+    /// A ball of an arm, with what its encoders read \[rad\].
+    Ball {
+        /// Which arm.
+        arm: usize,
+        /// Which of its balls.
+        ball: usize,
+        /// The arm's posture, counted for itself.
+        posture: usize,
+    },
+    /// An end of the scale bar.
+    End(usize),
+}
+
+/// A sight: the mean of both faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sight {
+    /// Which theodolite.
+    pub theodolite: usize,
+    /// What it sighted.
+    pub of: Sighted,
+    /// Horizontal angle and elevation \[rad\].
+    pub read: [f64; 2],
+}
+
+/// Everything that was measured.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sights {
+    /// By arm what its encoders read in each posture \[rad\].
+    pub postures: [Vec<Six>; ARMS],
+    /// The sights.
+    pub sights: Vec<Sight>,
+}
+
+/// A solved cell.
+pub struct Estimate {
+    /// The solution.
+    pub fit: Fit,
+    /// The arms.
+    pub arms: [ArmId; ARMS],
+    /// The balls of each.
+    pub balls: [[TargetId; 3]; ARMS],
+    /// The problem.
+    pub problem: Problem,
+}
+
+/// Finds the arms' dimensions, bases and balls, and the second theodolite's place.
+///
+/// # Errors
+/// [`NoFit`].
+pub fn estimate(measured: &Sights) -> Result<Estimate, NoFit> {
+    let mut problem = Problem::new();
+    let bases = believed_bases();
+    let arms: [ArmId; ARMS] =
+        core::array::from_fn(|i| problem.arm(NAMES[i], Irp6Arm::new(Irp6::nominal()), bases[i], Freedom::FRAME));
+    let balls: [[TargetId; 3]; ARMS] = core::array::from_fn(|arm| {
+        core::array::from_fn(|ball| {
+            let place = Pose::translation(BALLS[ball][0], BALLS[ball][1], BALLS[ball][2]);
+            problem.target(&format!("{} ball {}", NAMES[arm], ball + 1), Some(arms[arm]), place, Freedom::POINT)
+        })
+    });
+    let ends = bar_ends().map(|end| problem.target("bar", None, Pose::translation(end.x, end.y, end.z), Freedom::POINT));
+    problem.bar(ends, BAR.0, BAR.1);
+    let level = |freedom: Freedom| freedom.within(3..5, LEVEL);
+    let south = Freedom { free: [true, true, true, false, false, true], ..Freedom::FIXED };
+    let freedoms = [level(Freedom::FIXED), level(south)];
+    let theodolites: [_; 2] = core::array::from_fn(|i| {
+        let name = ["north", "south"][i];
+        let noise = Noise::Unknown(vec![1e-5; 2]);
+        problem.instrument(name, Angles::both_faces(), None, believed_theodolites()[i], freedoms[i], noise)
+    });
+    let postures: [Vec<PostureId>; ARMS] = core::array::from_fn(|arm| {
+        measured.postures[arm].iter().map(|q| problem.posture(arms[arm], q.as_slice())).collect()
+    });
+    for sight in &measured.sights {
+        let instrument = theodolites[sight.theodolite];
+        match sight.of {
+            Sighted::Ball { arm, ball, posture } => {
+                problem.measure(instrument, balls[arm][ball], &[postures[arm][posture]], &sight.read);
+            }
+            Sighted::End(end) => problem.measure(instrument, ends[end], &[], &sight.read),
+        }
+    }
+    let fit = problem.fit(&Settings { tolerance: 1e-10, ..Settings::default() })?;
+    Ok(Estimate { fit, arms, balls, problem })
+}
+
+/// How good an estimate is.
+#[derive(Clone, Copy, Debug)]
+pub struct Accuracy {
+    /// Errors of a ball at postures that were not used \[m\]: root mean square and maximum.
+    pub rms: f64,
+    /// The largest.
+    pub max: f64,
+    /// What the covariance foretells of the former \[m\].
+    pub foretold: f64,
+}
+
+impl Estimate {
+    /// Errors of all balls of an arm at postures that were not used, in the world.
+    #[must_use]
+    pub fn accuracy(&self, scene: &Scene, arm: usize, postures: &[Six]) -> Accuracy {
+        let (mut squares, mut max, mut foretold, mut count) = (0.0, 0.0_f64, 0.0, 0);
+        for q in postures {
+            let joints = scene.joints(arm, q);
+            for ball in 0..BALLS.len() {
+                let frame = self.problem.frame_of(self.balls[arm][ball]);
+                let (there, spread) = self.fit.place(self.arms[arm], q.as_slice(), frame);
+                let off = (there.translation.vector - scene.ball(arm, ball, &joints)).norm();
+                squares += off * off;
+                max = max.max(off);
+                foretold += spread.fixed_view::<3, 3>(0, 0).trace();
+                count += 1;
+            }
+        }
+        let n = f64::from(count);
+        Accuracy { rms: (squares / n).sqrt(), max, foretold: (foretold / n).sqrt() }
+    }
+
+    /// How far the base of the right arm is from where the estimate has it in the left one: \[m\], \[rad\], and how many standard deviations that is, by
+    /// Mahalanobis' distance over the root of six.
+    #[must_use]
+    pub fn bases(&self, scene: &Scene) -> (f64, f64, f64) {
+        let [left, right] = self.arms.map(|arm| self.problem.base_of(arm));
+        let (found, spread) = self.fit.between(left, right);
+        let truth = base_of(scene, 0).inv_mul(&base_of(scene, 1));
+        let off = mrroc_calibration::between(&found, &truth);
+        let distance = spread.try_inverse().map_or(f64::INFINITY, |inverse| (off.dot(&(inverse * off)) / 6.0).sqrt());
+        (off.fixed_rows::<3>(0).norm(), off.fixed_rows::<3>(3).norm(), distance)
+    }
+}
+
+/// Where the base of an arm truly is.
+fn base_of(scene: &Scene, arm: usize) -> Pose {
+    let mut base = None;
+    mrroc::robot::Robot::frames(&scene.arms[arm], &Six::zeros(), &mut |frame| {
+        base.get_or_insert(*frame);
+    });
+    base.unwrap_or_else(Pose::identity)
+}

@@ -1,0 +1,2 @@
+//! Two arms are calibrated by two theodolites: `cargo run --release -p calibration`.
+fn main() {}

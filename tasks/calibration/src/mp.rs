@@ -1,0 +1,144 @@
+//! The task as a program: Move both arms to a posture, Wait until both theodolites have sighted, and so on.
+
+use core::cell::RefCell;
+use core::time::Duration;
+use std::rc::Rc;
+
+use mrroc::prelude::*;
+use mrroc_generators::generators::{Settle, SmoothJointMove};
+use mrroc_generators::jerk::JointLimits;
+use mrroc_robots::{Irp6, Six};
+
+use crate::drives::{Believed, Shared};
+use crate::estimate::{Sight as Found, Sighted, Sights};
+use crate::scene::{ARMS, BALLS, NAMES, Scene};
+use crate::sensor::{Sight, Sighting, Simulated};
+use crate::theodolite::mean;
+
+/// Where the arms are to go: the number of a posture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Payload)]
+pub enum Visit {
+    /// The posture of this number.
+    Posture(u32),
+}
+
+/// Orders a visit: each arm goes on its own.
+#[derive(Clone, Copy)]
+pub struct Order(pub Visit);
+
+#[generator(mp)]
+impl Order {
+    fn next_step(&mut self) -> Step<(Irp6, Irp6), Visit> {
+        Step::Next((self.0, self.0))
+    }
+}
+
+/// Both theodolites have sighted what they were told, and both arms have stood: what was read, and where the encoders were.
+#[derive(Default)]
+pub struct Measured {
+    read: [Option<[f64; 2]>; 2],
+    q: [Six; ARMS],
+}
+
+#[condition(mp)]
+fn measured(c: &mut Measured, e: &State<(Irp6, Irp6)>, v: &Reading<(Sighting, Sighting)>) -> bool {
+    c.q = [e.0.measured().joints, e.1.measured().joints];
+    let (Some(north), Some(south)) = (v.0.reading(), v.1.reading()) else { return false };
+    c.read = [north, south].map(|one| (!one.blocked).then_some([one.hz, one.v]));
+    north.settled && south.settled
+}
+
+/// The coordinator's program: visits all postures, and writes what was sighted into `sights`.
+///
+/// # Errors
+/// The first fault of the cell.
+pub fn coordinate(mp: &mut Mp, visits: u32, sights: &RefCell<Sights>) -> Result<(), Fault> {
+    let (mut left, mut right) = (mp.robot::<Irp6>(NAMES[0])?, mp.robot::<Irp6>(NAMES[1])?);
+    let (mut north, mut south) = (mp.sensor::<Sighting>("north")?, mp.sensor::<Sighting>("south")?);
+    let mut both_faces = |mp: &mut Mp, left: &mut _, right: &mut _, of: &dyn Fn(u32) -> Sight| {
+        let mut faces = [Measured::default(), Measured::default()];
+        for (face, measured) in [0, 1].into_iter().zip(&mut faces) {
+            north.configure(of(face));
+            south.configure(of(face));
+            *measured = mp.wait_until((&mut *left, &mut *right), (&mut north, &mut south), Measured::default())?;
+        }
+        Ok::<_, Fault>(faces)
+    };
+    for end in 0..2 {
+        let faces = both_faces(mp, &mut left, &mut right, &|face| Sight::End { end, face })?;
+        note(sights, &faces, &Sighted::End(end as usize));
+    }
+    for visit in 0..visits {
+        mp.move_robots((&mut left, &mut right), (), Order(Visit::Posture(visit)))?;
+        let mut is_first = true;
+        for arm in 0..ARMS {
+            for ball in 0..BALLS.len() {
+                let order = |face| Sight::Ball { arm: arm as u32, ball: ball as u32, face };
+                let faces = both_faces(mp, &mut left, &mut right, &order)?;
+                if core::mem::take(&mut is_first) {
+                    let mut sights = sights.borrow_mut();
+                    for (postures, q) in sights.postures.iter_mut().zip(faces[0].q) {
+                        postures.push(q);
+                    }
+                }
+                note(sights, &faces, &Sighted::Ball { arm, ball, posture: visit as usize });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Notes the mean of both faces of each theodolite that saw the target in both.
+fn note(sights: &RefCell<Sights>, faces: &[Measured; 2], of: &Sighted) {
+    for theodolite in 0..2 {
+        if let [Some(one), Some(two)] = [faces[0].read[theodolite], faces[1].read[theodolite]] {
+            sights.borrow_mut().sights.push(Found { theodolite, of: of.clone(), read: mean(one, two) });
+        }
+    }
+}
+
+/// An arm's program: goes to the posture that is ordered, and stands.
+///
+/// # Errors
+/// The first fault of the cell.
+pub fn arm(ecp: &mut Ecp<Irp6>, postures: &[Six]) -> Result<(), Fault> {
+    let limits = JointLimits {
+        velocity: Six::repeat(0.4),
+        acceleration: Six::repeat(0.6),
+        jerk: Six::repeat(4.0),
+    };
+    ecp.obey_all(|ecp, Visit::Posture(number): Visit| {
+        let goal = postures.get(number as usize).copied();
+        let goal = goal.ok_or_else(|| Fault::thrown("there is no posture of this number"))?;
+        ecp.move_robot((), SmoothJointMove::to(goal, limits))?;
+        ecp.move_robot((), Settle::within(Six::repeat(2e-3), 0.2, 5.0)).map(drop)
+    })
+}
+
+/// Puts the cell together and runs it: what was sighted, and how long it took on the cell's clock.
+///
+/// # Errors
+/// The first cause when it ends with a fault.
+pub fn run(scene: Scene, visits: &[[Six; ARMS]], pointing: Duration) -> Result<(Sights, Duration, Shared), CellError> {
+    let start = visits.first().copied().unwrap_or([Six::zeros(); ARMS]);
+    let shared = Shared::new(scene, &start);
+    let bases = crate::scene::believed_bases();
+    let step = Duration::from_millis(2);
+    let mut cell = Cell::new(step);
+    for (arm, name) in NAMES.iter().enumerate() {
+        let drives = Believed::new(arm, &start[arm], shared.clone());
+        let postures: Vec<Six> = visits.iter().map(|both| both[arm]).collect();
+        let setup = RobotSetup::new(name, Irp6::nominal().with_base(bases[arm]), drives);
+        cell = cell.robot(setup.program(move |ecp| self::arm(ecp, &postures)));
+    }
+    let steps = u64::try_from(pointing.as_millis() / step.as_millis()).unwrap_or(u64::MAX);
+    for (which, name) in ["north", "south"].into_iter().enumerate() {
+        cell = cell.sensor(SensorSetup::new(name, Simulated::new(which, shared.clone(), steps)));
+    }
+    let sights = Rc::new(RefCell::new(Sights::default()));
+    let count = u32::try_from(visits.len()).unwrap_or(u32::MAX);
+    let own = Rc::clone(&sights);
+    let report = cell.program(move |mp: &mut Mp| coordinate(mp, count, &own)).run()?;
+    let sights = sights.borrow().clone();
+    Ok((sights, report.time, shared))
+}

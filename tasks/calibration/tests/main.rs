@@ -1,0 +1,3 @@
+//! Tests of the task.
+
+mod accuracy;
