@@ -125,6 +125,20 @@ pub enum CellError {
         "the cell has no program: give one to the MP, `cell.program(coordinate)`, or to an ECP, `cell.ecp(\"arm\", arm)`"
     )]
     NoProgram,
+    /// Something that is wrong with a lower cell.
+    #[error("cell `{cell}`: {error}")]
+    InCell {
+        /// The lower cell.
+        cell: String,
+        /// What is wrong with it.
+        error: Box<CellError>,
+    },
+    /// A lower cell whose MP has no program.
+    #[error("its MP has no program that obeys: give it one, `.program(|mp| mp.obey_all(|mp, order: YourOrder| ..))`")]
+    NoObedience,
+    /// A recording of a cell that has lower cells, or of a lower one.
+    #[error("a cell of cells, and a cell in it, cannot be recorded yet\n help: record the cell in a run of its own")]
+    RecordedCells,
     /// A driver whose servo period takes no time.
     #[error(
         "robot `{0}`: its servo period is 0\n help: let `Driver::period` say how often the drives take a demand"
@@ -252,6 +266,12 @@ pub enum CellError {
 }
 
 impl CellError {
+    /// The error of a lower cell.
+    #[must_use]
+    pub fn in_cell(self, cell: &str) -> CellError {
+        CellError::InCell { cell: cell.to_owned(), error: Box::new(self) }
+    }
+
     /// All that is wrong with a set-up as one error.
     pub fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
         match errors.pop() {

@@ -11,6 +11,7 @@ mod coordination;
 mod error;
 mod layout;
 mod limits;
+mod lower;
 mod parts;
 mod picture;
 pub mod realtime;
@@ -55,6 +56,7 @@ use timing::Timing;
 use watching::Watching;
 
 pub use crate::control::plant::{Rest, Rests};
+pub use crate::model::lower_cell::{CellStatus, LowerCell};
 pub use crate::safety::latch::AfterFault;
 pub use assembly::{Assembly, Outcomes};
 pub use error::CellError;
@@ -142,9 +144,7 @@ impl Cell {
     #[must_use]
     pub fn watch(mut self, observer: impl FnMut(&Observation<'_>) + 'static) -> Cell {
         let observer: SharedObserver = Rc::new(RefCell::new(observer));
-        for robot in &mut self.parts.robots {
-            robot.watch(Rc::clone(&observer), self.coordination.activity.clone());
-        }
+        self.watch_all(&observer);
         self
     }
 
@@ -166,12 +166,13 @@ impl Cell {
 
     /// Removes the observers of all robots.
     pub fn unobserved(mut self) -> Cell {
-        self.parts.robots.iter_mut().for_each(|robot| robot.unwatch());
+        self.parts.unwatch();
         self
     }
 
     /// Lets observers look at simulated drives in the plant instead of in their EDPs.
-    pub const fn watched_in_plant(mut self) -> Cell {
+    pub fn watched_in_plant(mut self) -> Cell {
+        self.parts.cells.iter_mut().for_each(|lower| lower.cell.watching.watched_in_plant = true);
         self.watching.watched_in_plant = true;
         self
     }
@@ -279,7 +280,8 @@ impl Cell {
     pub fn hardware(&self) -> Vec<String> {
         let of_robots = self.parts.robots.iter().filter_map(|robot| robot.hardware());
         let of_sensors = self.parts.sensors.iter().filter_map(|sensor| sensor.hardware());
-        let names: BTreeSet<_> = of_robots.chain(of_sensors).collect();
+        let of_cells = self.parts.cells.iter().flat_map(|lower| lower.cell.hardware());
+        let names: BTreeSet<_> = of_robots.chain(of_sensors).chain(of_cells).collect();
         names.into_iter().collect()
     }
 
@@ -300,8 +302,10 @@ impl Cell {
 
     /// Steps within which every robot must stand after a stop began.
     pub fn stop_steps(&self) -> u64 {
-        let delay = self.delay().unwrap_or_default();
-        self.parts.robots.iter().map(|robot| robot.stop_steps(self.timing.step, delay)).max().unwrap_or(0)
+        let (step, delay) = (self.timing.step, self.delay().unwrap_or_default());
+        let of_robots = self.parts.robots.iter().map(|robot| robot.stop_steps(step, delay));
+        let of_cells = self.parts.cells.iter().map(|lower| lower.stop_steps(step));
+        of_robots.chain(of_cells).max().unwrap_or(0)
     }
 
     /// The longest time that a stop on the path, a suspension or an abort, takes: that of robots at their velocity
@@ -327,7 +331,8 @@ impl Cell {
             let stop_time = robot.stop_time(self.timing.stop_time);
             path_stop_steps(stop_time, robot.braking_time(), self.timing.step, delay)
         });
-        steps.min().unwrap_or(0)
+        let of_cells = self.parts.cells.iter().map(|lower| lower.path_stop_steps(self.timing.step));
+        steps.chain(of_cells).min().unwrap_or(0)
     }
 
     /// The number of steps in which the rate of path time falls from the planned one to 0.

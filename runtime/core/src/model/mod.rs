@@ -15,6 +15,7 @@ pub(crate) mod image;
 pub(crate) mod joints;
 pub(crate) mod list;
 pub(crate) mod load;
+pub(crate) mod lower_cell;
 pub(crate) mod moved;
 pub(crate) mod name;
 pub(crate) mod named;

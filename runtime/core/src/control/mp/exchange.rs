@@ -113,10 +113,14 @@ impl Mp<'_> {
     /// Sends a robot an order of this step.
     pub(super) fn send(&mut self, index: usize, kind: OrderKind, flags: u32, law: BrakingLaw) {
         let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
-        let flags = if self.operating.is_slow { flags | flag::REDUCED } else { flags };
+        let flags = if self.is_reduced() { flags | flag::REDUCED } else { flags };
         let ordinal = self.robots.ordinal;
         let epoch = self.robots.epoch;
         let robot = &mut self.robots[index];
+        robot.asked = !robot.is_left_out_of(kind);
+        if !robot.asked {
+            return;
+        }
         let header = &mut robot.order.header;
         header.kind = Kind::Order(kind);
         header.flags = flags;
@@ -153,7 +157,7 @@ impl Mp<'_> {
         let robot = &self.robots[index];
         let fault = match robot.reply.header.kind {
             _ if robot.is_silent => {
-                let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(SILENT);
+                let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(robot.silent());
                 silent.at_step(self.clock.step())
             }
             Kind::Fault => robot.reply.fault(),
@@ -191,7 +195,7 @@ impl Mp<'_> {
             let robot = &mut self.robots[index];
             let mut waiting = waiting;
             robot.is_silent = false;
-            while !robot.receives_answer() {
+            while robot.asked && !robot.receives_answer() {
                 let goes_on = waiting.goes_on(&*robot.client, self.host.waiter);
                 if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
                     robot.is_silent = true;
@@ -199,6 +203,7 @@ impl Mp<'_> {
                     break;
                 }
             }
+            robot.stand_in_for_cell();
         }
         Ok(())
     }

@@ -6,7 +6,7 @@
 
 use crate::link::message::{OrderKind, flag};
 use crate::model::driver::RECOVERY;
-use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::fault::{Fault, FaultKind};
 use crate::model::type_name::TypeName;
 use crate::safety::latch::AfterFault;
 use crate::safety::latch::{Event, Latch};
@@ -54,7 +54,7 @@ impl Mp<'_> {
     fn run_once(&mut self, program: &mut impl FnMut(&mut Self) -> Result<(), Fault>) -> Result<(), Fault> {
         let run = std::panic::AssertUnwindSafe(|| {
             self.operating.operator.show_homing(true);
-            let homed = self.instruction(Doing::Homing, TypeName::NONE, Self::home);
+            let homed = self.out_of_obey(Doing::Homing, TypeName::NONE, Self::home);
             self.operating.operator.show_homing(false);
             homed?;
             program(self)
@@ -65,11 +65,11 @@ impl Mp<'_> {
                 let settled = settled.map_err(|fault| self.stop(fault));
                 // A program that swallows a latched fault does not undo it.
                 let latched = self.stops.latched.clone().map_or(Ok(()), Err);
-                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
+                outcome.map_err(|fault| fault.in_process(self.process)).and(settled).and(latched)
             }
             Err(panic) => {
                 let fault = crate::model::fault::panicked(&*panic)
-                    .in_process(ProcessId::MP)
+                    .in_process(self.process)
                     .at_step(self.clock.step());
                 Err(self.stop(fault))
             }
@@ -87,6 +87,7 @@ impl Mp<'_> {
             {
                 return Verdict::End;
             }
+            self.heed_reset();
             if self.operating.operator.latch() == Latch::Resetting {
                 match self.reset() {
                     Ok(()) => return Verdict::Restart,
@@ -101,7 +102,10 @@ impl Mp<'_> {
             // It is stopped already. One that comes with the reset ends that.
             self.operating.operator.take_protective_stop();
             match self.what_persists() {
-                Ok(persisting) => self.show_persisting(persisting),
+                Ok(persisting) => {
+                    self.tell_standstill();
+                    self.show_persisting(persisting);
+                }
                 Err(_) => return Verdict::End,
             }
         }
@@ -138,7 +142,7 @@ impl Mp<'_> {
             }
         }
         Ok(self.stops.guard_is_asleep().then(|| {
-            let fault = Fault::new(FaultKind::Panicked).in_process(ProcessId::MP);
+            let fault = Fault::new(FaultKind::Panicked).in_process(self.process);
             fault.text("the guard panicked and does not look any more: start the cell again")
         }))
     }
@@ -177,7 +181,7 @@ impl Mp<'_> {
         self.stops.forget();
         self.clock.forget_late_steps();
         if self.operating.operator.take_protective_stop() {
-            return Err(Fault::of_operator());
+            return Err(Fault::of_operator().in_process(self.process));
         }
         let all = self.robots.all();
         self.exchange(&all, OrderKind::Reset, 0)?;
@@ -199,5 +203,8 @@ impl Mp<'_> {
         self.sensing.release();
         let _ = self.operating.operator.meet(Event::Restart);
         self.operating.operator.forget();
+        if let Some(upper) = &mut self.upper {
+            upper.begin();
+        }
     }
 }

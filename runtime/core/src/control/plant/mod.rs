@@ -85,10 +85,16 @@ pub struct Site {
 impl Site {
     /// The plant of a cell with this step; with a place of its own if the link has one for it and anything is simulated;
     /// `watched`: observers look at it.
-    pub fn new(link: &mut dyn Link, period: Duration, anything: bool, watched: bool) -> Site {
+    pub fn new(
+        link: &mut dyn Link,
+        process: ProcessId,
+        period: Duration,
+        anything: bool,
+        watched: bool,
+    ) -> Site {
         let simulation = link.simulation();
         let apart = anything && simulation != Simulation::InEdps;
-        let place = apart.then(|| link.place(ProcessId::PLANT));
+        let place = apart.then(|| link.place(process));
         Site { simulation, place, period, watched, parts: Vec::new() }
     }
 
