@@ -673,3 +673,12 @@ fn sixteen_cells_of_four_robots_run_under_one_clock_and_twice_the_same_to_the_bi
         assert!(v <= 1.0 && a <= 10.0 + 1e-6);
     }
 }
+
+/// A small plant for sweeps: one cell of two gantries, one of a gantry, and there and back.
+pub fn plant() -> Cell {
+    let two = Two::of(|mp, press, paint| {
+        mp.move_robots([&mut *press, &mut *paint], (), Jobs([go(0.1, 0.5), go(-0.1, 0.6)]))?;
+        mp.move_robots([press, paint], (), Jobs([go(0.0, 0.5), go(0.0, 0.5)])).map(drop)
+    });
+    two.cell
+}

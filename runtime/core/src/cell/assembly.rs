@@ -51,14 +51,14 @@ impl Cell {
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
     pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
         let mp = link.place(ProcessId::MP);
-        self.assemble_under(None, mp, names, link)
+        self.assemble_at(mp, None, names, link)
     }
 
-    /// The same with the MP at its place, of a lower cell below what is `above` it.
-    fn assemble_under(
+    /// The same with the MP at its place; of a lower cell what is above it, with the plant that all cells share.
+    fn assemble_at(
         mut self,
-        above: Option<Above>,
         mp: usize,
+        above: Option<(Above, &mut Site)>,
         names: &[Name],
         link: &mut dyn Link,
     ) -> Result<Assembly, CellError> {
@@ -68,17 +68,24 @@ impl Cell {
         let nudged = self.coordination.program.is_none();
         let patience = Patience::of_step(self.timing.step);
         let outcomes = Outcomes::default();
+        let (above, shared) = above.unzip();
         let within = above.as_ref().map(|above| above.name);
-        let (me, plant_process) = (ProcessId { name: within, ..ProcessId::MP }, ProcessId { name: within, ..ProcessId::PLANT });
+        let me = ProcessId { name: within, ..ProcessId::MP };
         let processes: Vec<_> = names
             .iter()
             .map(|&name| scoped(name, within).map(|name| ProcessId::new(Role::Ecp, name)))
             .collect::<Result<_, _>>()?;
         let ecps: Vec<_> = processes.iter().map(|&process| link.place(process)).collect();
 
-        let anything = self.parts.robots.iter_mut().any(|robot| robot.is_simulated());
-        let watched = self.watching.watched_in_plant;
-        let mut plant = Site::new(link, plant_process, self.timing.step, anything, watched);
+        let mut own = None;
+        let plant = match shared {
+            Some(shared) => shared,
+            None => {
+                let anything = self.parts.is_simulated();
+                own.insert(Site::new(link, self.timing.step, anything, self.watching.watched_in_plant))
+            }
+        };
+        let step_before = plant.goes_by(self.timing.step);
 
         let stop_steps = self.stop_steps();
         let path_stop = self.path_stop_steps();
@@ -86,7 +93,7 @@ impl Cell {
         let frames = self.watching.frames_to(self.timing.step);
         let witnesses = Witnesses::to(self.watching.witnesses);
         let bodies = self.watching.bodies.into_iter().map(|(_, body)| body).collect();
-        let bodies = Bodies::of(bodies, witnesses.of(plant_process), self.timing.step);
+        let bodies = Bodies::of(bodies, witnesses.of(ProcessId::PLANT), self.timing.step);
         let here = if bodies.is_idle() { None } else { plant.take_bodies(bodies) };
         if let (Some(mut bodies), Some(robot)) = (here, self.parts.robots.first_mut()) {
             // One robot's servo periods are the occasions to look.
@@ -111,7 +118,7 @@ impl Cell {
         let mut requesters = Requesters {
             recorded: self.watching.recorded.clone(),
             link,
-            plant: &mut plant,
+            plant: &mut *plant,
             step: self.timing.step,
             mp,
             robots: names,
@@ -150,16 +157,19 @@ impl Cell {
                 named: Rc::clone(&named),
                 wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
             };
-            robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
+            robot.spawn(link, plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
         if let Some(board) = plant.board(link, mp) {
             self.coordination.activity.pass_on(board);
         }
-        let rests = Rests::default();
-        plant.spawn(link, Rc::clone(&rests))?;
         let step = self.timing.step;
         for lower in self.parts.cells {
-            ports.push(lower.put_under(link, mp, within, step)?);
+            ports.push(lower.put_under(link, plant, (mp, within, step))?);
+        }
+        plant.goes_by(step_before);
+        let rests = Rests::default();
+        if let Some(plant) = own {
+            plant.spawn(link, Rc::clone(&rests))?;
         }
 
         let close = link.closer();
@@ -211,14 +221,13 @@ impl Cell {
 }
 
 impl LowerSetup {
-    /// Puts its processes on the link, below an MP of a cell with this step that may itself be `within` another one; that MP's
-    /// port of it. What becomes of its programs is the upper MP's to tell.
+    /// Puts its processes on the link, below the MP at the place `upper` of a cell with this step, which may itself be `within` another
+    /// one; that MP's port of it. What becomes of its programs is the upper MP's to tell.
     fn put_under(
         mut self,
         link: &mut dyn Link,
-        upper: usize,
-        within: Option<Name>,
-        step: Duration,
+        plant: &mut Site,
+        (upper, within, step): (usize, Option<Name>, Duration),
     ) -> Result<RobotPort, CellError> {
         let own = Name::new(&self.name)?;
         let name = scoped(own, within)?;
@@ -228,7 +237,7 @@ impl LowerSetup {
         let mp = link.place(process);
         let (client, port) = link.port(upper, mp);
         let above = Above { name, port, step };
-        self.cell.assemble_under(Some(above), mp, &robots, link)?;
+        self.cell.assemble_at(mp, Some((above, plant)), &robots, link)?;
         // Its program comes to its orders when its robots are homed.
         let homed = false;
         let port = RobotPort::new(own, TypeId::of::<LowerCell>(), LowerCell::KIND, client, stop_steps, homed);

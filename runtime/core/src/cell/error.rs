@@ -125,6 +125,12 @@ pub enum CellError {
         "the cell has no program: give one to the MP, `cell.program(coordinate)`, or to an ECP, `cell.ecp(\"arm\", arm)`"
     )]
     NoProgram,
+    /// A lower cell of the cell's file that the program does not add.
+    #[error(
+        "cell `{0}` of the cell's file is not in the cell: add `.cell(\"{0}\", file.lower(\"{0}\")?.cell(&kinds)?.program(..))`, or take \
+         [cells.{0}] out of the file"
+    )]
+    NoLowerCell(String),
     /// Something that is wrong with a lower cell.
     #[error("cell `{cell}`: {error}")]
     InCell {

@@ -21,6 +21,7 @@ impl Cell {
             protective_stop: self.timing.step * u32::try_from(self.path_stop_steps()).unwrap_or(u32::MAX),
             detection: self.parts.noticing_time(&self.timing),
             mp_program: self.coordination.program.is_some(),
+            cells: self.lower_cells().collect(),
             robots: robots.chain(self.lower_robots()).collect(),
             sensors: sensors.chain(self.lower_sensors()).collect(),
             bodies: self.watching.bodies.iter().map(|(layout, _)| layout.clone()).collect(),

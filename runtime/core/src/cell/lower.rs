@@ -167,6 +167,15 @@ impl Cell {
         }
     }
 
+    /// Its lower cells and theirs, by their names in this one, with the length of their steps.
+    pub(super) fn lower_cells(&self) -> impl Iterator<Item = (String, Duration)> + '_ {
+        self.parts.cells.iter().flat_map(|lower| {
+            let below = lower.cell.layout().cells.into_iter();
+            let below = below.map(|(name, step)| (format!("{}.{name}", lower.name), step));
+            core::iter::once((lower.name.clone(), lower.cell.timing.step)).chain(below)
+        })
+    }
+
     /// The robots of its lower cells, by their names in this one.
     pub(super) fn lower_robots(&self) -> impl Iterator<Item = RobotLayout> + '_ {
         self.parts.cells.iter().flat_map(|lower| {

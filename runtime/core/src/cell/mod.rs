@@ -188,6 +188,12 @@ impl Cell {
         self
     }
 
+    /// Names lower cells without which the cell does not run.
+    pub fn expect_cells<'a>(mut self, names: impl Iterator<Item = &'a str>) -> Cell {
+        self.parts.expected_cells.extend(names.map(str::to_owned));
+        self
+    }
+
     /// Adds a virtual sensor.
     #[must_use]
     pub fn sensor<V: VirtualSensor>(mut self, setup: SensorSetup<V>) -> Cell {

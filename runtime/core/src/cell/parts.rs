@@ -33,6 +33,8 @@ pub(super) struct Parts {
     pub named: CellNames,
     /// Sensors that the cell's file names.
     pub expected_sensors: Vec<String>,
+    /// Lower cells that it names.
+    pub expected_cells: Vec<String>,
     /// What was found wrong while the cell was put together.
     pub errors: Vec<CellError>,
 }
@@ -61,17 +63,22 @@ impl Parts {
     /// Checks the number of processes, the plant's among them: a cell may have as many on every link. All errors are kept in
     /// `errors`.
     pub fn check_size(&mut self, errors: &mut Vec<CellError>) {
-        let processes = self.processes();
+        let processes = self.processes() + usize::from(self.is_simulated());
         if processes > MAX_PROCESSES {
             errors.push(CellError::TooMany { processes, limit: MAX_PROCESSES });
         }
     }
 
-    /// How many processes it has, those of its lower cells among them.
-    fn processes(&mut self) -> usize {
-        let plant = self.robots.iter_mut().any(|robot| robot.is_simulated());
-        let of_cells: usize = self.cells.iter_mut().map(|lower| lower.cell.parts.processes()).sum();
-        1 + 2 * self.robots.len() + self.sensors.len() + usize::from(plant) + of_cells
+    /// How many processes it has without the plant, those of its lower cells among them.
+    fn processes(&self) -> usize {
+        let of_cells: usize = self.cells.iter().map(|lower| lower.cell.parts.processes()).sum();
+        1 + 2 * self.robots.len() + self.sensors.len() + of_cells
+    }
+
+    /// Whether any robot is simulated, those of its lower cells among them.
+    pub fn is_simulated(&mut self) -> bool {
+        let of_cells = |lower: &mut LowerSetup| lower.cell.parts.is_simulated();
+        self.robots.iter_mut().any(|robot| robot.is_simulated()) || self.cells.iter_mut().any(of_cells)
     }
 
     /// Takes the observers of all robots away.
@@ -92,6 +99,8 @@ impl Parts {
                 names.push(name);
             }
         }
+        let without = |name: &&String| self.cells.iter().all(|lower| lower.name != **name);
+        errors.extend(self.expected_cells.iter().filter(without).cloned().map(CellError::NoLowerCell));
     }
 
     /// Checks the robots; the names of those whose name is one.

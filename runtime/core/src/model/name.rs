@@ -58,6 +58,12 @@ impl Name {
         Name::of_process(&format!("{cell}{WITHIN}{self}"))
     }
 
+    /// The name of the lower cell that this is in: `press` of `press.arm`.
+    #[must_use]
+    pub fn cell(&self) -> Option<Name> {
+        self.as_str().rsplit_once(WITHIN).and_then(|(cell, _)| Name::of_process(cell).ok())
+    }
+
     /// The name as text.
     #[must_use]
     pub fn as_str(&self) -> &str {

@@ -85,17 +85,16 @@ pub struct Site {
 impl Site {
     /// The plant of a cell with this step; with a place of its own if the link has one for it and anything is simulated;
     /// `watched`: observers look at it.
-    pub fn new(
-        link: &mut dyn Link,
-        process: ProcessId,
-        period: Duration,
-        anything: bool,
-        watched: bool,
-    ) -> Site {
+    pub fn new(link: &mut dyn Link, period: Duration, anything: bool, watched: bool) -> Site {
         let simulation = link.simulation();
         let apart = anything && simulation != Simulation::InEdps;
-        let place = apart.then(|| link.place(process));
+        let place = apart.then(|| link.place(ProcessId::PLANT));
         Site { simulation, place, period, watched, parts: Vec::new() }
+    }
+
+    /// From now on it takes what is of a cell with this step; that of the cell before.
+    pub const fn goes_by(&mut self, period: Duration) -> Duration {
+        core::mem::replace(&mut self.period, period)
     }
 
     /// Takes the drives of the EDP `process` at `edp`, if they are simulated and the plant has a place; returns what the
