@@ -329,7 +329,7 @@ fn for_steps(c: &mut For, t: Tick) -> Step<[LowerCell; 1], Job> {
 }
 
 #[test]
-fn a_move_that_the_upper_mp_ends_early_ends_on_the_path_of_the_cell_and_the_next_one_goes_on_from_there() {
+fn fault_168_a_move_that_the_upper_mp_ends_early_ends_on_the_path_of_the_cell_and_the_next_one_goes_on_from_there() {
     for steps in [1, 2, 300, 999] {
         let two = Two::of(move |mp, press, _| {
             mp.move_robots([&mut *press], (), For { steps, job: go(0.4, 1.0) })?;
@@ -343,7 +343,7 @@ fn a_move_that_the_upper_mp_ends_early_ends_on_the_path_of_the_cell_and_the_next
 }
 
 #[test]
-fn an_abort_from_above_stops_every_cell_on_its_path_and_the_upper_program_may_go_on() {
+fn fault_168_an_abort_from_above_stops_every_cell_on_its_path_and_the_upper_program_may_go_on() {
     for at in [2, 250, 900] {
         let mut two = Two::of(move |mp, press, paint| {
             let aborted = mp.move_robots([&mut *press, &mut *paint], (), Jobs([go(0.4, 1.0), go(-0.4, 1.5)]));
@@ -681,4 +681,110 @@ pub fn plant() -> Cell {
         mp.move_robots([press, paint], (), Jobs([go(0.0, 0.5), go(0.0, 0.5)])).map(drop)
     });
     two.cell
+}
+
+#[test]
+fn fault_167_a_move_of_a_lower_cell_outside_of_an_order_is_refused() {
+    let (robot, trace) = gantry("g");
+    let eager = Cell::new(MS).robot(robot).program(|mp| {
+        let mut g = mp.robot::<Gantry>("g")?;
+        mp.move_robots([&mut g], (), Together { end: 0.4, seconds: 1.0, trips_at: None, t: 0.0, from: [0.0; 1] }).map(drop)
+    });
+    let cause = fault(Cell::new(MS).cell("eager", eager).program(|_| Ok(())).run());
+    assert_eq!(cause.message(), "Move or Wait outside obey: write `mp.obey(|mp, order: YourOrder| ..)` around it");
+    assert_eq!(last_moved(&trace), 0);
+    // And an MP that nobody orders anything has nothing to obey.
+    let (robot, _) = gantry("g");
+    let cause = fault(Cell::new(MS).robot(robot).program(|mp| mp.obey(|_, _: Job| Ok(()))).run());
+    assert_eq!(cause.kind(), FaultKind::Config, "{cause}");
+}
+
+#[test]
+fn fault_168_a_program_that_ignores_the_end_of_its_order_is_ended() {
+    let (robot, trace) = gantry("g");
+    let stubborn = Cell::new(MS).robot(robot).after_fault(AfterFault::AwaitReset).program(|mp| {
+        let mut g = mp.robot::<Gantry>("g")?;
+        mp.obey_all(|mp, _: Job| {
+            loop {
+                let there = Together { end: 0.4, seconds: 1.0, trips_at: None, t: 0.0, from: [0.0; 1] };
+                let _ = mp.move_robots([&mut g], (), there);
+            }
+        })
+    });
+    let cause = fault(
+        Cell::new(MS)
+            .cell("stubborn", stubborn)
+            .program(|mp| {
+                let mut cell = mp.robot::<LowerCell>("stubborn")?;
+                mp.move_robots([&mut cell], (), For { steps: 300, job: Job::Rest }).map(drop)
+            })
+            .run(),
+    );
+    assert_eq!(cause.process().map(|process| process.to_string()).as_deref(), Some("mp stubborn"), "{cause}");
+    assert!(last_moved(&trace) <= 300 + path_stop(), "its robots stand all the same");
+}
+
+#[test]
+fn three_levels_of_cells_with_steps_of_their_own_slow_down_and_go_on_together() {
+    let (press, pressed) = lower::<2>();
+    // A line of one press, at a step of 4 ms, which has a gantry of its own.
+    let (robot, moved) = gantry("own");
+    let line = Cell::new(4 * MS).robot(robot).cell("press", press).program(|mp| {
+        let (mut press, mut own) = (mp.robot::<LowerCell>("press")?, mp.robot::<Gantry>("own")?);
+        mp.obey_all(|mp, job: Job| {
+            mp.move_robots([&mut press], (), Jobs([job]))?;
+            let there = Together { end: 0.2, seconds: 1.0, trips_at: None, t: 0.0, from: [0.0; 1] };
+            mp.move_robots([&mut own], (), there).map(drop)
+        })
+    });
+    let plant = Cell::new(2 * MS).cell("line", line).program(|mp| {
+        let mut line = mp.robot::<LowerCell>("line")?;
+        mp.move_robots([&mut line], (), Jobs([go(0.4, 1.0)])).map(drop)
+    });
+    let plant = plant.on_step(|step, operator| match step {
+        150 => operator.suspend(),
+        650 => operator.resume(),
+        _ => {}
+    });
+    let report = plant.run().expect("nothing is wrong");
+    // Two motions of a second each, and a second of suspension.
+    assert!((2.95..3.1).contains(&report.time.as_secs_f64()), "{:?}", report.time);
+    assert!((end(&pressed[0]) - 0.4).abs() < 1e-9 && (end(&moved) - 0.2).abs() < 1e-9);
+    let stood = &pressed[0].borrow()[300 + path_stop() + 10..1290];
+    assert!(stood.windows(2).all(|w| w[0] == w[1]));
+    keep_limits(pressed.iter().chain([&moved]));
+}
+
+#[test]
+fn a_cell_works_in_the_background_of_moves_of_other_cells() {
+    let two = Two::of(|mp, press, paint| {
+        mp.start_robots([&mut *press], Jobs([go(0.4, 2.0)]))?;
+        mp.move_robots([&mut *paint], (), Jobs([go(-0.4, 1.0)]))?;
+        mp.move_robots([paint], (), Jobs([go(0.0, 0.8)]))?;
+        // Taken over: ended on its path first.
+        mp.move_robots([press], (), Jobs([go(0.1, 1.0)])).map(drop)
+    });
+    two.cell.run().expect("nothing is wrong");
+    assert!((end(&two.pressed[0]) - 0.1).abs() < 1e-9 && end(&two.painted[0]).abs() < 1e-9);
+    keep_limits(two.pressed.iter().chain(&two.painted));
+}
+
+#[test]
+fn what_is_wrong_with_a_lower_cell_is_told_with_its_name_before_anything_runs() {
+    let (robot, _) = gantry("g");
+    let (twice, _) = gantry("g");
+    let wrong = Cell::new(MS).robot(robot).robot(twice);
+    let plant = Cell::new(MS).cell("press", wrong).cell("press", lower::<1>().0).program(|_| Ok(()));
+    let said = plant.run().expect_err("two robots and two cells of one name, no program").to_string();
+    for part in ["cell `press`: the cell has two of the name `g`", "the cell has two of the name `press`"] {
+        assert!(said.contains(part), "{said}");
+    }
+    let (robot, _) = gantry("g");
+    let plant = Cell::new(MS).cell("press", Cell::new(MS).robot(robot)).program(|_| Ok(()));
+    let said = plant.run().expect_err("no program").to_string();
+    assert!(said.starts_with("cell `press`: ") && said.contains("program"), "{said}");
+    let plant = Cell::new(MS).cell("a-name-of-20-bytes-xx", lower::<1>().0).program(|_| Ok(()));
+    assert!(plant.run().is_ok(), "24 bytes with `.g0`");
+    let plant = Cell::new(MS).cell("a-name-of-22-bytes-xxx", lower::<1>().0).program(|_| Ok(()));
+    assert!(plant.run().is_err(), "more than 24 bytes with `.g0`");
 }
