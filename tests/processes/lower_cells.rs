@@ -2,7 +2,8 @@
 
 use mrroc_tests::fixture::{DISPENSABLE, LINE};
 
-use crate::launch::{Launch, Place, periods_at_rest, start_until};
+use crate::launch::{Launch, Place, demanded, periods_at_rest, start_until, wait_until};
+use crate::operator::{ask, done};
 use crate::runs::{MEMORY, REAL, VIRTUAL, is_late};
 
 const ARMS: [&str; 2] = ["left.arm", "right.arm"];
@@ -97,4 +98,72 @@ fn fault_166_a_lower_mp_that_is_killed_as_a_process_stops_all_cells_or_is_gone_o
     let said = launch.said();
     assert!(status == Some(0) || status == Some(1) && is_late(&said), "{status:?}: {said}");
     assert!(said.contains("note: mp left: "), "{said}");
+}
+
+/// Runs the line, under what `operate` does as soon as its arms move, until the machine is in time; how it ended.
+fn operated(place: &Place, variables: &[(&str, &str)], operate: impl Fn(&mut Launch)) -> Option<Launch> {
+    for _ in 0..5 {
+        let mut launch = start_until(|| place.start_with(variables, "operated", REAL), have_moved(100));
+        operate(&mut launch);
+        let status = launch.end().code();
+        launch.assert_nothing_left(&[]);
+        if status == Some(0) {
+            return Some(launch);
+        }
+        assert!(is_late(&launch.said()), "{status:?}: {}", launch.said());
+    }
+    println!("skipped: this machine was late five times");
+    None
+}
+
+/// Asserts that both arms end where they do on the memory link, to 1e-9 rad.
+fn assert_ends_where_it_would_have(place: &Place, launch: &Launch, variables: &[(&str, &str)]) {
+    let mut reference = place.start_with(variables, "reference", MEMORY);
+    assert!(reference.end().success(), "{}", reference.said());
+    let last = |launch: &Launch, arm| -> Vec<f64> {
+        let record = launch.record(arm);
+        let bits = demanded(record.last().expect("it moved")).split(' ');
+        bits.map(|bits| f64::from_bits(u64::from_str_radix(bits, 16).expect("bits"))).collect()
+    };
+    for arm in ARMS {
+        let off = last(launch, arm).iter().zip(last(&reference, arm)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off <= 1e-9, "{arm}: {off:e} rad");
+    }
+}
+
+#[test]
+fn fault_163_a_console_suspends_and_resumes_all_cells_of_a_plant_of_processes() {
+    let place = place(104);
+    let operate = |launch: &mut Launch| {
+        if launch.end_if_over().is_some() || ask(&place, &["suspend"]).0 != Some(0) {
+            // Late: it has ended.
+            return;
+        }
+        wait_until(|| {
+            let stand = ARMS.iter().all(|arm| periods_at_rest(&launch.record(arm)) >= 50);
+            stand || launch.end_if_over().is_some()
+        });
+        if launch.end_if_over().is_none() {
+            done(&place, &["resume"], "resumed: step ");
+        }
+    };
+    if let Some(launch) = operated(&place, &[], operate) {
+        assert_ends_where_it_would_have(&place, &launch, &[]);
+    }
+}
+
+#[test]
+fn fault_161_a_lower_cell_of_processes_that_is_latched_and_reset_is_ordered_again() {
+    let place = place(105);
+    let variables = [(DISPENSABLE, "resets")];
+    let mut memory = place.start_with(&variables, "memory", MEMORY);
+    assert!(memory.end().success(), "{}", memory.said());
+    let mut processes = place.start_with(&variables, "virtual", VIRTUAL);
+    assert!(processes.end().success(), "{}", processes.said());
+    for arm in ARMS {
+        assert_eq!(memory.record(arm), processes.record(arm), "{arm}");
+    }
+    if let Some(launch) = operated(&place, &variables, |_| ()) {
+        assert_ends_where_it_would_have(&place, &launch, &variables);
+    }
 }
