@@ -61,11 +61,12 @@ pub fn main() -> Result<(), CellError> {
         }
     });
     // ANCHOR: upper
-    let plant = Cell::new(Duration::from_millis(4)).cell("press", press).cell("paint", cell()).program(|mp| {
+    let plant = Cell::new(Duration::from_millis(4)).cell("press", press).cell("paint", cell());
+    let plant = plant.program(|mp| {
         let (mut press, mut paint) = (mp.robot::<LowerCell>("press")?, mp.robot::<LowerCell>("paint")?);
         mp.go_on_without(&press)?;
         mp.move_robots((&mut press, &mut paint), (), Jobs(Job::Fetch, Job::Turn { angle: 0.5 }))?;
-        println!("painted alone, because of: {}", mp.left_out(&press).ok_or(Fault::thrown("it fetched"))?);
+        println!("left out: {:?}", mp.left_out(&press)); // the paint cell has worked alone
         mp.wait_until((&mut press,), (), is_back {})?;
         let both = Jobs(Job::Turn { angle: 0.5 }, Job::Turn { angle: 0.0 });
         mp.move_robots((&mut press, &mut paint), (), both).map(drop)
@@ -73,7 +74,6 @@ pub fn main() -> Result<(), CellError> {
     // ANCHOR_END: upper
     let time = plant.run()?.time.as_secs_f64();
     println!("both have turned after {time:.3} s");
-    // 3 s until the operator came; 0.5 rad by 0.4 rad/s and 0.8 rad/s²: 1.75 s.
-    assert!((4.75..4.85).contains(&time));
+    assert!((4.75..4.85).contains(&time)); // 3 s, and 0.5 rad by 0.4 rad/s and 0.8 rad/s²
     Ok(())
 }

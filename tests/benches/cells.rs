@@ -191,7 +191,8 @@ fn order<const CELLS: usize>(c: &mut Order<CELLS>) -> Always<[LowerCell; CELLS],
 pub fn cells_of_four<const CELLS: usize>(steps: u64) {
     let lower = || {
         let names: [String; 4] = core::array::from_fn(|i| format!("r{i}"));
-        let setup = |name: &String| RobotSetup::new(name, Gantry::default(), ExactDrive::new(Q::zeros(), PERIOD));
+        let setup =
+            |name: &String| RobotSetup::new(name, Gantry::default(), ExactDrive::new(Q::zeros(), PERIOD));
         let cell = names.iter().map(setup).fold(Cell::new(PERIOD), Cell::robot);
         cell.program(move |mp| {
             let mut robots = Vec::new();
@@ -201,7 +202,8 @@ pub fn cells_of_four<const CELLS: usize>(steps: u64) {
             mp.obey_all(|mp, Job::Hold { steps }| {
                 let mut handles = robots.iter_mut();
                 let list = core::array::from_fn(|_| handles.next().expect("one handle per name"));
-                mp.move_robots(list, (), Hold::<4, Gantry> { left: steps, of: core::marker::PhantomData }).map(drop)
+                mp.move_robots(list, (), Hold::<4, Gantry> { left: steps, of: core::marker::PhantomData })
+                    .map(drop)
             })
         })
     };

@@ -9,16 +9,8 @@ use crate::runs::{MEMORY, REAL, VIRTUAL, is_late};
 const ARMS: [&str; 2] = ["left.arm", "right.arm"];
 
 /// The processes of the line.
-const PROCESSES: [&str; 8] = [
-    "mp",
-    "plant",
-    "mp left",
-    "ecp left.arm",
-    "edp left.arm",
-    "mp right",
-    "ecp right.arm",
-    "edp right.arm",
-];
+const PROCESSES: [&str; 8] =
+    ["mp", "plant", "mp left", "ecp left.arm", "edp left.arm", "mp right", "ecp right.arm", "edp right.arm"];
 
 fn place(test: u32) -> Place {
     let place = Place::of(test, LINE, include_str!("line.toml"));
@@ -59,7 +51,11 @@ fn two_cells_run_in_real_time_as_processes_and_leave_nothing() {
     known.sort_unstable();
     assert_eq!(roles, known);
     let status = launch.end().code();
-    assert!(status == Some(0) || status == Some(1) && is_late(&launch.said()), "{status:?}: {}", launch.said());
+    assert!(
+        status == Some(0) || status == Some(1) && is_late(&launch.said()),
+        "{status:?}: {}",
+        launch.said()
+    );
     launch.assert_nothing_left(&processes);
 }
 
@@ -126,7 +122,11 @@ fn assert_ends_where_it_would_have(place: &Place, launch: &Launch, variables: &[
         bits.map(|bits| f64::from_bits(u64::from_str_radix(bits, 16).expect("bits"))).collect()
     };
     for arm in ARMS {
-        let off = last(launch, arm).iter().zip(last(&reference, arm)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = last(launch, arm)
+            .iter()
+            .zip(last(&reference, arm))
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
         assert!(off <= 1e-9, "{arm}: {off:e} rad");
     }
 }

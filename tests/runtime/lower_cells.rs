@@ -262,7 +262,9 @@ fn fault_163_suspend_from_above_stops_every_cell_on_its_path_and_resume_goes_on_
             _ => {}
         });
         two.cell.run().expect("it goes on");
-        for (trace, other) in two.pressed.iter().chain(&two.painted).zip(calm.pressed.iter().chain(&calm.painted)) {
+        for (trace, other) in
+            two.pressed.iter().chain(&two.painted).zip(calm.pressed.iter().chain(&calm.painted))
+        {
             assert!((end(trace) - end(other)).abs() < 1e-9, "suspended in step {at}");
             let stood = &trace.borrow()[at as usize + path_stop()..at as usize + 1000];
             assert!(stood.windows(2).all(|w| w[0] == w[1]), "suspended in step {at}");
@@ -329,7 +331,8 @@ fn for_steps(c: &mut For, t: Tick) -> Step<[LowerCell; 1], Job> {
 }
 
 #[test]
-fn fault_168_a_move_that_the_upper_mp_ends_early_ends_on_the_path_of_the_cell_and_the_next_one_goes_on_from_there() {
+fn fault_168_a_move_that_the_upper_mp_ends_early_ends_on_the_path_of_the_cell_and_the_next_one_goes_on_from_there()
+ {
     for steps in [1, 2, 300, 999] {
         let two = Two::of(move |mp, press, _| {
             mp.move_robots([&mut *press], (), For { steps, job: go(0.4, 1.0) })?;
@@ -454,7 +457,10 @@ fn fault_167_orders_that_no_cell_takes_are_refused_before_anything_moves() {
     let two = Two::of(|mp, press, paint| mp.move_robots([press, paint], (), tight {}).map(drop));
     let cause = fault(two.cell.run());
     assert_eq!(cause.kind(), FaultKind::PayloadMismatch, "{cause}");
-    assert_eq!(cause.message(), "cell `press` takes loose orders, an `enum`; `Along` is a struct of tight ones");
+    assert_eq!(
+        cause.message(),
+        "cell `press` takes loose orders, an `enum`; `Along` is a struct of tight ones"
+    );
     let two = Two::of(|mp, press, paint| mp.move_robots([press, paint], (), other {}).map(drop));
     let cause = fault(two.cell.run());
     assert_eq!(cause.kind(), FaultKind::PayloadMismatch, "{cause}");
@@ -480,7 +486,14 @@ struct Frozen {
 impl Frozen {
     fn new(process: &str, from: u64, until: u64, over: u64) -> Frozen {
         let [from, until, over] = [from, until, over].map(|step| step * 1_000_000 + 1);
-        Frozen { scheduler: Scheduler::new(), process: process.to_owned(), from, until, over, places: Vec::new() }
+        Frozen {
+            scheduler: Scheduler::new(),
+            process: process.to_owned(),
+            from,
+            until,
+            over,
+            places: Vec::new(),
+        }
     }
 
     /// Runs a cell on it.
@@ -488,7 +501,10 @@ impl Frozen {
         let assembly = cell.put_on(&mut self).expect("nothing is wrong with the cell");
         self.scheduler.run().expect("somebody waits for a time");
         let outcomes = assembly.outcomes.take();
-        outcomes.into_iter().find(|(process, _)| *process == ProcessId::MP).map_or(Ok(()), |(_, outcome)| outcome)
+        outcomes
+            .into_iter()
+            .find(|(process, _)| *process == ProcessId::MP)
+            .map_or(Ok(()), |(_, outcome)| outcome)
     }
 }
 
@@ -591,7 +607,8 @@ fn fault_162_an_upper_mp_that_says_nothing_for_less_than_that_stops_no_cell() {
 fn fault_169_an_upper_mp_that_comes_back_moves_no_cell_that_has_stopped_for_its_silence() {
     for stall in [60, 200, 1000] {
         let two = Two::doing(go(0.4, 1.0), go(-0.4, 1.5));
-        let cause = Frozen::new("mp", 300, 300 + stall, 5000).run(two.cell).expect_err("the cells have stopped");
+        let cause =
+            Frozen::new("mp", 300, 300 + stall, 5000).run(two.cell).expect_err("the cells have stopped");
         assert_eq!(cause.kind(), FaultKind::PeerLost, "{cause}");
         for trace in two.pressed.iter().chain(&two.painted) {
             let back = 300 + SILENCE + path_stop();
@@ -607,9 +624,16 @@ fn fault_166_a_lower_mp_that_is_killed_is_lost_and_stops_every_cell() {
     for at in [100, 333, 900] {
         let two = Two::doing(go(0.4, 1.0), go(-0.4, 1.5));
         let cause = Frozen::new("mp press", at, u64::MAX / 2_000_000, 4000).run(two.cell).expect_err("lost");
-        assert_eq!((cause.kind(), cause.process().map(|p| p.to_string())), (FaultKind::PeerLost, Some("mp press".to_owned())));
+        assert_eq!(
+            (cause.kind(), cause.process().map(|p| p.to_string())),
+            (FaultKind::PeerLost, Some("mp press".to_owned()))
+        );
         // The upper MP notices it after L + 1; the robots of the cell itself by rows 2 and 3.
-        assert!(last_moved(&two.painted[0]) <= at as usize + 21 + 3 + T_B, "{at}: {}", last_moved(&two.painted[0]));
+        assert!(
+            last_moved(&two.painted[0]) <= at as usize + 21 + 3 + T_B,
+            "{at}: {}",
+            last_moved(&two.painted[0])
+        );
         // As arms that one Move leads by poses do, or else L.
         for trace in &two.pressed {
             assert!(last_moved(trace) <= at as usize + 20 + 3 + T_B * 10 / 8, "{at}: {}", last_moved(trace));
@@ -639,7 +663,10 @@ fn sixteen_cells_of_four_robots_run_under_one_clock_and_twice_the_same_to_the_bi
     const CELLS: usize = 16;
     let run = || {
         let (cells, traces): (Vec<_>, Vec<_>) = (0..CELLS).map(|_| lower::<4>()).unzip();
-        let plant = cells.into_iter().enumerate().fold(Cell::new(MS), |plant, (i, cell)| plant.cell(&format!("c{i}"), cell));
+        let plant = cells
+            .into_iter()
+            .enumerate()
+            .fold(Cell::new(MS), |plant, (i, cell)| plant.cell(&format!("c{i}"), cell));
         let plant = plant.on_step(|step, operator| match step {
             400 => operator.suspend(),
             800 => operator.resume(),
@@ -653,7 +680,8 @@ fn sixteen_cells_of_four_robots_run_under_one_clock_and_twice_the_same_to_the_bi
                 }
                 for turn in 0..2 {
                     let mut handles = cells.iter_mut();
-                    let list: [_; CELLS] = core::array::from_fn(|_| handles.next().expect("a handle for each"));
+                    let list: [_; CELLS] =
+                        core::array::from_fn(|_| handles.next().expect("a handle for each"));
                     let job = |i: usize| go(0.02 * i as f64 * f64::from(1 - 2 * turn), 1.0 + 0.02 * i as f64);
                     mp.move_robots(list, (), Jobs(core::array::from_fn(job)))?;
                 }
@@ -688,10 +716,18 @@ fn fault_167_a_move_of_a_lower_cell_outside_of_an_order_is_refused() {
     let (robot, trace) = gantry("g");
     let eager = Cell::new(MS).robot(robot).program(|mp| {
         let mut g = mp.robot::<Gantry>("g")?;
-        mp.move_robots([&mut g], (), Together { end: 0.4, seconds: 1.0, trips_at: None, t: 0.0, from: [0.0; 1] }).map(drop)
+        mp.move_robots(
+            [&mut g],
+            (),
+            Together { end: 0.4, seconds: 1.0, trips_at: None, t: 0.0, from: [0.0; 1] },
+        )
+        .map(drop)
     });
     let cause = fault(Cell::new(MS).cell("eager", eager).program(|_| Ok(())).run());
-    assert_eq!(cause.message(), "Move or Wait outside obey: write `mp.obey(|mp, order: YourOrder| ..)` around it");
+    assert_eq!(
+        cause.message(),
+        "Move or Wait outside obey: write `mp.obey(|mp, order: YourOrder| ..)` around it"
+    );
     assert_eq!(last_moved(&trace), 0);
     // And an MP that nobody orders anything has nothing to obey.
     let (robot, _) = gantry("g");

@@ -18,7 +18,7 @@ mod jerk;
 pub mod kit;
 mod lateness;
 mod limits;
-mod lower_cells;
+pub mod lower_cells;
 mod moves;
 mod opening;
 mod pacing;

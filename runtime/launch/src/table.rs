@@ -77,13 +77,15 @@ impl Table<'_> {
             row(format!("mp {name}"), "its own", &ms(*step), id)?;
         }
         for robot in &self.layout.robots {
-            let id = |role| Name::of_process(&robot.name).map_or(ProcessId::MP, |name| ProcessId::new(role, name));
+            let id =
+                |role| Name::of_process(&robot.name).map_or(ProcessId::MP, |name| ProcessId::new(role, name));
             let (ecp, edp) = (format!("ecp {}", robot.name), format!("edp {}", robot.name));
             row(ecp, own(robot.ecp_program, "transparent"), &step, id(Role::Ecp))?;
             row(edp, robot.kind, &ms(robot.servo), id(Role::Edp))?;
         }
         for sensor in &self.layout.sensors {
-            let id = Name::of_process(&sensor.name).map_or(ProcessId::MP, |name| ProcessId::new(Role::Vsp, name));
+            let id =
+                Name::of_process(&sensor.name).map_or(ProcessId::MP, |name| ProcessId::new(Role::Vsp, name));
             let period = match sensor.mode {
                 VspMode::NonInteractive(period) => ms(period),
                 VspMode::Interactive | VspMode::WithDelay => "-".to_owned(),

@@ -99,12 +99,8 @@ impl Cell {
             // One robot's servo periods are the occasions to look.
             robot.on_servo_period(Box::new(move |time| bodies.look(time)));
         }
-        let mut mp_sensing = Sensing {
-            owner: Owner::unique(),
-            ports: Vec::new(),
-            patience,
-            witnesses: witnesses.of(me),
-        };
+        let mut mp_sensing =
+            Sensing { owner: Owner::unique(), ports: Vec::new(), patience, witnesses: witnesses.of(me) };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
         let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
         let of_ecp = |process: &ProcessId| {

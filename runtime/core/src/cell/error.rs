@@ -140,10 +140,14 @@ pub enum CellError {
         error: Box<CellError>,
     },
     /// A lower cell whose MP has no program.
-    #[error("its MP has no program that obeys: give it one, `.program(|mp| mp.obey_all(|mp, order: YourOrder| ..))`")]
+    #[error(
+        "its MP has no program that obeys: give it one, `.program(|mp| mp.obey_all(|mp, order: YourOrder| ..))`"
+    )]
     NoObedience,
     /// A recording of a cell that has lower cells, or of a lower one.
-    #[error("a cell of cells, and a cell in it, cannot be recorded yet\n help: record the cell in a run of its own")]
+    #[error(
+        "a cell of cells, and a cell in it, cannot be recorded yet\n help: record the cell in a run of its own"
+    )]
     RecordedCells,
     /// A driver whose servo period takes no time.
     #[error(

@@ -8,8 +8,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use crate::control::mp::Upper;
-use crate::link::patience::Patience;
 use crate::link::Server;
+use crate::link::patience::Patience;
 use crate::model::fault::{ProcessId, Role};
 use crate::model::name::{BadName, Name};
 use crate::model::time::Nanos;
@@ -81,7 +81,8 @@ impl LowerSetup {
         let cell = Name::new(&self.name);
         match (&cell, self.cell.check()) {
             (Ok(cell), Ok(robots)) => {
-                let sensors = self.cell.parts.sensors.iter().filter_map(|sensor| Name::new(sensor.name()).ok());
+                let sensors =
+                    self.cell.parts.sensors.iter().filter_map(|sensor| Name::new(sensor.name()).ok());
                 let names = robots.into_iter().chain(sensors).map(|name| name.within(*cell));
                 wrong.extend(names.filter_map(Result::err).map(CellError::from));
             }

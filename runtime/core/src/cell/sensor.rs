@@ -4,8 +4,8 @@ use core::any::TypeId;
 use core::time::Duration;
 use std::rc::Rc;
 
-use super::lower::scoped;
 use super::CellError;
+use super::lower::scoped;
 use super::robot::StateWanted;
 use crate::control::opening::SensorOpening;
 use crate::control::plant::Site;
@@ -294,7 +294,18 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             return self.replay(among, &recorded);
         }
         let Requesters {
-            link, plant, step, mp, robots, within, ecps, mp_sensing, ecp_sensing, wanted, frames, ..
+            link,
+            plant,
+            step,
+            mp,
+            robots,
+            within,
+            ecps,
+            mp_sensing,
+            ecp_sensing,
+            wanted,
+            frames,
+            ..
         } = among;
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(robots)?;

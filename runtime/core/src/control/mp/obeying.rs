@@ -56,7 +56,8 @@ impl Mp<'_> {
         self.check_latch()?;
         match &self.upper {
             None => {
-                let text = "no MP is above this one: run its cell as one of another cell, `.cell(name, cell)`";
+                let text =
+                    "no MP is above this one: run its cell as one of another cell, `.cell(name, cell)`";
                 return Err(self.conclude(Fault::new(FaultKind::Config).text(text)));
             }
             Some(upper) if upper.is_obeying() => {

@@ -128,7 +128,9 @@ impl Upper {
             }
             Duty::Rest => self.reply(flag::FINISHED),
             // It moves nothing yet, or nothing any more.
-            Duty::End | Duty::Abort if self.first.take().is_some() || self.orders.phase == Phase::Finished => {
+            Duty::End | Duty::Abort
+                if self.first.take().is_some() || self.orders.phase == Phase::Finished =>
+            {
                 self.ended = Some(order);
                 self.leave();
             }
@@ -305,7 +307,8 @@ impl Upper {
 
     /// How an instruction ends that the program is at work on, if the upper MP has ended it.
     pub fn ending(&self) -> Option<Fault> {
-        let kind = if self.ending? == OrderKind::Abort { FaultKind::Aborted } else { FaultKind::InstructionEnded };
+        let kind =
+            if self.ending? == OrderKind::Abort { FaultKind::Aborted } else { FaultKind::InstructionEnded };
         Some(Fault::orderly(kind))
     }
 
