@@ -180,10 +180,10 @@ enum Job {
     Hold { steps: u64 },
 }
 
-struct Order<const CELLS: usize>(u64);
+struct Holding<const CELLS: usize>(u64);
 
 #[generator(mp)]
-fn order<const CELLS: usize>(c: &mut Order<CELLS>) -> Always<[LowerCell; CELLS], Job> {
+fn holding<const CELLS: usize>(c: &mut Holding<CELLS>) -> Always<[LowerCell; CELLS], Job> {
     Always([Job::Hold { steps: c.0 }; CELLS])
 }
 
@@ -216,7 +216,7 @@ pub fn cells_of_four<const CELLS: usize>(steps: u64) {
             }
             let mut handles = cells.iter_mut();
             let list = core::array::from_fn(|_| handles.next().expect("one handle per cell"));
-            mp.move_robots(list, (), Order::<CELLS>(steps)).map(drop)
+            mp.move_robots(list, (), Holding::<CELLS>(steps)).map(drop)
         })
         .run()
         .expect("nothing moves");

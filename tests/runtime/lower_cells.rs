@@ -405,12 +405,21 @@ fn fault_165_a_reset_from_above_does_not_reset_a_cell_that_stopped_for_a_cause_o
     let count = Rc::clone(&runs);
     let failed = Rc::new(Shared::new(0));
     let fails = Rc::clone(&failed);
+    let refused = Rc::new(Shared::new(false));
+    let refuses = Rc::clone(&refused);
     let mut two = Two::with(
-        // Its operator comes after three seconds.
+        // Its operator comes after three seconds. Once he has reset it, the upper cell stops it in the next step, and only that
+        // one's operator can reset it.
         |press| {
-            press.on_step(|step, operator| {
-                if step > 3000 {
-                    attend(operator);
+            press.on_step(move |step, operator| {
+                let from_above = |fault: Fault| fault.kind() == FaultKind::StoppedByCell;
+                let persists = operator.persisting().is_some_and(from_above);
+                let looks = step > 3000 && step % 70 == 0;
+                if looks && matches!(operator.latch(), Latch::Latched | Latch::Acknowledged) {
+                    operator.acknowledge().expect("latched");
+                    let reset = operator.reset();
+                    assert!(reset.is_err() || !persists, "{step}");
+                    refuses.set(refuses.get() || reset.is_err());
                 }
             })
         },
@@ -423,6 +432,10 @@ fn fault_165_a_reset_from_above_does_not_reset_a_cell_that_stopped_for_a_cause_o
     );
     // The upper one tries again and again.
     two.cell = two.cell.after_fault(AfterFault::AwaitReset).on_step(move |step, operator| {
+        if step > 20_000 {
+            // It would never end.
+            operator.give_up();
+        }
         if step % 100 == 0 {
             fails.set(fails.get() + u64::from(operator.persisting().is_some()));
             attend(operator);
@@ -430,6 +443,7 @@ fn fault_165_a_reset_from_above_does_not_reset_a_cell_that_stopped_for_a_cause_o
     });
     let report = two.cell.run().expect("after both resets the program starts again");
     assert!(failed.get() > 10 && report.steps > 3000, "{} {}", failed.get(), report.steps);
+    assert!(refused.get(), "the upper cell has stopped it meanwhile");
     assert_eq!(runs.get(), 2);
     assert!((end(&two.pressed[0]) - 0.4).abs() < 1e-9 && (end(&two.painted[0]) + 0.4).abs() < 1e-9);
     let stood = &two.pressed[0].borrow()[600..3000];

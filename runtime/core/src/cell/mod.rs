@@ -277,6 +277,11 @@ impl Cell {
         self.coordination.operator.clone()
     }
 
+    /// Whether any robot is simulated, those of its lower cells among them.
+    pub fn is_simulated(&mut self) -> bool {
+        self.parts.is_simulated()
+    }
+
     /// Its robots, for a trial to watch.
     pub fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
         self.parts.robots.iter_mut().map(|robot| &mut **robot)

@@ -188,15 +188,18 @@ impl Mp<'_> {
 
     /// Waits for the answers of robots that were sent their orders, or until it is too late for them.
     ///
-    /// The last one is waited for first: mostly the others have answered by then, and the MP wakes once in a step.
+    /// The last one is waited for first: mostly the others have answered by then, and the MP wakes once in a step. Meanwhile the
+    /// MP above, if there is one, gets its answers.
     pub(super) fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
-        let waiting = self.sensing.patience.begin(self.host.waiter);
+        let Mp { robots, upper, host, sensing, .. } = self;
+        let waiting = sensing.patience.begin(host.waiter);
         for &index in indices.iter().rev() {
-            let robot = &mut self.robots[index];
+            let robot = &mut robots[index];
             let mut waiting = waiting;
             robot.is_silent = false;
             while robot.asked && !robot.receives_answer() {
-                let goes_on = waiting.goes_on(&*robot.client, self.host.waiter);
+                let goes_on = waiting.goes_on(&*robot.client, host.waiter);
+                upper.iter_mut().for_each(|upper| upper.serve(host.waiter.now()));
                 if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
                     robot.is_silent = true;
                     robot.reply.header.flags = flag::STANDSTILL;

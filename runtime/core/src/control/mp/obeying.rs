@@ -9,6 +9,7 @@ use crate::model::list::PayloadType;
 use crate::model::payload::Payload;
 use crate::model::type_name::TypeName;
 use crate::operator::state::Doing;
+use crate::safety::latch::{Event, Latch};
 
 use super::Mp;
 use super::upper::{SILENT, Upper};
@@ -180,10 +181,12 @@ impl Mp<'_> {
         let Some(upper) = &mut self.upper else { return Ok(()) };
         upper.serve(now);
         upper.show(suspended, rate);
+        // A stop that reaches a latched cell keeps it so, and must not end a later reset.
+        let wrong = upper.take_wrong();
         if self.stops.latched.is_some() {
             return Ok(());
         }
-        if let Some(wrong) = upper.take_wrong() {
+        if let Some(wrong) = wrong {
             return Err(wrong);
         }
         if upper.is_silent(now) {
@@ -229,11 +232,26 @@ impl Mp<'_> {
         }
     }
 
+    /// Why the operator of this cell may not reset it: the upper cell has stopped it.
+    pub(super) fn stopped_from_above(&self) -> Option<Fault> {
+        self.upper.as_ref().filter(|upper| upper.is_stopped()).map(|_| {
+            let text = "stopped by the upper cell: it is reset with that one";
+            Fault::new(FaultKind::StoppedByCell).in_process(self.process).text(text)
+        })
+    }
+
     /// The operator of the upper cell resets what he has stopped: this cell, too.
     pub(super) fn heed_reset(&mut self) {
         if self.upper.as_mut().is_some_and(Upper::take_reset) {
             let operator = &self.operating.operator;
-            let reset = operator.acknowledge().and_then(|()| operator.reset());
+            // That it was stopped from above forbids it no more; anything else does in the next step.
+            let _ = operator.meet(Event::Cause { persists: false });
+            let reset = match operator.latch() {
+                Latch::Resetting => Ok(()),
+                Latch::Clear | Latch::Stopping | Latch::Latched | Latch::Acknowledged => {
+                    operator.acknowledge().and_then(|()| operator.reset())
+                }
+            };
             if let (Err(why), Some(upper)) = (reset, &mut self.upper) {
                 let fault = Fault::thrown(&format!("not reset: {why}")).in_process(self.process);
                 upper.latch(&fault);

@@ -141,6 +141,9 @@ impl Mp<'_> {
                 return Ok(lost("the robot does not come to a standstill"));
             }
         }
+        if let Some(from_above) = self.stopped_from_above() {
+            return Ok(Some(from_above));
+        }
         Ok(self.stops.guard_is_asleep().then(|| {
             let fault = Fault::new(FaultKind::Panicked).in_process(self.process);
             fault.text("the guard panicked and does not look any more: start the cell again")
@@ -176,6 +179,9 @@ impl Mp<'_> {
     /// # Errors
     /// What is still wrong.
     fn reset(&mut self) -> Result<(), Fault> {
+        if let Some(from_above) = self.stopped_from_above() {
+            return Err(from_above);
+        }
         self.recover()?;
         self.robots.epoch += 1;
         self.stops.forget();

@@ -258,6 +258,11 @@ impl Upper {
         core::mem::replace(&mut self.reset, false)
     }
 
+    /// Whether the upper MP has stopped the cell, and not reset it.
+    pub const fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
     /// What the cell is to be stopped for; told once.
     pub const fn take_wrong(&mut self) -> Option<Fault> {
         self.wrong.take()
