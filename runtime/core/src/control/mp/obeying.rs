@@ -104,6 +104,8 @@ impl Mp<'_> {
         self.settle()?;
         if let Some(upper) = &mut self.upper {
             upper.await_start(PayloadType::of::<P>());
+            // A START that has waited for the program is answered at once.
+            upper.serve(self.host.waiter.now());
         }
         loop {
             self.rest_a_step()?;
