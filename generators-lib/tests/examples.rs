@@ -2,6 +2,8 @@
 
 #[path = "../examples/07_belt_in_the_background.rs"]
 pub mod belt_in_the_background;
+#[path = "../examples/08_cells_of_cells.rs"]
+pub mod cells_of_cells;
 #[path = "../examples/06_conditions.rs"]
 pub mod conditions;
 #[path = "../examples/05_force.rs"]
@@ -48,6 +50,11 @@ fn example_06_waits_for_what_holds_together() {
 #[test]
 fn example_07_runs_a_belt_while_an_arm_moves() {
     belt_in_the_background::main().expect("runs without a fault");
+}
+
+#[test]
+fn example_08_goes_on_without_a_cell_until_it_is_reset() {
+    cells_of_cells::main().expect("runs without a fault");
 }
 
 /// `cargo test --doc` runs them.

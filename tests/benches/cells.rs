@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use mrroc::cell::LowerCell;
 use mrroc::generator::{Generator, Motion};
 use mrroc::prelude::*;
 use mrroc_doubles::{ExactDrive, Gantry, Q};
@@ -171,4 +172,52 @@ fn pressing(c: &mut Pressing, e: &State<Gantry>, v: &Reading<(Height,)>) -> Step
     let mut q = e.demanded().joints;
     q[2] += 1e-6 * (0.1 - v.0.reading().map_or(0.0, |reading| reading.metres));
     Step::Next(Demand::joints(q))
+}
+
+/// What a cell of a plant is told: to hold for so many steps.
+#[derive(Clone, Copy, Payload)]
+enum Job {
+    Hold { steps: u64 },
+}
+
+struct Holding<const CELLS: usize>(u64);
+
+#[generator(mp)]
+fn holding<const CELLS: usize>(c: &mut Holding<CELLS>) -> Always<[LowerCell; CELLS], Job> {
+    Always([Job::Hold { steps: c.0 }; CELLS])
+}
+
+/// A plant of cells of four gantries each that hold where they are: what a step of all of them costs.
+pub fn cells_of_four<const CELLS: usize>(steps: u64) {
+    let lower = || {
+        let names: [String; 4] = core::array::from_fn(|i| format!("r{i}"));
+        let setup =
+            |name: &String| RobotSetup::new(name, Gantry::default(), ExactDrive::new(Q::zeros(), PERIOD));
+        let cell = names.iter().map(setup).fold(Cell::new(PERIOD), Cell::robot);
+        cell.program(move |mp| {
+            let mut robots = Vec::new();
+            for name in &names {
+                robots.push(mp.robot::<Gantry>(name)?);
+            }
+            mp.obey_all(|mp, Job::Hold { steps }| {
+                let mut handles = robots.iter_mut();
+                let list = core::array::from_fn(|_| handles.next().expect("one handle per name"));
+                mp.move_robots(list, (), Hold::<4, Gantry> { left: steps, of: core::marker::PhantomData })
+                    .map(drop)
+            })
+        })
+    };
+    let plant = (0..CELLS).fold(Cell::new(PERIOD), |plant, i| plant.cell(&format!("c{i}"), lower()));
+    plant
+        .program(move |mp| {
+            let mut cells = Vec::new();
+            for i in 0..CELLS {
+                cells.push(mp.robot::<LowerCell>(&format!("c{i}"))?);
+            }
+            let mut handles = cells.iter_mut();
+            let list = core::array::from_fn(|_| handles.next().expect("one handle per cell"));
+            mp.move_robots(list, (), Holding::<CELLS>(steps)).map(drop)
+        })
+        .run()
+        .expect("nothing moves");
 }

@@ -102,21 +102,35 @@ fn main() {
     chains::<8>();
     chains::<16>();
     chains::<64>();
+    plants::<1>();
+    plants::<4>();
+    plants::<16>();
+}
+
+/// Cells of four robots under one MP.
+fn plants<const CELLS: usize>() {
+    let steps = 5_000 / CELLS as u64 + 500;
+    report(&format!("an MP over {CELLS} cells of 4 robots: joints held"), || {
+        per_step(steps, mrroc_benches::cells_of_four::<CELLS>)
+    });
+}
+
+/// The time of a step of a run of so many \[ns\].
+fn per_step(steps: u64, run: fn(u64)) -> f64 {
+    let time = |steps| {
+        let from = Instant::now();
+        run(steps);
+        from.elapsed().as_nanos() as f64
+    };
+    // Twice the steps minus once: what it takes to put a cell together falls out.
+    let (once, twice) = (time(steps), time(2 * steps));
+    (twice - once) / steps as f64
 }
 
 fn chains<const N: usize>() {
     // As long a run for many robots as for one.
     let steps = 20_000 / N as u64 + 500;
-    // Twice the steps minus once: what it takes to put a cell together falls out.
-    let per_step = |run: fn(u64)| {
-        let time = |steps| {
-            let from = Instant::now();
-            run(steps);
-            from.elapsed().as_nanos() as f64
-        };
-        let (once, twice) = (time(steps), time(2 * steps));
-        (twice - once) / steps as f64
-    };
+    let per_step = |run: fn(u64)| per_step(steps, run);
     report(&format!("MP, {N} ECP, {N} EDP: joints held, no kinematics"), || {
         per_step(mrroc_benches::held::<N>)
     });

@@ -8,6 +8,7 @@ mod arms;
 mod belt;
 mod calls;
 mod crowd;
+mod line;
 #[path = "../tutorial/tcp_servo/mp.rs"]
 mod mp;
 mod readers;
@@ -27,7 +28,7 @@ use mrroc::cell::RunPicture;
 use mrroc::fault::ProcessId;
 use mrroc::observe::witness::{What, Witness};
 use mrroc_counting_allocator::Counting;
-use mrroc_tests::fixture::{ARMS, CROWD, PROGRAM, RECORDED, REMOTE, SERVO, SOAK, TAKES_NOTHING, TASKS};
+use mrroc_tests::fixture::{ARMS, CROWD, LINE, PROGRAM, RECORDED, REMOTE, SERVO, SOAK, TAKES_NOTHING, TASKS};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -39,12 +40,13 @@ fn main() -> ExitCode {
         TASKS => tasks::main(),
         SOAK => soak::main(),
         CROWD => crowd::main(),
+        LINE => line::main(),
         RECORDED => recorded::main(),
         REMOTE => remote::main(),
         SERVO => mrroc::launch(|file| Ok(file.cell(&arm::kinds())?.program(mp::coordinate)), Nothing),
         _ => {
             eprintln!(
-                "error: no program `{program}`\n help: {PROGRAM}={ARMS}, {TASKS}, {SOAK}, {CROWD}, {RECORDED}, {REMOTE} or {SERVO}"
+                "error: no program `{program}`\n help: {PROGRAM}={ARMS}, {TASKS}, {SOAK}, {CROWD}, {LINE}, {RECORDED}, {REMOTE} or {SERVO}"
             );
             ExitCode::FAILURE
         }

@@ -34,6 +34,11 @@ impl Place {
         Place { folder, program }
     }
 
+    /// Writes another file beside that of the cell.
+    pub fn write(&self, file: &str, text: &str) {
+        fs::write(self.folder.join(file), text).expect("a file");
+    }
+
     /// The program, in this folder.
     pub fn program(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cell"));

@@ -13,6 +13,7 @@ mod identity;
 mod kills;
 mod launch;
 mod launches;
+mod lower_cells;
 mod operator;
 mod picture;
 mod rows;

@@ -18,6 +18,7 @@ mod jerk;
 pub mod kit;
 mod lateness;
 mod limits;
+pub mod lower_cells;
 mod moves;
 mod opening;
 mod pacing;

@@ -4,6 +4,7 @@ use mrroc::cell::Cell;
 use mrroc::testing::{LinkFault, Press, Sweep, SweepReport};
 
 use crate::one_of;
+use crate::runtime::lower_cells::plant;
 use crate::safety::cells::{cooperating, interpolated, sensing, transparent};
 
 /// Injects faults into a cell's processes and links, and by its operator.
@@ -55,6 +56,24 @@ fn every_fault_in_a_share_of_the_steps_of_small_cells_breaks_no_promise() {
     for cell in [transparent, cooperating, interpolated, sensing] {
         clean(&everything(cell).every(29 * one_of(3)).run());
     }
+}
+
+/// Two cells under one MP. When that MP is killed, they have the bound of row 162, which has a test of its own.
+#[test]
+fn fault_169_faults_of_links_in_a_plant_break_no_promise() {
+    let sweep = [1, 5, 20, 21, 100].into_iter().fold(Sweep::new(plant).threads(2), Sweep::stalls);
+    let sweep = [1, 19, 20, 21, 60].into_iter().fold(sweep, |sweep, n| sweep.links(LinkFault::Drop, n));
+    let faults = [
+        LinkFault::Duplicate,
+        LinkFault::Reorder,
+        LinkFault::Delay(3),
+        LinkFault::Corrupt,
+        LinkFault::Replay,
+        LinkFault::Forge,
+    ];
+    let sweep = faults.into_iter().fold(sweep, |sweep, fault| sweep.links(fault, 3));
+    let presses = [Press::Abort, Press::Stop, Press::SuspendAndResume(50), Press::Everything];
+    clean(&presses.into_iter().fold(sweep, Sweep::presses).every(97 * one_of(3)).run());
 }
 
 /// `just sweep`.

@@ -1,7 +1,7 @@
 //! What tests and the task programs that they start as processes (`tests/cell/`) agree on: the names of environment
 //! variables, and of files in the folders that some of these variables name.
 
-/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`], [`CROWD`], [`RECORDED`], [`REMOTE`] or
+/// The variable that chooses the program: [`ARMS`], [`TASKS`], [`SOAK`], [`CROWD`], [`LINE`], [`RECORDED`], [`REMOTE`] or
 /// [`SERVO`].
 pub const PROGRAM: &str = "MRROC_TEST_PROGRAM";
 /// Two arms that are coordinated loosely and tightly, sensors in three modes.
@@ -14,6 +14,8 @@ pub const SOAK: &str = "soak";
 pub const SERVO: &str = "servo";
 /// Any number of robots that stand.
 pub const CROWD: &str = "crowd";
+/// Two cells of an arm each under one MP.
+pub const LINE: &str = "line";
 /// The cell of the tests of recordings.
 pub const RECORDED: &str = "recorded";
 /// Two robots whose controllers answer late.
@@ -39,6 +41,9 @@ pub const HARDWARE: &str = "MRROC_TEST_HARDWARE";
 pub const CHANGE: &str = "MRROC_TEST_CHANGE";
 /// The variable that makes a picture take nothing of what processes show it.
 pub const TAKES_NOTHING: &str = "MRROC_TEST_TAKES_NOTHING";
+/// The variable that lets the MP of [`LINE`] go on without its left cell; `resets`: that one has a fault at first, and its operator
+/// resets it.
+pub const DISPENSABLE: &str = "MRROC_TEST_DISPENSABLE";
 /// How long the arms of [`SOAK`] move \[s\].
 pub const SECONDS: &str = "MRROC_SOAK";
 

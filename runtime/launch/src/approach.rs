@@ -242,6 +242,7 @@ mod tests {
             protective_stop: Duration::from_millis(300),
             detection: 0.022,
             mp_program: true,
+            cells: Vec::new(),
             robots,
             sensors: Vec::new(),
             bodies: Vec::new(),

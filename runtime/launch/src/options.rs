@@ -266,7 +266,9 @@ fn nanoseconds(text: &str) -> Result<u64, &'static str> {
 fn is_role(role: &[OsString], word: &OsStr) -> bool {
     match role {
         [] => ["mp", "plant", "ecp", "edp", "vsp"].iter().any(|role| word == OsStr::new(role)),
-        [role] => role != "mp" && role != "plant",
+        // `mp press` is that of a lower cell.
+        [role] if role == "mp" => !word.as_encoded_bytes().starts_with(b"-"),
+        [role] => role != "plant",
         _ => false,
     }
 }
@@ -318,15 +320,16 @@ pub(super) fn split_recording(mut arguments: Vec<OsString>) -> (Option<AskedReco
 }
 
 fn read_role(words: &[OsString]) -> Option<ProcessId> {
+    let name = || Name::of_process(words.get(1)?.to_str()?).ok();
     let role = match words.first()?.to_str()? {
-        "mp" => return Some(ProcessId::MP),
+        // With a name it is that of a lower cell.
+        "mp" => return Some(ProcessId { name: name(), ..ProcessId::MP }),
         "plant" => return Some(ProcessId::PLANT),
         "ecp" => Role::Ecp,
         "edp" => Role::Edp,
         _ => Role::Vsp,
     };
-    let name = words.get(1)?.to_str()?;
-    Some(ProcessId::new(role, Name::new(name).ok()?))
+    Some(ProcessId::new(role, name()?))
 }
 
 /// `cell.toml` in this folder or in the nearest folder above it, up to the project's folder, which has the Cargo.toml.

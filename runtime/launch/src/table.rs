@@ -72,14 +72,20 @@ impl Table<'_> {
             writeln!(f, "{process:<30}{program:<16}{period:>10}{priority:>10}{core:>8}")
         };
         row("mp".to_owned(), own(self.layout.mp_program, "nudging"), &step, ProcessId::MP)?;
+        for (name, step) in &self.layout.cells {
+            let id = ProcessId { name: Name::of_process(name).ok(), ..ProcessId::MP };
+            row(format!("mp {name}"), "its own", &ms(*step), id)?;
+        }
         for robot in &self.layout.robots {
-            let id = |role| Name::new(&robot.name).map_or(ProcessId::MP, |name| ProcessId::new(role, name));
+            let id =
+                |role| Name::of_process(&robot.name).map_or(ProcessId::MP, |name| ProcessId::new(role, name));
             let (ecp, edp) = (format!("ecp {}", robot.name), format!("edp {}", robot.name));
             row(ecp, own(robot.ecp_program, "transparent"), &step, id(Role::Ecp))?;
             row(edp, robot.kind, &ms(robot.servo), id(Role::Edp))?;
         }
         for sensor in &self.layout.sensors {
-            let id = Name::new(&sensor.name).map_or(ProcessId::MP, |name| ProcessId::new(Role::Vsp, name));
+            let id =
+                Name::of_process(&sensor.name).map_or(ProcessId::MP, |name| ProcessId::new(Role::Vsp, name));
             let period = match sensor.mode {
                 VspMode::NonInteractive(period) => ms(period),
                 VspMode::Interactive | VspMode::WithDelay => "-".to_owned(),
@@ -92,7 +98,7 @@ impl Table<'_> {
     /// The priority and the core of a process, as text.
     fn placed(&self, process: ProcessId) -> (String, String) {
         let Some(realtime) = self.realtime else { return ("-".to_owned(), "-".to_owned()) };
-        let names = self.layout.robots.iter().filter_map(|robot| Name::new(&robot.name).ok());
+        let names = self.layout.robots.iter().filter_map(|robot| Name::of_process(&robot.name).ok());
         let ecps: Vec<_> = names.map(|name| ProcessId::new(Role::Ecp, name)).collect();
         let core = match &realtime.cores {
             Some(cores) => {

@@ -113,7 +113,8 @@ impl Proxy {
     /// Reports the death of the process. When the MP has died, the robots stop by themselves, and then the cell closes.
     fn mourn(&self, waiter: &dyn Waiter, mp: bool) {
         let how = self.member.reap();
-        if self.member.id.role == Role::Vsp {
+        // Who has to do with a sensor or a lower cell notices the loss.
+        if self.member.id.role == Role::Vsp || self.member.id.is_of_lower_cell() {
             return note(&self.member, &how);
         }
         self.death.borrow_mut().get_or_insert(self.member.death(&how));

@@ -125,7 +125,7 @@ fn show_picture(
     session: &Path,
     clock: Option<Clock>,
 ) -> Option<Rc<Ring>> {
-    let has_plant = cell.robots_mut().any(|robot| robot.is_simulated());
+    let has_plant = cell.is_simulated();
     // A process that does not know its clock waits for nothing.
     has_plant.then(|| picture_socket::join(process, session, clock.unwrap_or(Clock::Real))).flatten()
 }

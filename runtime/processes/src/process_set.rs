@@ -324,6 +324,14 @@ impl ProcessSet {
         }
     }
 
+    /// Sends a frame to the MP of the lower cell that a process is in.
+    pub fn tell_mp_of(&self, process: ProcessId, frame: &Frame) {
+        let mp = ProcessId { name: process.cell(), ..ProcessId::MP };
+        if let Some(mp) = self.members.iter().find(|member| member.id == mp && !member.gone.get()) {
+            drop(mp.control.send_now(frame));
+        }
+    }
+
     /// The plant, if its part is over and it waits for the result of the run.
     pub fn plant_over(&self) -> Option<&Rc<Member>> {
         self.members.iter().find(|member| member.id.role == Role::Plant && member.is_over())

@@ -198,6 +198,12 @@ impl<'a> Supervision<'a> {
                 match member.id.role {
                     // Processes that read this sensor notice its loss; all others go on.
                     Role::Vsp => note(member, &how),
+                    // The MP above it notices its loss, and decides what becomes of the other cells.
+                    Role::Mp if member.id.is_of_lower_cell() => note(member, &how),
+                    Role::Ecp | Role::Edp if member.id.is_of_lower_cell() => {
+                        note(member, &how);
+                        self.process_set.tell_mp_of(member.id, &Frame::Lost(member.id));
+                    }
                     Role::Mp => {
                         self.death.get_or_insert(member.death(&how));
                         self.close();

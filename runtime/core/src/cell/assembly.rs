@@ -1,8 +1,11 @@
 //! Puts the processes of a cell on a link: the same calls in the same order, whichever link it is.
 
+use core::any::TypeId;
+use core::time::Duration;
 use std::cell::RefCell;
 use std::rc::Rc;
 
+use super::lower::{Above, LowerSetup, scoped};
 use super::robot::Place;
 use super::sensor::Requesters;
 use super::{Cell, CellError};
@@ -15,7 +18,9 @@ use crate::link::patience::Patience;
 use crate::link::{Link, Simulation};
 use crate::model::fault::{Fault, ProcessId, Role};
 use crate::model::list::Owner;
+use crate::model::lower_cell::LowerCell;
 use crate::model::name::Name;
+use crate::model::robot::Robot;
 use crate::model::time::Nanos;
 use crate::observe::shown::AnyShown;
 use crate::observe::witness::{What, Witnesses};
@@ -44,18 +49,43 @@ impl Cell {
     }
 
     /// Puts every process of a cell, in which nothing is wrong, on `link`.
-    pub(super) fn assemble(mut self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
+    pub(super) fn assemble(self, names: &[Name], link: &mut dyn Link) -> Result<Assembly, CellError> {
+        let mp = link.place(ProcessId::MP);
+        self.assemble_at(mp, None, names, link)
+    }
+
+    /// The same with the MP at its place; of a lower cell what is above it, with the plant that all cells share.
+    fn assemble_at(
+        mut self,
+        mp: usize,
+        above: Option<(Above, &mut Site)>,
+        names: &[Name],
+        link: &mut dyn Link,
+    ) -> Result<Assembly, CellError> {
         if link.simulation() != Simulation::Free {
             self.parts.refuse_hardware(names)?;
         }
         let nudged = self.coordination.program.is_none();
         let patience = Patience::of_step(self.timing.step);
         let outcomes = Outcomes::default();
-        let mp = link.place(ProcessId::MP);
-        let ecps: Vec<_> = names.iter().map(|name| link.place(ProcessId::new(Role::Ecp, *name))).collect();
+        let (above, shared) = above.unzip();
+        let within = above.as_ref().map(|above| above.name);
+        let me = ProcessId { name: within, ..ProcessId::MP };
+        let processes: Vec<_> = names
+            .iter()
+            .map(|&name| scoped(name, within).map(|name| ProcessId::new(Role::Ecp, name)))
+            .collect::<Result<_, _>>()?;
+        let ecps: Vec<_> = processes.iter().map(|&process| link.place(process)).collect();
 
-        let anything = self.parts.robots.iter_mut().any(|robot| robot.is_simulated());
-        let mut plant = Site::new(link, self.timing.step, anything, self.watching.watched_in_plant);
+        let mut own = None;
+        let plant = match shared {
+            Some(shared) => shared,
+            None => {
+                let anything = self.parts.is_simulated();
+                own.insert(Site::new(link, self.timing.step, anything, self.watching.watched_in_plant))
+            }
+        };
+        let step_before = plant.goes_by(self.timing.step);
 
         let stop_steps = self.stop_steps();
         let path_stop = self.path_stop_steps();
@@ -69,29 +99,26 @@ impl Cell {
             // One robot's servo periods are the occasions to look.
             robot.on_servo_period(Box::new(move |time| bodies.look(time)));
         }
-        let mut mp_sensing = Sensing {
-            owner: Owner::unique(),
-            ports: Vec::new(),
-            patience,
-            witnesses: witnesses.of(ProcessId::MP),
-        };
+        let mut mp_sensing =
+            Sensing { owner: Owner::unique(), ports: Vec::new(), patience, witnesses: witnesses.of(me) };
         // An ECP loses patience first, so that it can say with whom, but not before the last demand that is bridged.
         let shorter = Patience { most: patience.most - patience.again / 2, ..patience };
-        let of_ecp = |name: &Name| {
-            let witnesses = witnesses.of(ProcessId::new(Role::Ecp, *name));
+        let of_ecp = |process: &ProcessId| {
+            let witnesses = witnesses.of(*process);
             Sensing { owner: Owner::unique(), ports: Vec::new(), patience: shorter, witnesses }
         };
-        let mut ecp_sensing: Vec<_> = names.iter().map(of_ecp).collect();
+        let mut ecp_sensing: Vec<_> = processes.iter().map(of_ecp).collect();
         // EDPs tick first half a servo period after a step's beginning.
         let servo = self.parts.robots.iter().map(|robot| robot.servo_period().length).min();
         let grace = (servo.unwrap_or(self.timing.step).min(self.timing.step).as_nanos() / 2) as Nanos;
         let mut requesters = Requesters {
             recorded: self.watching.recorded.clone(),
             link,
-            plant: &mut plant,
+            plant: &mut *plant,
             step: self.timing.step,
             mp,
             robots: names,
+            within,
             ecps: &ecps,
             mp_sensing: &mut mp_sensing,
             ecp_sensing: &mut ecp_sensing,
@@ -104,17 +131,18 @@ impl Cell {
         let wanted = requesters.wanted;
         let mut ports = Vec::new();
         let named = Rc::new(self.parts.named);
-        let robots = self.parts.robots.into_iter().zip(names).zip(ecps.iter().zip(ecp_sensing));
-        for (i, ((robot, name), (&ecp, sensing))) in robots.enumerate() {
+        let ecps = ecps.iter().zip(&processes).zip(ecp_sensing);
+        let robots = self.parts.robots.into_iter().zip(names).zip(ecps);
+        for (i, ((robot, name), ((&ecp, &process), sensing))) in robots.enumerate() {
             let (client, server) = link.port(mp, ecp);
             let signals = robot.signal_names();
             let port =
                 RobotPort::new(*name, robot.kind(), robot.kind_name(), client, stop_steps, robot.is_homed());
-            ports.push(port.with_signals(Rc::clone(&signals)));
+            ports.push(port.of_process(process).with_signals(Rc::clone(&signals)));
             let period = self.timing.step.as_nanos() as Nanos;
             let pace = Pace { period, grace, stop_steps };
             let place = Place {
-                name: *name,
+                name: process.name.unwrap_or(*name),
                 ecp,
                 period: self.timing.step,
                 delay,
@@ -125,15 +153,23 @@ impl Cell {
                 named: Rc::clone(&named),
                 wanted: wanted.iter().filter(|wanted| wanted.robot == i).cloned().collect(),
             };
-            robot.spawn(link, &mut plant, place, server, sensing, Rc::clone(&outcomes))?;
+            robot.spawn(link, plant, place, server, sensing, Rc::clone(&outcomes))?;
         }
         if let Some(board) = plant.board(link, mp) {
             self.coordination.activity.pass_on(board);
         }
+        let step = self.timing.step;
+        for lower in self.parts.cells {
+            ports.push(lower.put_under(link, plant, (mp, within, step))?);
+        }
+        plant.goes_by(step_before);
         let rests = Rests::default();
-        plant.spawn(link, Rc::clone(&rests))?;
+        if let Some(plant) = own {
+            plant.spawn(link, Rc::clone(&rests))?;
+        }
 
         let close = link.closer();
+        let upper = above.map(Above::upper);
         let rate_change = self.timing.rate_change;
         let timing = MpTiming { period: self.timing.step, grace, rate_change, path_stop };
         let mut program = self.coordination.program;
@@ -153,7 +189,12 @@ impl Cell {
                     (self.coordination.operator, self.coordination.hook, self.coordination.activity),
                     &timing,
                 );
-                let mut mp = mp.with_names(named);
+                let mp = mp.with_names(named);
+                let is_lower = upper.is_some();
+                let mut mp = match upper {
+                    Some(upper) => mp.under(upper, me),
+                    None => mp,
+                };
                 mp.watch_by(self.coordination.guard);
                 mp.follow(script);
                 let outcome = mp.run_program(after_fault, |mp| match &mut program {
@@ -163,10 +204,39 @@ impl Cell {
                 counted.set(mp.step());
                 let end = What::End { step: mp.step() };
                 witnesses.show_fault(host.waiter.now(), &end, outcome.as_ref().err());
-                ended.borrow_mut().push((ProcessId::MP, outcome));
-                close();
+                ended.borrow_mut().push((me, outcome));
+                if is_lower {
+                    mp.serve_upper();
+                } else {
+                    close();
+                }
             }),
         )?;
         Ok(Assembly { outcomes, steps, rests })
+    }
+}
+
+impl LowerSetup {
+    /// Puts its processes on the link, below the MP at the place `upper` of a cell with this step, which may itself be `within` another
+    /// one; that MP's port of it. What becomes of its programs is the upper MP's to tell.
+    fn put_under(
+        mut self,
+        link: &mut dyn Link,
+        plant: &mut Site,
+        (upper, within, step): (usize, Option<Name>, Duration),
+    ) -> Result<RobotPort, CellError> {
+        let own = Name::new(&self.name)?;
+        let name = scoped(own, within)?;
+        let robots = self.cell.check()?;
+        let stop_steps = self.stop_steps(step);
+        let process = ProcessId::new(Role::Mp, name);
+        let mp = link.place(process);
+        let (client, port) = link.port(upper, mp);
+        let above = Above { name, port, step };
+        self.cell.assemble_at(mp, Some((above, plant)), &robots, link)?;
+        // Its program comes to its orders when its robots are homed.
+        let homed = false;
+        let port = RobotPort::new(own, TypeId::of::<LowerCell>(), LowerCell::KIND, client, stop_steps, homed);
+        Ok(port.of_process(process).of_cell())
     }
 }

@@ -125,6 +125,30 @@ pub enum CellError {
         "the cell has no program: give one to the MP, `cell.program(coordinate)`, or to an ECP, `cell.ecp(\"arm\", arm)`"
     )]
     NoProgram,
+    /// A lower cell of the cell's file that the program does not add.
+    #[error(
+        "cell `{0}` of the cell's file is not in the cell: add `.cell(\"{0}\", file.lower(\"{0}\")?.cell(&kinds)?.program(..))`, or take \
+         [cells.{0}] out of the file"
+    )]
+    NoLowerCell(String),
+    /// Something that is wrong with a lower cell.
+    #[error("cell `{cell}`: {error}")]
+    InCell {
+        /// The lower cell.
+        cell: String,
+        /// What is wrong with it.
+        error: Box<CellError>,
+    },
+    /// A lower cell whose MP has no program.
+    #[error(
+        "its MP has no program that obeys: give it one, `.program(|mp| mp.obey_all(|mp, order: YourOrder| ..))`"
+    )]
+    NoObedience,
+    /// A recording of a cell that has lower cells, or of a lower one.
+    #[error(
+        "a cell of cells, and a cell in it, cannot be recorded yet\n help: record the cell in a run of its own"
+    )]
+    RecordedCells,
     /// A driver whose servo period takes no time.
     #[error(
         "robot `{0}`: its servo period is 0\n help: let `Driver::period` say how often the drives take a demand"
@@ -252,6 +276,12 @@ pub enum CellError {
 }
 
 impl CellError {
+    /// The error of a lower cell.
+    #[must_use]
+    pub fn in_cell(self, cell: &str) -> CellError {
+        CellError::InCell { cell: cell.to_owned(), error: Box::new(self) }
+    }
+
     /// All that is wrong with a set-up as one error.
     pub fn all(mut errors: Vec<CellError>) -> Result<(), CellError> {
         match errors.pop() {

@@ -12,6 +12,8 @@ use super::Cell;
 impl Cell {
     /// What the cell is made of. Nothing need be right with it.
     pub fn layout(&self) -> Layout {
+        let robots = self.parts.robots.iter().map(|robot| robot.layout(self.timing.stop_time));
+        let sensors = self.parts.sensors.iter().map(|sensor| sensor.layout(self.timing.step));
         Layout {
             step: self.timing.step,
             stop_time: self.timing.stop_time,
@@ -19,8 +21,9 @@ impl Cell {
             protective_stop: self.timing.step * u32::try_from(self.path_stop_steps()).unwrap_or(u32::MAX),
             detection: self.parts.noticing_time(&self.timing),
             mp_program: self.coordination.program.is_some(),
-            robots: self.parts.robots.iter().map(|robot| robot.layout(self.timing.stop_time)).collect(),
-            sensors: self.parts.sensors.iter().map(|sensor| sensor.layout(self.timing.step)).collect(),
+            cells: self.lower_cells().collect(),
+            robots: robots.chain(self.lower_robots()).collect(),
+            sensors: sensors.chain(self.lower_sensors()).collect(),
             bodies: self.watching.bodies.iter().map(|(layout, _)| layout.clone()).collect(),
         }
     }

@@ -11,6 +11,7 @@ mod coordination;
 mod error;
 mod layout;
 mod limits;
+mod lower;
 mod parts;
 mod picture;
 pub mod realtime;
@@ -57,6 +58,7 @@ use timing::Timing;
 use watching::Watching;
 
 pub use crate::control::plant::{Rest, Rests};
+pub use crate::model::lower_cell::{CellStatus, LowerCell};
 pub use crate::safety::latch::AfterFault;
 pub use assembly::{Assembly, Outcomes};
 pub use error::CellError;
@@ -149,9 +151,7 @@ impl Cell {
     #[must_use]
     pub fn watch(mut self, observer: impl FnMut(&Observation<'_>) + 'static) -> Cell {
         let observer: SharedObserver = Rc::new(RefCell::new(observer));
-        for robot in &mut self.parts.robots {
-            robot.watch(Rc::clone(&observer), self.coordination.activity.clone());
-        }
+        self.watch_all(&observer);
         self
     }
 
@@ -173,12 +173,13 @@ impl Cell {
 
     /// Removes the observers of all robots.
     pub fn unobserved(mut self) -> Cell {
-        self.parts.robots.iter_mut().for_each(|robot| robot.unwatch());
+        self.parts.unwatch();
         self
     }
 
     /// Lets observers look at simulated drives in the plant instead of in their EDPs.
-    pub const fn watched_in_plant(mut self) -> Cell {
+    pub fn watched_in_plant(mut self) -> Cell {
+        self.parts.cells.iter_mut().for_each(|lower| lower.cell.watching.watched_in_plant = true);
         self.watching.watched_in_plant = true;
         self
     }
@@ -191,6 +192,12 @@ impl Cell {
     /// Names sensors without which the cell does not run.
     pub fn expect_sensors<'a>(mut self, names: impl Iterator<Item = &'a str>) -> Cell {
         self.parts.expected_sensors.extend(names.map(str::to_owned));
+        self
+    }
+
+    /// Names lower cells without which the cell does not run.
+    pub fn expect_cells<'a>(mut self, names: impl Iterator<Item = &'a str>) -> Cell {
+        self.parts.expected_cells.extend(names.map(str::to_owned));
         self
     }
 
@@ -277,6 +284,11 @@ impl Cell {
         self.coordination.operator.clone()
     }
 
+    /// Whether any robot is simulated, those of its lower cells among them.
+    pub fn is_simulated(&mut self) -> bool {
+        self.parts.is_simulated()
+    }
+
     /// Its robots, for a trial to watch.
     pub fn robots_mut(&mut self) -> impl Iterator<Item = &mut (dyn AnyRobot + 'static)> {
         self.parts.robots.iter_mut().map(|robot| &mut **robot)
@@ -286,7 +298,8 @@ impl Cell {
     pub fn hardware(&self) -> Vec<String> {
         let of_robots = self.parts.robots.iter().filter_map(|robot| robot.hardware());
         let of_sensors = self.parts.sensors.iter().filter_map(|sensor| sensor.hardware());
-        let names: BTreeSet<_> = of_robots.chain(of_sensors).collect();
+        let of_cells = self.parts.cells.iter().flat_map(|lower| lower.cell.hardware());
+        let names: BTreeSet<_> = of_robots.chain(of_sensors).chain(of_cells).collect();
         names.into_iter().collect()
     }
 
@@ -311,8 +324,10 @@ impl Cell {
 
     /// Steps within which every robot must stand after a stop began.
     pub fn stop_steps(&self) -> u64 {
-        let delay = self.delay().unwrap_or_default();
-        self.parts.robots.iter().map(|robot| robot.stop_steps(self.timing.step, delay)).max().unwrap_or(0)
+        let (step, delay) = (self.timing.step, self.delay().unwrap_or_default());
+        let of_robots = self.parts.robots.iter().map(|robot| robot.stop_steps(step, delay));
+        let of_cells = self.parts.cells.iter().map(|lower| lower.stop_steps(step));
+        of_robots.chain(of_cells).max().unwrap_or(0)
     }
 
     /// The longest time that a stop on the path, a suspension or an abort, takes: that of robots at their velocity
@@ -338,7 +353,8 @@ impl Cell {
             let stop_time = robot.stop_time(self.timing.stop_time);
             path_stop_steps(stop_time, robot.braking_time(), self.timing.step, delay)
         });
-        steps.min().unwrap_or(0)
+        let of_cells = self.parts.cells.iter().map(|lower| lower.path_stop_steps(self.timing.step));
+        steps.chain(of_cells).min().unwrap_or(0)
     }
 
     /// The number of steps in which the rate of path time falls from the planned one to 0.

@@ -17,6 +17,7 @@ use crate::safety::stopping::noticing_time;
 use crate::suggestion::suggestion;
 
 use super::CellError;
+use super::lower::LowerSetup;
 use super::robot::{AnyRobot, RobotSetup};
 use super::sensor::AnySensor;
 use super::timing::Timing;
@@ -26,10 +27,14 @@ use super::timing::Timing;
 pub(super) struct Parts {
     pub robots: Vec<Box<dyn AnyRobot>>,
     pub sensors: Vec<Box<dyn AnySensor>>,
+    /// Cells that are robots of this one.
+    pub cells: Vec<LowerSetup>,
     /// Its frames and tools.
     pub named: CellNames,
     /// Sensors that the cell's file names.
     pub expected_sensors: Vec<String>,
+    /// Lower cells that it names.
+    pub expected_cells: Vec<String>,
     /// What was found wrong while the cell was put together.
     pub errors: Vec<CellError>,
 }
@@ -58,11 +63,44 @@ impl Parts {
     /// Checks the number of processes, the plant's among them: a cell may have as many on every link. All errors are kept in
     /// `errors`.
     pub fn check_size(&mut self, errors: &mut Vec<CellError>) {
-        let plant = self.robots.iter_mut().any(|robot| robot.is_simulated());
-        let processes = 1 + 2 * self.robots.len() + self.sensors.len() + usize::from(plant);
+        let processes = self.processes() + usize::from(self.is_simulated());
         if processes > MAX_PROCESSES {
             errors.push(CellError::TooMany { processes, limit: MAX_PROCESSES });
         }
+    }
+
+    /// How many processes it has without the plant, those of its lower cells among them.
+    fn processes(&self) -> usize {
+        let of_cells: usize = self.cells.iter().map(|lower| lower.cell.parts.processes()).sum();
+        1 + 2 * self.robots.len() + self.sensors.len() + of_cells
+    }
+
+    /// Whether any robot is simulated, those of its lower cells among them.
+    pub fn is_simulated(&mut self) -> bool {
+        let of_cells = |lower: &mut LowerSetup| lower.cell.parts.is_simulated();
+        self.robots.iter_mut().any(|robot| robot.is_simulated()) || self.cells.iter_mut().any(of_cells)
+    }
+
+    /// Takes the observers of all robots away.
+    pub fn unwatch(&mut self) {
+        self.robots.iter_mut().for_each(|robot| robot.unwatch());
+        self.cells.iter_mut().for_each(|lower| lower.cell.parts.unwatch());
+    }
+
+    /// Checks the lower cells, and that each has a name of its own among these robots.
+    pub fn check_cells(&mut self, robots: &[Name], errors: &mut Vec<CellError>) {
+        let mut names = robots.to_vec();
+        for lower in &mut self.cells {
+            lower.check(errors);
+            if let Ok(name) = Name::new(&lower.name) {
+                if names.contains(&name) {
+                    errors.push(CellError::Twice(name));
+                }
+                names.push(name);
+            }
+        }
+        let without = |name: &&String| self.cells.iter().all(|lower| lower.name != **name);
+        errors.extend(self.expected_cells.iter().filter(without).cloned().map(CellError::NoLowerCell));
     }
 
     /// Checks the robots; the names of those whose name is one.
@@ -149,6 +187,11 @@ impl Parts {
             match sensor.simulated() {
                 Ok(sensor) => self.sensors.push(sensor),
                 Err(error) => refused.push(error),
+            }
+        }
+        for lower in &mut self.cells {
+            if let Err(error) = lower.cell.parts.simulate() {
+                refused.push(error.in_cell(&lower.name));
             }
         }
         CellError::all(refused)

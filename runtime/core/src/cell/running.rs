@@ -77,6 +77,10 @@ impl Cell {
         let names = self.parts.check_robots(&self.timing, &mut errors);
         self.parts.check_sensors(&names, self.timing.step, &mut errors);
         self.parts.check_named(&mut errors);
+        self.parts.check_cells(&names, &mut errors);
+        if self.watching.recording.is_some() && !self.parts.cells.is_empty() {
+            errors.push(CellError::RecordedCells);
+        }
         let layout = self.watching.recording.as_ref().map(|_| self.layout());
         let unrecorded =
             self.watching.recording.iter().zip(&layout).flat_map(|(asked, layout)| asked.check(layout));

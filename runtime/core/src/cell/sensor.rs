@@ -5,6 +5,7 @@ use core::time::Duration;
 use std::rc::Rc;
 
 use super::CellError;
+use super::lower::scoped;
 use super::robot::StateWanted;
 use crate::control::opening::SensorOpening;
 use crate::control::plant::Site;
@@ -199,6 +200,8 @@ pub(super) struct Requesters<'a> {
     pub step: Duration,
     pub mp: usize,
     pub robots: &'a [Name],
+    /// The lower cell that it is in.
+    pub within: Option<Name>,
     pub ecps: &'a [usize],
     pub mp_sensing: &'a mut Sensing,
     pub ecp_sensing: &'a mut [Sensing],
@@ -291,11 +294,22 @@ impl<V: VirtualSensor> AnySensor for SensorSetup<V> {
             return self.replay(among, &recorded);
         }
         let Requesters {
-            link, plant, step, mp, robots, ecps, mp_sensing, ecp_sensing, wanted, frames, ..
+            link,
+            plant,
+            step,
+            mp,
+            robots,
+            within,
+            ecps,
+            mp_sensing,
+            ecp_sensing,
+            wanted,
+            frames,
+            ..
         } = among;
         let name = Name::new(&self.name)?;
         let robot = self.robot_among(robots)?;
-        let process = ProcessId::new(Role::Vsp, name);
+        let process = ProcessId::new(Role::Vsp, scoped(name, *within)?);
         let place = link.place(process);
         let reads = Self::reads();
         let readers = self.readers_among(robots)?;

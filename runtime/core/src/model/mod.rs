@@ -17,6 +17,7 @@ pub(crate) mod instruction;
 pub(crate) mod joints;
 pub(crate) mod list;
 pub(crate) mod load;
+pub(crate) mod lower_cell;
 pub(crate) mod moved;
 pub(crate) mod name;
 pub(crate) mod named;

@@ -8,7 +8,11 @@ use crate::model::wire::{BadWords, Wire};
 /// The longest name of a robot or a sensor \[bytes\].
 pub const MAX_NAME: usize = 24;
 
-/// The name of a robot or a virtual sensor, as the cell gives it: 1 to 24 bytes of `a-z A-Z 0-9 _ -`.
+/// What stands between the name of a lower cell and that of what is in it.
+const WITHIN: char = '.';
+
+/// The name of a robot or a virtual sensor, as the cell gives it: 1 to 24 bytes of `a-z A-Z 0-9 _ -`. What is in a lower cell has
+/// the name of that cell before its own, `press.arm`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Name {
     bytes: [u8; MAX_NAME],
@@ -26,13 +30,38 @@ impl Name {
     /// # Errors
     /// [`BadName`] when the text is empty, too long or holds other characters.
     pub fn new(text: &str) -> Result<Name, BadName> {
-        let plain = text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
-        if !plain || text.is_empty() || text.len() > MAX_NAME {
+        if text.contains(WITHIN) { Err(BadName(text.to_owned())) } else { Name::of_process(text) }
+    }
+
+    /// The same, of a process that may be one of a lower cell.
+    ///
+    /// # Errors
+    /// [`BadName`] when a part of the text is no name, or all of it is too long.
+    pub fn of_process(text: &str) -> Result<Name, BadName> {
+        let is_plain = |part: &str| {
+            let plain = |b: u8| b.is_ascii_alphanumeric() || b == b'_' || b == b'-';
+            !part.is_empty() && part.bytes().all(plain)
+        };
+        if !text.split(WITHIN).all(is_plain) || text.len() > MAX_NAME {
             return Err(BadName(text.to_owned()));
         }
         let mut bytes = [0; MAX_NAME];
         bytes[..text.len()].copy_from_slice(text.as_bytes());
         Ok(Name { bytes, len: text.len() as u8 })
+    }
+
+    /// The name of what is in a lower cell: `press.arm`.
+    ///
+    /// # Errors
+    /// [`BadName`] when the two together are too long.
+    pub fn within(self, cell: Name) -> Result<Name, BadName> {
+        Name::of_process(&format!("{cell}{WITHIN}{self}"))
+    }
+
+    /// The name of the lower cell that this is in: `press` of `press.arm`.
+    #[must_use]
+    pub fn cell(&self) -> Option<Name> {
+        self.as_str().rsplit_once(WITHIN).and_then(|(cell, _)| Name::of_process(cell).ok())
     }
 
     /// The name as text.
@@ -73,6 +102,6 @@ impl Wire for Name {
         let len = bytes.iter().position(|&b| b == 0).unwrap_or(MAX_NAME);
         core::str::from_utf8(&bytes[..len])
             .map_err(|_| BadWords)
-            .and_then(|text| Name::new(text).map_err(|_| BadWords))
+            .and_then(|text| Name::of_process(text).map_err(|_| BadWords))
     }
 }

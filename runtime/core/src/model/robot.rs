@@ -20,6 +20,10 @@ pub trait Robot: Clone + Send + Sync + 'static {
     /// The kind's name, for messages: `"irp6"`.
     const KIND: &'static str;
 
+    /// Whether a state can be demanded of it: of a cell none can.
+    #[doc(hidden)]
+    const MOVES: bool = true;
+
     /// Joint coordinates, `SVector<f64, N>`.
     type Joints: JointVector;
 

@@ -28,6 +28,9 @@ pub struct Layout {
     pub detection: f64,
     /// Whether the MP has a program of its own.
     pub mp_program: bool,
+    /// Its lower cells and theirs, by their names in this one, with the length of their steps; their robots and sensors are among
+    /// those below, `press.arm`.
+    pub cells: Vec<(String, Duration)>,
     /// Its robots.
     pub robots: Vec<RobotLayout>,
     /// Its virtual sensors.

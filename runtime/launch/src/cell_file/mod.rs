@@ -52,6 +52,9 @@
 //! plant = { port = "mujoco", patience_ms = 10000 }   # it moves in a simulator that others wrote, found by this name and waited
 //!                                                     # for so long [ms]; 10 s unless it is said
 //!
+//! [cells.press]      # a cell that obeys this one, as one of its robots
+//! file = "press.toml"   # its own file, in the folder of this file
+//!
 //! [sensors.touch]    # a virtual sensor of this name
 //! of = "arm"         # the robot that it belongs to, whose state goes with every order
 //! readers = ["arm"]  # the robots whose ECPs may read it; the robot that it belongs to unless it is said
@@ -90,6 +93,7 @@ mod entry;
 mod error;
 mod external;
 mod kinds;
+mod lower;
 #[cfg(test)]
 mod page;
 mod plant;
@@ -118,6 +122,7 @@ pub use plant::PlantEntry;
 use crate::files;
 use entry::SensorEntry;
 use error::Source;
+use lower::LowerEntry;
 
 /// A cell as its file describes it: names, kinds, places and periods, without programs.
 #[derive(Clone, Debug)]
@@ -130,6 +135,7 @@ pub struct CellFile {
     recording: Option<Recording>,
     dry_run: bool,
     robots: Vec<RobotEntry>,
+    cells: Vec<LowerEntry>,
     sensors: Vec<SensorEntry>,
     frames: Vec<(String, Pose)>,
     tools: Vec<(String, Tool)>,
@@ -186,6 +192,7 @@ impl CellFile {
     pub fn cell(&self, kinds: &Kinds) -> Result<Cell, CellError> {
         let mut cell = Cell::new(self.step)
             .expect_sensors(self.sensors.iter().map(|sensor| &*sensor.name))
+            .expect_cells(self.cells.iter().map(|lower| &*lower.name))
             .ask_for(self.realtime.clone())
             .after_fault(self.after_fault);
         if let Some(limit) = self.stop_time {

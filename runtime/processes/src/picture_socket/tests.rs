@@ -61,6 +61,7 @@ fn layout() -> Layout {
         protective_stop: Duration::from_secs(1),
         detection: 0.0,
         mp_program: true,
+        cells: Vec::new(),
         robots: Vec::new(),
         sensors: vec![eye],
         bodies: Vec::new(),

@@ -10,7 +10,7 @@ mod driver;
 mod instruction;
 mod latch;
 mod motion;
-mod orders;
+pub(in crate::control) mod orders;
 mod process;
 #[cfg(test)]
 mod tests;

@@ -1,4 +1,5 @@
-//! The MP's side of an ECP: takes orders, answers them, and knows where in an instruction the ECP is.
+//! The MP's side of an ECP: takes orders, answers them, and knows where in an instruction the ECP is. The MP of a lower cell has
+//! the same towards the MP above it.
 //!
 //! In: the MP's orders, one per step. Out: what each of them asks of the ECP in its present [`Phase`], and the
 //! answers. An order stays open until it is answered: one that a generator's end left unused is the next
@@ -19,7 +20,7 @@ use crate::safety::latch::{Admission, Asked, Gate};
 
 /// Where in the protocol of instructions an ECP is.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Phase {
+pub(in crate::control) enum Phase {
     /// No instruction is open.
     Idle,
     /// START has been acknowledged; the first order is to come.
@@ -34,7 +35,7 @@ pub(super) enum Phase {
 
 /// What an order asks of an ECP in a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Duty {
+pub(in crate::control) enum Duty {
     /// Answer with the robot's state.
     Report,
     /// Acknowledge START.
@@ -95,7 +96,7 @@ impl Phase {
 }
 
 /// The orders of the MP, and the phase that they have led to.
-pub(super) struct Orders {
+pub(in crate::control) struct Orders {
     port: Box<dyn Server>,
     order: Message,
     /// The kind of the order that is to be answered.
@@ -130,16 +131,31 @@ impl Orders {
             if let Some(open) = self.open {
                 return Ok(open);
             }
-            if !self.port.receive(&mut self.order) {
+            if !self.look() {
                 waiter.wait(None)?;
-                continue;
             }
+        }
+    }
+
+    /// The order that is open, without waiting for one. A new one takes the place of one that was not answered: nobody waits
+    /// for that answer any more.
+    pub fn poll(&mut self) -> Option<OrderKind> {
+        self.look();
+        self.open
+    }
+
+    /// Whether anything has come; an order that may be taken is open then.
+    #[inline]
+    fn look(&mut self) -> bool {
+        let has_come = self.port.receive(&mut self.order);
+        if has_come {
             self.open = match self.order.header.kind {
                 Kind::Order(kind) => self.admit(kind).then_some(kind),
                 // Nobody but an MP is at the other end of this port.
                 Kind::Request(_) | Kind::Command | Kind::Read | Kind::Reply | Kind::Fault => None,
             };
         }
+        has_come
     }
 
     /// Whether an order is one of this epoch, or begins it. What it asks for is then the phase's to say.

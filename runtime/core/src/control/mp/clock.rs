@@ -140,8 +140,14 @@ impl StepClock {
         self.overruns.forget();
     }
 
-    /// Waits for the beginning of a step, unless one has begun that nothing has used; whether one begins.
-    pub fn begin(&mut self, waiter: &dyn Waiter, meter: &dyn Meter) -> Result<bool, Closed> {
+    /// Waits for the beginning of a step, unless one has begun that nothing has used; whether one begins. Whenever it wakes it
+    /// calls `woken`, for messages of others.
+    pub fn begin(
+        &mut self,
+        waiter: &dyn Waiter,
+        meter: &dyn Meter,
+        mut woken: impl FnMut(),
+    ) -> Result<bool, Closed> {
         if !self.used {
             return Ok(false);
         }
@@ -153,6 +159,7 @@ impl StepClock {
         }
         while waiter.now() < next {
             waiter.wait(Some(next))?;
+            woken();
         }
         let step = waiter.now() / self.period;
         let periods = step - self.step;
@@ -212,10 +219,10 @@ mod tests {
         {
             let waiter = Jumps(Cell::new(3000));
             let mut clock = StepClock::new(Duration::from_nanos(1000), 500, Feed::new(5.0));
-            assert_eq!(clock.begin(&waiter, &Nothing), Ok(true));
+            assert_eq!(clock.begin(&waiter, &Nothing, || ()), Ok(true));
             clock.spend();
             waiter.0.set(now);
-            assert_eq!(clock.begin(&waiter, &Nothing), Ok(true));
+            assert_eq!(clock.begin(&waiter, &Nothing, || ()), Ok(true));
             assert_eq!(clock.step(), step, "at {now}");
             assert!((clock.duration() - f64::from(periods) * 1e-6).abs() < 1e-18, "at {now}");
         }
@@ -225,12 +232,12 @@ mod tests {
     fn a_step_that_was_kept_is_used_again() {
         let waiter = Jumps(Cell::new(0));
         let mut clock = StepClock::new(Duration::from_nanos(1000), 500, Feed::new(5.0));
-        assert_eq!((clock.begin(&waiter, &Nothing), clock.step()), (Ok(true), 1));
+        assert_eq!((clock.begin(&waiter, &Nothing, || ()), clock.step()), (Ok(true), 1));
         clock.spend();
         clock.keep();
-        assert_eq!((clock.begin(&waiter, &Nothing), clock.step()), (Ok(false), 1));
+        assert_eq!((clock.begin(&waiter, &Nothing, || ()), clock.step()), (Ok(false), 1));
         waiter.0.set(1500);
         clock.keep_unless_late(&waiter);
-        assert_eq!((clock.begin(&waiter, &Nothing), clock.step()), (Ok(true), 2));
+        assert_eq!((clock.begin(&waiter, &Nothing, || ()), clock.step()), (Ok(true), 2));
     }
 }

@@ -113,10 +113,14 @@ impl Mp<'_> {
     /// Sends a robot an order of this step.
     pub(super) fn send(&mut self, index: usize, kind: OrderKind, flags: u32, law: BrakingLaw) {
         let flags = if self.clock.is_suspended() { flags | flag::SUSPENDED } else { flags };
-        let flags = if self.operating.is_slow { flags | flag::REDUCED } else { flags };
+        let flags = if self.is_reduced() { flags | flag::REDUCED } else { flags };
         let ordinal = self.robots.ordinal;
         let epoch = self.robots.epoch;
         let robot = &mut self.robots[index];
+        robot.asked = !robot.is_left_out_of(kind);
+        if !robot.asked {
+            return;
+        }
         let header = &mut robot.order.header;
         header.kind = Kind::Order(kind);
         header.flags = flags;
@@ -153,7 +157,7 @@ impl Mp<'_> {
         let robot = &self.robots[index];
         let fault = match robot.reply.header.kind {
             _ if robot.is_silent => {
-                let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(SILENT);
+                let silent = Fault::new(FaultKind::PeerLost).in_process(robot.process()).text(robot.silent());
                 silent.at_step(self.clock.step())
             }
             Kind::Fault => robot.reply.fault(),
@@ -184,21 +188,25 @@ impl Mp<'_> {
 
     /// Waits for the answers of robots that were sent their orders, or until it is too late for them.
     ///
-    /// The last one is waited for first: mostly the others have answered by then, and the MP wakes once in a step.
+    /// The last one is waited for first: mostly the others have answered by then, and the MP wakes once in a step. Meanwhile the
+    /// MP above, if there is one, gets its answers.
     pub(super) fn await_answers(&mut self, indices: &[usize]) -> Result<(), Fault> {
-        let waiting = self.sensing.patience.begin(self.host.waiter);
+        let Mp { robots, upper, host, sensing, .. } = self;
+        let waiting = sensing.patience.begin(host.waiter);
         for &index in indices.iter().rev() {
-            let robot = &mut self.robots[index];
+            let robot = &mut robots[index];
             let mut waiting = waiting;
             robot.is_silent = false;
-            while !robot.receives_answer() {
-                let goes_on = waiting.goes_on(&*robot.client, self.host.waiter);
+            while robot.asked && !robot.receives_answer() {
+                let goes_on = waiting.goes_on(&*robot.client, host.waiter);
+                upper.iter_mut().for_each(|upper| upper.serve(host.waiter.now()));
                 if !goes_on.map_err(|_| Fault::orderly(FaultKind::CellClosed))? {
                     robot.is_silent = true;
                     robot.reply.header.flags = flag::STANDSTILL;
                     break;
                 }
             }
+            robot.stand_in_for_cell();
         }
         Ok(())
     }

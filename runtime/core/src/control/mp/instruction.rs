@@ -18,6 +18,7 @@ impl Mp<'_> {
         indices: &[usize],
         payload: impl Fn(usize) -> PayloadType,
     ) -> Result<(), Fault> {
+        self.refuse_tight(indices, &payload)?;
         self.robots.ordinal += 1;
         let ordinal = self.robots.ordinal;
         let left_out = |(index, robot): &(usize, &RobotPort)| robot.handed_over && !indices.contains(index);
@@ -32,6 +33,7 @@ impl Mp<'_> {
         }
         for (i, &index) in indices.iter().enumerate() {
             let robot = &mut self.robots[index];
+            robot.name_again();
             robot.payload = payload(i);
             robot.instruction = ordinal;
             robot.order.header.payload = robot.payload.id;
@@ -41,7 +43,7 @@ impl Mp<'_> {
             let ordered = indices
                 .iter()
                 .enumerate()
-                .find(|(_, index)| fault.robot() == Some(self.robots[**index].name));
+                .find(|(_, index)| fault.process() == Some(self.robots[**index].process()));
             if let Some((i, _)) = ordered.filter(|_| fault.kind() == FaultKind::PayloadMismatch) {
                 let text = format!("{}, the MP orders `{}`", fault.message(), payload(i).name);
                 return fault.text(&text);
@@ -139,12 +141,14 @@ impl Mp<'_> {
     /// Stops every robot of the cell and latches the first cause.
     pub(crate) fn stop(&mut self, fault: Fault) -> Fault {
         self.tell_stop(&fault);
+        self.tell_upper(&fault);
         let fault = self.stops.latched.get_or_insert(fault).clone();
         self.operating.show_fault(&fault);
         let _ = self.operating.operator.meet(Event::Fault);
         self.robots.take_handed_over();
         self.background.clear();
         self.bring_to_rest();
+        self.tell_standstill();
         self.operating.operator.show_cause(&fault);
         let _ = self.operating.operator.meet(Event::Standstill);
         fault

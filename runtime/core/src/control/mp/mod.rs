@@ -5,6 +5,7 @@
 //! order to each robot and collects the replies; [`instruction`] opens, ends and stops instructions by such exchanges.
 //! [`motion`] is Move and [`waiting`] is Wait; [`background`] is Move that goes on beside later instructions, [`course`] how
 //! far a generator has come. [`restart`] runs the program, and runs it again after a reset.
+//! The MP of a lower cell [obeys](obeying) the one above it, which [`upper`] hears; [`lower`] is what a robot is that is a cell.
 //! [`robots`] holds the ports of the ECPs, [`operating`] the operator's side, [`stops`] the causes of stops.
 
 mod background;
@@ -12,7 +13,9 @@ mod clock;
 mod course;
 mod exchange;
 mod instruction;
+mod lower;
 mod motion;
+mod obeying;
 mod operating;
 mod restart;
 mod robots;
@@ -20,6 +23,7 @@ mod stops;
 mod telling;
 #[cfg(test)]
 mod tests;
+mod upper;
 mod waiting;
 
 use core::time::Duration;
@@ -56,9 +60,11 @@ pub(crate) use operating::StepHook;
 pub(crate) use robots::RobotPort;
 use robots::RobotPorts;
 use stops::Stops;
+pub(crate) use upper::Upper;
 
 /// The master process, as the coordinating program sees it.
 pub struct Mp<'w> {
+    process: ProcessId,
     host: Host<'w>,
     robots: RobotPorts,
     sensing: Sensing,
@@ -72,6 +78,8 @@ pub struct Mp<'w> {
     /// The recorded steps, in a replay.
     script: Option<Rc<Script>>,
     named: Rc<CellNames>,
+    /// The MP above, of a lower cell.
+    upper: Option<Upper>,
 }
 
 /// The times that an MP uses.
@@ -96,6 +104,7 @@ impl<'w> Mp<'w> {
         timing: &MpTiming,
     ) -> Mp<'w> {
         Mp {
+            process: ProcessId::MP,
             host,
             robots: RobotPorts::new(robots),
             witnesses: sensing.witnesses.clone(),
@@ -103,11 +112,20 @@ impl<'w> Mp<'w> {
             background: Background::default(),
             clock: StepClock::new(timing.period, timing.grace, Feed::new(timing.rate_change)),
             operating: Operating::new(operator, hook, activity),
-            stops: Stops::default(),
+            stops: Stops::of(ProcessId::MP),
             path_stop: timing.path_stop,
             script: None,
             named: Rc::default(),
+            upper: None,
         }
+    }
+
+    /// The same of a lower cell, whose MP is this process.
+    pub(crate) fn under(mut self, upper: Upper, process: ProcessId) -> Self {
+        self.upper = Some(upper);
+        self.process = process;
+        self.stops = Stops::of(process);
+        self
     }
 
     /// The same with the frames and tools that the cell names.
@@ -127,7 +145,7 @@ impl<'w> Mp<'w> {
     /// `Config` when the cell has no robot of that name and kind, or when its handle is taken. Any other [`Fault`] is
     /// the reason why the robot cannot report its state.
     pub fn robot<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
-        let mut handle = self.robots.handle(name)?;
+        let mut handle = self.robots.handle(name).map_err(|fault| fault.in_process(self.process))?;
         let index = handle.index;
         // In a latched cell no robot is asked: the next instruction says why.
         if self.stops.latched.is_none() {
@@ -150,7 +168,7 @@ impl<'w> Mp<'w> {
         sensors: &impl SensorsOf<V>,
     ) -> Result<(), Fault> {
         let robots = Owner::refuse("robot", robots.stranger(self.robots.owner));
-        robots.and_then(|()| self.sensing.check(sensors)).map_err(|fault| fault.in_process(ProcessId::MP))
+        robots.and_then(|()| self.sensing.check(sensors)).map_err(|fault| fault.in_process(self.process))
     }
 
     /// The handle of a virtual sensor of the MP, in its default configuration.
@@ -161,7 +179,7 @@ impl<'w> Mp<'w> {
     where
         S::Configuration: Default,
     {
-        self.sensing.handle(name, S::Configuration::default(), ProcessId::MP)
+        self.sensing.handle(name, S::Configuration::default(), self.process)
     }
 
     /// A frame that the cell names, such as a table or a fixture: its pose in the world, `X_WU` \[m\].
@@ -169,7 +187,7 @@ impl<'w> Mp<'w> {
     /// # Errors
     /// `Config`: the cell names no such frame.
     pub fn frame(&self, name: &str) -> Result<Pose, Fault> {
-        self.named.frame(name).map_err(|fault| fault.in_process(ProcessId::MP))
+        self.named.frame(name).map_err(|fault| fault.in_process(self.process))
     }
 
     /// A tool that the cell names: where its tip is on the flange, for [`Demand::with_tool`], and what the flange carries with
@@ -178,7 +196,7 @@ impl<'w> Mp<'w> {
     /// # Errors
     /// `Config`: the cell names no such tool.
     pub fn tool(&self, name: &str) -> Result<Tool, Fault> {
-        self.named.tool(name).map_err(|fault| fault.in_process(ProcessId::MP))
+        self.named.tool(name).map_err(|fault| fault.in_process(self.process))
     }
 
     /// Index of the step that has begun, counted since the cell started.
@@ -190,10 +208,11 @@ impl<'w> Mp<'w> {
     /// Begins a step, unless no exchange has used the present one yet.
     fn begin_step(&mut self) -> Result<(), Fault> {
         self.keep_to_script();
-        let begins = self
-            .clock
-            .begin(self.host.waiter, self.host.meter)
-            .map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
+        let Mp { clock, upper, host, .. } = self;
+        let serve = || upper.iter_mut().for_each(|upper| upper.serve(host.waiter.now()));
+        let begins = clock.begin(host.waiter, host.meter, serve);
+        let begins = begins.map_err(|_| Fault::orderly(FaultKind::CellClosed))?;
+        let heeded = self.heed_upper();
         if begins {
             self.count_own_time()?;
             self.operating.call_hook(self.clock.step());
@@ -203,14 +222,14 @@ impl<'w> Mp<'w> {
                 Some(_) => self.operating.replay_hold(),
                 None => self.operating.look_at_hold(self.host.waiter.now(), self.clock.is_standing()),
             }
-            self.clock.advance(self.wanted_rate(), self.operating.operator.is_suspended());
+            self.clock.advance(self.wanted_rate(), self.is_suspended());
             self.tell_step()?;
             self.operating.show_step(self.state(), &self.clock, self.host.console);
             self.operating.show_suspension();
         }
         self.hear_news()?;
         self.tell_abort();
-        Ok(())
+        heeded
     }
 
     /// Counts a step that began late because of the MP itself; too many of these are a fault.
@@ -222,7 +241,7 @@ impl<'w> Mp<'w> {
         }
         self.clock
             .count_own_time(own_time)
-            .map_err(|fault| fault.in_process(ProcessId::MP).at_step(self.clock.step()))
+            .map_err(|fault| fault.in_process(self.process).at_step(self.clock.step()))
     }
 
     /// Carries out what the operator has pressed. Begins a protective stop if the operator asks for one, or if the
@@ -248,7 +267,21 @@ impl<'w> Mp<'w> {
 
     /// The rate of path time that is to be reached.
     fn wanted_rate(&self) -> f64 {
-        if self.stops.protective.is_some() { 0.0 } else { self.operating.operator.wanted_rate() }
+        let of_upper = self.upper.as_ref();
+        if self.stops.protective.is_some() || of_upper.is_some_and(|upper| upper.ending().is_some()) {
+            return 0.0;
+        }
+        self.operating.operator.wanted_rate() * of_upper.map_or(1.0, Upper::rate)
+    }
+
+    /// Whether the operator has suspended the cell, or the one above it.
+    fn is_suspended(&self) -> bool {
+        self.operating.operator.is_suspended() || self.upper.as_ref().is_some_and(Upper::is_suspended)
+    }
+
+    /// Whether the limit of reduced speed is in force, in this cell or in the one above it.
+    fn is_reduced(&self) -> bool {
+        self.operating.is_slow || self.upper.as_ref().is_some_and(Upper::is_reduced)
     }
 
     /// Acts on events that the cell's messages do not tell of. If a process is lost in a latched cell, nothing more has
@@ -275,7 +308,7 @@ impl<'w> Mp<'w> {
     /// Ends an instruction with a fault. All robots stop and the fault is latched, unless it is an orderly end at
     /// standstill.
     fn conclude(&mut self, fault: Fault) -> Fault {
-        let fault = fault.in_process(ProcessId::MP).at_step(self.clock.step());
+        let fault = fault.in_process(self.process).at_step(self.clock.step());
         let fault = self.stops.cause(fault).in_instruction(self.operating.instruction());
         self.operating.show_fault(&fault);
         // For example an abort, or a Wait that timed out: nothing is wrong with the cell.
@@ -285,6 +318,17 @@ impl<'w> Mp<'w> {
     /// Runs one Move or Wait, which the operator can abort. The next instruction takes over the robots that this one
     /// leaves moving, and an abort that came too late for this one.
     fn instruction<T>(
+        &mut self,
+        doing: Doing,
+        by: TypeName,
+        work: impl FnOnce(&mut Self) -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
+        self.check_order()?;
+        self.out_of_obey(doing, by, work)
+    }
+
+    /// The same of what a lower cell does without an order.
+    fn out_of_obey<T>(
         &mut self,
         doing: Doing,
         by: TypeName,
@@ -339,7 +383,8 @@ impl<'w> Mp<'w> {
 
     /// Whether the open instruction is to end at standstill on its path, because of an abort or a protective stop.
     fn is_ending(&self) -> bool {
-        self.stops.protective.is_some() || self.operating.operator.is_aborting()
+        let by_upper = self.upper.as_ref().is_some_and(|upper| upper.ending().is_some());
+        self.stops.protective.is_some() || self.operating.operator.is_aborting() || by_upper
     }
 
     /// Whether the robots of an instruction that is to end on its path stand there.
@@ -355,7 +400,12 @@ impl<'w> Mp<'w> {
 
     /// The fault with which such an instruction ends.
     fn ending(&self) -> Fault {
-        self.stops.ending(self.clock.step())
+        let by_this_cell = self.stops.protective.is_some() || self.operating.operator.is_aborting();
+        let by_upper = self.upper.as_ref().and_then(Upper::ending).filter(|_| !by_this_cell);
+        match by_upper {
+            Some(fault) => fault.in_process(self.process).at_step(self.clock.step()),
+            None => self.stops.ending(self.clock.step()),
+        }
     }
 
     fn check_latch(&mut self) -> Result<(), Fault> {

@@ -6,7 +6,7 @@
 
 use crate::link::message::{OrderKind, flag};
 use crate::model::driver::RECOVERY;
-use crate::model::fault::{Fault, FaultKind, ProcessId};
+use crate::model::fault::{Fault, FaultKind};
 use crate::model::type_name::TypeName;
 use crate::safety::latch::AfterFault;
 use crate::safety::latch::{Event, Latch};
@@ -55,7 +55,7 @@ impl Mp<'_> {
         let run = std::panic::AssertUnwindSafe(|| {
             self.operating.count_from_here();
             self.operating.operator.show_homing(true);
-            let homed = self.instruction(Doing::Homing, TypeName::NONE, Self::home);
+            let homed = self.out_of_obey(Doing::Homing, TypeName::NONE, Self::home);
             self.operating.operator.show_homing(false);
             homed?;
             program(self)
@@ -66,11 +66,11 @@ impl Mp<'_> {
                 let settled = settled.map_err(|fault| self.stop(fault));
                 // A program that swallows a latched fault does not undo it.
                 let latched = self.stops.latched.clone().map_or(Ok(()), Err);
-                outcome.map_err(|fault| fault.in_process(ProcessId::MP)).and(settled).and(latched)
+                outcome.map_err(|fault| fault.in_process(self.process)).and(settled).and(latched)
             }
             Err(panic) => {
                 let fault = crate::model::fault::panicked(&*panic)
-                    .in_process(ProcessId::MP)
+                    .in_process(self.process)
                     .in_instruction(self.operating.instruction())
                     .at_step(self.clock.step());
                 self.operating.show_end(self.state(), self.host.console);
@@ -92,6 +92,7 @@ impl Mp<'_> {
             {
                 return Verdict::End;
             }
+            self.heed_reset();
             if self.operating.operator.latch() == Latch::Resetting {
                 match self.reset() {
                     Ok(()) => return Verdict::Restart,
@@ -107,6 +108,7 @@ impl Mp<'_> {
             self.operating.operator.take_protective_stop();
             match self.what_persists() {
                 Ok(persisting) => {
+                    self.tell_standstill();
                     let _ = self.operating.operator.meet(Event::Cause { persists: persisting.is_some() });
                     // What made the last reset fail, where nothing forbids the next one.
                     let tells = persisting.or_else(|| failed.clone());
@@ -142,8 +144,11 @@ impl Mp<'_> {
                 return Ok(lost("the robot does not come to a standstill"));
             }
         }
+        if let Some(from_above) = self.stopped_from_above() {
+            return Ok(Some(from_above));
+        }
         Ok(self.stops.guard_is_asleep().then(|| {
-            let fault = Fault::new(FaultKind::Panicked).in_process(ProcessId::MP);
+            let fault = Fault::new(FaultKind::Panicked).in_process(self.process);
             fault.text("the guard panicked and does not look any more: start the cell again")
         }))
     }
@@ -177,12 +182,15 @@ impl Mp<'_> {
     /// # Errors
     /// What is still wrong.
     fn reset(&mut self) -> Result<(), Fault> {
+        if let Some(from_above) = self.stopped_from_above() {
+            return Err(from_above);
+        }
         self.recover()?;
         self.robots.epoch += 1;
         self.stops.forget();
         self.clock.forget_late_steps();
         if self.operating.operator.take_protective_stop() {
-            return Err(Fault::of_operator());
+            return Err(Fault::of_operator().in_process(self.process));
         }
         let all = self.robots.all();
         self.exchange(&all, OrderKind::Reset, 0)?;
@@ -205,5 +213,8 @@ impl Mp<'_> {
         let _ = self.operating.operator.meet(Event::Restart);
         self.operating.show_persisting(None);
         self.operating.operator.forget();
+        if let Some(upper) = &mut self.upper {
+            upper.begin();
+        }
     }
 }

@@ -26,9 +26,14 @@ use crate::observe::witness::{What, Witnesses};
 use crate::safety::braking::BrakingLaw;
 use crate::suggestion::suggestion;
 
+use super::lower::Lower;
+use super::{exchange, lower};
+
 /// One robot as the MP sees it.
 pub(crate) struct RobotPort {
+    /// Its name in this cell, and who it is among all processes: the ECP, or the MP of a lower cell.
     pub name: Name,
+    pub(super) process: ProcessId,
     pub kind: TypeId,
     /// The kind's name, for messages.
     pub kind_name: &'static str,
@@ -40,6 +45,10 @@ pub(crate) struct RobotPort {
     pub(super) homed: bool,
     /// Steps after which the robot must stand when it was told to stop.
     pub(super) stop_steps: u64,
+    /// What is kept of it if it is a cell.
+    pub(super) lower: Option<Lower>,
+    /// Whether the last order was sent: a cell that is left out gets none.
+    pub(super) asked: bool,
     /// Whether its ECP owed the last answer.
     pub(super) is_silent: bool,
     /// Whether the last instruction handed it over moving.
@@ -62,6 +71,7 @@ impl RobotPort {
     ) -> RobotPort {
         RobotPort {
             name,
+            process: ProcessId::new(Role::Ecp, name),
             kind,
             kind_name,
             client,
@@ -69,6 +79,8 @@ impl RobotPort {
             signals: Rc::default(),
             homed,
             stop_steps,
+            lower: None,
+            asked: false,
             is_silent: false,
             handed_over: false,
             payload: PayloadType::of::<()>(),
@@ -82,6 +94,23 @@ impl RobotPort {
     pub fn with_signals(mut self, signals: Rc<SignalNames>) -> RobotPort {
         self.signals = signals;
         self
+    }
+
+    /// The same of this process, where that has another name than the robot in its cell.
+    pub fn of_process(mut self, process: ProcessId) -> RobotPort {
+        self.process = process;
+        self
+    }
+
+    /// The same of a lower cell.
+    pub fn of_cell(mut self) -> RobotPort {
+        self.lower = Some(Lower::default());
+        self
+    }
+
+    /// The message of its fault when it does not answer.
+    pub(super) const fn silent(&self) -> &'static str {
+        if self.lower.is_some() { lower::SILENT } else { exchange::SILENT }
     }
 
     /// Takes the answer to the last order, if it is there. An answer to an order that was given up is not one.
@@ -116,8 +145,8 @@ impl RobotPort {
         witnesses.show(now(), &what, self.order.words());
     }
 
-    pub(super) fn process(&self) -> ProcessId {
-        ProcessId::new(Role::Ecp, self.name)
+    pub(super) const fn process(&self) -> ProcessId {
+        self.process
     }
 }
 
@@ -171,7 +200,7 @@ impl RobotPorts {
     /// # Errors
     /// `Config` when there is no robot of that name and kind, or when its handle is taken.
     pub fn handle<R: Robot>(&mut self, name: &str) -> Result<RobotHandle<R>, Fault> {
-        let config = |text: &str| Fault::new(FaultKind::Config).in_process(ProcessId::MP).text(text);
+        let config = |text: &str| Fault::new(FaultKind::Config).text(text);
         let Some(index) = self.ports.iter().position(|robot| robot.name.as_str() == name) else {
             let names: Vec<_> = self.ports.iter().map(|robot| robot.name.as_str()).collect();
             let there = suggestion(name, &names, "the cell has");
@@ -196,6 +225,10 @@ impl RobotPorts {
         }
         if core::mem::replace(&mut port.taken, true) {
             return Err(config(&format!("robot `{name}` has a handle already: pass that one on")));
+        }
+        if let Some(lower) = &mut port.lower {
+            // Whether it can be dispensed with is for each run of the program to say.
+            *lower = Lower::default();
         }
         let name = port.name;
         let signals = Rc::clone(&port.signals);

@@ -10,8 +10,9 @@ use crate::model::fault::{Ended, Fault, FaultKind, ProcessId};
 use super::robots::RobotPorts;
 
 /// Causes of stops.
-#[derive(Default)]
 pub(super) struct Stops {
+    /// The MP that they are of.
+    process: ProcessId,
     /// The first cause of a stop that is over, until a reset.
     pub latched: Option<Fault>,
     /// What a guard, the operator or a sensor stops the cell for, on the way to a standstill.
@@ -25,9 +26,15 @@ pub(super) struct Stops {
 }
 
 impl Stops {
+    /// None, of this MP.
+    pub const fn of(process: ProcessId) -> Stops {
+        Stops { process, latched: None, protective: None, guard: None, gone: None, refusals: 0 }
+    }
+
     /// A fault in step `step` that leaves the demands sound: all robots stop on their paths for it. The first one is kept.
     pub fn protect(&mut self, fault: Fault, step: u64) {
-        self.protective.get_or_insert_with(|| fault.in_process(ProcessId::MP).at_step(step));
+        let process = self.process;
+        self.protective.get_or_insert_with(|| fault.in_process(process).at_step(step));
     }
 
     /// The fault that an instruction ends with which met `fault`: what goes wrong while a protective stop is under way is not
@@ -42,7 +49,7 @@ impl Stops {
     /// What an instruction ends with in step `step` that the operator, a guard or a sensor ends on its path.
     pub fn ending(&self, step: u64) -> Fault {
         let fault = self.protective.clone().unwrap_or_else(|| Fault::orderly(FaultKind::Aborted));
-        fault.in_process(ProcessId::MP).at_step(step)
+        fault.in_process(self.process).at_step(step)
     }
 
     /// The protective stop that was to end on the path within so many steps, and has not in step `step`.

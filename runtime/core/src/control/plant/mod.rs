@@ -92,6 +92,11 @@ impl Site {
         Site { simulation, place, period, watched, parts: Vec::new() }
     }
 
+    /// From now on it takes what is of a cell with this step; that of the cell before.
+    pub const fn goes_by(&mut self, period: Duration) -> Duration {
+        core::mem::replace(&mut self.period, period)
+    }
+
     /// Takes the drives of the EDP `process` at `edp`, if they are simulated and the plant has a place; returns what the
     /// EDP has of them. Who looks at them here is taken out of `observers`.
     pub(crate) fn take<R: Robot>(

@@ -112,12 +112,12 @@ impl Fault {
 
     /// The operator's protective stop.
     pub fn of_operator() -> Fault {
-        Fault::new(FaultKind::ProtectiveStop).in_process(ProcessId::MP).text(BY_OPERATOR)
+        Fault::new(FaultKind::ProtectiveStop).text(BY_OPERATOR)
     }
 
     /// The protective stop of a cell whose launcher stands still.
     pub fn of_launcher() -> Fault {
-        Fault::new(FaultKind::ProtectiveStop).in_process(ProcessId::MP).text(UNSUPERVISED)
+        Fault::new(FaultKind::ProtectiveStop).text(UNSUPERVISED)
     }
 
     /// The fault of a drive that gave up.

@@ -19,12 +19,12 @@ pub enum Role {
     Plant,
 }
 
-/// Who a process is: `mp`, `ecp rnt`, `edp rnt`, `vsp force`, `plant`.
+/// Who a process is: `mp`, `ecp rnt`, `edp rnt`, `vsp force`, `plant`; in a lower cell `mp press`, `ecp press.rnt`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProcessId {
     /// What it does.
     pub role: Role,
-    /// Whose it is; `None` for the MP and the plant.
+    /// Whose it is; `None` for the plant and the uppermost MP.
     pub name: Option<Name>,
 }
 
@@ -39,6 +39,22 @@ impl ProcessId {
     #[must_use]
     pub const fn new(role: Role, name: Name) -> ProcessId {
         ProcessId { role, name: Some(name) }
+    }
+
+    /// Whether it is a process of a cell that is a robot of another one, `mp press` or `edp press.arm`.
+    #[must_use]
+    pub fn is_of_lower_cell(&self) -> bool {
+        self.cell().is_some()
+    }
+
+    /// The name of the cell that it is in, of a process of a lower cell.
+    #[must_use]
+    pub fn cell(&self) -> Option<Name> {
+        match self.role {
+            Role::Mp => self.name,
+            Role::Ecp | Role::Edp | Role::Vsp => self.name.as_ref().and_then(Name::cell),
+            Role::Plant => None,
+        }
     }
 }
 

@@ -82,7 +82,13 @@ impl<P: Payload> Spoken for P {}
 
 impl<R: Robot> Payload for Demand<R> {
     const NAME: &'static str = "Demand";
-    const TIGHT: bool = true;
+    const TIGHT: bool = {
+        assert!(
+            R::MOVES,
+            "a lower cell takes loose orders, no demands: return an order's `enum`, `Step<L, Job>` or `Always<L, Job>`"
+        );
+        true
+    };
 }
 
 /// A list of robots that are told something in the language `O`.

@@ -10,11 +10,12 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Reader, Value};
 
-pub(in super::super) const CELL_KEYS: [&str; 10] = [
+pub(in super::super) const CELL_KEYS: [&str; 11] = [
     "step_ms",
     "stop_ms",
     "after_fault",
     "robots",
+    "cells",
     "sensors",
     "frames",
     "tools",

@@ -5,6 +5,7 @@
 
 pub(super) mod cell;
 pub(super) mod external;
+pub(super) mod lower;
 pub(super) mod plant;
 pub(super) mod robot;
 pub(super) mod sensor;
@@ -66,7 +67,9 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let mut robots: Vec<_> =
         robots.into_iter().filter_map(|entry| reader.robot(entry, &names, &tools)).collect();
     plant::introduce(&mut robots);
-    if robots.is_empty() && reader.errors.is_empty() {
+    let cells: Vec<_> =
+        reader.entries(table, "cells").into_iter().filter_map(|entry| reader.lower(entry, &names)).collect();
+    if robots.is_empty() && cells.is_empty() && reader.errors.is_empty() {
         let help = "write a table [robots.arm] with the kind of a robot that you will call arm";
         reader.complain(&(0..0), "the cell has no robot".to_owned(), help.to_owned());
     }
@@ -93,6 +96,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
         after_fault: after_fault.unwrap_or_default(),
         realtime,
         robots,
+        cells,
         sensors,
         frames,
         tools,

@@ -1,0 +1,169 @@
+//! Two cells as processes under one MP: the same to the bit in lock-step, and in real time whatever is killed.
+
+use mrroc_tests::fixture::{DISPENSABLE, LINE};
+
+use crate::launch::{Launch, Place, demanded, periods_at_rest, start_until, wait_until};
+use crate::operator::{ask, done};
+use crate::runs::{MEMORY, REAL, VIRTUAL, is_late};
+
+const ARMS: [&str; 2] = ["left.arm", "right.arm"];
+
+/// The processes of the line.
+const PROCESSES: [&str; 8] =
+    ["mp", "plant", "mp left", "ecp left.arm", "edp left.arm", "mp right", "ecp right.arm", "edp right.arm"];
+
+fn place(test: u32) -> Place {
+    let place = Place::of(test, LINE, include_str!("line.toml"));
+    for cell in ["left.toml", "right.toml"] {
+        place.write(cell, include_str!("line_cell.toml"));
+    }
+    place
+}
+
+/// Whether both arms have had so many demands.
+fn have_moved(periods: usize) -> impl Fn(&mut Launch) -> bool {
+    move |launch| ARMS.iter().all(|arm| launch.record(arm).len() >= periods)
+}
+
+#[test]
+fn two_cells_as_processes_under_the_virtual_clock_demand_the_same_to_the_bit_as_on_the_memory_link() {
+    let place = place(100);
+    let mut memory = place.start("memory", MEMORY);
+    assert!(memory.end().success(), "{}", memory.said());
+    let mut processes = place.start("virtual", VIRTUAL);
+    assert!(processes.end().success(), "{}", processes.said());
+    for arm in ARMS {
+        let record = memory.record(arm);
+        assert!(record.len() > 1000, "{arm}: {}", record.len());
+        assert_eq!(record, processes.record(arm), "{arm}");
+    }
+    processes.assert_nothing_left(&[]);
+}
+
+#[test]
+fn two_cells_run_in_real_time_as_processes_and_leave_nothing() {
+    let place = place(101);
+    let mut launch = start_until(|| place.start("real", REAL), have_moved(100));
+    let processes = launch.processes();
+    let mut roles: Vec<_> = processes.iter().map(|process| process.role.as_str()).collect();
+    roles.sort_unstable();
+    let mut known = PROCESSES.to_vec();
+    known.sort_unstable();
+    assert_eq!(roles, known);
+    let status = launch.end().code();
+    assert!(
+        status == Some(0) || status == Some(1) && is_late(&launch.said()),
+        "{status:?}: {}",
+        launch.said()
+    );
+    launch.assert_nothing_left(&processes);
+}
+
+/// Kills a process in the first motion; what the launcher said, and its status.
+fn kill(place: &Place, role: &str, variables: &[(&str, &str)]) -> (Launch, Option<i32>) {
+    let mut launch = start_until(|| place.start_with(variables, "killed", REAL), have_moved(150));
+    let processes = launch.processes();
+    let process = processes.iter().find(|process| process.role == role).expect("it runs");
+    process.kill();
+    let status = launch.end().code();
+    launch.assert_nothing_left(&processes);
+    (launch, status)
+}
+
+#[test]
+fn fault_162_lower_cells_whose_upper_mp_is_killed_come_to_a_standstill_as_processes() {
+    let place = place(102);
+    let (launch, status) = kill(&place, "mp", &[]);
+    assert_eq!(status, Some(1), "{}", launch.said());
+    for arm in ARMS {
+        // The cell closes when its uppermost MP is gone: EDPs brake.
+        assert!(periods_at_rest(&launch.record(arm)) >= 2, "{arm}: {}", launch.said());
+    }
+}
+
+#[test]
+fn fault_166_a_lower_mp_that_is_killed_as_a_process_stops_all_cells_or_is_gone_on_without() {
+    let place = place(103);
+    let (launch, status) = kill(&place, "mp left", &[]);
+    assert_eq!(status, Some(1), "{}", launch.said());
+    assert!(launch.said().contains("mp left") || is_late(&launch.said()), "{}", launch.said());
+    for arm in ARMS {
+        assert!(periods_at_rest(&launch.record(arm)) >= 2, "{arm}: {}", launch.said());
+    }
+    let (launch, status) = kill(&place, "mp left", &[(DISPENSABLE, "1")]);
+    let said = launch.said();
+    assert!(status == Some(0) || status == Some(1) && is_late(&said), "{status:?}: {said}");
+    assert!(said.contains("note: mp left: "), "{said}");
+}
+
+/// Runs the line, under what `operate` does as soon as its arms move, until the machine is in time; how it ended.
+fn operated(place: &Place, variables: &[(&str, &str)], operate: impl Fn(&mut Launch)) -> Option<Launch> {
+    for _ in 0..5 {
+        let mut launch = start_until(|| place.start_with(variables, "operated", REAL), have_moved(100));
+        operate(&mut launch);
+        let status = launch.end().code();
+        launch.assert_nothing_left(&[]);
+        if status == Some(0) {
+            return Some(launch);
+        }
+        assert!(is_late(&launch.said()), "{status:?}: {}", launch.said());
+    }
+    println!("skipped: this machine was late five times");
+    None
+}
+
+/// Asserts that both arms end where they do on the memory link, to 1e-9 rad.
+fn assert_ends_where_it_would_have(place: &Place, launch: &Launch, variables: &[(&str, &str)]) {
+    let mut reference = place.start_with(variables, "reference", MEMORY);
+    assert!(reference.end().success(), "{}", reference.said());
+    let last = |launch: &Launch, arm| -> Vec<f64> {
+        let record = launch.record(arm);
+        let bits = demanded(record.last().expect("it moved")).split(' ');
+        bits.map(|bits| f64::from_bits(u64::from_str_radix(bits, 16).expect("bits"))).collect()
+    };
+    for arm in ARMS {
+        let off = last(launch, arm)
+            .iter()
+            .zip(last(&reference, arm))
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
+        assert!(off <= 1e-9, "{arm}: {off:e} rad");
+    }
+}
+
+#[test]
+fn fault_163_a_console_suspends_and_resumes_all_cells_of_a_plant_of_processes() {
+    let place = place(104);
+    let operate = |launch: &mut Launch| {
+        if launch.end_if_over().is_some() || ask(&place, &["suspend"]).0 != Some(0) {
+            // Late: it has ended.
+            return;
+        }
+        wait_until(|| {
+            let stand = ARMS.iter().all(|arm| periods_at_rest(&launch.record(arm)) >= 50);
+            stand || launch.end_if_over().is_some()
+        });
+        if launch.end_if_over().is_none() {
+            done(&place, &["resume"], "resumed: step ");
+        }
+    };
+    if let Some(launch) = operated(&place, &[], operate) {
+        assert_ends_where_it_would_have(&place, &launch, &[]);
+    }
+}
+
+#[test]
+fn fault_161_a_lower_cell_of_processes_that_is_latched_and_reset_is_ordered_again() {
+    let place = place(105);
+    let variables = [(DISPENSABLE, "resets")];
+    let mut memory = place.start_with(&variables, "memory", MEMORY);
+    assert!(memory.end().success(), "{}", memory.said());
+    let mut processes = place.start_with(&variables, "virtual", VIRTUAL);
+    assert!(processes.end().success(), "{}", processes.said());
+    for arm in ARMS {
+        assert_eq!(memory.record(arm), processes.record(arm), "{arm}");
+    }
+    if let Some(launch) = operated(&place, &variables, |_| ()) {
+        assert_ends_where_it_would_have(&place, &launch, &variables);
+    }
+}
