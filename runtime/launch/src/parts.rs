@@ -48,6 +48,9 @@ pub trait Processes: core::fmt::Debug + Sync {
         how: &Launch,
     ) -> Result<Ran, CellError>;
 
+    /// Has the processes of the node `name` in a cell that is started on another machine, until it is ended.
+    fn node(&self, cell: Cell, name: &str, how: Launch) -> ExitCode;
+
     /// Runs all processes of a cell.
     ///
     /// # Errors
@@ -77,6 +80,13 @@ impl Parts {
         match self.processes {
             Some(processes) => processes.take_part(cell, process, session, how),
             None => Ok(Ran::Part(refuse(&format!("{process}: {NO_PROCESSES}")))),
+        }
+    }
+
+    pub(crate) fn node(&self, cell: Cell, name: &str, how: Launch) -> ExitCode {
+        match self.processes {
+            Some(processes) => processes.node(cell, name, how),
+            None => refuse(&NO_PROCESSES),
         }
     }
 

@@ -11,6 +11,7 @@ mod coordination;
 mod error;
 mod layout;
 mod limits;
+mod nodes;
 mod parts;
 mod picture;
 pub mod realtime;
@@ -58,6 +59,7 @@ pub use crate::control::plant::{Rest, Rests};
 pub use crate::safety::latch::AfterFault;
 pub use assembly::{Assembly, Outcomes};
 pub use error::CellError;
+pub use nodes::{Node, Nodes};
 pub use picture::RunPicture;
 pub use realtime::{Permission, Realtime};
 pub use robot::signals::{InputSetup, OutputSetup, WrongSignal};
@@ -71,6 +73,7 @@ pub struct Cell {
     timing: Timing,
     coordination: Coordination,
     watching: Watching,
+    nodes: Option<Nodes>,
 }
 
 impl Cell {
@@ -82,7 +85,21 @@ impl Cell {
             timing: Timing::of_step(step),
             coordination: Coordination::default(),
             watching: Watching::default(),
+            nodes: None,
         }
+    }
+
+    /// Spreads the processes of the cell over several machines, when it runs as processes in real time.
+    #[must_use]
+    pub fn on_nodes(mut self, nodes: Nodes) -> Cell {
+        self.nodes = Some(nodes);
+        self
+    }
+
+    /// The machines of the cell; `None` if it is on one.
+    #[must_use]
+    pub const fn nodes(&self) -> Option<&Nodes> {
+        self.nodes.as_ref()
     }
 
     /// Sets the longest time that the cell allows any joint from the cause of a stop to a standstill; 600 ms by

@@ -3,6 +3,7 @@
 use super::CellFile;
 use super::reader::cell::{CELL_KEYS, REALTIME_KEYS, RECORDING_KEYS};
 use super::reader::external::EXTERNAL_KEYS;
+use super::reader::node::NODE_KEYS;
 use super::reader::plant::PLANT_KEYS;
 use super::reader::robot::ROBOT_KEYS;
 use super::reader::sensor::SENSOR_KEYS;
@@ -13,7 +14,7 @@ use super::reader::value::POSE_KEYS;
 const PAGE: &str = include_str!("../../../../docs/src/cell.md");
 
 /// The tables, by the names that the page gives them and in its order, with the keys of each table.
-const TABLES: [(&str, &[&str]); 11] = [
+const TABLES: [(&str, &[&str]); 12] = [
     ("## The cell", &CELL_KEYS),
     ("## A robot", &ROBOT_KEYS),
     ("A pose is", &POSE_KEYS),
@@ -23,6 +24,7 @@ const TABLES: [(&str, &[&str]); 11] = [
     ("## A tool", &TOOL_KEYS),
     ("## A virtual sensor", &SENSOR_KEYS),
     ("### Readings that a program of another sends", &EXTERNAL_KEYS),
+    ("## A node", &NODE_KEYS),
     ("## `[realtime]`", &REALTIME_KEYS),
     ("## `[recording]`", &RECORDING_KEYS),
 ];

@@ -10,7 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Reader, Value};
 
-pub(in super::super) const CELL_KEYS: [&str; 10] = [
+pub(in super::super) const CELL_KEYS: [&str; 11] = [
     "step_ms",
     "stop_ms",
     "after_fault",
@@ -18,6 +18,7 @@ pub(in super::super) const CELL_KEYS: [&str; 10] = [
     "sensors",
     "frames",
     "tools",
+    "nodes",
     "realtime",
     "dry_run",
     "recording",
