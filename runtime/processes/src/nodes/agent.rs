@@ -23,7 +23,7 @@ use super::carrier::{BUSY, NO_NETWORK};
 use super::identity::{Identity, keys};
 use super::message::Said;
 use super::phase::{Figures, Phase};
-use super::sending::Sending;
+use super::sending::{Sending, join};
 use crate::board::StateBoard;
 use crate::capacity;
 use crate::control::Frame;
@@ -165,7 +165,7 @@ impl Agent {
         });
         let folder = keys(&file);
         let joining = Joining { nodes: &nodes, me, side: Side::Waits, keys: &folder };
-        let wires: Arc<dyn Wires> = Arc::from(network.join(&joining, Arc::clone(&hub) as Arc<dyn Hears>)?);
+        let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
         // Set once, here.
         let _ = hub.wires.set(Arc::clone(&wires));
         let permission = realtime.as_ref().map_or(Permission::BestEffort, |realtime| realtime.permission);
@@ -338,11 +338,15 @@ impl<'a> Run<'a> {
                 }
                 Ok(Event::Part(place, frame)) => self.heard(place, frame),
                 Ok(Event::Lost(node)) if node == self.agent.mp() && ending.is_none() => {
-                    complain(&format!(
-                        "note: node {}: node {} is lost: robots stop, and all processes end",
-                        self.agent.name(),
-                        self.agent.nodes.all()[node].name.as_str()
-                    ));
+                    // At an orderly end the other side goes when it has heard of all ends but the plant's.
+                    let goes_on = |part: &Member| part.id.role != Role::Plant && !part.gone.get();
+                    if self.parts.iter().any(|(_, part)| goes_on(part)) {
+                        complain(&format!(
+                            "note: node {}: node {} is lost: robots stop, and all processes end",
+                            self.agent.name(),
+                            self.agent.nodes.all()[node].name.as_str()
+                        ));
+                    }
                     ending = Some(self.hang_up());
                 }
                 Ok(_) | Err(RecvTimeoutError::Timeout) => {}

@@ -22,7 +22,7 @@ use rustix::process::{Signal, set_parent_process_death_signal};
 
 use super::identity::{Identity, keys};
 use super::message::Said;
-use super::sending::Sending;
+use super::sending::{Sending, join};
 use crate::control::{Control, Frame};
 use crate::iceoryx::{Fabric, Incoming, Seal, Seals, StandIn, Where, monotonic};
 use crate::identity::CellId;
@@ -153,7 +153,7 @@ fn carry(
     });
     let folder = keys(file);
     let joining = Joining { nodes: &nodes, me: places.me, side: Side::Calls, keys: &folder };
-    let wires: Arc<dyn Wires> = Arc::from(network.join(&joining, Arc::clone(&hub) as Arc<dyn Hears>)?);
+    let wires = join(network, &joining, Arc::clone(&hub) as Arc<dyn Hears>, realtime.as_ref())?;
     // Set once, here.
     let _ = hub.wires.set(Arc::clone(&wires));
     let used: Vec<_> = (0..nodes.all().len())

@@ -7,15 +7,32 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
+use mrroc_core::cell::Realtime;
 use mrroc_core::link::Nanos;
-use mrroc_launch::network::Wires;
+use mrroc_launch::network::{Hears, Joining, Network, Wires};
 
 use super::message::Said;
 use crate::iceoryx::{Outgoing, monotonic};
-use crate::scheduling::set_priority;
+use crate::scheduling::{give_back_priority, set_priority};
 
 /// How often a thread without boards looks whether it is to end \[ns\].
 const LOOK: Nanos = 50_000_000;
+
+/// Joins the network with the priority that the cell asks for, so that the network's own threads have it, too: what they do late is
+/// late in a step. The calling thread then has its own again.
+pub(super) fn join(
+    network: &dyn Network,
+    joining: &Joining<'_>,
+    hears: Arc<dyn Hears>,
+    realtime: Option<&Realtime>,
+) -> Result<Arc<dyn Wires>, String> {
+    let is_urgent = realtime.is_some_and(|realtime| set_priority(realtime.priority));
+    let joined = network.join(joining, hears);
+    if is_urgent {
+        give_back_priority();
+    }
+    joined.map(Arc::from)
+}
 
 /// The threads of a machine, which end with it.
 pub(super) struct Sending {
