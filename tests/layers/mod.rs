@@ -43,6 +43,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("robots/drivers/ur-controller", &["mrroc-core", "mrroc-driver-kit", "mrroc-robots", "mrroc-ur"]),
     ("robots/drivers/robotiq", &["mrroc-core", "mrroc-driver-kit", "mrroc-launch", "mrroc-robots"]),
     ("ports/external", &["mrroc-core", "mrroc-launch"]),
+    ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
 ];

@@ -37,6 +37,11 @@ class Wire(threading.Thread):
         return end
 
     def run(self):
+        try:
+            # A cable is never busy with something else.
+            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(60))
+        except PermissionError:
+            pass
         while not self.ended:
             now = time.monotonic()
             until = max(0.0, self.waiting[0][0] - now) if self.waiting else 0.1

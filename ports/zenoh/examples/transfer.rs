@@ -27,14 +27,15 @@ fn main() -> ExitCode {
 }
 
 fn cell(file: &CellFile) -> Result<Cell, CellError> {
-    let cell = transfer::cell(file, &transfer::plant::drives())?;
+    let kinds = transfer::plant::drives();
     let times = std::env::var("MRROC_LOOSE").ok().and_then(|times| times.parse::<u32>().ok());
     let cell = match times {
-        Some(times) => cell
+        Some(times) => file
+            .cell(&kinds)?
             .ecp("rnt", |ecp: &mut Ecp<Rnt>| to_and_fro(ecp))
             .ecp("polycrank", |ecp: &mut Ecp<Polycrank>| to_and_fro(ecp))
             .program(move |mp| loosely(mp, times)),
-        None => cell.program(transfer::mp::coordinate),
+        None => transfer::cell(file, &kinds)?.program(transfer::mp::coordinate),
     };
     Ok(match std::env::var_os("MRROC_TRACE") {
         Some(folder) => traced(cell, folder.into()),

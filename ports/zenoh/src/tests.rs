@@ -202,3 +202,16 @@ fn keys_are_their_owners_alone_and_one_that_others_may_read_is_refused() {
     // No certificate is written over another one.
     assert!(Zenoh.certify(bench.nodes.all(), &bench.folder).is_err());
 }
+
+#[test]
+fn fault_146_a_node_that_is_gone_is_told_and_found_again() {
+    let bench = Bench::new("gone");
+    let (b, _b_hears) = bench.join(1, Side::Waits);
+    let (_a, a_hears) = bench.join(0, Side::Calls);
+    until(&a_hears, &Heard::There(1));
+    drop(b);
+    until(&a_hears, &Heard::Lost(1));
+    // It is called again; whether it is taken in again is not the network's to say.
+    let (_b, _b_hears) = bench.join(1, Side::Waits);
+    until(&a_hears, &Heard::There(1));
+}

@@ -214,46 +214,45 @@ def cable_pulled(bench):
     if not bench.wire:
         print("cable pulled: skipped: no namespaces")
         return
-    node = bench.node()
-    try:
-        for after, settings in ((2.0, {"MRROC_LOOSE": "6"}), (3.3, {"MRROC_LOOSE": "6"}), (9.2, {})):
-            said = len(node.log.read_text())
-            cell = bench.run(**settings)
-            # From the moment at which processes run.
-            begun = begins(bench, cell)
-            time.sleep(max(0.0, begun + after - time.monotonic()))
-            has(cell.poll() is None, f"it ended by itself: {cell.log.read_text()}")
-            bench.way(Cut())
-            status, words = ended(cell)
-            cut_off = time.monotonic()
-            has(status == 1, f"a cell without its cable ended with {status}: {words}")
-            for _ in range(100):
-                if not left(bench):
-                    break
-                time.sleep(0.1)
-            here = node.log.read_text()[said:]
+    for after, settings in ((2.0, {"MRROC_LOOSE": "6"}), (3.3, {"MRROC_LOOSE": "6"}), (9.2, {})):
+        node = bench.node(**settings)
+        try:
+            pull(bench, node, after, settings)
+        finally:
             bench.way(Clear())
-            rest = {robot: moved(bench.trace(robot)) for robot in JOINTS}
-            if min(rest.values()) < after - 0.5:
-                raise Late(f"it stopped before the cable was pulled: {words}")
-            has("polycrank" in words or "node b" in words, f"nobody says what is lost: {words}")
-            has("node a is lost" in here, f"node b does not say that node a is lost: {here}")
-            # L = ceil(20 ms / Ts) steps, one more, and the stop.
-            bound = after + 0.02 + STEP + STOP + 0.25
-            has(max(rest.values()) <= bound, f"an arm moves until {max(rest.values()):.3f} s, {bound:.3f} s allowed")
-            apart = abs(rest["rnt"] - rest["polycrank"])
-            nothing_left(bench)
-            time.sleep(1.0)
-            again = {robot: moved(bench.trace(robot)) for robot in JOINTS}
-            has(again == rest and not left(bench), "something moves when the cable is back")
-            has(node.poll() is None, "the agent has ended with the cable")
-            print(
-                f"cable pulled after {after} s: rnt stands {rest['rnt'] - after:.3f} s later, polycrank {rest['polycrank'] - after:.3f} s "
-                f"({apart * 1e3:.0f} ms apart); the cell has ended {cut_off - begun - after:.1f} s later"
-            )
-    finally:
-        bench.way(Clear())
-        end(node)
+            end(node)
+
+
+def pull(bench, node, after, settings):
+    """Pulls the cable so long [s] after the cell's time began."""
+    cell = bench.run(**settings)
+    begun = begins(bench, cell)
+    time.sleep(max(0.0, begun + after - time.monotonic()))
+    if cell.poll() is not None:
+        raise Late(f"it ended by itself: {cell.log.read_text()}")
+    bench.way(Cut())
+    status, words = ended(cell)
+    took = time.monotonic() - begun - after
+    has(status == 1, f"a cell without its cable ended with {status}: {words}")
+    nothing_left(bench)
+    here = node.log.read_text()
+    rest = {robot: moved(bench.trace(robot)) for robot in JOINTS}
+    if min(rest.values()) < after - 0.3:
+        raise Late(f"it stopped before the cable was pulled: {rest}: {words}")
+    has("polycrank" in words or "node b" in words, f"nobody says what is lost: {words}")
+    has("node a is lost" in here, f"node b does not say that node a is lost: {here}")
+    # L = ceil(20 ms / Ts) steps, one more, and the stop; and what this process needed to pull the cable.
+    bound = 0.02 + STEP + STOP + 0.25
+    has(max(rest.values()) - after <= bound, f"an arm moves for {max(rest.values()) - after:.3f} s, {bound:.3f} s allowed")
+    bench.way(Clear())
+    time.sleep(1.0)
+    again = {robot: moved(bench.trace(robot)) for robot in JOINTS}
+    has(again == rest and not left(bench), "something moves when the cable is back")
+    has(node.poll() is None, "the agent has ended with the cable")
+    print(
+        f"cable pulled after {after} s: rnt stands {rest['rnt'] - after:.3f} s later, polycrank {rest['polycrank'] - after:.3f} s; the "
+        f"cell has ended {took:.1f} s later"
+    )
 
 
 def begins(bench, cell):
@@ -276,7 +275,7 @@ def bad_wire(bench):
         return
     settings = {"MRROC_LOOSE": "2"}
     expected = as_on_one_machine(bench, **settings)
-    node = bench.node()
+    node = bench.node(**settings)
     survived = 0
     try:
         for loss, delay in ((0.0, 0.005), (0.0, 0.015), (0.01, 0.0), (0.05, 0.0)):
@@ -342,17 +341,19 @@ def joins_twice(bench):
     """A second node b, and a second launcher of node a, while the cell runs: both are refused, and the cell goes on."""
     for name in "ab":
         shutil.copytree(bench.folder / name, bench.folder / f"{name}2")
-    node = bench.node()
     settings = {"MRROC_LOOSE": "4"}
+    node = bench.node(**settings)
     try:
         cell = bench.run(**settings)
         begins(bench, cell)
-        status, words = ended(bench.start("b", "node", "b", home="b2"))
+        status, words = ended(bench.start("b", "node", "b", home="b2", **settings))
         has(status == 2 and "node b cannot wait at" in words, f"a second node b ended with {status}: {words}")
         print(f"second node b: refused: {words.splitlines()[0].removeprefix('error: ')[:120]}")
         trace = bench.folder / "second"
         trace.mkdir()
         status, words = ended(bench.start("a", "--processes", home="a2", MRROC_TRACE=str(trace), **settings))
+        if cell.poll() is not None and status != 2:
+            raise Late(f"the first cell had ended: {cell.log.read_text()}")
         has(status == 2 and "it has processes of another run" in words, f"a second launcher ended with {status}: {words}")
         has(not list(trace.iterdir()), "the second cell has robots that run")
         print(f"second launcher: refused: {words.splitlines()[0].removeprefix('error: ')}")
@@ -367,9 +368,10 @@ def joins_twice(bench):
 
 def node_killed(bench):
     """The agent is killed in mid-motion: its robots brake, nothing of it is left, and the cell stops and says so."""
-    node = bench.node()
+    settings = {"MRROC_LOOSE": "6"}
+    node = bench.node(**settings)
     try:
-        cell = bench.run(MRROC_LOOSE="6")
+        cell = bench.run(**settings)
         begins(bench, cell)
         time.sleep(1.0)
         # Where it is in a namespace, the program is a child of what entered it; the same process, since both are one `exec`.

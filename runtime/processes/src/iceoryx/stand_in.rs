@@ -279,3 +279,6 @@ impl Outgoing {
         None
     }
 }
+
+#[cfg(test)]
+mod tests;
