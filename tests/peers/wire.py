@@ -18,6 +18,14 @@ import time
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 
 
+def urgent():
+    """Gives this thread a priority where it may have one, and none of what it starts: a cable is never busy with something else."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(60))
+    except PermissionError:
+        pass
+
+
 class Wire(threading.Thread):
     """Two TUN devices. `way` says of each packet what happens to it; it may be replaced at any time."""
 
@@ -29,6 +37,8 @@ class Wire(threading.Thread):
         self.waiting = []
         self.passed = self.lost = 0
         self.ended = False
+        # Of the thread that starts it, too: Python lets one thread run at a time.
+        urgent()
 
     @staticmethod
     def device(name):
@@ -37,11 +47,7 @@ class Wire(threading.Thread):
         return end
 
     def run(self):
-        try:
-            # A cable is never busy with something else.
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(60))
-        except PermissionError:
-            pass
+        urgent()
         while not self.ended:
             now = time.monotonic()
             until = max(0.0, self.waiting[0][0] - now) if self.waiting else 0.1

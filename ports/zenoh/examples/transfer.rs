@@ -4,7 +4,7 @@
 //!
 //! The first line of `main` is all that a program needs for this. With `MRROC_TRACE=FOLDER` each robot's process writes there
 //! what was demanded in every servo period: the time [s] and the joints [rad or m], as numbers of 8 bytes. With
-//! `MRROC_LOOSE=N` the arms only go to their grasps and back, N times, each by itself.
+//! `MRROC_LOOSE=N` the arms only turn to and fro, N times, each by itself (a loose motion, by joints).
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -14,9 +14,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use mrroc::prelude::*;
-use mrroc_generators::generators::StraightLine;
-use mrroc_generators::line::ToolLimits;
-use mrroc_generators::profile::ProfileLimits;
+use mrroc::robot::JointVector;
+use mrroc_generators::generators::JointMove;
 use mrroc_robots::{Polycrank, Rnt};
 use transfer::generators::Nudge;
 use transfer::orders::Phase;
@@ -32,8 +31,8 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     let cell = match times {
         Some(times) => file
             .cell(&kinds)?
-            .ecp("rnt", |ecp: &mut Ecp<Rnt>| to_and_fro(ecp))
-            .ecp("polycrank", |ecp: &mut Ecp<Polycrank>| to_and_fro(ecp))
+            .ecp("rnt", with_start(file, Rnt::new())?)
+            .ecp("polycrank", with_start(file, Polycrank::new())?)
             .program(move |mp| loosely(mp, times)),
         None => transfer::cell(file, &kinds)?.program(transfer::mp::coordinate),
     };
@@ -43,7 +42,17 @@ fn cell(file: &CellFile) -> Result<Cell, CellError> {
     })
 }
 
-/// Both arms up and down, each by itself.
+/// The program of an arm that starts where the cell file says.
+fn with_start<R: Robot>(
+    file: &CellFile,
+    arm: R,
+) -> Result<impl FnMut(&mut Ecp<R>) -> Result<(), Fault> + 'static, CellError> {
+    let entry = file.robots().iter().find(|entry| entry.kind() == R::KIND);
+    let start = entry.ok_or(CellError::NoProgram)?.start(&arm)?;
+    Ok(move |ecp: &mut Ecp<R>| to_and_fro(ecp, &start))
+}
+
+/// Both arms to and fro, each by itself.
 fn loosely(mp: &mut Mp, times: u32) -> Result<(), Fault> {
     let (mut rnt, mut polycrank) = (mp.robot::<Rnt>("rnt")?, mp.robot::<Polycrank>("polycrank")?);
     for _ in 0..times {
@@ -53,13 +62,13 @@ fn loosely(mp: &mut Mp, times: u32) -> Result<(), Fault> {
     Ok(())
 }
 
-/// 0.1 m along the axis of the tool, or back, in two seconds.
-fn to_and_fro<R: Robot>(ecp: &mut Ecp<R>) -> Result<(), Fault> {
-    let motion = ProfileLimits { velocity: 0.1, acceleration: 0.2 };
-    let limits = ToolLimits { translation: motion, rotation: motion };
+/// The first joint by 0.3 rad, and back to where the cell file starts it.
+fn to_and_fro<R: Robot>(ecp: &mut Ecp<R>, start: &R::Joints) -> Result<(), Fault> {
+    let each = |value: f64| R::Joints::from_joints(|_| value);
     ecp.obey_all(|ecp, phase: Phase| {
-        let z = phase.choose([(Phase::Approach, -0.1), (Phase::Withdraw, 0.1)])?;
-        ecp.move_robot((), StraightLine::by(Pose::translation(0.0, 0.0, z), limits)).map(drop)
+        let way = phase.choose([(Phase::Approach, 0.3), (Phase::Withdraw, 0.0)])?;
+        let goal = R::Joints::from_joints(|i| start[i] + if i == 0 { way } else { 0.0 });
+        ecp.move_robot((), JointMove::to(goal, each(0.3), each(0.5))).map(drop)
     })
 }
 

@@ -22,7 +22,7 @@ use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
 use super::carrier::{BUSY, NO_NETWORK};
 use super::identity::{Identity, keys};
 use super::message::Said;
-use super::phase::{Figures, Phase};
+use super::phase::{FOLLOWS, Figures, Phase};
 use super::sending::{Sending, join};
 use crate::board::StateBoard;
 use crate::capacity;
@@ -34,7 +34,6 @@ use crate::session::{CellLock, Private, Session, prefix};
 
 /// The time between two pings, of which 64 count, and how many there must be before a cell begins.
 const PING: Duration = Duration::from_millis(50);
-const FIRST_PINGS: Duration = Duration::from_millis(5);
 const ENOUGH: usize = 20;
 
 /// What an agent has of its cell.
@@ -234,7 +233,6 @@ struct Run<'a> {
     /// The run's seal, and the one on this machine.
     seals: Seals,
     session: Session,
-    board: StateBoard,
     stand_in: Option<StandIn>,
     sending: Option<Sending>,
     /// The processes of this node by their places.
@@ -264,19 +262,18 @@ impl<'a> Run<'a> {
         let session = agent.lock.session().map_err(|error| text(&error))?;
         let seals = Seals { here: Seal { session: session.number(), epoch: between.epoch }, between };
         let boards = make_shared(Clock::Real, &session, agent.fabric.places().len()).map_err(|error| text(&error))?;
-        let (board, _) = boards.ok_or("no board")?;
+        let (_, board) = boards.ok_or("no board")?;
         let private = Private::begin();
         let stand_in =
             StandIn::make(&agent.fabric, (session.folder(), &prefix(session.number())), seals, &agent.places);
         let stand_in = stand_in.map_err(|error| text(&error))?;
         drop(private);
         *agent.hub.phase.lock().unwrap_or_else(PoisonError::into_inner) = Phase::new();
-        let pings = Pings::begin(agent, between.session).map_err(|error| text(&error))?;
+        let pings = Pings::begin(agent, between.session, board).map_err(|error| text(&error))?;
         let mut run = Run {
             agent,
             seals,
             session,
-            board,
             stand_in: Some(stand_in),
             sending: None,
             parts: Vec::new(),
@@ -321,7 +318,6 @@ impl<'a> Run<'a> {
         let mut next = None;
         // Until when processes have to end, once the other side is gone.
         let mut ending: Option<Instant> = None;
-        let mut followed = Instant::now();
         while self.parts.iter().any(|(_, part)| !part.gone.get()) {
             match self.agent.events.recv_timeout(PING) {
                 Ok(Event::Came(from, session, Said::Hello(identity, seal))) if from == self.agent.mp() => {
@@ -351,11 +347,6 @@ impl<'a> Run<'a> {
                 }
                 Ok(_) | Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => ending = ending.or_else(|| Some(self.hang_up())),
-            }
-            if followed.elapsed() >= PING {
-                followed = Instant::now();
-                let slew = self.agent.hub.phase(Phase::follow);
-                self.board.slew().store(slew, Ordering::Relaxed);
             }
             if ending.is_some_and(|until| Instant::now() > until) {
                 self.parts.iter().filter(|(_, part)| !part.gone.get()).for_each(|(_, part)| part.kill());
@@ -516,22 +507,26 @@ fn tell(name: &str, figures: &Figures) -> String {
     )
 }
 
-/// A thread that pings the launcher's node.
+/// A thread that pings the launcher's node, and lets the time of this node's processes follow the answers.
 struct Pings(Arc<AtomicBool>);
 
 impl Pings {
-    fn begin(agent: &Agent, session: u64) -> std::io::Result<Pings> {
+    fn begin(agent: &Agent, session: u64, board: StateBoard) -> std::io::Result<Pings> {
         let ends = Arc::<AtomicBool>::default();
         let (over, hub, wires, mp) =
             (Arc::clone(&ends), Arc::clone(&agent.hub), Arc::clone(&agent.wires), agent.mp());
         std::thread::Builder::new().name("pings".to_owned()).spawn(move || {
+            let mut asked: Option<Instant> = None;
             while !over.load(Ordering::Acquire) {
-                let is_new = hub.phase(|phase| {
-                    phase.ask();
-                    phase.heard() < ENOUGH
-                });
-                wires.send(mp, &Said::Ping(monotonic()).to_bytes(session));
-                std::thread::sleep(if is_new { FIRST_PINGS } else { PING });
+                let (slew, is_new) = hub.phase(|phase| (phase.follow(), phase.heard() < ENOUGH));
+                board.slew().store(slew, Ordering::Relaxed);
+                // The first ones come sooner, because the cell begins with them.
+                if is_new || asked.is_none_or(|asked| asked.elapsed() >= PING) {
+                    asked = Some(Instant::now());
+                    hub.phase(Phase::ask);
+                    wires.send(mp, &Said::Ping(monotonic()).to_bytes(session));
+                }
+                std::thread::sleep(FOLLOWS);
             }
         })?;
         Ok(Pings(ends))
