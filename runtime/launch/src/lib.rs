@@ -58,7 +58,7 @@ pub fn launch(
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
     match &options.word {
-        Some(Word::Doctor) => return parts.examine(),
+        Some(Word::Doctor) => return parts.examine_with(&path),
         Some(Word::Operating(word)) => {
             return word
                 .read()

@@ -110,7 +110,7 @@ pub(super) enum Word {
         #[arg(long)]
         partial: bool,
     },
-    /// Say what this machine can do for --processes; takes 10 s.
+    /// Say what this machine can do for --processes, and the network between the machines of the cell; takes 10 s.
     Doctor,
     /// Print the calibration of a robot, as its controller tells it, for the file that cell.toml names.
     Calibration {

@@ -6,7 +6,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use mrroc_core::cell::{Cell, CellError};
+use crate::cell_file::CellFile;
+use mrroc_core::cell::{Cell, CellError, Nodes};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::observe::recording::{NotRecorded, Recorder};
 
@@ -32,6 +33,9 @@ pub struct Parts {
 pub trait Processes: core::fmt::Debug + Sync {
     /// Prints what this machine can do for processes.
     fn examine(&self) -> ExitCode;
+
+    /// Prints what the links between the machines of the cell in the file at `cell` can do.
+    fn examine_links(&self, nodes: &Nodes, cell: &Path) -> ExitCode;
 
     /// Carries out what an operator wants of the cell of the file at `cell`, which runs already.
     fn operate(&self, cell: &Path, operating: Operating) -> ExitCode;
@@ -64,6 +68,16 @@ const NO_PROCESSES: &str = "this program was built without processes\n help: on 
 impl Parts {
     pub(crate) fn examine(&self) -> ExitCode {
         self.processes.map_or_else(|| refuse(&NO_PROCESSES), |processes| processes.examine())
+    }
+
+    /// The same, and what the links between machines can do, if the cell has any.
+    pub(crate) fn examine_with(&self, cell: &Path) -> ExitCode {
+        let examined = self.examine();
+        let nodes = CellFile::read(cell).ok().and_then(|file| file.nodes().cloned());
+        match (self.processes, nodes) {
+            (Some(processes), Some(nodes)) => processes.examine_links(&nodes, cell),
+            (None, _) | (_, None) => examined,
+        }
     }
 
     pub(crate) fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::rc::Rc;
 
-use mrroc_core::cell::{Cell, CellError, Permission};
+use mrroc_core::cell::{Cell, CellError, Nodes, Permission};
 use mrroc_core::console::{Background, complain, refused, say};
 use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
@@ -21,7 +21,7 @@ use crate::console_server::Caller;
 use crate::doctor::examine;
 use crate::launcher::{LaunchError, Launched, launch};
 use crate::member::{NoPart, run};
-use crate::nodes::{agent, carrier};
+use crate::nodes::{agent, carrier, link};
 use crate::operating::operate;
 use crate::picture_socket::{self, Receiver};
 use crate::process_set::Plan;
@@ -41,6 +41,10 @@ pub struct OverSharedMemory {
 impl Processes for OverSharedMemory {
     fn examine(&self) -> ExitCode {
         say(&examine())
+    }
+
+    fn examine_links(&self, nodes: &Nodes, cell: &Path) -> ExitCode {
+        say(&link::examine(nodes, cell))
     }
 
     fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {

@@ -98,6 +98,11 @@ impl Hears for Hub {
                     incoming.came(from, way, &envelope);
                 }
             }
+            Some((session, Said::Ping(sent))) => {
+                if let Some(wires) = self.wires.get() {
+                    wires.send(from, &Said::Pong(sent, now).to_bytes(session));
+                }
+            }
             Some((_, Said::Pong(sent, answered))) => self.phase(|phase| phase.hear(sent, answered, now)),
             Some((session, said)) => self.tell(Event::Came(from, session, said)),
             None => {}

@@ -14,11 +14,13 @@
 //! In: the cell's [`Nodes`](mrroc_core::cell::Nodes) and a network. On the launcher's machine the [`carrier`] is a process of
 //! the cell. On each other machine an [`agent`] waits for a cell, compares what both have, starts the processes of its
 //! node from its own executable and cell file, and ends them with the cell or when the other side is gone. [`message`] is
-//! what they say, [`identity`] what they compare, [`phase`] how an agent keeps its node's steps with those of the MP.
+//! what they say, [`identity`] what they compare, [`phase`] how an agent keeps its node's steps with those of the MP,
+//! [`link`] what `doctor` finds out about a network.
 
 pub(crate) mod agent;
 pub(crate) mod carrier;
 mod identity;
+pub(crate) mod link;
 mod message;
 mod phase;
 mod sending;
