@@ -337,11 +337,17 @@ const NODES: &str = "[nodes.left]\naddress = \"10.0.0.1:7447\"\nmp = true\n[node
 
 #[test]
 fn what_says_no_node_is_with_the_mp_and_a_sensor_with_its_robot() {
-    let text = on_nodes(NODES, ["", "node = \"right\"", "node = \"third\""], "[sensors.eye]\nof = \"two\"\n[sensors.ear]\n");
+    let text = on_nodes(
+        NODES,
+        ["", "node = \"right\"", "node = \"third\""],
+        "[sensors.eye]\nof = \"two\"\n[sensors.ear]\n",
+    );
     let file = CellFile::parse("cell.toml", &text).expect("right");
     let nodes = file.nodes().expect("nodes");
     assert_eq!(nodes.first().expect("the MP's").address, ([10, 0, 0, 1], 7447).into());
-    let of = |role, name: &str| nodes.of(mrroc::fault::ProcessId::new(role, mrroc::fault::Name::new(name).expect("a name")));
+    let of = |role, name: &str| {
+        nodes.of(mrroc::fault::ProcessId::new(role, mrroc::fault::Name::new(name).expect("a name")))
+    };
     use mrroc::fault::Role::{Ecp, Edp, Vsp};
     for role in [Ecp, Edp] {
         assert_eq!(["one", "two", "three"].map(|arm| of(role, arm)), [Some(0), Some(1), Some(2)]);
@@ -360,11 +366,23 @@ fn fault_140_what_is_on_no_node_or_on_the_wrong_one_is_refused_with_its_place() 
         (on_nodes(NODES, ["", "node = \"rihgt\"", ""], ""), "no node `rihgt`"),
         (on_nodes("", ["node = \"right\"", "", ""], ""), "write a table [nodes.right] with its address"),
         (on_nodes("[nodes.left]\naddress = \"10.0.0.1:7447\"", [""; 3], ""), "no node has the MP"),
-        (on_nodes(&format!("{mp}[nodes.b]\naddress = \"10.0.0.2:1\"\nmp = true"), [""; 3], ""), "two nodes have the MP"),
+        (
+            on_nodes(&format!("{mp}[nodes.b]\naddress = \"10.0.0.2:1\"\nmp = true"), [""; 3], ""),
+            "two nodes have the MP",
+        ),
         (on_nodes("[nodes.left]\nmp = true", [""; 3], ""), "node `left` has no `address`"),
-        (on_nodes("[nodes.left]\nmp = true\naddress = \"left\"", [""; 3], ""), "`left` is no address of a network with a port"),
-        (on_nodes("[nodes.left]\nmp = true\naddress = \"0.0.0.0:7447\"", [""; 3], ""), "at which others could find a node"),
-        (on_nodes(&format!("{mp}[nodes.b]\naddress = \"10.0.0.1:7447\""), [""; 3], ""), "node `left` has this address already"),
+        (
+            on_nodes("[nodes.left]\nmp = true\naddress = \"left\"", [""; 3], ""),
+            "`left` is no address of a network with a port",
+        ),
+        (
+            on_nodes("[nodes.left]\nmp = true\naddress = \"0.0.0.0:7447\"", [""; 3], ""),
+            "at which others could find a node",
+        ),
+        (
+            on_nodes(&format!("{mp}[nodes.b]\naddress = \"10.0.0.1:7447\""), [""; 3], ""),
+            "node `left` has this address already",
+        ),
         (
             on_nodes(NODES, ["node = \"right\"", "mounted_on = \"one\"", ""], ""),
             "robot `two` is mounted on `one`, which is on node `right`",
@@ -377,7 +395,8 @@ fn fault_140_what_is_on_no_node_or_on_the_wrong_one_is_refused_with_its_place() 
     ] {
         let error = CellFile::parse("cell.toml", &text).expect_err(told).to_string();
         assert!(error.contains(told) && error.contains("\n help: "), "{told}: {error}");
-        let place = error.split_once("cell.toml:").and_then(|(_, at)| at.split(':').next()).map(str::parse::<usize>);
+        let place =
+            error.split_once("cell.toml:").and_then(|(_, at)| at.split(':').next()).map(str::parse::<usize>);
         assert!(matches!(place, Some(Ok(line)) if line > 1), "{error}");
     }
 }

@@ -41,10 +41,16 @@ pub(crate) fn control<'a>(me: &str, others: impl Iterator<Item = &'a str> + Clon
         rules.push(rule("words", json!(["put"]), json!([way(other, me)])));
         rules.push(rule("life", json!(["liveliness_token"]), json!([alive(other)])));
         rules.push(rule("ears", json!(["declare_subscriber"]), json!([way(me, other)])));
-        rules.push(rule("sight", json!(["declare_liveliness_subscriber", "liveliness_query", "reply"]), json!(["mrroc/@alive/*"])));
+        rules.push(rule(
+            "sight",
+            json!(["declare_liveliness_subscriber", "liveliness_query", "reply"]),
+            json!(["mrroc/@alive/*"]),
+        ));
         subjects.push(json!({ "id": other, "cert_common_names": [other] }));
         let of = |what: &str| format!("{what} of {other}");
-        policies.push(json!({ "rules": [of("words"), of("life"), of("ears"), of("sight")], "subjects": [other] }));
+        policies.push(
+            json!({ "rules": [of("words"), of("life"), of("ears"), of("sight")], "subjects": [other] }),
+        );
     }
     json!({
         "enabled": true,

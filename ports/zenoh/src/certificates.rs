@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 
 use mrroc_core::cell::Node;
 use rcgen::{
-    BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair, KeyUsagePurpose,
+    BasicConstraints, CertificateParams, DnType, ExtendedKeyUsagePurpose, IsCa, Issuer, KeyPair,
+    KeyUsagePurpose,
 };
 
 /// The file of the authority's certificate, in the folder of each node.
@@ -96,7 +97,10 @@ pub(crate) fn make(nodes: &[Node], folder: &Path) -> io::Result<String> {
         write(&own.join(AUTHORITY), &authority)?;
         write(&own.join(format!("{name}.pem")), &certificate.pem())?;
         write(&own.join(format!("{name}.key")), &key.serialize_pem())?;
-        told += &format!("{}: copy it to node {name}, as the folder `certificates` beside its cell.toml\n", own.display());
+        told += &format!(
+            "{}: copy it to node {name}, as the folder `certificates` beside its cell.toml\n",
+            own.display()
+        );
     }
     told += &format!(
         "{}: makes further certificates; keep it on none of these machines\n",

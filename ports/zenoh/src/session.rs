@@ -58,7 +58,8 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
     let Some(own) = nodes.all().get(me) else { return Err("no such node".to_owned()) };
     let name = own.name.as_str();
     let files = Files::of(name, keys)?;
-    let config = Config::from_json5(&config(nodes, me, side, &files).to_string()).map_err(|error| error.to_string())?;
+    let config = Config::from_json5(&config(nodes, me, side, &files).to_string())
+        .map_err(|error| error.to_string())?;
     let session = zenoh::open(config).wait().map_err(|error| {
         format!(
             "node {name} cannot wait at {}: {error}\n help: is it this machine's address, and is node {name} running already?",
@@ -86,12 +87,13 @@ pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh
             .callback(move |sample| heard.came(place, &sample.payload().to_bytes()));
         ears.push(listens.wait().map_err(failed)?);
         let heard = Arc::clone(&hears);
-        let looks = session.liveliness().declare_subscriber(alive(other)).history(true).callback(move |sample| {
-            match sample.kind() {
-                SampleKind::Put => heard.is_there(place),
-                SampleKind::Delete => heard.is_lost(place),
-            }
-        });
+        let looks =
+            session.liveliness().declare_subscriber(alive(other)).history(true).callback(move |sample| {
+                match sample.kind() {
+                    SampleKind::Put => heard.is_there(place),
+                    SampleKind::Delete => heard.is_lost(place),
+                }
+            });
         ears.push(looks.wait().map_err(failed)?);
     }
     let token = session.liveliness().declare_token(alive(name)).wait().map_err(failed)?;

@@ -62,10 +62,17 @@ impl Bench {
     }
 
     fn join(&self, me: usize, side: Side) -> (Box<dyn Wires>, Receiver<Heard>) {
-        self.join_as(me, side, &self.nodes, self.folder.join(self.nodes.all()[me].name.as_str())).expect("joined")
+        self.join_as(me, side, &self.nodes, self.folder.join(self.nodes.all()[me].name.as_str()))
+            .expect("joined")
     }
 
-    fn join_as(&self, me: usize, side: Side, nodes: &Nodes, keys: PathBuf) -> Result<(Box<dyn Wires>, Receiver<Heard>), String> {
+    fn join_as(
+        &self,
+        me: usize,
+        side: Side,
+        nodes: &Nodes,
+        keys: PathBuf,
+    ) -> Result<(Box<dyn Wires>, Receiver<Heard>), String> {
         let (tells, hears) = channel();
         let joining = Joining { nodes, me, side, keys: &keys };
         Ok((Zenoh.join(&joining, Arc::new(Ear(Mutex::new(tells))))?, hears))
@@ -195,9 +202,11 @@ fn keys_are_their_owners_alone_and_one_that_others_may_read_is_refused() {
     assert!(!bench.folder.join("a/authority.key").exists(), "a node could make certificates");
     let key = bench.folder.join("b/b.key");
     std::fs::set_permissions(&key, std::fs::Permissions::from_mode(0o640)).expect("changed");
-    let refused = bench.join_as(1, Side::Waits, &bench.nodes, bench.folder.join("b")).map(drop).expect_err("refused");
+    let refused =
+        bench.join_as(1, Side::Waits, &bench.nodes, bench.folder.join("b")).map(drop).expect_err("refused");
     assert!(refused.contains("its mode is 640") && refused.contains("chmod 600"), "{refused}");
-    let none = bench.join_as(1, Side::Waits, &bench.nodes, bench.folder.join("a")).map(drop).expect_err("none");
+    let none =
+        bench.join_as(1, Side::Waits, &bench.nodes, bench.folder.join("a")).map(drop).expect_err("none");
     assert!(none.contains("node b has no ") && none.contains("certificates FOLDER"), "{none}");
     // No certificate is written over another one.
     assert!(Zenoh.certify(bench.nodes.all(), &bench.folder).is_err());

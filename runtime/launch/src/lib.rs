@@ -161,7 +161,9 @@ pub fn launch(
 fn node(cell: Cell, name: &str, path: PathBuf, options: &Options, parts: &'static Parts) -> ExitCode {
     let mut arguments: Vec<_> = std::env::args_os().skip(1).collect();
     // Its processes are started with the other arguments.
-    if let Some(at) = arguments.iter().zip(arguments.iter().skip(1)).position(|(word, of)| word == "node" && of == name) {
+    if let Some(at) =
+        arguments.iter().zip(arguments.iter().skip(1)).position(|(word, of)| word == "node" && of == name)
+    {
         arguments.drain(at..at + 2);
     }
     let launch = Launch { arguments, cell: Some(path), quiet: options.quiet, ..Launch::new([], parts) };

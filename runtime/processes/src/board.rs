@@ -16,8 +16,8 @@ use rustix::fs::{FallocateFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 
 use super::heartbeat::Heartbeat;
-use std::sync::atomic::AtomicI64;
 use super::session::{SHARED_MEMORY, prefix};
+use std::sync::atomic::AtomicI64;
 
 /// Words of an entry, its sequence number not counted.
 pub(super) const ENTRY: usize = 95;

@@ -16,10 +16,10 @@ use std::time::{Duration, Instant};
 
 use super::control::{Control, Frame};
 use super::figures::Figures;
+use super::nodes::carrier::FAR;
 use super::scheduling::Lacks;
 use super::session::Session;
 use crate::iceoryx::{Clock, Seal};
-use super::nodes::carrier::FAR;
 use mrroc_core::cell::Rest;
 use mrroc_core::cell::{Nodes, Permission};
 use mrroc_core::console::complain;
@@ -291,11 +291,14 @@ impl ProcessSet {
         let mut process_set = ProcessSet { members: Vec::new(), stop, runs: Cell::new(false) };
         // Nothing is started here before all other machines are ready for it.
         let carrier = match plan.nodes.as_ref().and_then(Nodes::first) {
-            Some(node) => Some(carry(ProcessId::new(Role::Node, node.name), fingerprint, (session, epoch), plan)?),
+            Some(node) => {
+                Some(carry(ProcessId::new(Role::Node, node.name), fingerprint, (session, epoch), plan)?)
+            }
             None => None,
         };
         for (place, &id) in places.iter().enumerate() {
-            let is_far = plan.nodes.as_ref().is_some_and(|nodes| nodes.of(id).is_some_and(|node| node != nodes.mp()));
+            let is_far =
+                plan.nodes.as_ref().is_some_and(|nodes| nodes.of(id).is_some_and(|node| node != nodes.mp()));
             let member =
                 if is_far { Member::far(id, place, session) } else { Member::spawn(id, session, plan) };
             process_set.members.push(Rc::new(member.map_err(|error| NoStart::Spawn(id, error))?));

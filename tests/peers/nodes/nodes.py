@@ -221,7 +221,7 @@ def cable_pulled(bench):
     if not bench.wire:
         print("cable pulled: skipped: no namespaces")
         return
-    for after, settings in ((2.0, {"MRROC_LOOSE": "6"}), (3.3, {"MRROC_LOOSE": "6"}), (9.2, {})):
+    for after, settings in ((9.2, {}), (2.0, {"MRROC_LOOSE": "6"}), (3.3, {"MRROC_LOOSE": "6"})):
         bench.set_step(STEP if settings else LONG_STEP)
         node = bench.node(**settings)
         try:
@@ -267,7 +267,7 @@ def pull(bench, node, after, settings):
 
 def begins(bench, cell):
     """When the cell's time began, by the first servo periods that were written down."""
-    for _ in range(400):
+    for _ in range(1500):
         if cell.poll() is not None:
             raise Late(f"it does not begin: {cell.log.read_text()}")
         trace = bench.trace("rnt")

@@ -115,7 +115,10 @@ mod tests {
         for role in [Role::Ecp, Role::Edp] {
             assert_eq!((of(role, "left"), of(role, "right")), (Some(0), Some(1)));
         }
-        assert_eq!((of(Role::Vsp, "eye"), of(Role::Vsp, "right"), of(Role::Node, "b")), (Some(1), Some(0), Some(1)));
+        assert_eq!(
+            (of(Role::Vsp, "eye"), of(Role::Vsp, "right"), of(Role::Node, "b")),
+            (Some(1), Some(0), Some(1))
+        );
         assert_eq!((nodes.of(ProcessId::MP), nodes.of(ProcessId::PLANT)), (Some(0), None));
         assert_eq!((nodes.position("b"), nodes.position("c")), (Some(1), None));
     }

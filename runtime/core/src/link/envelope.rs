@@ -239,7 +239,8 @@ impl Envelope {
         for word in &mut envelope.head {
             *word = next()?;
         }
-        let len = usize::try_from(envelope.head[LEN_WORD]).ok().filter(|&len| len <= WORDS).ok_or(BadWords)?;
+        let len =
+            usize::try_from(envelope.head[LEN_WORD]).ok().filter(|&len| len <= WORDS).ok_or(BadWords)?;
         for word in &mut envelope.body[..len] {
             *word = next()?;
         }

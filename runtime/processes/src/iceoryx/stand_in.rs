@@ -66,7 +66,7 @@ pub(crate) struct StandIn {
     /// Number of a way, where it goes to, the board that it reads, and whether its writer wakes nobody.
     outgoing: Vec<(u16, usize, String, bool)>,
     /// Boards that nobody writes.
-    _empty: Vec<Writes>,
+    empty: Vec<Writes>,
 }
 
 /// Numbers of the two ways of a port, or of a board.
@@ -94,11 +94,12 @@ impl StandIn {
             futexes: Vec::new(),
             incoming: Vec::new(),
             outgoing: Vec::new(),
-            _empty: Vec::new(),
+            empty: Vec::new(),
         };
         let futexes = stand_in.make_futexes(places);
         futexes.map_err(LinkError::of("the wake-up futex of another machine's processes"))?;
-        let is_plant = |place: usize| fabric.places().get(place).is_some_and(|id: &ProcessId| id.role == Role::Plant);
+        let is_plant =
+            |place: usize| fabric.places().get(place).is_some_and(|id: &ProcessId| id.role == Role::Plant);
         for (i, planned) in fabric.planned().iter().enumerate() {
             let [first, second] = ways(i);
             match *planned {
@@ -139,7 +140,8 @@ impl StandIn {
             let Some(node) = places.elsewhere(place) else { continue };
             match self.futexes.iter().find(|(known, _)| *known == node) {
                 Some(_) => {
-                    let first = (0..place).find(|&first| places.elsewhere(first) == Some(node)).unwrap_or(place);
+                    let first =
+                        (0..place).find(|&first| places.elsewhere(first) == Some(node)).unwrap_or(place);
                     WakeFutex::share(&self.prefix, first, place)?;
                 }
                 None => self.futexes.push((node, WakeFutex::create(&self.prefix, place)?)),
@@ -148,14 +150,20 @@ impl StandIn {
         Ok(())
     }
 
-    fn make_incoming(&mut self, way: u16, from: usize, name: &str, wakes: Option<usize>) -> Result<(), LinkError> {
+    fn make_incoming(
+        &mut self,
+        way: u16,
+        from: usize,
+        name: &str,
+        wakes: Option<usize>,
+    ) -> Result<(), LinkError> {
         let writes = make(&self.node, name)?;
         self.incoming.push((way, from, writes, wakes));
         Ok(())
     }
 
     fn make_empty(&mut self, name: &str) -> Result<(), LinkError> {
-        self._empty.push(make(&self.node, name)?);
+        self.empty.push(make(&self.node, name)?);
         Ok(())
     }
 
@@ -173,7 +181,13 @@ impl StandIn {
         let mut outgoing: Vec<_> = self
             .futexes
             .iter()
-            .map(|(to, wake_futex)| Outgoing { to: *to, wake_futex: *wake_futex, goes: Vec::new(), seals: self.seals, next: 0 })
+            .map(|(to, wake_futex)| Outgoing {
+                to: *to,
+                wake_futex: *wake_futex,
+                goes: Vec::new(),
+                seals: self.seals,
+                next: 0,
+            })
             .collect();
         for (way, to, name, is_board) in self.outgoing {
             let reads: Reads = open(&self.node, &name)?;
@@ -181,7 +195,7 @@ impl StandIn {
                 outgoing.goes.push(Goes { way, reads, sent: None, is_board });
             }
         }
-        Ok((Incoming { comes: incoming, seals: self.seals, _node: self.node, _empty: self._empty }, outgoing))
+        Ok((Incoming { comes: incoming, seals: self.seals, _node: self.node, _empty: self.empty }, outgoing))
     }
 }
 

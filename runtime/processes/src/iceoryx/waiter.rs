@@ -190,8 +190,7 @@ impl Waiter for RealTime {
                     core::hint::spin_loop();
                 }
             }
-            self.wake_futex
-                .sleep(self.wakes.get(), deadline.map(|deadline| self.on_clock(deadline)));
+            self.wake_futex.sleep(self.wakes.get(), deadline.map(|deadline| self.on_clock(deadline)));
             self.was_woken();
         }
         self.hear();

@@ -161,8 +161,7 @@ fn carry(
         .collect();
     let own = Identity::here(nodes.file()).map_err(|error| text(&error))?;
     meet(&nodes, &used, (own, seal), &*wires, &events)?;
-    let threads = accept(listener, control, &hub).map_err(|error| text(&error));
-    threads?;
+    accept(listener, control, &hub).map_err(|error| text(&error))?;
     control.send(&Frame::Created { fingerprint: fabric.fingerprint() }).map_err(|error| text(&error))?;
     let carrier = Carrier { nodes, places, wires, hub, seal, far: Vec::new() };
     carrier.run(&events, (stand_in, control), (realtime.as_ref(), step))
@@ -209,7 +208,9 @@ fn meet(
                 there[node] = true;
                 again[node] = Some(now);
             }
-            Ok(Event::Lost(node)) if agreed[node] => return Err(format!("node {} is lost again", name(node))),
+            Ok(Event::Lost(node)) if agreed[node] => {
+                return Err(format!("node {} is lost again", name(node)));
+            }
             Ok(Event::Lost(node)) => {
                 there[node] = false;
                 again[node] = None;
@@ -309,7 +310,10 @@ impl Carrier {
         let mut stand_in = Some(stand_in);
         let mut sending = None;
         let (mut closing, mut lost) = (false, Vec::new());
-        while !(closing && self.far.len() == expected && self.far.iter().all(|(_, far)| matches!(far, Far::Ended))) {
+        while !(closing
+            && self.far.len() == expected
+            && self.far.iter().all(|(_, far)| matches!(far, Far::Ended)))
+        {
             let Ok(event) = events.recv() else { break };
             match event {
                 Event::Launcher(Ok(Frame::Connect)) => {

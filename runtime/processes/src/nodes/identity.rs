@@ -45,7 +45,9 @@ impl Identity {
             ));
         }
         (self.file != other.file).then(|| {
-            format!("its cell.toml is another one than that of node {name}\n help: copy the file to both machines")
+            format!(
+                "its cell.toml is another one than that of node {name}\n help: copy the file to both machines"
+            )
         })
     }
 }
@@ -78,7 +80,10 @@ mod tests {
         assert_eq!(own.differs(own, "b"), None);
         for (other, told) in [
             (Identity { version: 1 << 32 | 8, ..own }, "version 1.7 of this protocol, and node b 1.8"),
-            (Identity { program: 6, ..own }, "another one than that of node b (0000000000000005, 0000000000000006)"),
+            (
+                Identity { program: 6, ..own },
+                "another one than that of node b (0000000000000005, 0000000000000006)",
+            ),
             (Identity { file: 8, ..own }, "its cell.toml is another one"),
         ] {
             let text = own.differs(other, "b").expect("different");

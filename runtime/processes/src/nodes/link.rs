@@ -102,7 +102,12 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
     let mut told = String::new();
     for (node, phase) in others.into_iter().map(|node| (&nodes.all()[node], &phases[node])) {
         // Writing to a text does not fail.
-        let _ = writeln!(told, "{:<16}{}", format!("to node {}", node.name.as_str()), describe(node, &phase.figures()));
+        let _ = writeln!(
+            told,
+            "{:<16}{}",
+            format!("to node {}", node.name.as_str()),
+            describe(node, &phase.figures())
+        );
     }
     told
 }
@@ -110,7 +115,11 @@ pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
 /// `0.61 ms (half), ..; no step is missed from 2 ms on, and a tight Move goes on from 1 ms on`.
 fn describe(node: &Node, figures: &Figures) -> String {
     if figures.asked == figures.lost {
-        return format!("nobody answers at {}\n help: start it there: PROGRAM node {}", node.address, node.name.as_str());
+        return format!(
+            "nobody answers at {}\n help: start it there: PROGRAM node {}",
+            node.address,
+            node.name.as_str()
+        );
     }
     let ms = |nanos: Nanos| nanos as f64 * 1e-6;
     let [half, most, nearly_all] = figures.round_trip;
@@ -149,9 +158,17 @@ mod tests {
     #[test]
     fn a_link_is_told_with_its_step_and_a_node_that_does_not_answer_with_what_to_do() {
         let node = Node { name: Name::new("b").expect("a name"), address: ([10, 0, 0, 2], 7447).into() };
-        let figures = Figures { asked: 1000, lost: 2, round_trip: [610_000, 1_200_000, 2_600_000], ..Figures::default() };
+        let figures = Figures {
+            asked: 1000,
+            lost: 2,
+            round_trip: [610_000, 1_200_000, 2_600_000],
+            ..Figures::default()
+        };
         let told = describe(&node, &figures);
-        assert!(told.contains("2.60 ms (99.9 %), 2 of 1000 lost") && told.contains("from step_ms = 4 on"), "{told}");
+        assert!(
+            told.contains("2.60 ms (99.9 %), 2 of 1000 lost") && told.contains("from step_ms = 4 on"),
+            "{told}"
+        );
         let silent = describe(&node, &Figures { asked: 0, ..Figures::default() });
         assert!(silent.contains("nobody answers at 10.0.0.2:7447") && silent.contains("node b"), "{silent}");
     }

@@ -172,7 +172,10 @@ mod tests {
             assert_eq!((session, format!("{read:?}")), (77, format!("{said:?}")));
             for len in 0..bytes.len() {
                 let read = Said::read(&bytes[..len]);
-                assert!(matches!(read, None | Some((_, Said::Refused(_) | Said::Gone(..)))), "{said:?}: {len}");
+                assert!(
+                    matches!(read, None | Some((_, Said::Refused(_) | Said::Gone(..)))),
+                    "{said:?}: {len}"
+                );
             }
         }
         assert!(Said::read(&[99; 40]).is_none());

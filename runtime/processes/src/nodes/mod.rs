@@ -23,4 +23,6 @@ mod identity;
 pub(crate) mod link;
 mod message;
 mod phase;
+mod pings;
+mod run;
 mod sending;

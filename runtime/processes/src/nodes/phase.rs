@@ -142,7 +142,9 @@ mod tests {
     /// Clocks that differ by an hour, and one of which goes faster by so many billionths; a way that takes 300 us, and every twentieth
     /// time 5 ms more.
     fn run(billionths: u64, seconds: u64) -> (Phase, Nanos, i64) {
-        let here = |there: Nanos| there + 3600 * SECOND + there / SECOND * billionths + there % SECOND * billionths / SECOND;
+        let here = |there: Nanos| {
+            there + 3600 * SECOND + there / SECOND * billionths + there % SECOND * billionths / SECOND
+        };
         let mut phase = Phase::new();
         let mut ping = |phase: &mut Phase, there: Nanos, i: u64| {
             let late = if i.is_multiple_of(20) { 5_000_000 } else { 0 };

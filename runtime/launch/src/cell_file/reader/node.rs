@@ -107,7 +107,10 @@ impl Reader {
                     list[node].name.as_str(),
                     list[of_robot(stranger)].name.as_str()
                 );
-                let help = format!("put both on one node, or one of them on `{}`, the node of the MP", list[mp].name.as_str());
+                let help = format!(
+                    "put both on one node, or one of them on `{}`, the node of the MP",
+                    list[mp].name.as_str()
+                );
                 self.complain(&at, what, help);
             }
         }
@@ -144,11 +147,16 @@ impl Reader {
         if let Some(on) = robot.mounted_on()
             && let Some(node) = apart(on)
         {
-            let what = format!("robot `{}` is mounted on `{on}`, which is on node `{}`", robot.name(), node.as_str());
+            let what = format!(
+                "robot `{}` is mounted on `{on}`, which is on node `{}`",
+                robot.name(),
+                node.as_str()
+            );
             self.complain(span, what, format!("write node = \"{}\" for both", node.as_str()));
         }
         let Some(plant) = robot.plant() else { return };
-        let first = robots.iter().find(|other| other.plant().is_some_and(|other| other.port() == plant.port()));
+        let first =
+            robots.iter().find(|other| other.plant().is_some_and(|other| other.port() == plant.port()));
         if let Some(first) = first
             && let Some(node) = apart(first.name())
         {
@@ -158,7 +166,11 @@ impl Reader {
                 first.name(),
                 node.as_str()
             );
-            self.complain(span, what, format!("write node = \"{}\" for both, or give it another port", node.as_str()));
+            self.complain(
+                span,
+                what,
+                format!("write node = \"{}\" for both, or give it another port", node.as_str()),
+            );
         }
     }
 }
