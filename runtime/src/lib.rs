@@ -72,6 +72,7 @@ pub mod prelude {
 pub mod launch {
     pub use mrroc_core::cell::RunPicture;
     pub use mrroc_core::link::Clock;
+    pub use mrroc_launch::network::nodes_over;
     pub use mrroc_launch::{Launch, Ran, files};
 
     pub use crate::parts::{launch, program};

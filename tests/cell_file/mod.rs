@@ -324,6 +324,83 @@ fn what_a_cell_asks_of_the_machine_is_checked_like_everything_else() {
     }
 }
 
+/// A cell of three arms on two machines; `nodes` is what the file says of these, `arms` of each arm.
+fn on_nodes(nodes: &str, arms: [&str; 3], rest: &str) -> String {
+    let start = "start = [0.0, -1.57, 0.16, -0.16, 4.71, 0.0]";
+    let arm = |(name, says): (&str, &str)| format!("[robots.{name}]\nkind = \"irp6\"\n{start}\n{says}\n");
+    let arms: String = ["one", "two", "three"].into_iter().zip(arms).map(arm).collect();
+    format!("step_ms = 2\n{nodes}\n{arms}{rest}")
+}
+
+const NODES: &str = "[nodes.left]\naddress = \"10.0.0.1:7447\"\nmp = true\n[nodes.right]\naddress = \"10.0.0.2:7447\"\n\
+                     [nodes.third]\naddress = \"10.0.0.3:7447\"";
+
+#[test]
+fn what_says_no_node_is_with_the_mp_and_a_sensor_with_its_robot() {
+    let text = on_nodes(
+        NODES,
+        ["", "node = \"right\"", "node = \"third\""],
+        "[sensors.eye]\nof = \"two\"\n[sensors.ear]\n",
+    );
+    let file = CellFile::parse("cell.toml", &text).expect("right");
+    let nodes = file.nodes().expect("nodes");
+    assert_eq!(nodes.first().expect("the MP's").address, ([10, 0, 0, 1], 7447).into());
+    let of = |role, name: &str| {
+        nodes.of(mrroc::fault::ProcessId::new(role, mrroc::fault::Name::new(name).expect("a name")))
+    };
+    use mrroc::fault::Role::{Ecp, Edp, Vsp};
+    for role in [Ecp, Edp] {
+        assert_eq!(["one", "two", "three"].map(|arm| of(role, arm)), [Some(0), Some(1), Some(2)]);
+    }
+    assert_eq!((of(Vsp, "eye"), of(Vsp, "ear")), (Some(1), Some(0)));
+    // Another text is another cell.
+    let other = CellFile::parse("cell.toml", &(text + "# more\n")).expect("right");
+    assert_ne!(other.nodes().expect("nodes").file(), nodes.file());
+    assert!(CellFile::parse("cell.toml", &on_nodes("", [""; 3], "")).expect("right").nodes().is_none());
+}
+
+#[test]
+fn fault_140_what_is_on_no_node_or_on_the_wrong_one_is_refused_with_its_place() {
+    let mp = "[nodes.left]\naddress = \"10.0.0.1:7447\"\nmp = true\n";
+    for (text, told) in [
+        (on_nodes(NODES, ["", "node = \"rihgt\"", ""], ""), "no node `rihgt`"),
+        (on_nodes("", ["node = \"right\"", "", ""], ""), "write a table [nodes.right] with its address"),
+        (on_nodes("[nodes.left]\naddress = \"10.0.0.1:7447\"", [""; 3], ""), "no node has the MP"),
+        (
+            on_nodes(&format!("{mp}[nodes.b]\naddress = \"10.0.0.2:1\"\nmp = true"), [""; 3], ""),
+            "two nodes have the MP",
+        ),
+        (on_nodes("[nodes.left]\nmp = true", [""; 3], ""), "node `left` has no `address`"),
+        (
+            on_nodes("[nodes.left]\nmp = true\naddress = \"left\"", [""; 3], ""),
+            "`left` is no address of a network with a port",
+        ),
+        (
+            on_nodes("[nodes.left]\nmp = true\naddress = \"0.0.0.0:7447\"", [""; 3], ""),
+            "at which others could find a node",
+        ),
+        (
+            on_nodes(&format!("{mp}[nodes.b]\naddress = \"10.0.0.1:7447\""), [""; 3], ""),
+            "node `left` has this address already",
+        ),
+        (
+            on_nodes(NODES, ["node = \"right\"", "mounted_on = \"one\"", ""], ""),
+            "robot `two` is mounted on `one`, which is on node `right`",
+        ),
+        (
+            on_nodes(NODES, ["", "node = \"right\"", ""], "[sensors.eye]\nof = \"two\"\nnode = \"third\"\n"),
+            "sensor `eye` is on node `third` and robot `two` on node `right`, and neither has the MP",
+        ),
+        (on_nodes(&format!("{mp}colour = 1"), [""; 3], ""), "unknown key `colour`"),
+    ] {
+        let error = CellFile::parse("cell.toml", &text).expect_err(told).to_string();
+        assert!(error.contains(told) && error.contains("\n help: "), "{told}: {error}");
+        let place =
+            error.split_once("cell.toml:").and_then(|(_, at)| at.split(':').next()).map(str::parse::<usize>);
+        assert!(matches!(place, Some(Ok(line)) if line > 1), "{error}");
+    }
+}
+
 #[test]
 fn a_file_that_is_not_there_is_named() {
     let error = CellFile::read("no/such/cell.toml").expect_err("not there").to_string();

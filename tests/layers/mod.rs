@@ -45,6 +45,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("ports/external", &["mrroc-core", "mrroc-launch"]),
     ("sensing/sensors", &["mrroc-core"]),
     ("sensing/calibration", &["mrroc-core", "mrroc-launch", "mrroc-robots"]),
+    ("ports/zenoh", &["mrroc-core", "mrroc-launch"]),
     ("generators-lib", &["mrroc-core"]),
     ("pictures", &["mrroc-core"]),
 ];

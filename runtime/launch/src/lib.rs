@@ -8,6 +8,7 @@ pub mod cell_file;
 mod dry_run;
 mod external;
 pub mod files;
+pub mod network;
 mod options;
 pub mod outcome;
 mod parts;
@@ -17,7 +18,7 @@ mod running;
 mod table;
 mod telling;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use mrroc_core::cell::{Cell, CellError, RunPicture};
@@ -28,7 +29,7 @@ use mrroc_core::observe::{NotRecorded, Recording};
 use crate::cell_file::CellFile;
 use crate::dry_run::{dry_run, dry_run_first};
 use crate::files::check_outputs;
-use crate::options::{Word, nearest_cell, parse};
+use crate::options::{Options, Word, nearest_cell, parse};
 use crate::outcome::{answered, cell_refused, note, stand_ins};
 use crate::running::{run, watched};
 use crate::table::Table;
@@ -57,14 +58,19 @@ pub fn launch(
     };
     let path = options.cell.clone().unwrap_or_else(nearest_cell);
     match &options.word {
-        Some(Word::Doctor) => return parts.examine(),
+        Some(Word::Doctor) => return parts.examine_with(&path),
         Some(Word::Operating(word)) => {
             return word
                 .read()
                 .map_or_else(|error| refused(&error), |operating| parts.operate(&path, operating));
         }
         Some(
-            Word::Replay { .. } | Word::Calibration { .. } | Word::ExportUrdf { .. } | Word::External { .. },
+            Word::Replay { .. }
+            | Word::Calibration { .. }
+            | Word::ExportUrdf { .. }
+            | Word::External { .. }
+            | Word::Node { .. }
+            | Word::Certificates { .. },
         )
         | None => {}
     }
@@ -78,7 +84,8 @@ pub fn launch(
         Some(Word::Calibration { robot }) => Some((Asked::Calibration, robot)),
         Some(Word::ExportUrdf { robot }) => Some((Asked::Urdf, robot)),
         Some(Word::External { name }) => Some((Asked::Python, name)),
-        Some(Word::Doctor | Word::Operating(_) | Word::Replay { .. }) | None => None,
+        Some(Word::Certificates { folder }) => Some((Asked::Certificates, folder)),
+        Some(Word::Node { .. } | Word::Doctor | Word::Operating(_) | Word::Replay { .. }) | None => None,
     };
     if let Some((asked, name)) = asked {
         return telling::tell(&mut cell, name, asked);
@@ -91,6 +98,9 @@ pub fn launch(
         if options.simulated && options.part.is_none() && !options.quiet {
             stand_ins(&cell.layout()).for_each(|told| note(&told));
         }
+    }
+    if let Some(Word::Node { name }) = &options.word {
+        return node(cell, name, path, &options, parts);
     }
     if options.reduced {
         if options.clock() != Some(Clock::Real) {
@@ -145,6 +155,19 @@ pub fn launch(
         return status;
     }
     watched(cell, picture, path, options, parts)
+}
+
+/// Has the processes of a node.
+fn node(cell: Cell, name: &str, path: PathBuf, options: &Options, parts: &'static Parts) -> ExitCode {
+    let mut arguments: Vec<_> = std::env::args_os().skip(1).collect();
+    // Its processes are started with the other arguments.
+    if let Some(at) =
+        arguments.iter().zip(arguments.iter().skip(1)).position(|(word, of)| word == "node" && of == name)
+    {
+        arguments.drain(at..at + 2);
+    }
+    let launch = Launch { arguments, cell: Some(path), quiet: options.quiet, ..Launch::new([], parts) };
+    parts.node(cell, name, launch)
 }
 
 /// Refuses a folder for frames that has anything in it, before the run: no image is written over another one.

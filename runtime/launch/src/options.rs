@@ -110,7 +110,7 @@ pub(super) enum Word {
         #[arg(long)]
         partial: bool,
     },
-    /// Say what this machine can do for --processes; takes 10 s.
+    /// Say what this machine can do for --processes, and the network between the machines of the cell; takes 10 s.
     Doctor,
     /// Print the calibration of a robot, as its controller tells it, for the file that cell.toml names.
     Calibration {
@@ -126,6 +126,16 @@ pub(super) enum Word {
     External {
         /// The sensor, or the robot.
         name: String,
+    },
+    /// Have the processes of a machine of the cell, which is started on another one; until it is ended.
+    Node {
+        /// The node.
+        name: String,
+    },
+    /// Make certificates for the machines of the cell.
+    Certificates {
+        /// A new folder.
+        folder: String,
     },
     #[command(flatten)]
     Operating(OperatingWord),
@@ -277,7 +287,9 @@ fn is_role(role: &[OsString], word: &OsStr) -> bool {
 /// session.
 pub(super) fn split_part(mut arguments: Vec<OsString>) -> (Option<(ProcessId, PathBuf)>, Vec<OsString>) {
     let words = (0..2).take_while(|&n| arguments.get(n).is_some_and(|word| is_role(&arguments[..n], word)));
-    let words = words.count();
+    // `node NAME` is a word of users, too, without a session.
+    let is_node = arguments.first().is_some_and(|word| word == "node") && arguments.len() > 1;
+    let words = if is_node { 2 } else { words.count() };
     let part = match (read_role(&arguments[..words]), arguments.get(words), arguments.get(words + 1)) {
         (Some(process), Some(session), Some(folder)) if session == "--session" => (process, folder.into()),
         _ => return (None, arguments),
@@ -327,6 +339,7 @@ fn read_role(words: &[OsString]) -> Option<ProcessId> {
         "plant" => return Some(ProcessId::PLANT),
         "ecp" => Role::Ecp,
         "edp" => Role::Edp,
+        "node" => Role::Node,
         _ => Role::Vsp,
     };
     Some(ProcessId::new(role, name()?))

@@ -6,7 +6,8 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use mrroc_core::cell::{Cell, CellError};
+use crate::cell_file::CellFile;
+use mrroc_core::cell::{Cell, CellError, Nodes};
 use mrroc_core::fault::ProcessId;
 use mrroc_core::observe::recording::{NotRecorded, Recorder};
 
@@ -33,6 +34,9 @@ pub trait Processes: core::fmt::Debug + Sync {
     /// Prints what this machine can do for processes.
     fn examine(&self) -> ExitCode;
 
+    /// Prints what the links between the machines of the cell in the file at `cell` can do.
+    fn examine_links(&self, nodes: &Nodes, cell: &Path) -> ExitCode;
+
     /// Carries out what an operator wants of the cell of the file at `cell`, which runs already.
     fn operate(&self, cell: &Path, operating: Operating) -> ExitCode;
 
@@ -47,6 +51,9 @@ pub trait Processes: core::fmt::Debug + Sync {
         session: &Path,
         how: &Launch,
     ) -> Result<Ran, CellError>;
+
+    /// Has the processes of the node `name` in a cell that is started on another machine, until it is ended.
+    fn node(&self, cell: Cell, name: &str, how: Launch) -> ExitCode;
 
     /// Runs all processes of a cell.
     ///
@@ -63,6 +70,16 @@ impl Parts {
         self.processes.map_or_else(|| refuse(&NO_PROCESSES), |processes| processes.examine())
     }
 
+    /// The same, and what the links between machines can do, if the cell has any.
+    pub(crate) fn examine_with(&self, cell: &Path) -> ExitCode {
+        let examined = self.examine();
+        let nodes = CellFile::read(cell).ok().and_then(|file| file.nodes().cloned());
+        match (self.processes, nodes) {
+            (Some(processes), Some(nodes)) => processes.examine_links(&nodes, cell),
+            (None, _) | (_, None) => examined,
+        }
+    }
+
     pub(crate) fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {
         self.processes.map_or_else(|| refuse(&NO_PROCESSES), |processes| processes.operate(cell, operating))
     }
@@ -77,6 +94,13 @@ impl Parts {
         match self.processes {
             Some(processes) => processes.take_part(cell, process, session, how),
             None => Ok(Ran::Part(refuse(&format!("{process}: {NO_PROCESSES}")))),
+        }
+    }
+
+    pub(crate) fn node(&self, cell: Cell, name: &str, how: Launch) -> ExitCode {
+        match self.processes {
+            Some(processes) => processes.node(cell, name, how),
+            None => refuse(&NO_PROCESSES),
         }
     }
 

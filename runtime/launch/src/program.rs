@@ -156,7 +156,9 @@ impl Launch {
             Word::Replay { .. }
             | Word::Calibration { .. }
             | Word::ExportUrdf { .. }
-            | Word::External { .. } => {
+            | Word::External { .. }
+            | Word::Node { .. }
+            | Word::Certificates { .. } => {
                 return None;
             }
             Word::Operating(word) => match word.read() {
@@ -208,6 +210,9 @@ impl Launch {
     /// first cause of a stop.
     pub fn run(self, cell: Cell) -> Result<Ran, CellError> {
         let mut cell = self.parts.equip(cell);
+        if let Some((Asked::Node, name)) = self.asked.clone() {
+            return Ok(Ran::Part(self.parts.node(cell, &name, self)));
+        }
         if let Some((asked, robot)) = &self.asked {
             cell.check()?;
             return Ok(Ran::Part(telling::tell(&mut cell, robot, *asked)));

@@ -3,6 +3,7 @@
 //! In: a cell, and the name of one of its robots or sensors. Out: the text of the file that the robot's entry names as
 //! `calibration`, a URDF, or a Python module.
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use mrroc_core::cell::{AnyRobot, Cell};
@@ -10,6 +11,7 @@ use mrroc_core::console::{refused, say};
 use mrroc_core::suggestion::suggestion;
 
 use super::external;
+use super::network::network;
 
 /// What a part of the cell is asked for instead of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +22,10 @@ pub(super) enum Asked {
     Urdf,
     /// The Python module of the program that sends its readings, or simulates it.
     Python,
+    /// To have the processes of a machine of this name.
+    Node,
+    /// To make certificates for all machines, in a folder of this name.
+    Certificates,
 }
 
 impl Asked {
@@ -29,6 +35,8 @@ impl Asked {
             "calibration" => Some(Asked::Calibration),
             "export-urdf" => Some(Asked::Urdf),
             "external" => Some(Asked::Python),
+            "node" => Some(Asked::Node),
+            "certificates" => Some(Asked::Certificates),
             _ => None,
         }
     }
@@ -40,6 +48,26 @@ pub(super) fn tell(cell: &mut Cell, name: &str, asked: Asked) -> ExitCode {
         Asked::Python => external::tell(cell, name),
         Asked::Calibration => of_robot(cell, name, calibration),
         Asked::Urdf => of_robot(cell, name, urdf),
+        Asked::Certificates => certificates(cell, name),
+        // What is no word of a robot or a sensor is asked of the processes.
+        Asked::Node => refused(&"a node is no part of a cell"),
+    }
+}
+
+/// Makes certificates for the machines of the cell.
+fn certificates(cell: &Cell, folder: &str) -> ExitCode {
+    let Some(nodes) = cell.nodes() else {
+        return refused(&"cell.toml has no nodes\n help: write a table [nodes.NAME] for each machine");
+    };
+    let Some(network) = network() else {
+        return refused(
+            &"this program has no network between nodes\n help: depend on mrroc-zenoh, and write \
+              mrroc::launch::nodes_over(&mrroc_zenoh::Zenoh) as the first line of main",
+        );
+    };
+    match network.certify(nodes.all(), Path::new(folder)) {
+        Ok(told) => say(&told),
+        Err(error) => refused(&error),
     }
 }
 

@@ -17,6 +17,7 @@ use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
 
 use super::heartbeat::Heartbeat;
 use super::session::{SHARED_MEMORY, prefix};
+use std::sync::atomic::AtomicI64;
 
 /// Words of an entry, its sequence number not counted.
 pub(super) const ENTRY: usize = 127;
@@ -118,6 +119,15 @@ impl StateBoard {
         }
     }
 
+    /// By how much the cell's time has moved on this machine since it began \[ns\]: always 0 but on a node that follows another one.
+    pub fn slew(&self) -> &AtomicI64 {
+        // SAFETY: as of the heartbeat, behind which it lies.
+        #[allow(unsafe_code)]
+        unsafe {
+            self.panels.add(self.count).cast::<Heartbeat>().add(1).cast::<AtomicI64>().as_ref()
+        }
+    }
+
     /// Shows the numbers of the process at a place; only that process may call this. Words beyond the entry's size are
     /// left out.
     pub fn write(&self, place: usize, words: &[u64]) {
@@ -142,7 +152,7 @@ impl Drop for StateBoard {
 }
 
 fn bytes(count: usize) -> usize {
-    count * size_of::<Entry>() + size_of::<Heartbeat>()
+    count * size_of::<Entry>() + size_of::<Heartbeat>() + size_of::<AtomicI64>()
 }
 
 fn path(session: u64) -> PathBuf {

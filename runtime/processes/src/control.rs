@@ -31,6 +31,9 @@ const WORDS: usize = 40;
 /// The words of a frame with the places to which a process has sent messages.
 const WOKEN: Range<usize> = 2..2 + Places::WORDS;
 
+/// Bytes of a frame.
+pub(super) const FRAME: usize = 8 * WORDS;
+
 /// Bytes of a text in a frame.
 const TEXT: usize = 8 * (WORDS - 2);
 
@@ -71,6 +74,8 @@ pub(super) enum Frame {
     Figures(Figures),
     /// From a process: it cannot take part, for this reason.
     Refuses(String),
+    /// From a carrier, in place of a process of another machine: that process has ended like this.
+    Gone(String),
     /// From a process: its part is over; with the steps begun, the time \[ns\], and how its program ended, if it had
     /// one. To a plant that is watched: the same of the whole cell.
     Over { steps: u64, time: Nanos, outcome: Option<Result<(), Fault>> },
@@ -141,7 +146,7 @@ impl Frame {
                 figures.put(&mut words[1..]);
                 15
             }
-            Frame::Refuses(text) => {
+            Frame::Refuses(text) | Frame::Gone(text) => {
                 let mut len = text.len().min(TEXT);
                 while !text.is_char_boundary(len) {
                     len -= 1;
@@ -152,7 +157,7 @@ impl Frame {
                     bytes[..chunk.len()].copy_from_slice(chunk);
                     *word = u64::from_le_bytes(bytes);
                 }
-                11
+                if matches!(self, Frame::Gone(_)) { 21 } else { 11 }
             }
             Frame::Over { steps, time, outcome } => {
                 let code = match outcome {
@@ -181,7 +186,7 @@ impl Frame {
             3 => Frame::Go { origin: words[1] },
             4 => Frame::Resume { now: words[1] },
             5 => {
-                let roles = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant];
+                let roles = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant, Role::Node];
                 let role = roles.into_iter().find(|role| *role as u64 == words[1]).ok_or(BadWords)?;
                 Frame::Lost(ProcessId { role, name: Name::get(&words[2..5]).ok() })
             }
@@ -194,10 +199,11 @@ impl Frame {
             8 => Frame::Created { fingerprint: words[1] },
             9 => Frame::Ready { lacks: Lacks::from_word(words[1]) },
             10 => Frame::Waits { deadline: words[1], woken: woken(words)? },
-            11 => {
+            11 | 21 => {
                 let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
                 let len = usize::try_from(words[1]).ok().filter(|&len| len <= TEXT).ok_or(BadWords)?;
-                Frame::Refuses(String::from_utf8_lossy(&bytes[..len]).into_owned())
+                let text = String::from_utf8_lossy(&bytes[..len]).into_owned();
+                if words[0] == 21 { Frame::Gone(text) } else { Frame::Refuses(text) }
             }
             12 => {
                 let outcome = match words[3] {
@@ -223,6 +229,28 @@ impl Frame {
     }
 }
 
+impl Frame {
+    /// The frame as it is sent.
+    pub(super) fn to_bytes(&self) -> [u8; FRAME] {
+        let mut words = [0; WORDS];
+        self.put(&mut words);
+        let mut bytes = [0; FRAME];
+        for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
+            chunk.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+
+    /// The frame in what was sent.
+    pub(super) fn from_bytes(bytes: &[u8; FRAME]) -> Result<Frame, BadWords> {
+        let mut words = [0; WORDS];
+        for (chunk, word) in bytes.as_chunks::<8>().0.iter().zip(&mut words) {
+            *word = u64::from_le_bytes(*chunk);
+        }
+        Frame::get(&words)
+    }
+}
+
 /// The places to which a process has sent messages.
 fn woken(words: &[u64; WORDS]) -> Result<Places, BadWords> {
     words[WOKEN].try_into().map(Places::from_words).map_err(|_| BadWords)
@@ -239,13 +267,13 @@ impl Control {
 
     /// Sends a frame.
     pub(super) fn send(&self, frame: &Frame) -> io::Result<()> {
-        (&self.0).write_all(&bytes(frame))
+        (&self.0).write_all(&frame.to_bytes())
     }
 
     /// Sends a frame, unless the other side has left so many unread that it would have to be waited for.
     pub(super) fn send_now(&self, frame: &Frame) -> io::Result<()> {
         // The socket takes a frame as a whole, because it is shorter than a page.
-        send(&self.0, &bytes(frame), SendFlags::DONTWAIT | SendFlags::NOSIGNAL)?;
+        send(&self.0, &frame.to_bytes(), SendFlags::DONTWAIT | SendFlags::NOSIGNAL)?;
         Ok(())
     }
 
@@ -257,15 +285,10 @@ impl Control {
 
     /// Waits for a frame.
     pub(super) fn receive(&self) -> io::Result<Frame> {
-        let mut bytes = [0; 8 * WORDS];
+        let mut bytes = [0; FRAME];
         (&self.0).read_exact(&mut bytes)?;
-        let mut words = [0; WORDS];
-        for (chunk, word) in bytes.chunks_exact(8).zip(&mut words) {
-            let mut eight = [0; 8];
-            eight.copy_from_slice(chunk);
-            *word = u64::from_le_bytes(eight);
-        }
-        Frame::get(&words).map_err(|_| io::Error::new(ErrorKind::InvalidData, "no frame of this program"))
+        let frame = Frame::from_bytes(&bytes);
+        frame.map_err(|_| io::Error::new(ErrorKind::InvalidData, "no frame of this program"))
     }
 
     /// From now on, waits for frames without a time-out.
@@ -282,17 +305,6 @@ impl Control {
     pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
         self.0.as_fd()
     }
-}
-
-/// A frame as it is sent.
-fn bytes(frame: &Frame) -> [u8; 8 * WORDS] {
-    let mut words = [0; WORDS];
-    frame.put(&mut words);
-    let mut bytes = [0; 8 * WORDS];
-    for (chunk, word) in bytes.chunks_exact_mut(8).zip(words) {
-        chunk.copy_from_slice(&word.to_le_bytes());
-    }
-    bytes
 }
 
 #[cfg(test)]
@@ -327,6 +339,7 @@ mod tests {
             Frame::Figures(Figures { skipped: 1, overruns: 2, dropped: 3, ..Figures::default() }),
             Frame::Rested(Rest { edp, braked_after: 11, stood_after: 3 }),
             Frame::Refuses("no shared memory: größer".to_owned()),
+            Frame::Gone("it was killed by signal 9".to_owned()),
             Frame::Over { steps: 1, time: 2, outcome: None },
             Frame::Over { steps: 1, time: 2, outcome: Some(Ok(())) },
             Frame::Over { steps: 1, time: 2, outcome: Some(Err(fault)) },

@@ -11,6 +11,7 @@ use super::capacity::{self, NoRoom};
 use super::console_server::ConsoleServer;
 use super::figures::table;
 use super::latch_notes::LatchNotes;
+use super::nodes::carrier::NO_NETWORK;
 use super::pacing::pace;
 use super::process_set::{Member, NoStart, Plan, ProcessSet};
 use super::session::{CellLock, Private, Session, SessionError, prefix};
@@ -23,6 +24,7 @@ use mrroc_core::console::{Background, complain};
 use mrroc_core::fault::{Fault, ProcessId};
 use mrroc_core::link::Nanos;
 use mrroc_core::observe::NotRecorded;
+use mrroc_launch::network::network;
 
 /// How many times a launch is tried when processes die while they start.
 const ATTEMPTS: u64 = 5;
@@ -52,6 +54,9 @@ pub(crate) enum LaunchError {
     /// Shared memory could not be made.
     #[error(transparent)]
     Link(#[from] LinkError),
+    /// The cell is on several machines, and cannot be run so.
+    #[error("{0}")]
+    Nodes(String),
     /// The socket for the operator's consoles could not be made.
     #[error("the operator's socket cannot be made: {0}{help}", help = capacity::remedy(.0))]
     ConsoleServer(std::io::Error),
@@ -84,6 +89,9 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     let hardware = cell.hardware();
     let recorder = cell.recorder();
     let recording = cell.recording().cloned().map(|recording| (recording, cell.layout()));
+    if plan.nodes.is_some() {
+        check_nodes(plan)?;
+    }
     // The launcher puts the cell together to learn its processes, and runs none of them itself.
     let mut fabric = Fabric::new(ProcessId::MP, plan.clock);
     cell.put_on(&mut fabric)?;
@@ -149,9 +157,24 @@ pub(crate) fn launch(cell: Cell, plan: &Plan) -> Result<Launched, LaunchError> {
     }
 }
 
+/// Refuses a cell on several machines that could not run so.
+fn check_nodes(plan: &Plan) -> Result<(), LaunchError> {
+    let refused = |text: &str| Err(LaunchError::Nodes(text.to_owned()));
+    if plan.clock == Clock::Virtual {
+        return refused(
+            "a cell on several machines runs in real time\n help: --processes; or leave [nodes] out of its cell.toml, or run it without \
+             processes",
+        );
+    }
+    match network() {
+        Some(_) => Ok(()),
+        None => refused(NO_NETWORK),
+    }
+}
+
 /// Makes what all processes share. In real time, this is also the state board on which they show what they do: one end for
 /// the launcher, one for its console server; `None` under the virtual clock, where consoles cannot watch the cell.
-fn make_shared(
+pub(super) fn make_shared(
     clock: Clock,
     session: &Session,
     places: usize,

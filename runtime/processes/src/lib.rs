@@ -10,6 +10,7 @@
 //! frames between the launcher and its processes. The operator's consoles connect to the `console_server`. Each process
 //! shows what it does in its `entry` of the state `board`. A plant that draws a picture is shown what other processes have through
 //! the `picture_socket`.
+//! A cell may be on several machines: `nodes` has what carries its messages between them.
 //! `scheduling` asks the machine for priorities, cores and locked memory, `capacity` checks that there is enough shared
 //! memory and open files, and `doctor` says what the machine can do.
 
@@ -36,6 +37,7 @@ mod latency;
 mod launcher;
 mod member;
 mod mp_watch;
+mod nodes;
 mod operating;
 mod pacing;
 mod part;

@@ -10,6 +10,7 @@ use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
@@ -25,7 +26,7 @@ use super::scheduling::{Lacks, ask, give_back_priority};
 use super::session::{Membership, Private, prefix};
 use crate::iceoryx::monotonic;
 use crate::iceoryx::{
-    Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Shows, Supervised, WakeFutex,
+    Clock, Fabric, Heard, Launcher, LockStep, RealTime, Seal, Shows, Slew, Supervised, WakeFutex,
 };
 use crate::identity::{self, CellId};
 use mrroc_core::cell::{Cell, RunReport};
@@ -214,7 +215,8 @@ fn take_part(
                 listen(control, wake_futex, has_robot(me)).map_err(Ended::for_want_of_a_thread)?;
             let waiter = RealTime::new(wake_futex, heard, (origin, spin), gauge.samples())
                 .showing(entry.of(me))
-                .supervised_by(entry.supervised(me));
+                .supervised_by(entry.supervised(me))
+                .slewed_by(entry.slew());
             if let Some(preparation) = preparation {
                 keep_until(origin, &*preparation);
             }
@@ -298,8 +300,15 @@ impl Entry {
         match me.role {
             Role::Mp => Some(Shows::Mp(Box::new(move |state| write(&entry::of_mp(state))))),
             Role::Ecp => Some(Shows::Ecp(Box::new(move |state| write(&entry::of_ecp(state))))),
-            Role::Edp | Role::Vsp | Role::Plant => None,
+            Role::Edp | Role::Vsp | Role::Plant | Role::Node => None,
         }
+    }
+
+    /// What tells by how much the cell's time has moved on this machine.
+    fn slew(&self) -> Option<Slew> {
+        let entry = Rc::clone(&self.0);
+        entry.get()?;
+        Some(Box::new(move || entry.get().map_or(0, |(board, _)| board.slew().load(Ordering::Relaxed))))
     }
 
     /// What tells an MP whether its launcher supervises the cell; `None` in any other process.

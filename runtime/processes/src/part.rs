@@ -7,9 +7,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::rc::Rc;
 
-use mrroc_core::cell::{Cell, CellError, Permission};
+use mrroc_core::cell::{Cell, CellError, Nodes, Permission};
 use mrroc_core::console::{Background, complain, refused, say};
-use mrroc_core::fault::ProcessId;
+use mrroc_core::fault::{ProcessId, Role};
 use mrroc_core::link::Clock;
 use mrroc_core::observe::recording::{Recorder, RunRecord};
 use mrroc_core::observe::ring::Ring;
@@ -21,6 +21,7 @@ use crate::console_server::Caller;
 use crate::doctor::examine;
 use crate::launcher::{LaunchError, Launched, launch};
 use crate::member::{NoPart, run};
+use crate::nodes::{agent, carrier, link};
 use crate::operating::operate;
 use crate::picture_socket::{self, Receiver};
 use crate::process_set::Plan;
@@ -42,6 +43,10 @@ impl Processes for OverSharedMemory {
         say(&examine())
     }
 
+    fn examine_links(&self, nodes: &Nodes, cell: &Path) -> ExitCode {
+        say(&link::examine(nodes, cell))
+    }
+
     fn operate(&self, cell: &Path, operating: Operating) -> ExitCode {
         operate(cell, operating, self.view)
     }
@@ -53,11 +58,34 @@ impl Processes for OverSharedMemory {
         session: &Path,
         how: &Launch,
     ) -> Result<Ran, CellError> {
+        if process.role == Role::Node {
+            return Ok(Ran::Part(carry(cell, process, session, how)));
+        }
         take_part(self.recorder, cell, process, session, how)
+    }
+
+    fn node(&self, cell: Cell, name: &str, how: Launch) -> ExitCode {
+        match how.cell.map_or_else(std::env::current_exe, Ok) {
+            Ok(file) => agent::run(cell, name, file, (how.arguments, how.quiet)),
+            Err(error) => refused(&error),
+        }
     }
 
     fn launch(&self, cell: Cell, how: Launch) -> Result<Ran, CellError> {
         launch_processes(cell, how)
+    }
+}
+
+/// Runs the process that carries messages to other machines.
+fn carry(cell: Cell, me: ProcessId, session: &Path, how: &Launch) -> ExitCode {
+    let _output = Background::begin().ok();
+    let file = how.cell.clone().map_or_else(std::env::current_exe, Ok);
+    match file.map(|file| carrier::run(cell, me, session, &file)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error @ NoPart::NoLauncher(_))) if !session.is_dir() => refused(&error),
+        // The launcher prints the fault.
+        Ok(Err(_)) => ExitCode::FAILURE,
+        Err(error) => refused(&error),
     }
 }
 
@@ -148,8 +176,9 @@ fn launch_processes(cell: Cell, how: Launch) -> Result<Ran, CellError> {
     let clock = how.clock.unwrap_or(Clock::Virtual);
     let file = how.cell.map_or_else(std::env::current_exe, Ok).map_err(|error| refused(&error))?;
     let permission = cell.realtime().map_or(Permission::BestEffort, |realtime| realtime.permission);
+    let nodes = cell.nodes().cloned();
     let Launch { arguments, spin, quiet, watching: watched, .. } = how;
-    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet, watched };
+    let plan = Plan { cell: file, arguments, clock, spin, permission, quiet, watched, nodes };
     match launch(cell, &plan) {
         Ok(Launched::Ran(report)) => Ok(Ran::Processes(report)),
         Ok(Launched::Told(status)) => Ok(Ran::Part(ExitCode::from(status))),

@@ -5,7 +5,7 @@
 
 use core::cell::{Cell, RefCell};
 use std::ffi::OsString;
-use std::io;
+use std::io::{self, Write};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -16,11 +16,12 @@ use std::time::{Duration, Instant};
 
 use super::control::{Control, Frame};
 use super::figures::Figures;
+use super::nodes::carrier::FAR;
 use super::scheduling::Lacks;
 use super::session::Session;
 use crate::iceoryx::{Clock, Seal};
-use mrroc_core::cell::Permission;
 use mrroc_core::cell::Rest;
+use mrroc_core::cell::{Nodes, Permission};
 use mrroc_core::console::complain;
 use mrroc_core::fault::{Fault, FaultKind, ProcessId, Role};
 use mrroc_core::link::Nanos;
@@ -30,7 +31,7 @@ const SETTING_UP: Duration = Duration::from_secs(30);
 
 /// Time that processes have to end after the cell closes, in addition to the time that its robots take to stop: this, and
 /// so much for each process, because all of them end at once and share the machine's cores.
-const CLOSING: Duration = Duration::from_secs(10);
+pub(super) const CLOSING: Duration = Duration::from_secs(10);
 const CLOSING_EACH: Duration = Duration::from_millis(250);
 
 /// How long a process that has closed its connection may take to end.
@@ -53,6 +54,8 @@ pub(crate) struct Plan {
     pub quiet: bool,
     /// Whether the program's observers are in the plant, which then also reports the result of the run.
     pub watched: bool,
+    /// The machines of the cell, if it is on several.
+    pub nodes: Option<Nodes>,
 }
 
 /// Why a process could not be set up. All other processes are ended, and no robot has moved.
@@ -94,7 +97,10 @@ pub(super) struct Over {
 pub(super) struct Member {
     pub id: ProcessId,
     pub control: Control,
-    child: RefCell<Child>,
+    /// `None` for a process of another machine.
+    child: RefCell<Option<Child>>,
+    /// How a process of another machine has ended, as its node says.
+    pub ended: RefCell<Option<String>>,
     pub over: RefCell<Option<Over>>,
     /// Its newest figures; in real time only.
     pub figures: Cell<Option<Figures>>,
@@ -105,7 +111,8 @@ pub(super) struct Member {
 }
 
 impl Member {
-    fn spawn(id: ProcessId, session: &Session, plan: &Plan) -> io::Result<Member> {
+    /// Starts a process of this machine.
+    pub fn spawn(id: ProcessId, session: &Session, plan: &Plan) -> io::Result<Member> {
         let (ours, theirs) = UnixStream::pair()?;
         let mut command = Command::new("/proc/self/exe");
         if let Some(program) = std::env::args_os().next() {
@@ -118,23 +125,64 @@ impl Member {
         // does not lose its processes one by one.
         let child = command.stdin(Stdio::from(OwnedFd::from(theirs))).process_group(0).spawn()?;
         ours.set_read_timeout(Some(SETTING_UP))?;
-        let (child, over) = (RefCell::new(child), RefCell::new(None));
-        let (figures, rests, gone) = (Cell::new(None), RefCell::default(), Cell::new(false));
-        Ok(Member { id, control: Control::new(ours), child, over, figures, rests, gone })
+        Ok(Member::new(id, Control::new(ours), Some(child)))
     }
 
-    /// The number of the process.
+    /// The process at a place that is on another machine, to which the carrier of this session speaks.
+    fn far(id: ProcessId, place: usize, session: &Session) -> io::Result<Member> {
+        let mut stream = UnixStream::connect(session.folder().join(FAR))?;
+        stream.write_all(&(place as u64).to_le_bytes())?;
+        stream.set_read_timeout(Some(SETTING_UP))?;
+        Ok(Member::new(id, Control::new(stream), None))
+    }
+
+    fn new(id: ProcessId, control: Control, child: Option<Child>) -> Member {
+        Member {
+            id,
+            control,
+            child: RefCell::new(child),
+            ended: RefCell::default(),
+            over: RefCell::default(),
+            figures: Cell::new(None),
+            rests: RefCell::default(),
+            gone: Cell::new(false),
+        }
+    }
+
+    /// The number of the process; 0 for one of another machine.
     pub fn pid(&self) -> u32 {
-        self.child.borrow().id()
+        self.child.borrow().as_ref().map_or(0, Child::id)
+    }
+
+    /// How a process of this machine has ended, if it has.
+    fn status(&self) -> io::Result<Option<ExitStatus>> {
+        self.child.borrow_mut().as_mut().map_or(Ok(None), Child::try_wait)
+    }
+
+    /// Ends a process: at once on this machine; elsewhere its node does so, when it hears that its launcher is gone.
+    fn end(&self) {
+        match self.child.borrow_mut().as_mut() {
+            // Killing fails if the process has ended just now.
+            Some(child) => drop(child.kill()),
+            None => self.control.hang_up(),
+        }
+    }
+
+    /// How a process of another machine has ended.
+    fn told_end(&self) -> String {
+        self.ended.borrow().clone().unwrap_or_else(|| "nothing is known of it any more".to_owned())
     }
 
     /// Waits for a process whose end has come, and says how it ended. One that has closed its connection and goes on is
     /// killed.
     pub fn reap(&self) -> String {
         self.gone.set(true);
+        if self.child.borrow().is_none() {
+            return self.told_end();
+        }
         let until = Instant::now() + ENDING;
         loop {
-            match self.child.borrow_mut().try_wait() {
+            match self.status() {
                 Ok(Some(status)) => return how(status),
                 Ok(None) if Instant::now() < until => {}
                 Ok(None) => break,
@@ -142,11 +190,11 @@ impl Member {
             }
             std::thread::sleep(Duration::from_millis(1));
         }
-        // Killing fails if the process has ended just now.
-        drop(self.child.borrow_mut().kill());
-        match self.child.borrow_mut().wait() {
-            Ok(status) => how(status),
-            Err(error) => error.to_string(),
+        self.end();
+        match self.child.borrow_mut().as_mut().map(Child::wait) {
+            Some(Ok(status)) => how(status),
+            Some(Err(error)) => error.to_string(),
+            None => self.told_end(),
         }
     }
 
@@ -157,8 +205,7 @@ impl Member {
 
     /// Kills the process.
     pub fn kill(&self) {
-        // Killing fails if the process has ended just now.
-        drop(self.child.borrow_mut().kill());
+        self.end();
         self.reap();
     }
 
@@ -167,7 +214,7 @@ impl Member {
     pub fn conclude(&self, steps: u64, time: Nanos, outcome: Result<(), Fault>) -> Option<u8> {
         let told = self.control.send(&Frame::Over { steps, time, outcome: Some(outcome) });
         self.gone.set(true);
-        let status = self.child.borrow_mut().wait().ok()?;
+        let status = self.child.borrow_mut().as_mut()?.wait().ok()?;
         told.ok().and(status.code()).and_then(|code| u8::try_from(code).ok())
     }
 
@@ -180,13 +227,16 @@ impl Member {
     fn expect(&self) -> Result<Frame, NoStart> {
         match self.next_but_figures() {
             Ok(Frame::Refuses(text)) => Err(NoStart::Refuses(self.id, text)),
+            Ok(Frame::Gone(how)) => Err(NoStart::Ended(self.id, how)),
             Ok(frame) => Ok(frame),
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                 Err(NoStart::Ended(self.id, format!("it did nothing for {} s", SETTING_UP.as_secs())))
             }
             Err(_) => {
                 self.gone.set(true);
-                let ended = self.child.borrow_mut().wait();
+                let Some(ended) = self.child.borrow_mut().as_mut().map(Child::wait) else {
+                    return Err(NoStart::Ended(self.id, self.told_end()));
+                };
                 Err(match ended {
                     Ok(status) if status.signal().is_some() => NoStart::Died(self.id, how(status)),
                     Ok(status) => NoStart::Ended(self.id, how(status)),
@@ -239,10 +289,22 @@ impl ProcessSet {
         (plan, stop): (&Plan, Duration),
     ) -> Result<ProcessSet, NoStart> {
         let mut process_set = ProcessSet { members: Vec::new(), stop, runs: Cell::new(false) };
-        for &id in places {
-            let member = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
-            process_set.members.push(Rc::new(member));
+        // Nothing is started here before all other machines are ready for it.
+        let carrier = match plan.nodes.as_ref().and_then(Nodes::first) {
+            Some(node) => {
+                Some(carry(ProcessId::new(Role::Node, node.name), fingerprint, (session, epoch), plan)?)
+            }
+            None => None,
+        };
+        for (place, &id) in places.iter().enumerate() {
+            let is_far =
+                plan.nodes.as_ref().is_some_and(|nodes| nodes.of(id).is_some_and(|node| node != nodes.mp()));
+            let member =
+                if is_far { Member::far(id, place, session) } else { Member::spawn(id, session, plan) };
+            process_set.members.push(Rc::new(member.map_err(|error| NoStart::Spawn(id, error))?));
         }
+        // Behind the others, so that these are at their places.
+        process_set.members.extend(carrier);
         match process_set.set_up(fingerprint, (session, epoch), plan) {
             Ok(()) => Ok(process_set),
             // If a process has died, its death is the reason for the other processes' errors.
@@ -257,8 +319,12 @@ impl ProcessSet {
         plan: &Plan,
     ) -> Result<(), NoStart> {
         let seal = Seal { session: session.number(), epoch };
-        self.tell(&Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin });
-        for member in &self.members {
+        let welcome = Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin };
+        let others = || self.members.iter().filter(|member| member.id.role != Role::Node);
+        for member in others() {
+            drop(member.control.send_now(&welcome));
+        }
+        for member in others() {
             if member.expect()? != (Frame::Created { fingerprint }) {
                 return Err(NoStart::OtherCell(member.id));
             }
@@ -284,7 +350,7 @@ impl ProcessSet {
     /// A process that was killed while it was set up.
     fn first_dead(&self) -> Option<NoStart> {
         self.members.iter().filter(|member| !member.gone.get()).find_map(|member| {
-            let status = member.child.borrow_mut().try_wait().ok()??;
+            let status = member.status().ok()??;
             // A process that refused has sent its reason and ends by itself, with a status and not by a signal.
             status.signal().map(|_| NoStart::Died(member.id, how(status)))
         })
@@ -342,8 +408,11 @@ impl ProcessSet {
         let goes_on = goes_on.map(|member| member.id);
         for member in self.members.iter().filter(|member| !member.gone.get() && Some(member.id) != goes_on) {
             loop {
-                let ended = member.child.borrow_mut().try_wait();
-                if !matches!(ended, Ok(None)) {
+                if member.child.borrow().is_none() {
+                    member.kill();
+                    break;
+                }
+                if !matches!(member.status(), Ok(None)) {
                     member.reap();
                     break;
                 }
@@ -353,6 +422,30 @@ impl ProcessSet {
                 }
                 std::thread::sleep(Duration::from_millis(1));
             }
+        }
+    }
+}
+
+/// Starts the carrier, and waits until it has found all other machines ready.
+fn carry(
+    id: ProcessId,
+    fingerprint: u64,
+    (session, epoch): (&Session, u64),
+    plan: &Plan,
+) -> Result<Rc<Member>, NoStart> {
+    let carrier = Member::spawn(id, session, plan).map_err(|error| NoStart::Spawn(id, error))?;
+    let seal = Seal { session: session.number(), epoch };
+    let welcome = Frame::Welcome { seal, cell: session.cell(), clock: plan.clock, spin: plan.spin };
+    drop(carrier.control.send_now(&welcome));
+    match carrier.expect() {
+        Ok(Frame::Created { fingerprint: other }) if other == fingerprint => Ok(Rc::new(carrier)),
+        Ok(_) => {
+            carrier.kill();
+            Err(NoStart::OtherCell(id))
+        }
+        Err(error) => {
+            carrier.kill();
+            Err(error)
         }
     }
 }
@@ -378,15 +471,7 @@ mod tests {
         let script = format!("cat >{0}.read; sleep 0.3; echo stands >{0}", file.display());
         let child =
             Command::new("sh").args(["-c", &script]).stdin(Stdio::from(OwnedFd::from(theirs))).spawn();
-        Rc::new(Member {
-            id,
-            control: Control::new(ours),
-            child: RefCell::new(child.expect("a process")),
-            over: RefCell::new(None),
-            figures: Cell::new(None),
-            rests: RefCell::default(),
-            gone: Cell::new(false),
-        })
+        Rc::new(Member::new(id, Control::new(ours), Some(child.expect("a process"))))
     }
 
     #[test]

@@ -30,6 +30,9 @@ use mrroc_core::operator::state::Doing;
 /// Time from GO to the beginning of step 0, long enough for all processes to receive GO.
 const HEAD_START: Duration = Duration::from_millis(20);
 
+/// The same where processes of other machines receive it, too.
+const HEAD_START_OF_NODES: Duration = Duration::from_millis(300);
+
 /// Time that the MP's program has to end after an abort, in addition to the time that its robots take to stop.
 const ABORTING: Duration = Duration::from_secs(5);
 
@@ -109,7 +112,9 @@ impl<'a> Supervision<'a> {
     /// result of the run instead.
     pub fn run(mut self, watched: bool) -> Run {
         self.board.heartbeat().beat();
-        self.process_set.go(monotonic() + HEAD_START.as_nanos() as Nanos);
+        let has_nodes = self.process_set.members.iter().any(|member| member.id.role == Role::Node);
+        let head_start = if has_nodes { HEAD_START_OF_NODES } else { HEAD_START };
+        self.process_set.go(monotonic() + head_start.as_nanos() as Nanos);
         loop {
             let waits = |member: &Member| watched && member.id.role == Role::Plant && member.is_over();
             let members = self.process_set.members.iter();
@@ -183,6 +188,7 @@ impl<'a> Supervision<'a> {
                     self.close();
                 }
             }
+            Ok(Frame::Gone(how)) => drop(member.ended.replace(Some(how))),
             Ok(Frame::Rested(rest)) => member.rests.borrow_mut().push(rest),
             Ok(Frame::Figures(figures)) => {
                 member.figures.set(Some(figures));
@@ -208,6 +214,8 @@ impl<'a> Supervision<'a> {
                         self.death.get_or_insert(member.death(&how));
                         self.close();
                     }
+                    // Without it, its far processes are gone, too, each by itself.
+                    Role::Node => drop(self.death.get_or_insert(member.death(&how))),
                     Role::Ecp | Role::Edp | Role::Plant => {
                         self.death.get_or_insert(member.death(&how));
                         self.process_set.tell_mp(&Frame::Lost(member.id));

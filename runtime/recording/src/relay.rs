@@ -52,7 +52,7 @@ pub(crate) fn join(
     let shows = match process.role {
         Role::Mp | Role::Ecp | Role::Edp => true,
         Role::Plant => !layout.bodies.is_empty(),
-        Role::Vsp => false,
+        Role::Vsp | Role::Node => false,
     };
     if !shows {
         return None;

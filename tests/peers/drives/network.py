@@ -1,92 +1,27 @@
 """Drivers across a network that loses, delays and reorders packets: in two network namespaces, joined by a wire of this process.
 
-One namespace has the cell, the other one the controller. Each has a TUN device; what one sends, this process hands to the other, or
-does not, as its seed says. So TCP's own repeats are those of the kernel. Packets from the cell's set-points are told by their
+One namespace has the cell, the other one the controller. Packets from the cell's set-points are told by their
 port. It ends with 75 where this machine was too late, which is no fault of a driver, and says so where the machine permits no namespaces.
 """
 
 import argparse
-import fcntl
-import heapq
 import json
 import os
-import random
-import select
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+sys.path.append(str(HERE.parent))
+from wire import Bad, Clear, Late, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
+
 ROOT = HERE.parent.parent.parent
 CELL, ROBOT = "10.77.0.1", "10.77.0.2"
 # Where the script of a UR calls: what comes from there are set-points.
 SET_POINTS = 50001
-TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
-
-
-class Wire(threading.Thread):
-    """Two TUN devices. `way` says of each packet what happens to it; it may be replaced at any time."""
-
-    def __init__(self, seed):
-        super().__init__(daemon=True)
-        self.random = random.Random(seed)
-        self.ends = [self.device("wire0"), self.device("wire1")]
-        self.way = Clear()
-        self.waiting = []
-        self.passed = self.lost = 0
-        self.ended = False
-
-    @staticmethod
-    def device(name):
-        end = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
-        fcntl.ioctl(end, TUNSETIFF, struct.pack("16sH22x", name.encode(), IFF_TUN | IFF_NO_PI))
-        return end
-
-    def run(self):
-        while not self.ended:
-            now = time.monotonic()
-            until = max(0.0, self.waiting[0][0] - now) if self.waiting else 0.1
-            for end in select.select(self.ends, [], [], until)[0]:
-                while True:
-                    try:
-                        packet = os.read(end, 65536)
-                    except BlockingIOError:
-                        break
-                    delay = self.way.delay(self.random, packet, self.ends.index(end) == 0)
-                    if delay is None:
-                        self.lost += 1
-                        continue
-                    self.passed += 1
-                    other = self.ends[1 - self.ends.index(end)]
-                    heapq.heappush(self.waiting, (time.monotonic() + delay, self.passed, other, packet))
-            while self.waiting and self.waiting[0][0] <= time.monotonic():
-                _, _, end, packet = heapq.heappop(self.waiting)
-                try:
-                    os.write(end, packet)
-                except OSError:
-                    pass  # its namespace is gone
-
-
-class Clear:
-    """Nothing happens to a packet."""
-
-    def delay(self, _random, _packet, _of_cell):
-        return 0.0
-
-
-class Bad(Clear):
-    """Packets are lost with this probability, and come up to so much later, each by itself [s]: later ones overtake them."""
-
-    def __init__(self, loss, delay):
-        self.loss, self.most = loss, delay
-
-    def delay(self, random, _packet, _of_cell):
-        return None if random.random() < self.loss else random.uniform(0.0, self.most)
 
 
 class Gaps(Clear):
@@ -118,42 +53,7 @@ def is_set_point(packet):
     return port == SET_POINTS and len(packet) > head + (packet[head + 12] >> 4) * 4
 
 
-class Namespace:
-    """One end: a network namespace of its own, with an address."""
-
-    def __init__(self, device, address, other):
-        self.holder = subprocess.Popen(["unshare", "-n", "sh", "-c", "echo; exec sleep infinity"], stdout=subprocess.PIPE)
-        self.holder.stdout.readline()
-        run("ip", "link", "set", device, "netns", str(self.holder.pid))
-        for line in (f"addr add {address} peer {other} dev {device}", f"link set {device} up", "link set lo up"):
-            run(*self.within("ip", *line.split()))
-
-    def within(self, *command):
-        return ["nsenter", "-t", str(self.holder.pid), "-n", *command]
-
-    def close(self):
-        self.holder.kill()
-        self.holder.wait()
-
-
-def run(*command):
-    subprocess.run(command, check=True)
-
-
 LATE = ["steps were missed", "the process at the other end is gone", "after late demands"]
-
-
-class Late(Exception):
-    """This machine was."""
-
-
-class Shortfall(Exception):
-    """What is not as it should be."""
-
-
-def has(condition, what):
-    if not condition:
-        raise Shortfall(what)
 
 
 class Bench:
@@ -334,14 +234,9 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", help="one part")
     options = parser.parse_args()
-    if os.environ.get("MRROC_NAMESPACE") != "1":
-        # The same once more, in a namespace in which it may make others.
-        os.environ["MRROC_NAMESPACE"] = "1"
-        tried = subprocess.run(["unshare", "-rn", "sh", "-c", "test -w /dev/net/tun && command -v ip nsenter"], capture_output=True)
-        if tried.returncode != 0:
-            print("network: skipped: this machine permits no network namespaces")
-            return
-        os.execvp("unshare", ["unshare", "-rn", sys.executable, *sys.argv])
+    if not begin_in_namespace():
+        print("network: skipped: this machine permits no network namespaces")
+        return
     print(f"network: seed {options.seed}")
     bench = Bench(options.seed)
     try:

@@ -12,6 +12,7 @@ mod error;
 mod layout;
 mod limits;
 mod lower;
+mod nodes;
 mod parts;
 mod picture;
 pub mod realtime;
@@ -62,6 +63,7 @@ pub use crate::model::lower_cell::{CellStatus, LowerCell};
 pub use crate::safety::latch::AfterFault;
 pub use assembly::{Assembly, Outcomes};
 pub use error::CellError;
+pub use nodes::{Node, Nodes};
 pub use picture::RunPicture;
 pub use realtime::{Permission, Realtime};
 pub use robot::signals::{InputSetup, OutputSetup, WrongSignal};
@@ -75,6 +77,7 @@ pub struct Cell {
     timing: Timing,
     coordination: Coordination,
     watching: Watching,
+    nodes: Option<Nodes>,
 }
 
 impl Cell {
@@ -86,7 +89,21 @@ impl Cell {
             timing: Timing::of_step(step),
             coordination: Coordination::default(),
             watching: Watching::default(),
+            nodes: None,
         }
+    }
+
+    /// Spreads the processes of the cell over several machines, when it runs as processes in real time.
+    #[must_use]
+    pub fn on_nodes(mut self, nodes: Nodes) -> Cell {
+        self.nodes = Some(nodes);
+        self
+    }
+
+    /// The machines of the cell; `None` if it is on one.
+    #[must_use]
+    pub const fn nodes(&self) -> Option<&Nodes> {
+        self.nodes.as_ref()
     }
 
     /// Sets the longest time that the cell allows any joint from the cause of a stop to a standstill; 600 ms by

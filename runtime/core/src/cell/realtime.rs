@@ -45,7 +45,7 @@ impl Realtime {
         let place = match process.role {
             Role::Mp => 0,
             Role::Ecp | Role::Edp => robots.iter().position(|robot| robot.name == process.name)?,
-            Role::Vsp | Role::Plant => return None,
+            Role::Vsp | Role::Plant | Role::Node => return None,
         };
         // With one core there is nothing to choose.
         cores.get(place.checked_rem(cores.len())?).copied()

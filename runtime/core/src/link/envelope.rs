@@ -204,6 +204,49 @@ impl Envelope {
         Ok(())
     }
 
+    /// The same under another seal, if it is whole and under this one.
+    #[must_use]
+    pub fn moved(mut self, from: Seal, to: Seal) -> Option<Envelope> {
+        if !(self.is_under(from) && self.is_whole()) {
+            return None;
+        }
+        (self.session, self.epoch) = (to.session, to.epoch);
+        self.check = self.sum((self.head[LEN_WORD] as usize).min(WORDS));
+        Some(self)
+    }
+
+    /// Adds it to what is sent over a network: its words that count, each with its lowest byte first.
+    pub fn put_bytes(&self, bytes: &mut Vec<u8>) {
+        let fixed = [self.layout, self.session, self.epoch, self.sequence, self.attempt, self.check];
+        let (head, body) = self.words();
+        bytes.extend(fixed.iter().chain(head).chain(body).flat_map(|word| word.to_le_bytes()));
+    }
+
+    /// Reads what [`put_bytes`](Envelope::put_bytes) has written. Whether it is whole, it says itself.
+    ///
+    /// # Errors
+    /// [`BadWords`] where there are too few or too many bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Envelope, BadWords> {
+        let (words, rest) = bytes.as_chunks::<8>();
+        if !rest.is_empty() || words.len() > 6 + HEAD + WORDS {
+            return Err(BadWords);
+        }
+        let mut words = words.iter().map(|word| u64::from_le_bytes(*word));
+        let mut next = || words.next().ok_or(BadWords);
+        let [layout, session, epoch, sequence, attempt, check] =
+            [next()?, next()?, next()?, next()?, next()?, next()?];
+        let mut envelope = Envelope { layout, session, epoch, sequence, attempt, check, ..Envelope::EMPTY };
+        for word in &mut envelope.head {
+            *word = next()?;
+        }
+        let len =
+            usize::try_from(envelope.head[LEN_WORD]).ok().filter(|&len| len <= WORDS).ok_or(BadWords)?;
+        for word in &mut envelope.body[..len] {
+            *word = next()?;
+        }
+        if next().is_ok() { Err(BadWords) } else { Ok(envelope) }
+    }
+
     /// These words under a seal of their own, head first: whole, whatever they say.
     pub fn of_words(words: &[u64]) -> Envelope {
         let mut words = words.iter().copied();
@@ -286,6 +329,30 @@ mod tests {
         assert!(!envelope.is_under(Seal { epoch: 1, ..SEAL }));
         assert!(!Envelope { layout: LAYOUT + 1, ..envelope }.is_under(SEAL));
         assert!(!Envelope::EMPTY.is_under(SEAL));
+    }
+
+    #[test]
+    fn what_crosses_a_network_comes_out_as_it_went_in_and_no_other_length_is_a_message() {
+        let sent = Envelope::seal(&message(Kind::Reply), SEAL, 9).in_attempt(3);
+        let mut bytes = Vec::new();
+        sent.put_bytes(&mut bytes);
+        let came = Envelope::from_bytes(&bytes).expect("whole");
+        assert_eq!(format!("{came:?}"), format!("{sent:?}"));
+        for len in 0..bytes.len() {
+            assert!(Envelope::from_bytes(&bytes[..len]).is_err(), "{len} bytes");
+        }
+        bytes.extend([0; 8]);
+        assert!(Envelope::from_bytes(&bytes).is_err());
+    }
+
+    #[test]
+    fn a_message_is_moved_from_its_own_seal_only_and_keeps_its_number_and_attempt() {
+        let (here, there) = (SEAL, Seal { session: 77, epoch: 1 });
+        let sent = Envelope::seal(&message(Kind::Read), here, 9).in_attempt(3);
+        assert!(sent.moved(there, here).is_none());
+        assert!(sent.damaged(9, 1).moved(here, there).is_none());
+        let moved = sent.moved(here, there).expect("its own");
+        assert!(moved.is_under(there) && moved.is_whole() && (moved.sequence, moved.attempt) == (9, 3));
     }
 
     #[test]

@@ -37,6 +37,7 @@ pub struct RobotEntry {
     pub(super) tool: Option<Tool>,
     pub(super) mounted_on: Option<At<String>>,
     pub(super) stop_time: Option<Duration>,
+    pub(super) node: Option<At<String>>,
     pub(super) inputs: Vec<InputSetup>,
     pub(super) outputs: Vec<OutputSetup>,
     pub(super) plant: Option<PlantEntry>,
@@ -447,5 +448,6 @@ pub(super) struct SensorEntry {
     pub stale_after: Option<Duration>,
     pub mode: VspMode,
     pub latency: Duration,
+    pub node: Option<At<String>>,
     pub external: Option<ExternalEntry>,
 }

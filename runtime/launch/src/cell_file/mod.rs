@@ -76,6 +76,10 @@
 //! largest = [1.0, 0.5, 6.3]
 //! per_second = [2.0, 2.0, 10.0]   # by how much each may change in a second; by as much as it likes unless it is said
 //!
+//! [nodes.left]       # a machine of the cell, if it has several; robots and sensors say `node = "left"`
+//! address = "192.168.1.2:7447"   # where the others find it
+//! mp = true          # the cell is started here, the MP runs here, and so does all that says no node
+//!
 //! [realtime]         # what the cell asks of the machine when it runs as processes; nothing unless the table is there
 //! priority = 50      # of every process under SCHED_FIFO, 1 to 95
 //! lock_memory = true # no page is fetched in a step (mlockall); true unless it is said
@@ -106,7 +110,7 @@ use std::path::Path;
 use std::rc::Rc;
 
 use mrroc_core::cell::Realtime;
-use mrroc_core::cell::{AfterFault, Cell, CellError, SensorSetup};
+use mrroc_core::cell::{AfterFault, Cell, CellError, Nodes, SensorSetup};
 use mrroc_core::observe::Recording;
 use mrroc_core::pose::Pose;
 use mrroc_core::robot::Tool;
@@ -134,6 +138,7 @@ pub struct CellFile {
     realtime: Option<Realtime>,
     recording: Option<Recording>,
     dry_run: bool,
+    nodes: Option<Nodes>,
     robots: Vec<RobotEntry>,
     cells: Vec<LowerEntry>,
     sensors: Vec<SensorEntry>,
@@ -184,6 +189,12 @@ impl CellFile {
         &self.robots
     }
 
+    /// The machines of the cell; `None` if it is on one.
+    #[must_use]
+    pub fn nodes(&self) -> Option<&Nodes> {
+        self.nodes.as_ref()
+    }
+
     /// Makes a cell with the robots of the file, each set up by its kind. The program adds its programs and sensors to
     /// it.
     ///
@@ -203,6 +214,9 @@ impl CellFile {
         }
         if self.dry_run {
             cell = cell.demand_dry_run();
+        }
+        if let Some(nodes) = &self.nodes {
+            cell = cell.on_nodes(nodes.clone());
         }
         cell = self.frames.iter().fold(cell, |cell, (name, frame)| cell.frame(name, *frame));
         cell = self.tools.iter().fold(cell, |cell, (name, tool)| cell.tool(name, *tool));

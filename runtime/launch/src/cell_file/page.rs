@@ -4,6 +4,7 @@ use super::CellFile;
 use super::reader::cell::{CELL_KEYS, REALTIME_KEYS, RECORDING_KEYS};
 use super::reader::external::EXTERNAL_KEYS;
 use super::reader::lower::LOWER_KEYS;
+use super::reader::node::NODE_KEYS;
 use super::reader::plant::PLANT_KEYS;
 use super::reader::robot::ROBOT_KEYS;
 use super::reader::sensor::SENSOR_KEYS;
@@ -25,6 +26,7 @@ const TABLES: [(&str, &[&str]); 12] = [
     ("## A lower cell", &LOWER_KEYS),
     ("## A virtual sensor", &SENSOR_KEYS),
     ("### Readings that a program of another sends", &EXTERNAL_KEYS),
+    ("## A node", &NODE_KEYS),
     ("## `[realtime]`", &REALTIME_KEYS),
     ("## `[recording]`", &RECORDING_KEYS),
 ];

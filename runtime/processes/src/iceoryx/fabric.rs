@@ -43,7 +43,8 @@ impl LinkError {
     }
 }
 
-enum Planned {
+/// A port or a board of the cell.
+pub(super) enum Planned {
     Port { client: usize, server: usize, asking: End<Asking>, answering: End<Answering> },
     Board { writer: usize, reader: usize, end: End<BoardEnd> },
 }
@@ -118,6 +119,11 @@ impl Fabric {
                 },
             )
         })
+    }
+
+    /// The ports and boards of the cell, in their order.
+    pub(super) fn planned(&self) -> &[Planned] {
+        &self.planned
     }
 
     fn here(&self, place: usize) -> bool {
@@ -216,7 +222,7 @@ pub(super) fn node(root: &Path, prefix: &str, name: &str) -> Result<Node<ipc::Se
 }
 
 /// Makes a board that this process writes.
-fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
+pub(super) fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
     let board = node
         .service_builder(&service(name)?)
         .blackboard_creator::<u64>()
@@ -230,7 +236,7 @@ fn make(node: &Node<ipc::Service>, name: &str) -> Result<Writes, LinkError> {
 }
 
 /// Opens a board that another process has made.
-fn open(node: &Node<ipc::Service>, name: &str) -> Result<Reads, LinkError> {
+pub(super) fn open(node: &Node<ipc::Service>, name: &str) -> Result<Reads, LinkError> {
     let board = node
         .service_builder(&service(name)?)
         .blackboard_opener::<u64>()

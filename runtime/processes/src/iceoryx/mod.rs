@@ -9,6 +9,7 @@ mod fabric;
 mod management;
 mod ports;
 mod samples;
+mod stand_in;
 #[cfg(test)]
 mod tests;
 mod waiter;
@@ -19,5 +20,6 @@ pub(crate) use management::make_management;
 pub(crate) use mrroc_core::link::Clock;
 pub(crate) use mrroc_core::link::envelope::Seal;
 pub(crate) use samples::Samples;
-pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Shows, Supervised, monotonic};
+pub(crate) use stand_in::{Incoming, Outgoing, Seals, StandIn, Where};
+pub(crate) use waiter::{Heard, Launcher, LockStep, RealTime, Shows, Slew, Supervised, monotonic};
 pub(crate) use wake_futex::WakeFutex;

@@ -69,6 +69,10 @@ pub(crate) struct RealTime {
     heard: Receiver<Heard>,
     /// When the cell's time began, on the machine's clock \[ns\].
     origin: Nanos,
+    /// By how much that has moved since, on a node that follows another machine.
+    slew: Option<Slew>,
+    /// The newest time that was told: it never goes back.
+    told: Cell<Nanos>,
     /// How long to poll before sleeping \[ns\].
     spin: Nanos,
     closing: Cell<bool>,
@@ -91,6 +95,9 @@ pub(crate) enum Shows {
 /// What tells an MP, at a time of the machine's clock \[ns\], whether its launcher supervises the cell.
 pub(crate) type Supervised = Box<dyn Fn(Nanos) -> bool>;
 
+/// What tells by how much the cell's time has moved \[ns\].
+pub(crate) type Slew = Box<dyn Fn() -> i64>;
+
 impl RealTime {
     pub fn new(
         wake_futex: WakeFutex,
@@ -106,6 +113,8 @@ impl RealTime {
             wakes: Cell::new(0),
             heard,
             origin,
+            slew: None,
+            told: Cell::new(0),
             spin,
             closing: Cell::new(false),
             news: Cell::new(None),
@@ -126,6 +135,17 @@ impl RealTime {
     pub fn supervised_by(mut self, supervised: Option<Supervised>) -> Self {
         self.supervised = supervised;
         self
+    }
+
+    /// Lets the cell's time move by `slew`.
+    pub fn slewed_by(mut self, slew: Option<Slew>) -> Self {
+        self.slew = slew;
+        self
+    }
+
+    /// A time of the cell, on the machine's clock.
+    fn on_clock(&self, time: Nanos) -> Nanos {
+        self.origin.saturating_add(time).saturating_add_signed(self.slew.as_ref().map_or(0, |slew| slew()))
     }
 
     /// All that the link offers to a process.
@@ -156,7 +176,10 @@ impl RealTime {
 
 impl Waiter for RealTime {
     fn now(&self) -> Nanos {
-        monotonic().saturating_sub(self.origin)
+        let Some(slew) = &self.slew else { return monotonic().saturating_sub(self.origin) };
+        let now = monotonic().saturating_sub(self.origin).saturating_add_signed(-slew());
+        self.told.set(self.told.get().max(now));
+        self.told.get()
     }
 
     fn wait(&self, deadline: Option<Nanos>) -> Result<(), Closed> {
@@ -167,8 +190,7 @@ impl Waiter for RealTime {
                     core::hint::spin_loop();
                 }
             }
-            self.wake_futex
-                .sleep(self.wakes.get(), deadline.map(|deadline| self.origin.saturating_add(deadline)));
+            self.wake_futex.sleep(self.wakes.get(), deadline.map(|deadline| self.on_clock(deadline)));
             self.was_woken();
         }
         self.hear();
@@ -177,7 +199,7 @@ impl Waiter for RealTime {
 
     fn wait_closing(&self, until: Nanos) -> Result<(), Closed> {
         // The sum is a time of the machine's clock: `origin` is one, and `until` counts from it.
-        let until = timespec(self.origin.saturating_add(until));
+        let until = timespec(self.on_clock(until));
         let _ = clock_nanosleep_absolute(ClockId::Monotonic, &until);
         Ok(())
     }

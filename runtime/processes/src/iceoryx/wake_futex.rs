@@ -56,6 +56,11 @@ impl WakeFutex {
         WakeFutex::map(&file)
     }
 
+    /// Lets the process at `place` have the futex of the one at `first`: whoever sleeps on it sleeps for both.
+    pub fn share(prefix: &str, first: usize, place: usize) -> io::Result<()> {
+        std::fs::hard_link(path(prefix, first), path(prefix, place))
+    }
+
     fn map(file: &File) -> io::Result<WakeFutex> {
         // SAFETY: a new mapping, which is never unmapped, of a file of that size, which no process makes shorter.
         #[allow(unsafe_code)]

@@ -113,7 +113,7 @@ impl<'a> Reader<'a> {
             return self.word().map(Shown::End);
         }
         let time = self.word()?;
-        let role = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant];
+        let role = [Role::Mp, Role::Ecp, Role::Edp, Role::Vsp, Role::Plant, Role::Node];
         let role = *role.get(usize::try_from(self.word()?).ok()?)?;
         let by = ProcessId { role, name: self.name()? };
         let (what, words) = match kind {

@@ -33,7 +33,7 @@ const FULL: usize = 1024;
 pub(crate) fn join(process: ProcessId, folder: &Path, clock: Clock) -> Option<Rc<Ring>> {
     let shows = match process.role {
         Role::Mp | Role::Ecp | Role::Edp => true,
-        Role::Vsp | Role::Plant => false,
+        Role::Vsp | Role::Plant | Role::Node => false,
     };
     if !shows {
         return None;

@@ -17,9 +17,11 @@ pub enum Role {
     Vsp,
     /// The simulated drives of a cell, where they are a process of their own.
     Plant,
+    /// What carries the messages of one machine's processes to other machines.
+    Node,
 }
 
-/// Who a process is: `mp`, `ecp rnt`, `edp rnt`, `vsp force`, `plant`; in a lower cell `mp press`, `ecp press.rnt`.
+/// Who a process is: `mp`, `ecp rnt`, `edp rnt`, `vsp force`, `plant`, `node left`; in a lower cell `mp press`, `ecp press.rnt`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ProcessId {
     /// What it does.
@@ -35,7 +37,7 @@ impl ProcessId {
     /// The simulated drives.
     pub const PLANT: ProcessId = ProcessId { role: Role::Plant, name: None };
 
-    /// The process of a robot or a sensor.
+    /// The process of a robot, a sensor or a machine.
     #[must_use]
     pub const fn new(role: Role, name: Name) -> ProcessId {
         ProcessId { role, name: Some(name) }
@@ -66,6 +68,7 @@ impl fmt::Display for ProcessId {
             Role::Edp => "edp",
             Role::Vsp => "vsp",
             Role::Plant => "plant",
+            Role::Node => "node",
         };
         match &self.name {
             Some(name) => write!(f, "{role} {name}"),

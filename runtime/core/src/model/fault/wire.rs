@@ -84,6 +84,7 @@ impl Wire for FaultWords {
             Some(2) => Some(Role::Edp),
             Some(3) => Some(Role::Vsp),
             Some(4) => Some(Role::Plant),
+            Some(5) => Some(Role::Node),
             Some(_) => return Err(BadWords),
         };
         let process = role.map(|role| ProcessId { role, name: Name::get(&words[8..11]).ok() });

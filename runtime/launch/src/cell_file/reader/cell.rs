@@ -19,6 +19,7 @@ pub(in super::super) const CELL_KEYS: [&str; 11] = [
     "sensors",
     "frames",
     "tools",
+    "nodes",
     "realtime",
     "dry_run",
     "recording",

@@ -6,6 +6,7 @@
 pub(super) mod cell;
 pub(super) mod external;
 pub(super) mod lower;
+pub(super) mod node;
 pub(super) mod plant;
 pub(super) mod robot;
 pub(super) mod sensor;
@@ -84,11 +85,13 @@ pub(super) fn read(name: &str, text: &str) -> Result<CellFile, CellFileError> {
     let recording = table
         .get("recording")
         .and_then(|value| reader.recording(value, [("robots", &robot_names), ("sensors", &names)]));
+    let nodes = reader.nodes(table, &robots, &sensors);
     let dry_run = table.get("dry_run").and_then(|value| reader.truth(value, "true or false"));
     let dry_run = dry_run.is_some_and(|dry_run| dry_run.value);
     CellFileError::all(reader.errors)?;
     Ok(CellFile {
         dry_run,
+        nodes,
         recording,
         source,
         step,

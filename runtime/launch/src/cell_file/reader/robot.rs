@@ -9,7 +9,7 @@ use toml::de::DeTable;
 use super::super::entry::{At, Description, RobotEntry};
 use super::{Entry, Reader, Value};
 
-pub(in super::super) const ROBOT_KEYS: [&str; 20] = [
+pub(in super::super) const ROBOT_KEYS: [&str; 21] = [
     "kind",
     "start",
     "homed",
@@ -17,6 +17,7 @@ pub(in super::super) const ROBOT_KEYS: [&str; 20] = [
     "tool",
     "mounted_on",
     "stop_ms",
+    "node",
     "plant",
     "inputs",
     "outputs",
@@ -49,6 +50,7 @@ impl Reader {
         let outputs = table.get("outputs").map_or_else(Vec::new, |value| self.outputs(value));
         let mounted_on = table.get("mounted_on").and_then(|value| self.carrier(value, &name.value, robots));
         let stop_time = table.get("stop_ms").and_then(|value| self.duration(value));
+        let node = table.get("node").and_then(|value| self.node(value));
         let plant = table.get("plant").and_then(|value| self.plant(value, &name.value));
         let description = self.description(table);
         let Some(kind) = table.get("kind") else {
@@ -69,6 +71,7 @@ impl Reader {
             tool,
             mounted_on,
             stop_time,
+            node,
             inputs,
             outputs,
             plant,

@@ -9,8 +9,8 @@ use super::super::entry::SensorEntry;
 use super::external::Around;
 use super::{Entry, Reader};
 
-pub(in super::super) const SENSOR_KEYS: [&str; 8] =
-    ["of", "readers", "mode", "period_ms", "latency_ms", "every", "stale_after_ms", "external"];
+pub(in super::super) const SENSOR_KEYS: [&str; 9] =
+    ["of", "readers", "mode", "period_ms", "latency_ms", "every", "stale_after_ms", "node", "external"];
 const MODES: [&str; 3] = ["interactive", "with delay", "free running"];
 
 impl Reader {
@@ -70,6 +70,7 @@ impl Reader {
             ("with delay", None) => VspMode::WithDelay,
             (_, None) => VspMode::Interactive,
         };
+        let node = table.get("node").and_then(|value| self.node(value));
         let external = match table.get("external") {
             Some(value) => {
                 let around = Around { name: &name, mode, stale_after, step };
@@ -78,6 +79,6 @@ impl Reader {
             None => None,
         };
         let latency = latency.unwrap_or_default();
-        Some(SensorEntry { name: name.value, of, readers, every, stale_after, mode, latency, external })
+        Some(SensorEntry { name: name.value, of, readers, every, stale_after, mode, latency, node, external })
     }
 }

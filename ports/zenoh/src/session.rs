@@ -1,0 +1,147 @@
+//! A node's session: one TLS connection to each node that it speaks to.
+//!
+//! In: what is to be sent. Out: what has come, and who is there. The launcher's node calls the others, which wait at their
+//! addresses; nobody is looked for, no router is between them, and what comes for another node is passed on by none. A node
+//! that says nothing for 300 ms is lost. Messages are not collected (express), and the transport is zenoh's
+//! low-latency one, which sends in the calling thread: the carrier's, and never that of a step.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use mrroc_core::cell::Nodes;
+use mrroc_launch::network::{Hears, Joining, Side, Wires};
+use serde_json::{Value, json};
+use zenoh::liveliness::LivelinessToken;
+use zenoh::pubsub::{Publisher, Subscriber};
+use zenoh::qos::{CongestionControl, Priority};
+use zenoh::sample::SampleKind;
+use zenoh::{Config, Session, Wait};
+
+use crate::access::{alive, control, way};
+use crate::certificates::Files;
+
+/// After so long without a word a node is lost \[ms\].
+const LEASE_MS: u64 = 300;
+
+/// How often a node that is not there is called again, at first and at most \[ms\].
+const CALL_MS: u64 = 200;
+const CALL_MOST_MS: u64 = 1000;
+
+/// The ways to the other nodes, as long as it lives.
+pub(crate) struct Zenoh {
+    /// By the nodes' places; none to itself.
+    publishers: Vec<Option<Publisher<'static>>>,
+    _ears: Vec<Subscriber<()>>,
+    _token: LivelinessToken,
+    session: Session,
+}
+
+impl Wires for Zenoh {
+    fn send(&self, to: usize, bytes: &[u8]) {
+        if let Some(publisher) = self.publishers.get(to).and_then(Option::as_ref) {
+            // What cannot be sent is lost, as it would be in a cable.
+            let _ = publisher.put(bytes).wait();
+        }
+    }
+}
+
+impl Drop for Zenoh {
+    fn drop(&mut self) {
+        // A session that is closed twice, or whose connections are gone, has nothing left to close.
+        let _ = self.session.close().wait();
+    }
+}
+
+/// Joins a node to the others.
+pub(crate) fn join(joining: &Joining<'_>, hears: Arc<dyn Hears>) -> Result<Zenoh, String> {
+    let Joining { nodes, me, side, keys } = *joining;
+    let Some(own) = nodes.all().get(me) else { return Err("no such node".to_owned()) };
+    let name = own.name.as_str();
+    let files = Files::of(name, keys)?;
+    let config = Config::from_json5(&config(nodes, me, side, &files).to_string())
+        .map_err(|error| error.to_string())?;
+    let session = zenoh::open(config).wait().map_err(|error| {
+        format!(
+            "node {name} cannot wait at {}: {error}\n help: is it this machine's address, and is node {name} running already?",
+            own.address
+        )
+    })?;
+    let failed = |error: zenoh::Error| format!("node {name} cannot join: {error}");
+    let mut ears = Vec::new();
+    let mut publishers = Vec::new();
+    for (place, other) in nodes.all().iter().enumerate() {
+        if place == me {
+            publishers.push(None);
+            continue;
+        }
+        let other = other.name.as_str();
+        let publisher = session
+            .declare_publisher(way(name, other))
+            .congestion_control(CongestionControl::Block)
+            .priority(Priority::RealTime)
+            .express(true);
+        publishers.push(Some(publisher.wait().map_err(failed)?));
+        let heard = Arc::clone(&hears);
+        let listens = session
+            .declare_subscriber(way(other, name))
+            .callback(move |sample| heard.came(place, &sample.payload().to_bytes()));
+        ears.push(listens.wait().map_err(failed)?);
+        let heard = Arc::clone(&hears);
+        let looks =
+            session.liveliness().declare_subscriber(alive(other)).history(true).callback(move |sample| {
+                match sample.kind() {
+                    SampleKind::Put => heard.is_there(place),
+                    SampleKind::Delete => heard.is_lost(place),
+                }
+            });
+        ears.push(looks.wait().map_err(failed)?);
+    }
+    let token = session.liveliness().declare_token(alive(name)).wait().map_err(failed)?;
+    Ok(Zenoh { publishers, _ears: ears, _token: token, session })
+}
+
+/// zenoh's configuration.
+fn config(nodes: &Nodes, me: usize, side: Side, files: &Files) -> Value {
+    let endpoint = |node: &mrroc_core::cell::Node| format!("tls/{}", node.address);
+    let all = || nodes.all().iter().enumerate();
+    let own: Vec<_> = all().filter(|(place, _)| *place == me).map(|(_, node)| endpoint(node)).collect();
+    let others: Vec<_> = all().filter(|(place, _)| *place != me).map(|(_, node)| endpoint(node)).collect();
+    let (listen, connect) = match side {
+        Side::Calls => (Vec::new(), others),
+        Side::Waits => (own, Vec::new()),
+    };
+    let name = nodes.all()[me].name.as_str();
+    let others = nodes.all().iter().map(|node| node.name.as_str()).filter(|other| *other != name);
+    let path = |path: &Path| path.to_string_lossy().into_owned();
+    json!({
+        "mode": "peer",
+        "listen": { "endpoints": listen, "exit_on_failure": true },
+        "connect": {
+            "endpoints": connect,
+            "timeout_ms": -1,
+            "exit_on_failure": false,
+            "retry": { "period_init_ms": CALL_MS, "period_max_ms": CALL_MOST_MS, "period_increase_factor": 2 },
+        },
+        "scouting": { "multicast": { "enabled": false }, "gossip": { "enabled": false } },
+        "timestamping": { "enabled": false },
+        "transport": {
+            "unicast": { "lowlatency": true, "qos": { "enabled": false }, "accept_pending": 16, "max_links": 1 },
+            "link": {
+                "protocols": ["tls"],
+                "tx": { "lease": LEASE_MS, "keep_alive": 4 },
+                "tls": {
+                    "root_ca_certificate": path(&files.authority),
+                    "listen_private_key": path(&files.key),
+                    "listen_certificate": path(&files.certificate),
+                    "connect_private_key": path(&files.key),
+                    "connect_certificate": path(&files.certificate),
+                    "enable_mtls": true,
+                    "verify_name_on_connect": true,
+                    // zenoh 1.10 panics when a low-latency link that watches its certificate is closed from both sides.
+                    "close_link_on_expiration": false,
+                },
+            },
+        },
+        "access_control": control(name, others),
+    })
+}

@@ -1,0 +1,175 @@
+//! What a link between two machines can do: measured before any cell runs, for `doctor`.
+//!
+//! In: the nodes of a cell whose agents wait. Out: for each, how long a word takes to and fro, how many were lost, and which step
+//! that carries.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use mrroc_core::cell::{Node, Nodes};
+use mrroc_core::link::Nanos;
+use mrroc_launch::network::{Hears, Joining, Side, Wires, network};
+
+use super::carrier::NO_NETWORK;
+use super::identity::keys;
+use super::message::Said;
+use super::phase::{Figures, Phase};
+use crate::iceoryx::monotonic;
+
+/// How many pings, and the time between two.
+const PINGS: u32 = 1000;
+const APART: Duration = Duration::from_millis(2);
+
+/// How long a node may take to be there, and the last answers to come.
+const PATIENCE: Duration = Duration::from_secs(5);
+const LAST: Duration = Duration::from_millis(500);
+
+/// What an ECP and the MP do for a step besides waiting \[ns\]: some tenths of a millisecond each.
+const WORK: Nanos = 500_000;
+
+struct Ear {
+    there: Mutex<Vec<bool>>,
+    phases: Mutex<Vec<Phase>>,
+    wires: OnceLock<Arc<dyn Wires>>,
+}
+
+impl Hears for Ear {
+    fn came(&self, from: usize, bytes: &[u8]) {
+        let now = monotonic();
+        if let Some((_, Said::Pong(sent, answered))) = Said::read(bytes)
+            && let Some(phase) = self.phases.lock().unwrap_or_else(PoisonError::into_inner).get_mut(from)
+        {
+            phase.hear(sent, answered, now);
+        }
+    }
+
+    fn is_there(&self, node: usize) {
+        self.set(node, true);
+    }
+
+    fn is_lost(&self, node: usize) {
+        self.set(node, false);
+    }
+}
+
+impl Ear {
+    fn set(&self, node: usize, is_there: bool) {
+        if let Some(there) = self.there.lock().unwrap_or_else(PoisonError::into_inner).get_mut(node) {
+            *there = is_there;
+        }
+    }
+
+    fn is(&self, node: usize) -> bool {
+        self.there.lock().unwrap_or_else(PoisonError::into_inner).get(node).copied().unwrap_or(false)
+    }
+}
+
+/// Measures the links from the node of the MP to all others of the cell in the file at `file`; a line for each.
+pub(crate) fn examine(nodes: &Nodes, file: &Path) -> String {
+    let Some(network) = network() else { return format!("nodes           {NO_NETWORK}\n") };
+    let all = nodes.all().len();
+    let ear = Arc::new(Ear {
+        there: Mutex::new(vec![false; all]),
+        phases: Mutex::new((0..all).map(|_| Phase::new()).collect()),
+        wires: OnceLock::new(),
+    });
+    let folder = keys(file);
+    let joining = Joining { nodes, me: nodes.mp(), side: Side::Calls, keys: &folder };
+    let wires: Arc<dyn Wires> = match network.join(&joining, Arc::clone(&ear) as Arc<dyn Hears>) {
+        Ok(wires) => Arc::from(wires),
+        Err(error) => return format!("nodes           {error}\n"),
+    };
+    // Set once, here.
+    let _ = ear.wires.set(Arc::clone(&wires));
+    let others: Vec<_> = (0..all).filter(|node| *node != nodes.mp()).collect();
+    let until = Instant::now() + PATIENCE;
+    while Instant::now() < until && !others.iter().all(|&node| ear.is(node)) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    for _ in 0..PINGS {
+        for &node in others.iter().filter(|&&node| ear.is(node)) {
+            if let Some(phase) = ear.phases.lock().unwrap_or_else(PoisonError::into_inner).get_mut(node) {
+                phase.ask();
+            }
+            wires.send(node, &Said::Ping(monotonic()).to_bytes(0));
+        }
+        std::thread::sleep(APART);
+    }
+    std::thread::sleep(LAST);
+    let phases = ear.phases.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut told = String::new();
+    for (node, phase) in others.into_iter().map(|node| (&nodes.all()[node], &phases[node])) {
+        // Writing to a text does not fail.
+        let _ = writeln!(
+            told,
+            "{:<16}{}",
+            format!("to node {}", node.name.as_str()),
+            describe(node, &phase.figures())
+        );
+    }
+    told
+}
+
+/// `0.61 ms (half), ..; no step is missed from 2 ms on, and a tight Move goes on from 1 ms on`.
+fn describe(node: &Node, figures: &Figures) -> String {
+    if figures.asked == figures.lost {
+        return format!(
+            "nobody answers at {}\n help: start it there: PROGRAM node {}",
+            node.address,
+            node.name.as_str()
+        );
+    }
+    let ms = |nanos: Nanos| nanos as f64 * 1e-6;
+    let [half, most, nearly_all] = figures.round_trip;
+    let (all, tight) = steps(nearly_all);
+    format!(
+        "round trip {:.2} ms (half), {:.2} ms (99 %), {:.2} ms (99.9 %), {} of {} lost; no step is missed from step_ms = {all} on, and a \
+         tight Move goes on from {tight} on",
+        ms(half),
+        ms(most),
+        ms(nearly_all),
+        figures.lost,
+        figures.asked
+    )
+}
+
+/// The shortest steps \[whole ms\] that a round trip carries: in which the answer comes within its step, and within the one step that a
+/// tight Move bridges after it.
+fn steps(round_trip: Nanos) -> (u64, u64) {
+    let whole = |nanos: Nanos| nanos.div_ceil(1_000_000).max(1);
+    (whole(round_trip + WORK), whole((round_trip + WORK).div_ceil(2)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mrroc_core::fault::Name;
+
+    #[test]
+    fn the_step_that_a_link_carries_is_as_long_as_its_round_trip_and_half_of_it_for_a_tight_move() {
+        // 0.3 ms of a switch, 0.5 ms of work.
+        assert_eq!(steps(300_000), (1, 1));
+        assert_eq!(steps(3_000_000), (4, 2));
+        assert_eq!(steps(15_000_000), (16, 8));
+    }
+
+    #[test]
+    fn a_link_is_told_with_its_step_and_a_node_that_does_not_answer_with_what_to_do() {
+        let node = Node { name: Name::new("b").expect("a name"), address: ([10, 0, 0, 2], 7447).into() };
+        let figures = Figures {
+            asked: 1000,
+            lost: 2,
+            round_trip: [610_000, 1_200_000, 2_600_000],
+            ..Figures::default()
+        };
+        let told = describe(&node, &figures);
+        assert!(
+            told.contains("2.60 ms (99.9 %), 2 of 1000 lost") && told.contains("from step_ms = 4 on"),
+            "{told}"
+        );
+        let silent = describe(&node, &Figures { asked: 0, ..Figures::default() });
+        assert!(silent.contains("nobody answers at 10.0.0.2:7447") && silent.contains("node b"), "{silent}");
+    }
+}

@@ -1,0 +1,433 @@
+"""The two-arm transfer with one arm on another machine: in two network namespaces, joined by a wire of this process, or on loopback
+where this machine permits no namespaces.
+
+Both machines keep real time: it ends with 75 where this machine was too late, and with anything else but 0 where a cell on two
+machines does not do what it should. What robots were demanded, each robot's process writes down; that of a run under the
+virtual clock on one machine says where the arms must come to.
+"""
+
+import argparse
+import os
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent.parent
+sys.path.append(str(HERE.parent))
+from wire import Bad, Clear, Cut, Late, Namespace, Shortfall, Wire, begin_in_namespace, has  # noqa: E402
+
+PROGRAM = ROOT / "target/debug/examples/transfer"
+JOINTS = {"rnt": 6, "polycrank": 7}
+# Loose motions, and the whole transfer with its tight ones, which bridge one step: in steps that a busy machine keeps [s].
+STEP, LONG_STEP = 0.004, 0.02
+# The longest stop that the cell allows any joint [s].
+STOP = 0.6
+# What says that steps were missed though the wire did nothing.
+LATE = ["steps were missed", "the process at the other end is gone", "after late demands", "is lost: the link is down"]
+
+
+# In CI some of all cuts and wires.
+LONG = os.environ.get("MRROC_LONG") == "1"
+
+
+class Bench:
+    """Two machines: a folder each, with a cell file, certificates and a copy of the program."""
+
+    def __init__(self, seed):
+        self.folder = Path(tempfile.mkdtemp())
+        self.wire = None
+        self.addresses = ["127.0.0.1", "127.0.0.1"]
+        self.namespaces = [None, None]
+        self.traced = 0
+        if os.environ.get("MRROC_NAMESPACE") == "1":
+            self.addresses = ["10.78.0.1", "10.78.0.2"]
+            self.wire = Wire(seed)
+            self.namespaces = [
+                Namespace("wire0", self.addresses[0], self.addresses[1]),
+                Namespace("wire1", self.addresses[1], self.addresses[0]),
+            ]
+            self.wire.start()
+        for name in "ab":
+            (self.folder / name).mkdir()
+            shutil.copy(PROGRAM, self.folder / name / "program")
+        self.set_step(STEP)
+        self.certify("keys")
+        for name in "ab":
+            shutil.copytree(self.folder / "keys" / name, self.folder / name / "certificates")
+
+    def cell(self):
+        """The transfer's own, in steps that a busy machine keeps, with Polycrank and its hand on node b."""
+        text = (ROOT / "tasks/transfer/cell.toml").read_text()
+        text = text.replace("step_ms = 2", f"step_ms = {self.step * 1e3:.0f}")
+        for robot in ("polycrank", "polycrank-hand"):
+            text = text.replace(f"[robots.{robot}]\n", f'[robots.{robot}]\nnode = "b"\n')
+        return text + (
+            f'\n[nodes.a]\naddress = "{self.addresses[0]}:7447"\nmp = true\n\n[nodes.b]\naddress = "{self.addresses[1]}:7448"\n'
+        )
+
+    def set_step(self, step):
+        self.step = step
+        for name in "ab":
+            (self.folder / name / "cell.toml").write_text(self.cell())
+
+    def certify(self, folder):
+        done = subprocess.run(
+            [self.folder / "a/program", "--cell", self.folder / "a/cell.toml", "certificates", self.folder / folder],
+            capture_output=True,
+            text=True,
+        )
+        has(done.returncode == 0, f"no certificates: {done.stderr}")
+
+    def way(self, way):
+        if self.wire:
+            self.wire.way = way
+
+    def start(self, name, *words, home=None, **settings):
+        """The program on a machine, in a session of its own for Ctrl-C, with its words in a file."""
+        home = home or name
+        place = "ab".index(name)
+        command = [str(self.folder / home / "program"), "--cell", str(self.folder / home / "cell.toml"), "--no-picture", *words]
+        if self.namespaces[place]:
+            command = self.namespaces[place].within(*command)
+        self.traced += 1
+        log = self.folder / f"{self.traced}.log"
+        trace = self.folder / "trace"
+        trace.mkdir(exist_ok=True)
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=log.open("w"),
+            stderr=subprocess.STDOUT,
+            env={**os.environ, "MRROC_TRACE": str(trace), **settings},
+        )
+        process.log = log
+        return process
+
+    def node(self, **how):
+        process = self.start("b", "node", "b", **how)
+        for _ in range(200):
+            if "waits at" in process.log.read_text() or process.poll() is not None:
+                return process
+            time.sleep(0.05)
+        raise Late("node b does not begin to wait")
+
+    def run(self, **settings):
+        shutil.rmtree(self.folder / "trace", ignore_errors=True)
+        return self.start("a", "--processes", **settings)
+
+    def trace(self, robot):
+        """Of every servo period: the time [s], and what was demanded."""
+        file = self.folder / "trace" / f"{robot}.trace"
+        if not file.exists():
+            return []
+        bytes, width = file.read_bytes(), 8 * (1 + JOINTS[robot])
+        rows = [struct.unpack_from(f"<{width // 8}d", bytes, at) for at in range(0, len(bytes) - width + 1, width)]
+        return [(row[0], row[1:]) for row in rows]
+
+    def close(self):
+        if self.wire:
+            self.wire.ended = True
+            self.wire.join()
+            for namespace in self.namespaces:
+                namespace.close()
+        shutil.rmtree(self.folder)
+
+
+def ended(process, seconds=90):
+    """How it ended, and what it said."""
+    try:
+        status = process.wait(seconds)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        raise Shortfall(f"it goes on after {seconds} s: {process.log.read_text()}") from None
+    return status, process.log.read_text()
+
+
+def end(process):
+    """Ends an agent; its processes end with it."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGTERM)
+        process.wait(20)
+
+
+def moved(trace):
+    """When it moved last [s]; None if it never did."""
+    times = [b[0] for a, b in zip(trace, trace[1:]) if any(abs(p - q) > 1e-9 for p, q in zip(a[1], b[1]))]
+    return times[-1] if times else None
+
+
+def where(trace):
+    return trace[-1][1]
+
+
+def left(bench):
+    """Processes of this bench, besides those that it started itself."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            words = (entry / "cmdline").read_bytes().split(b"\0")
+        except (OSError, ValueError):
+            continue
+        if str(bench.folder).encode() in b" ".join(words) and b"--session" in words:
+            found.append(b" ".join(words[1:4]).decode())
+    return found
+
+
+def nothing_left(bench):
+    for _ in range(200):
+        if not left(bench):
+            return
+        time.sleep(0.1)
+    raise Shortfall(f"processes are left: {left(bench)}")
+
+
+def as_on_one_machine(bench, **settings):
+    """Where the arms come to on one machine under the virtual clock."""
+    shutil.rmtree(bench.folder / "trace", ignore_errors=True)
+    status, words = ended(bench.start("a", **settings))
+    has(status == 0, f"the task does not end well on one machine: {words}")
+    return {robot: where(bench.trace(robot)) for robot in JOINTS}
+
+
+def compared(bench, expected):
+    off = max(abs(p - q) for robot in JOINTS for p, q in zip(where(bench.trace(robot)), expected[robot]))
+    has(off < 1e-9, f"the arms end {off:.1e} rad from where they should")
+    return off
+
+
+def reaches_its_end(bench):
+    """Tight and loose motions over a wire that does nothing, and a second run with the same agent."""
+    bench.set_step(LONG_STEP)
+    expected = as_on_one_machine(bench)
+    node = bench.node()
+    try:
+        status, words = ended(bench.run())
+        if status != 0 and any(late in words for late in LATE):
+            raise Late(words)
+        has(status == 0, f"the transfer on two machines ended with {status}: {words}")
+        off = compared(bench, expected)
+        nothing_left(bench)
+        told = [line for line in node.log.read_text().splitlines() if "round trip" in line]
+        has(len(told) == 1, f"the node tells nothing of its link: {node.log.read_text()}")
+        print(f"transfer on two machines: at its end, {off:.1e} rad off; {told[0].removeprefix('note: ')}")
+    finally:
+        end(node)
+
+
+def cable_pulled(bench):
+    """While both arms move: both come to a standstill, each side says who is lost, and nothing moves when the cable is back."""
+    if not bench.wire:
+        print("cable pulled: skipped: no namespaces")
+        return
+    tight = [(9.2, {})] if not LONG else [(after, {}) for after in (8.5, 9.2, 10.0, 12.0, 14.0, 16.0)]
+    loose = [(2.0, {"MRROC_LOOSE": "6"})] if not LONG else [(after, {"MRROC_LOOSE": "6"}) for after in (0.7, 2.0, 2.7, 3.3, 5.1)]
+    for after, settings in tight + loose:
+        bench.set_step(STEP if settings else LONG_STEP)
+        node = bench.node(**settings)
+        try:
+            pull(bench, node, after, settings)
+        finally:
+            bench.way(Clear())
+            end(node)
+
+
+def pull(bench, node, after, settings):
+    """Pulls the cable so long [s] after the cell's time began."""
+    cell = bench.run(**settings)
+    begun = begins(bench, cell)
+    time.sleep(max(0.0, begun + after - time.monotonic()))
+    if cell.poll() is not None:
+        raise Late(f"it ended by itself: {cell.log.read_text()}")
+    bench.way(Cut())
+    status, words = ended(cell)
+    took = time.monotonic() - begun - after
+    has(status == 1, f"a cell without its cable ended with {status}: {words}")
+    nothing_left(bench)
+    here = node.log.read_text()
+    rest = {robot: moved(bench.trace(robot)) for robot in JOINTS}
+    if min(rest.values()) < after - 0.3:
+        raise Late(f"it stopped before the cable was pulled: {rest}: {words}")
+    has("polycrank" in words or "node b" in words, f"nobody says what is lost: {words}")
+    has("node a is lost" in here, f"node b does not say that node a is lost: {here}")
+    # L = ceil(20 ms / Ts) steps, one more, and the stop; and what this process needed to pull the cable.
+    bound = 0.02 + 2 * bench.step + STOP + 0.25
+    has(max(rest.values()) - after <= bound, f"an arm moves for {max(rest.values()) - after:.3f} s, {bound:.3f} s allowed")
+    bench.way(Clear())
+    time.sleep(1.0)
+    again = {robot: moved(bench.trace(robot)) for robot in JOINTS}
+    has(again == rest and not left(bench), "something moves when the cable is back")
+    has(node.poll() is None, "the agent has ended with the cable")
+    print(
+        f"cable pulled after {after} s: rnt stands {rest['rnt'] - after:.3f} s later, polycrank {rest['polycrank'] - after:.3f} s; the "
+        f"cell has ended {took:.1f} s later"
+    )
+    if took > 5.0:
+        print(words)
+
+
+def begins(bench, cell):
+    """When the cell's time began, by the first servo periods that were written down."""
+    for _ in range(1500):
+        if cell.poll() is not None:
+            raise Late(f"it does not begin: {cell.log.read_text()}")
+        trace = bench.trace("rnt")
+        if trace:
+            # The file is written in blocks; its last period has just been.
+            return time.monotonic() - trace[-1][0]
+        time.sleep(0.02)
+    raise Late("the cell does not begin")
+
+
+def bad_wire(bench):
+    """Packets are lost and late: a loose motion ends where it does without, or stops in order where TCP repeats take too long."""
+    if not bench.wire:
+        print("bad wire: skipped: no namespaces")
+        return
+    settings = {"MRROC_LOOSE": "1"}
+    expected = as_on_one_machine(bench, **settings)
+    node = bench.node(**settings)
+    survived = 0
+    try:
+        # Each way, each packet by itself: 0.0075 s are 15 ms to and fro.
+        wires = [(0.0, 0.0025), (0.0, 0.0075), (0.01, 0.0)]
+        for loss, delay in wires if not LONG else 4 * [*wires, (0.02, 0.0), (0.05, 0.0)]:
+            bench.way(Bad(loss, delay))
+            cell = bench.run(**settings)
+            status, words = ended(cell)
+            bench.way(Clear())
+            how = f"{loss:.0%} lost, up to {delay * 1e3:.0f} ms late"
+            if status == 0:
+                survived += 1
+                print(f"bad wire: {how}: at its end, {compared(bench, expected):.1e} rad off")
+            else:
+                has(status == 1 and any(late in words for late in LATE), f"{how}: it ended with {status}: {words}")
+                nothing_left(bench)
+                cause = next((line for line in words.splitlines() if line.startswith("error: ")), "")
+                print(f"bad wire: {how}: stopped in order, and told: {cause.removeprefix('error: ')}")
+            time.sleep(1.0)
+        if survived == 0:
+            raise Late("no loose motion survived")
+    finally:
+        bench.way(Clear())
+        end(node)
+
+
+def refused(bench, what, told, node=None, **how):
+    """Starts the cell while node b is this: it is refused, and nothing has moved."""
+    try:
+        status, words = ended(bench.run(**how))
+        has(status == 2, f"{what}: it ended with {status}: {words}")
+        has(all(text in words for text in told), f"{what}: it says: {words}")
+        has(all(moved(bench.trace(robot)) is None for robot in JOINTS), f"{what}: something has moved")
+        print(f"{what}: refused: {words.splitlines()[0].removeprefix('error: ')[:150]}")
+    finally:
+        if node:
+            end(node)
+
+
+def strangers(bench):
+    """A node that is missing, of another program, with another cell, with a certificate of another authority; one that joins twice."""
+    refused(bench, "no node", ["node b is not there", "node b\n"])
+
+    program = bench.folder / "b/program"
+    with program.open("ab") as file:
+        file.write(b"another build")
+    refused(bench, "another program", ["node b", "another one than that of node a"], bench.node())
+    shutil.copy(PROGRAM, program)
+
+    cell = bench.folder / "b/cell.toml"
+    cell.write_text(bench.cell() + "# other words\n")
+    refused(bench, "another cell", ["node b", "its cell.toml is another one"], bench.node())
+    cell.write_text(bench.cell())
+
+    bench.certify("others")
+    own = bench.folder / "b/certificates"
+    own.rename(bench.folder / "b/own")
+    shutil.copytree(bench.folder / "others/b", own)
+    refused(bench, "another authority", ["is not node b of this cell", "certificates"], bench.node())
+    shutil.rmtree(own)
+    (bench.folder / "b/own").rename(own)
+
+
+def joins_twice(bench):
+    """A second node b, and a second launcher of node a, while the cell runs: both are refused, and the cell goes on."""
+    for name in "ab":
+        shutil.copytree(bench.folder / name, bench.folder / f"{name}2")
+    settings = {"MRROC_LOOSE": "4"}
+    node = bench.node(**settings)
+    try:
+        cell = bench.run(**settings)
+        begins(bench, cell)
+        status, words = ended(bench.start("b", "node", "b", home="b2", **settings))
+        has(status == 2 and "node b cannot wait at" in words, f"a second node b ended with {status}: {words}")
+        print(f"second node b: refused: {words.splitlines()[0].removeprefix('error: ')[:120]}")
+        trace = bench.folder / "second"
+        trace.mkdir()
+        status, words = ended(bench.start("a", "--processes", home="a2", MRROC_TRACE=str(trace), **settings))
+        if cell.poll() is not None and status != 2:
+            raise Late(f"the first cell had ended: {cell.log.read_text()}")
+        has(status == 2 and "it has processes of another run" in words, f"a second launcher ended with {status}: {words}")
+        has(not list(trace.iterdir()), "the second cell has robots that run")
+        print(f"second launcher: refused: {words.splitlines()[0].removeprefix('error: ')}")
+        status, words = ended(cell)
+        if status != 0 and any(late in words for late in LATE):
+            raise Late(words)
+        has(status == 0, f"the first cell was disturbed: {words}")
+        nothing_left(bench)
+    finally:
+        end(node)
+
+
+def node_killed(bench):
+    """The agent is killed in mid-motion: its robots brake, nothing of it is left, and the cell stops and says so."""
+    settings = {"MRROC_LOOSE": "6"}
+    node = bench.node(**settings)
+    try:
+        cell = bench.run(**settings)
+        begins(bench, cell)
+        time.sleep(1.0)
+        # Where it is in a namespace, the program is a child of what entered it; the same process, since both are one `exec`.
+        node.kill()
+        node.wait()
+        status, words = ended(cell)
+        has(status == 1 and ("node b is lost" in words or "polycrank" in words), f"it ended with {status}: {words}")
+        nothing_left(bench)
+        rest = {robot: moved(bench.trace(robot)) for robot in JOINTS}
+        has(abs(rest["rnt"] - rest["polycrank"]) < 0.02 + STEP + STOP + 0.25, f"an arm goes on: {rest}")
+        print(f"agent killed: nothing left, the arms stand {abs(rest['rnt'] - rest['polycrank']) * 1e3:.0f} ms apart")
+    finally:
+        end(node)
+
+
+PARTS = [strangers, joins_twice, node_killed, cable_pulled, bad_wire, reaches_its_end]
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", choices=[part.__name__ for part in PARTS])
+    options = parser.parse_args()
+    begin_in_namespace()
+    bench = Bench(options.seed)
+    print(f"nodes: {'two namespaces' if bench.wire else 'loopback'}, seed {options.seed}")
+    try:
+        for part in PARTS:
+            if options.only in (None, part.__name__):
+                part(bench)
+    except Late as late:
+        print(f"nodes: late: {late}")
+        sys.exit(75)
+    except Shortfall as shortfall:
+        sys.exit(f"nodes: {shortfall}")
+    finally:
+        bench.close()
+
+
+if __name__ == "__main__":
+    main()
