@@ -334,11 +334,7 @@ impl<R: Robot> Wire for Demand<R> {
             3 => Coordinates::Displacement(Pose::get(body)?),
             _ => return Err(BadWords),
         };
-        let mut demand = Demand::of(coordinates);
-        if head & MORE != 0 {
-            demand.get_choices(head, words)?;
-        }
-        Ok(demand)
+        if head & MORE == 0 { Ok(Demand::of(coordinates)) } else { Self::get_choices(coordinates, head, words) }
     }
 }
 
@@ -384,21 +380,22 @@ impl<R: Robot> Demand<R> {
     }
 
     #[cold]
-    fn get_choices(&mut self, head: u64, words: &[u64]) -> Result<(), BadWords> {
+    fn get_choices(coordinates: Coordinates<R>, head: u64, words: &[u64]) -> Result<Self, BadWords> {
         let part = |from: usize, to: usize| words.get(from..to).ok_or(BadWords);
+        let mut demand = Demand::of(coordinates);
         if head & (TOOL | REDUNDANCY | REGULATORS) != 0 {
             let choices = part(1 + MAX_JOINTS, CHOSEN)?;
-            self.tool = if head & TOOL == 0 { None } else { Some(Pose::get(choices)?) };
-            self.redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(choices[7]));
-            self.regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(choices[8]));
+            demand.tool = if head & TOOL == 0 { None } else { Some(Pose::get(choices)?) };
+            demand.redundancy = (head & REDUNDANCY != 0).then(|| f64::from_bits(choices[7]));
+            demand.regulators = (head & REGULATORS != 0).then(|| Regulators::from_word(choices[8]));
         }
         if head & OUTPUTS != 0 {
-            self.outputs = Outputs::get(part(CHOSEN, SWITCHED)?)?;
+            demand.outputs = Outputs::get(part(CHOSEN, SWITCHED)?)?;
         }
         if head & LOAD != 0 {
-            self.load = Some(Load::get(part(SWITCHED, LOADED)?)?.into());
+            demand.load = Some(Load::get(part(SWITCHED, LOADED)?)?.into());
         }
-        Ok(())
+        Ok(demand)
     }
 }
 

@@ -4,6 +4,7 @@
 //! Path time that does not pass holds the robot, whatever the generator returns; END makes a generator with a path
 //! of its own slow down on it.
 
+use crate::control::overruns::periods_in;
 use crate::link::Sample;
 use crate::link::message::{RequestKind, flag};
 use crate::model::demand::Demand;
@@ -199,7 +200,7 @@ impl<R: Robot> Ecp<'_, R> {
             return Ok(());
         }
         self.host.meter.sample(Sample::Worked(own_time));
-        self.overruns.note(own_time / self.pace.period.max(1)).map_err(|fault| self.fail(fault))
+        self.overruns.note(periods_in(own_time, self.pace.period)).map_err(|fault| self.fail(fault))
     }
 
     /// One step of eq. 6: order the readings, send the demand, collect the reply and the readings.

@@ -50,6 +50,7 @@ pub(super) struct Checks<R> {
 impl<R: Robot> Checks<R> {
     /// The velocity of a step to a position, within all limits. `held` is the velocity that is held when the demands after it
     /// are lost; `None`: the step's own.
+    #[inline]
     pub fn velocity_to(
         &self,
         position: &R::Joints,
@@ -131,6 +132,7 @@ impl<R: Robot> Checks<R> {
     }
 
     /// A state against the limits.
+    #[inline]
     pub fn check(
         &self,
         next: &Proposed<'_, R::Joints>,
@@ -143,6 +145,7 @@ impl<R: Robot> Checks<R> {
     }
 
     /// The same, limit by limit and with an allowance for round-off.
+    #[inline(never)]
     pub fn look_closer(
         &self,
         next: &Proposed<'_, R::Joints>,
