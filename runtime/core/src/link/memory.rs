@@ -8,7 +8,7 @@
 //! MP, lets time pass itself as well.
 //!
 //! A process that only serves ([`Waiter::serve`]), as an EDP does, is not resumed for each of its turns: whoever waits takes
-//! them on its own stack, and the one that asks takes that of the one that it asks at once.
+//! them on its own stack, and who asks it has the answer at once.
 
 use crate::link::Host;
 use core::any::Any;
@@ -26,7 +26,7 @@ use super::overflow::{self, Guard};
 use super::places::{MAX_PROCESSES, PlaceCells, Places};
 use super::{Board, Body, Client, Closed, Link, Nanos, Server, Waiter};
 use crate::link::message::Message;
-use crate::model::fault::ProcessId;
+use crate::model::fault::{ProcessId, Role};
 
 /// Stack of a process \[bytes\]; pages are used only when touched, and a guard page ends the stack ([`overflow`]).
 const STACK: usize = 1 << 20;
@@ -74,18 +74,21 @@ impl Seat {
 /// Every message wakes the process.
 const ANY: usize = usize::MAX;
 
+/// No reply does.
+const NONE: usize = usize::MAX - 1;
+
 /// The state that scheduler, waiters and ports share.
 struct Shared {
     now: Cell<Nanos>,
     /// The processes that have something to do.
     ready: PlaceCells,
+    /// The virtual sensors.
+    sensors: PlaceCells,
     /// The processes, by their places, and how many places are taken.
     seats: Box<[Seat]>,
     taken: Cell<usize>,
     /// When the processes wake at the latest: together, because all of them are looked at whenever time goes on.
     deadlines: Box<[Cell<Nanos>]>,
-    /// The servers' places, by the numbers of their ports.
-    servers: RefCell<Vec<usize>>,
     /// The process that the scheduler has resumed: all others run on the stack of one that waits.
     lowest: Cell<usize>,
     closing: Cell<bool>,
@@ -99,10 +102,10 @@ impl Shared {
         Shared {
             now: Cell::new(0),
             ready: PlaceCells::default(),
+            sensors: PlaceCells::default(),
             seats: (0..MAX_PROCESSES).map(|_| Seat::empty()).collect(),
             taken: Cell::new(0),
             deadlines: vec![Cell::new(NEVER); MAX_PROCESSES].into(),
-            servers: RefCell::default(),
             lowest: Cell::new(MAX_PROCESSES),
             closing: Cell::new(false),
             pulse: OnceCell::new(),
@@ -218,15 +221,19 @@ impl Shared {
         false
     }
 
-    /// Takes the turn of the process that has just been asked, if it serves and nothing keeps it from that.
+    /// A request has come at a port. A server that serves takes its turn at once, unless a virtual sensor is to work: its
+    /// reading is there first, as if all had waited for their turns. Others are woken.
     #[inline]
-    fn take_turn_of(&self, server: usize) {
-        if self.ready.has(server)
-            && let Some(turn) = self.seats[server].turn.get()
-        {
-            self.ready.remove(server);
-            self.take_turn(server, turn);
-        }
+    fn ask(&self, port: &Port) {
+        let is_free = !self.closing.get() && !self.ready.meets(&self.sensors);
+        let turn = self.seats[port.server].turn.get().filter(|_| is_free);
+        let Some(turn) = turn else { return self.wake(port.server) };
+        // The client finds the reply when it goes on from here: it need not be woken for it.
+        let client = &self.seats[port.client];
+        let reply = client.reply.replace(NONE);
+        self.take_turn(port.server, turn);
+        client.reply.set(reply);
+        self.show(port.client);
     }
 
     /// Moves the clock to the earliest deadline, if there is one.
@@ -258,6 +265,8 @@ pub struct Pulse {
 /// All processes of a cell.
 pub struct Scheduler {
     shared: Rc<Shared>,
+    /// How many ports there are.
+    ports: usize,
     /// The processes' names, by their places.
     names: Vec<String>,
 }
@@ -282,7 +291,7 @@ impl Default for Scheduler {
 impl Scheduler {
     /// No process, at time 0.
     pub fn new() -> Scheduler {
-        Scheduler { shared: Rc::new(Shared::new()), names: Vec::new() }
+        Scheduler { shared: Rc::new(Shared::new()), ports: 0, names: Vec::new() }
     }
 
     /// Shows which process runs.
@@ -368,16 +377,18 @@ impl Drop for Scheduler {
 impl Link for Scheduler {
     fn place(&mut self, process: ProcessId) -> usize {
         assert!(self.names.len() < MAX_PROCESSES, "a cell has at most {MAX_PROCESSES} processes");
+        if process.role == Role::Vsp {
+            self.shared.sensors.insert(self.names.len());
+        }
         self.names.push(process.to_string());
         self.shared.taken.set(self.names.len());
         self.names.len() - 1
     }
 
     fn port(&mut self, client: usize, server: usize) -> (Box<dyn Client>, Box<dyn Server>) {
-        let mut servers = self.shared.servers.borrow_mut();
-        servers.push(server);
+        self.ports += 1;
         let port = Rc::new(Port {
-            number: servers.len() - 1,
+            number: self.ports,
             request: Slot::empty(),
             server,
             reply: Slot::empty(),
@@ -465,12 +476,7 @@ impl Waiter for MemoryWaiter<'_> {
     }
 
     fn wait_for_reply(&self, client: &dyn Client, deadline: Option<Nanos>) -> Result<(), Closed> {
-        let port = client.port();
-        let server = port.and_then(|port| self.shared.servers.borrow().get(port).copied());
-        if let Some(server) = server {
-            self.shared.take_turn_of(server);
-        }
-        self.suspend(deadline, port.unwrap_or(ANY))
+        self.suspend(deadline, client.port().unwrap_or(ANY))
     }
 
     fn serve(&self, first: Nanos, turn: &mut dyn FnMut() -> Nanos) {
@@ -553,7 +559,7 @@ impl Client for MemoryClient {
         let port = &*self.0;
         port.reply.full.set(false);
         port.request.put(request);
-        port.shared.wake(port.server);
+        port.shared.ask(port);
     }
 
     fn port(&self) -> Option<usize> {

@@ -91,10 +91,10 @@ impl PlaceCells {
         }
     }
 
-    /// Whether a place is in the set.
+    /// Whether a place is in both sets.
     #[inline]
-    pub fn has(&self, place: usize) -> bool {
-        self.0.get(place / 64).is_some_and(|word| word.get() >> (place % 64) & 1 != 0)
+    pub fn meets(&self, other: &PlaceCells) -> bool {
+        self.0.iter().zip(&other.0).any(|(a, b)| a.get() & b.get() != 0)
     }
 
     /// The lowest place of the set.

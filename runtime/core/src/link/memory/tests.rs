@@ -1,7 +1,6 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::*;
-use crate::model::fault::Role;
 use crate::model::name::Name;
 
 type Log = Rc<RefCell<Vec<&'static str>>>;
