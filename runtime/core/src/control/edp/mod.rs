@@ -80,8 +80,6 @@ pub(crate) struct Edp<'w, R: Robot> {
     signals: SignalPort,
     clock: ServoClock,
     shown: Shown<R>,
-    /// Length of a step.
-    period: Duration,
     /// Steps within which the robot must stand after a stop began.
     stop_steps: u64,
     /// What it replays.
@@ -104,7 +102,6 @@ impl<'w, R: Robot> Edp<'w, R> {
             signals: SignalPort::new(config.declared, period, config.delay),
             clock,
             shown: Shown { observers: config.observers, witnesses: config.witnesses, states: config.states },
-            period,
             stop_steps: config.stop_steps,
             replayed: config.replayed,
             is_held_back: false,

@@ -151,7 +151,7 @@ impl<R: Robot> Edp<'_, R> {
         let acceptor = &self.path.acceptor;
         let header = &mut self.answers.reply.header;
         header.headroom = RateHeadroom { most: self.servo.speed_scaling(), ..acceptor.headroom() };
-        header.law = acceptor.braking_law(self.period.as_secs_f64());
+        header.law = acceptor.braking_law(self.path.seconds);
         if self.answers.request.is(flag::WANT_STATE) {
             header.flags |= flag::STATE;
             let (joints, velocity) = acceptor.demanded();

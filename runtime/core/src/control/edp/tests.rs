@@ -8,8 +8,8 @@ use std::rc::Rc;
 use nalgebra::Vector1;
 
 use super::*;
-use crate::link::{Closed, Waiter};
 use crate::link::message::{Kind, Message, OrderKind, RequestKind, flag};
+use crate::link::{Closed, Waiter};
 use crate::model::demand::Demand;
 use crate::model::fault::Role;
 use crate::model::name::Name;
