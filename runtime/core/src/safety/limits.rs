@@ -315,12 +315,7 @@ impl<R: Robot> Acceptor<R> {
     /// # Errors
     /// The first limit that it breaks; nothing is changed then.
     #[inline]
-    fn follow(
-        &mut self,
-        demand: &R::Joints,
-        tool: &Pose,
-        duration: f64,
-    ) -> Result<AcceptedDemand<R>, Fault> {
+    fn follow(&mut self, demand: &R::Joints, tool: &Pose, duration: f64) -> Result<AcceptedDemand<R>, Fault> {
         let (of_path, span) = self.track.mean_to(demand, duration);
         let velocity = self.velocity_to(demand, Some(&of_path), duration)?;
         self.check_tool(tool, demand, duration)?;
